@@ -1,0 +1,39 @@
+"""Compile the benchmarks' C by the project's own toolchain and cache.
+
+The floor is plain ``-O3``: no flag that gives up ``errno``, no instruction beyond the platform's
+baseline, no fast-math, no vector mathematics library.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from wmr_ctrl.codegen.compiler import Toolchain, is_zig
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+
+HERE = Path(__file__).resolve().parent
+"""Folder of the benchmarks, which also holds their C."""
+
+FLOOR_FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
+
+
+def floor_toolchain(extra: Sequence[str] = ()) -> Toolchain:
+    """Return this machine's compiler with the floor's flags, then ``extra``."""
+    found = find_toolchain()
+    flags: tuple[str, ...] = FLOOR_FLAGS if os.name == "nt" else (*FLOOR_FLAGS, "-fPIC")
+    if is_zig(found.command):  # undo its own defaults: this very processor, traps on overflow
+        flags = (*flags, "-mcpu=baseline", "-fno-sanitize=undefined")
+    return replace(found, flags=(*flags, *extra))
+
+
+def load(files: Sequence[Path], name: str, extra: Sequence[str] = ()) -> ctypes.CDLL:
+    """Compile ``files`` (C sources and headers of one folder) unless cached, and load the library.
+
+    Raises CompilerError if there is no compiler or it refuses the source.
+    """
+    sources = {file.name: file.read_bytes() for file in files}
+    return ctypes.CDLL(str(build_library(sources, floor_toolchain(extra), name=name)))

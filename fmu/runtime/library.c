@@ -1,0 +1,45 @@
+/* One translation unit for the native engine: kernels and loop together, so that the compiler
+   may inline the one into the other; only what is marked WMR_EXPORT leaves the library. */
+#if defined(_WIN32)
+#define WMR_EXPORT __declspec(dllexport)
+#else
+#define WMR_EXPORT __attribute__((visibility("default")))
+#endif
+#define WMR_KERNEL static
+
+#include "kernels.c"
+#include "noise.c"
+#include "loop.c"
+
+#include "exports.h"
+
+WMR_EXPORT int64_t wmr_run(const wmr_settings *s, wmr_loop *w, double *log)
+{
+    return wmr_loop_run(s, w, log);
+}
+
+WMR_EXPORT void wmr_start(const wmr_settings *s, wmr_loop *w)
+{
+    wmr_loop_start(s, w);
+}
+
+WMR_EXPORT void wmr_sample(const wmr_settings *s, wmr_loop *w, double *row)
+{
+    wmr_loop_sample(s, w, row);
+}
+
+/* Sizes of the structs above, for the check that both sides of the seam agree. */
+WMR_EXPORT int64_t wmr_size_of_settings(void)
+{
+    return (int64_t)sizeof(wmr_settings);
+}
+
+WMR_EXPORT int64_t wmr_size_of_loop(void)
+{
+    return (int64_t)sizeof(wmr_loop);
+}
+
+WMR_EXPORT void wmr_noise_block(const uint64_t *counter, const uint64_t *key, uint64_t *out)
+{
+    wmr_philox(counter, key, out);
+}

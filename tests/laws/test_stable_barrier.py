@@ -1,0 +1,172 @@
+"""The stable barrier forms against their definition at 50 digits."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import casadi as ca
+import mpmath as mp
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmr_ctrl.laws import barrier
+from wmr_ctrl.laws.stable_barrier import stable_barrier, stable_minimiser
+
+LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
+
+
+def _function() -> ca.Function:
+    c, v, u1, u2 = (ca.SX.sym(name) for name in ("c", "v", "u1", "u2"))
+    found = stable_barrier(c, v, u1, u2)
+    return ca.Function("barrier", [c, v, u1, u2], [found.V1_over_A, found.q, found.v_c1, found.V1])
+
+
+def _slopes() -> ca.Function:
+    c, v, u1, u2 = (ca.SX.sym(name) for name in ("c", "v", "u1", "u2"))
+    found = stable_barrier(c, v, u1, u2)
+    pair = ca.vertcat(found.V1_over_A, found.q)
+    return ca.Function("slopes", [c, v, u1, u2], [ca.jacobian(pair, ca.vertcat(c, v))])
+
+
+STABLE, SLOPES = _function(), _slopes()
+
+
+def exact(c: float, v: float, u1: float, u2: float) -> tuple[mp.mpf, mp.mpf, mp.mpf, mp.mpf]:
+    """(V1/A, q, v_c1, V1) from Eqs. (10)-(20) as printed, with their limits at v = v_c1."""
+    c, v, u1, u2 = map(mp.mpf, (c, v, u1, u2))
+    s = 1 if c >= 0 else -1
+    c, v = s * c, s * v
+    delta = u1 - u2
+    x = c if c <= u2 else u2 if c <= u2 + 1 / delta else (c + u1 - mp.sqrt((c - u1) ** 2 + 4)) / 2
+
+    def f(speed: mp.mpf) -> mp.mpf:
+        return -mp.log((u1 - abs(speed)) / delta) if abs(speed) > u2 else mp.mpf(0)
+
+    value = (v - c) ** 2 / 2 + f(v) - (x - c) ** 2 / 2 - f(x)
+    a = v - c + (mp.sign(v) / (u1 - abs(v)) if abs(v) > u2 else 0)
+    if v == x:
+        q = 1 if c <= u2 else 0 if c <= u2 + 1 / delta else 1 / (1 + 1 / (u1 - x) ** 2)
+        return mp.mpf(0), mp.mpf(q), s * x, mp.mpf(0)
+    return s * value / a, (v - x) / a, s * x, value
+
+
+def close(found: float, wanted: mp.mpf) -> bool:
+    """Right to 1e-12 relative or 1e-15 absolute."""
+    error = abs(mp.mpf(found) - wanted)
+    return bool(error <= mp.mpf("1e-15") or error <= mp.mpf("1e-12") * abs(wanted))
+
+
+def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
+    """(c, v) over all regions, both signs, both sides of every boundary down to one ulp."""
+    draw = random.Random(f"{u1} {u2}")
+    edge = u2 + 1 / (u1 - u2)
+
+    def near(value: float) -> float:
+        return value + draw.choice((-1, 0, 1)) * 10 ** draw.uniform(-17, -1)
+
+    found = []
+    while len(found) < count:
+        c = draw.choice((
+            draw.uniform(0, u2), draw.uniform(u2, edge), draw.uniform(edge, 4 * edge), 10 ** draw.uniform(-3, 6),
+            near(u2), near(edge), 0.0, u2, edge, math.nextafter(edge, 0), math.nextafter(edge, 1e9), math.nextafter(u2, 9),
+        ))
+        target = float(exact(c, 0, u1, u2)[2])
+        v = draw.choice((
+            draw.uniform(-u1, u1), near(target), target, near(u2), near(-u2), math.nextafter(u2, 9), 0.0,
+            u1 - 1e-6, 1e-6 - u1, draw.choice((-1, 1)) * (u1 - 10 ** draw.uniform(-6, -1)),
+        ))
+        if abs(v) <= u1 - 1e-6:
+            found.append(draw.choice(((c, v), (-c, -v))))
+    return found
+
+
+@pytest.mark.parametrize(("u1", "u2"), LIMITS)
+def test_stable_forms_are_right_to_50_digits(u1: float, u2: float) -> None:
+    with mp.workdps(50):
+        for c, v in points(u1, u2, 2500):
+            wanted = exact(c, v, u1, u2)
+
+            found = [float(number) for number in STABLE(c, v, u1, u2)]
+
+            assert all(map(close, found, wanted)), (c, v, found, wanted)
+
+
+@pytest.mark.parametrize(("u1", "u2"), LIMITS[:2])
+def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
+    """Away from kinks and region boundaries, to 1e-9 of a difference quotient at 50 digits."""
+    edge, step = u2 + 1 / (u1 - u2), mp.mpf("1e-20")
+    with mp.workdps(60):
+        for c, v in points(u1, u2, 600):
+            corners = (abs(abs(v) - u2), abs(abs(c) - u2), abs(abs(c) - edge), abs(c), abs(v - float(exact(c, v, u1, u2)[2])))
+            slopes = SLOPES(c, v, u1, u2).full()
+            assert math.isfinite(abs(slopes).sum()), (c, v, slopes)
+            if min(corners) < 1e-4:
+                continue
+            for column, (dc, dv) in enumerate(((step, 0), (0, step))):
+                right, left = (exact(c + k * dc, v + k * dv, u1, u2)[:2] for k in (1, -1))
+                wanted = [(a - b) / (2 * step) for a, b in zip(right, left, strict=True)]
+                for found, target in zip(slopes[:, column], wanted, strict=True):
+                    assert abs(found - target) <= 1e-9 * max(1, abs(target)), (c, v, column, found, target)
+
+
+inside = st.floats(-0.999999, 0.999999)
+target = st.floats(-1e6, 1e6)
+
+
+@given(target, inside)
+@settings(max_examples=300, deadline=None)
+def test_barrier_is_odd(c: float, v: float) -> None:
+    plus, minus = STABLE(c, v, 1.0, 0.8), STABLE(-c, -v, 1.0, 0.8)
+
+    assert float(plus[0]) == -float(minus[0])
+    assert (float(plus[1]), float(plus[3])) == (float(minus[1]), float(minus[3]))
+
+
+@given(target, inside)
+@settings(max_examples=300, deadline=None)
+def test_structure_facts(c: float, v: float) -> None:
+    """V1 >= w^2/2 (Eq. (81)), q in [0, 1], V1/A between 0 and w: the command stays bounded."""
+    quotient, q, x, value = (float(item) for item in STABLE(c, v, 1.0, 0.8))
+    w = v - x
+
+    assert abs(x) < 1.0
+    assert 0.0 <= q <= 1.0
+    assert value >= 0.5 * w * w * (1 - 1e-12) - 1e-15
+    assert min(0.0, w) - 1e-15 <= quotient <= max(0.0, w) + 1e-15
+
+
+@given(target, target)
+@settings(max_examples=300, deadline=None)
+def test_minimiser_is_monotone_and_nonexpansive(a: float, b: float) -> None:
+    c, u1, u2 = ca.SX.sym("c"), 1.0, 0.8
+    minimiser = ca.Function("x", [c], [stable_minimiser(c, ca.SX(u1), ca.SX(u2))])
+    low, high = sorted((a, b))
+
+    rise = float(minimiser(high)) - float(minimiser(low))
+
+    assert -1e-15 <= rise <= (high - low) * (1 + 1e-12) + 1e-15
+
+
+@pytest.mark.parametrize("c", [1e200, -1e308, 5e-324, -0.0, math.inf, -math.inf])
+@pytest.mark.parametrize("v", [0.0, -0.0, 5e-324, 0.999999, -0.999999, 0.8, -0.8])
+def test_hostile_values_give_no_nan(c: float, v: float) -> None:
+    found = [float(item) for item in STABLE(c, v, 1.0, 0.8)]
+
+    assert not any(map(math.isnan, found)), found
+    assert 0.0 <= found[1] <= 1.0
+
+
+def test_definition_and_stable_form_are_the_same_function() -> None:
+    """Where the printed formulas are well conditioned, both agree."""
+    c, v = ca.SX.sym("c"), ca.SX.sym("v")
+    u1, u2 = ca.SX(1.0), ca.SX(0.8)
+    printed = ca.Function("printed", [c, v], [barrier.minimiser(c, u1, u2), barrier.lyapunov(v, c, u1, u2)])
+    for c_value in (-9.0, -3.0, -0.4, 0.3, 0.8, 2.0, 7.17):
+        for v_value in (-0.95, -0.5, 0.0, 0.6, 0.9):
+            found = STABLE(c_value, v_value, 1.0, 0.8)
+            wanted = printed(c_value, v_value)
+
+            assert float(found[2]) == pytest.approx(float(wanted[0]), abs=1e-14)
+            assert float(found[3]) == pytest.approx(float(wanted[1]), abs=1e-12)

@@ -1,0 +1,54 @@
+"""A builder of synthetic runs: every logged column is zero unless a test says otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
+from wmr_ctrl.signals import LOG_HEAD, Signal
+
+
+def build(
+    *,
+    rows: int | None = None,
+    duration: float = 1.0,
+    control: float = 0.01,
+    split: float | None = None,
+    rms_from: float = 2.0,
+    monitor: Monitor | None = None,
+    extra: Iterable[Signal] = (),
+    labels: dict[str, Any] | None = None,
+    provenance: dict[str, str] | None = None,
+    **columns: Any,
+) -> Run:
+    """A run of ``duration`` s whose ``columns`` are given as constants or arrays, others zero."""
+    half = duration / 2 if split is None else split
+    settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from)
+    count = settings.samples if rows is None else rows
+    signals = (*LOG_HEAD, *extra)
+    log: dict[str, Any] = {
+        s.name: np.zeros((count, s.size) if s.size > 1 else count) for s in signals
+    }
+    log["t"] = control * np.arange(count)
+    for name, values in columns.items():
+        log[name] = np.broadcast_to(values, log[name].shape)
+    seen = monitor or Monitor((0.5, 0.5))
+    named = {"scenario": "toy", "law": "nn", "guard": False, "seed": 0, "engine": "native"}
+    return Run(
+        **{**named, **(labels or {})},
+        settings=settings,
+        signals=signals,
+        columns=log,
+        monitor=seen,
+        outcome=outcome_of(seen),
+        provenance=provenance or {},
+    )
+
+
+@pytest.fixture(scope="session")
+def make_run() -> Callable[..., Run]:
+    return build

@@ -1,0 +1,195 @@
+"""Atomic writing: the whole file, or what was there before, and nothing beside it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.results import Run, atomic_path, atomic_write, check_writable, save_run
+
+MakeRun = Callable[..., Run]
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def write_half(path: Path, fault: BaseException) -> None:
+    with atomic_write(path) as file:
+        file.write(b"half")
+        raise fault
+
+
+def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path: Path) -> None:
+    with atomic_write(tmp_path / "a.bin") as file:
+        file.write(b"new")
+    with atomic_write(str(tmp_path / "a.txt"), text=True) as file:
+        file.write("Größe\n")
+
+    assert contents(tmp_path) == {"a.bin": b"new", "a.txt": "Größe\n".encode()}
+
+
+def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    with atomic_write(path) as file:
+        file.write(b"new")
+        file.flush()
+        assert path.read_bytes() == b"old"
+
+    assert contents(tmp_path) == {"a.bin": b"new"}
+
+
+@pytest.mark.parametrize("fault", [ValueError("mine"), KeyboardInterrupt()])
+def test_a_fault_inside_leaves_the_old_file_and_passes_on(
+    tmp_path: Path, fault: BaseException
+) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    with pytest.raises(type(fault)):
+        write_half(path, fault)
+
+    assert contents(tmp_path) == {"a.bin": b"old"}
+
+
+@pytest.mark.parametrize(
+    ("number", "remedy"),
+    [
+        (errno.ENOSPC, "Free some space"),
+        (errno.EACCES, "you may write to"),
+        (errno.EROFS, "read-only"),
+        (errno.EIO, "another path"),
+    ],
+)
+def test_a_system_fault_becomes_one_paragraph_with_a_remedy(
+    tmp_path: Path, number: int, remedy: str
+) -> None:
+    path = tmp_path / "a.bin"
+    with pytest.raises(ResultFileError, match=remedy) as caught:
+        write_half(path, OSError(number, os.strerror(number)))
+
+    assert os.strerror(number) in str(caught.value)
+    assert "a.bin" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert contents(tmp_path) == {}
+
+
+def test_a_failing_last_step_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make_run: MakeRun
+) -> None:
+    def denied(*_: object) -> None:
+        raise PermissionError(errno.EACCES, "denied")
+
+    monkeypatch.setattr(os, "replace", denied)
+    with pytest.raises(ResultFileError, match="may write to"):
+        save_run(make_run(), tmp_path / "run.npz")
+
+    assert contents(tmp_path) == {}
+
+
+FILL = """
+import resource, sys
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.results import atomic_write
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    with atomic_write(sys.argv[1]) as file:
+        file.write(bytes(int(sys.argv[2])))
+except ResultFileError as error:
+    sys.exit(f"refused: {error}")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on file sizes to set")
+@pytest.mark.parametrize(("size", "kept"), [(500, True), (2000, False)])
+def test_a_file_that_the_system_cuts_short_is_not_left_behind(
+    tmp_path: Path, size: int, kept: bool
+) -> None:
+    command = [sys.executable, "-B", "-c", FILL, str(tmp_path / "a.bin"), str(size)]
+    paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    done = subprocess.run(
+        command, env={**os.environ, **paths}, capture_output=True, text=True, check=False
+    )
+
+    assert ("refused: cannot write" in done.stderr) != kept, done.stderr
+    assert contents(tmp_path) == ({"a.bin": bytes(500)} if kept else {})
+
+
+def test_a_writer_that_wants_a_path_gets_one_of_the_same_suffix(tmp_path: Path) -> None:
+    with atomic_path(tmp_path / "film.gif") as scratch:
+        assert (scratch.parent, scratch.suffix) == (tmp_path, ".gif")
+        scratch.write_bytes(b"gif")
+    with pytest.raises(ResultFileError, match="No such file"), atomic_path(tmp_path / "b.gif"):
+        pass
+
+    assert contents(tmp_path) == {"film.gif": b"gif"}
+
+
+@pytest.mark.parametrize("name", ["", "none/a.bin", "file/a.bin", "a\0b", "n" * 300 + ".bin"])
+def test_places_that_cannot_be_written_are_refused_beforehand(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    path = f"{tmp_path}/{name}"
+    with pytest.raises(ResultFileError, match="cannot write") as caught, atomic_write(path):
+        pytest.fail("the file was opened")
+    with pytest.raises(ResultFileError):
+        check_writable(path)
+
+    assert "\n" not in str(caught.value)
+    assert contents(tmp_path) == {"file": b""}
+
+
+def test_a_missing_folder_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ResultFileError, match=r"folder '.*none' does not exist.*Create"):
+        check_writable(tmp_path / "none" / "a.bin")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/null"), reason="no device to try it on")
+def test_a_device_is_never_replaced_by_a_file() -> None:
+    with pytest.raises(ResultFileError, match="not a regular file"), atomic_write("/dev/null"):
+        pytest.fail("the device was opened")
+
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_a_write_protected_place_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    protected = path if kind == "file" else tmp_path
+    # The superuser may write everywhere, so the system's answer is played.
+    monkeypatch.setattr(os, "access", lambda place, _: Path(place) != protected)
+    with pytest.raises(ResultFileError, match=r"allow|may write"), atomic_write(path):
+        pytest.fail("the file was opened")
+
+    assert contents(tmp_path) == {"a.bin": b"old"}
+
+
+def test_a_link_is_written_through(tmp_path: Path) -> None:
+    folder = tmp_path / "real"
+    folder.mkdir()
+    link = tmp_path / "link.bin"
+    link.symlink_to(folder / "a.bin")
+    with atomic_write(link) as file:
+        file.write(b"new")
+
+    assert link.is_symlink()
+    assert contents(folder) == {"a.bin": b"new"}
+
+
+def test_the_file_has_the_permissions_of_any_new_file(tmp_path: Path) -> None:
+    (tmp_path / "plain").write_bytes(b"")
+    with atomic_write(tmp_path / "atomic") as file:
+        file.write(b"")
+
+    modes = {path.stat().st_mode for path in tmp_path.iterdir()}
+    assert len(modes) == 1

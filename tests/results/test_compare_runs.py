@@ -1,0 +1,215 @@
+"""Comparison of runs: how far, where, and on what they share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results import ColumnDifference, Comparison, Monitor, Run, compare
+from wmr_ctrl.signals import Signal
+
+MakeRun = Callable[..., Run]
+STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
+WEIGHTS = (Signal("W_norm", "1", "norm of the weights", 2),)
+
+
+def column(comparison: Comparison, name: str) -> ColumnDifference:
+    return next(found for found in comparison.columns if found.name == name)
+
+
+def spiked(row: int, height: float) -> np.ndarray:
+    """A ramp from 0 to 99 with one row moved."""
+    ramp = np.arange(100.0)
+    ramp[row] += height
+    return ramp
+
+
+def test_a_run_equals_itself_even_where_it_is_not_finite(make_run: MakeRun) -> None:
+    odd = np.array([math.nan, math.inf, -math.inf, 1.0] * 25)
+    comparison = compare(make_run(x=odd), make_run(x=odd), tolerance=0.0)
+
+    assert comparison.verdict == "equal"
+    assert {found.largest for found in comparison.columns} == {0.0}
+    assert (comparison.facts, comparison.notes, comparison.rows) == ((), (), 100)
+    assert [found.name for found in comparison.columns] == [
+        signal.name for signal in make_run().elements
+    ]
+
+
+@given(row=st.integers(0, 99), height=st.floats(1e-3, 1e3), sign=st.sampled_from([-1, 1]))
+def test_one_moved_value_is_found_with_its_time_and_size(
+    make_run: MakeRun, row: int, height: float, sign: int
+) -> None:
+    plain, moved = make_run(x=spiked(row, 0.0)), make_run(x=spiked(row, sign * height))
+    there, back = (column(compare(*pair), "x") for pair in ((plain, moved), (moved, plain)))
+    values = np.concatenate([plain["x"], moved["x"]])
+
+    assert there == back
+    assert there.unit == "m"
+    assert there.largest == pytest.approx(height)
+    assert there.time == pytest.approx(row * 0.01)
+    assert there.relative == pytest.approx(height / np.ptp(values))
+    assert compare(plain, moved).verdict == "differ"
+
+
+def test_the_element_of_a_vector_is_named_with_its_unit(make_run: MakeRun) -> None:
+    comparison = compare(make_run(), make_run(v_c0=[0.0, 2.0]))
+
+    assert [found.name for found in comparison.columns if found.largest > 0] == ["v_c0[2]"]
+    assert column(comparison, "v_c0[2]").unit == "rad/s"
+
+
+@given(factor=st.floats(1e-6, 1e6))
+def test_the_relative_difference_does_not_depend_on_the_unit(
+    make_run: MakeRun, factor: float
+) -> None:
+    pair = (make_run(x=factor * spiked(3, 0.0)), make_run(x=factor * spiked(3, 1.0)))
+
+    assert column(compare(*pair), "x").relative == pytest.approx(1 / 99)
+
+
+@pytest.mark.parametrize(
+    ("height", "tolerance", "verdict"),
+    [
+        (1e-10, 1e-9, "agree"),
+        (5e-8, 1e-9, "agree"),  # 99 m of range: a relative difference of 5e-10
+        (2e-7, 1e-9, "differ"),
+        (2e-7, 1e-6, "agree"),
+        (1e-10, 0.0, "differ"),
+        (0.0, 0.0, "equal"),
+    ],
+)
+def test_the_tolerance_decides(
+    make_run: MakeRun, height: float, tolerance: float, verdict: str
+) -> None:
+    pair = (make_run(x=spiked(50, 0.0)), make_run(x=spiked(50, height)))
+
+    assert compare(*pair, tolerance=tolerance).verdict == verdict
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("other", [0.0, math.nan, math.inf, -math.inf])
+def test_a_value_that_is_finite_in_one_run_only_is_infinitely_far(
+    make_run: MakeRun, value: float, other: float
+) -> None:
+    a, b = spiked(50, 0.0), spiked(50, 0.0)
+    a[7], b[7] = value, other
+    found = column(compare(make_run(x=a), make_run(x=b)), "x")
+    same = value == other or (math.isnan(value) and math.isnan(other))
+
+    assert (found.largest, found.relative) == ((0.0, 0.0) if same else (math.inf, math.inf))
+    assert found.time == (0.0 if same else pytest.approx(0.07))
+
+
+def test_huge_values_do_not_pass_as_near(make_run: MakeRun) -> None:
+    pair = (make_run(x=spiked(0, 1.5e308)), make_run(x=spiked(0, -1.5e308)))
+
+    assert compare(*pair).verdict == "differ"
+
+
+@pytest.mark.parametrize("tolerance", [-1e-9, math.nan])
+def test_an_impossible_tolerance_is_refused(make_run: MakeRun, tolerance: float) -> None:
+    with pytest.raises(ArgumentError, match="tolerance"):
+        compare(make_run(), make_run(), tolerance)
+
+
+def test_runs_of_different_length_are_compared_on_the_shared_samples(make_run: MakeRun) -> None:
+    late = np.where(np.arange(100) < 60, 0.0, 1.0)
+    comparison = compare(make_run(x=late), make_run(rows=60, monitor=STOPPED))
+
+    assert (comparison.verdict, comparison.rows) == ("equal", 60)
+    assert comparison.notes == (
+        "The first run has 100 samples and the second 60; they share 60, and only these are "
+        "compared.",
+    )
+    assert {"outcome", "monitor.stopped", "monitor.max_abs_v"} <= {
+        fact.name for fact in comparison.facts
+    }
+
+
+def test_runs_of_different_clocks_are_compared_where_their_samples_meet(make_run: MakeRun) -> None:
+    fine = make_run(x=np.arange(100) * 0.01)
+    coarse = make_run(control=0.03, duration=0.9, x=np.arange(30) * 0.03)
+    comparison = compare(fine, coarse)
+
+    assert (comparison.rows, comparison.verdict) == (30, "agree")
+    assert "settings.control" in {fact.name for fact in comparison.facts}
+    assert column(compare(coarse, make_run()), "x").time == pytest.approx(0.87)
+
+
+def test_different_laws_are_compared_on_the_columns_that_both_have(make_run: MakeRun) -> None:
+    network = make_run(extra=WEIGHTS, W_norm=5.0)
+    sliding = make_run(labels={"law": "smc"}, extra=(Signal("m_hat", "kg", "mass", 2),))
+    comparison = compare(network, sliding)
+
+    assert comparison.verdict == "equal"
+    assert comparison.notes == (
+        "Only the first run logs W_norm[1], W_norm[2].",
+        "Only the second run logs m_hat[1], m_hat[2].",
+    )
+    assert [(fact.name, fact.in_a, fact.in_b) for fact in comparison.facts] == [
+        ("law", "nn", "smc")
+    ]
+
+
+def test_differing_settings_and_provenance_are_listed(make_run: MakeRun) -> None:
+    run_a = make_run(provenance={"version": "1", "compiler": "cc"}, split=0.2)
+    run_b = make_run(provenance={"version": "2"}, split=0.3, labels={"seed": 7, "guard": True})
+    facts = {fact.name: (fact.in_a, fact.in_b) for fact in compare(run_a, run_b).facts}
+
+    assert facts == {
+        "seed": ("0", "7"),
+        "guard": ("False", "True"),
+        "settings.split": ("0.2", "0.3"),
+        "provenance.version": ("1", "2"),
+        "provenance.compiler": ("cc", "(absent)"),
+    }
+
+
+def test_rounding_in_the_monitor_is_no_difference(make_run: MakeRun) -> None:
+    pair = (make_run(monitor=Monitor((0.5, 0.5))), make_run(monitor=Monitor((0.5, 0.5 + 1e-13))))
+
+    assert compare(*pair).facts == ()
+    assert [fact.name for fact in compare(*pair, tolerance=0.0).facts] == ["monitor.max_abs_v"]
+
+
+def test_runs_that_end_differently_differ_however_close_they_are(make_run: MakeRun) -> None:
+    broken = make_run(monitor=Monitor((1.0001, 0.5), 1, (0.305, 1)))
+
+    assert compare(make_run(), broken).verdict == "differ"
+    assert "DIFFER in their outcome" in str(compare(make_run(), broken))
+
+
+def test_runs_without_a_shared_sample_are_neither_equal_nor_different(make_run: MakeRun) -> None:
+    at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
+    comparison = compare(make_run(), make_run(rows=0, monitor=at_once))
+
+    assert (comparison.verdict, comparison.columns) == ("nothing shared", ())
+    assert str(comparison).splitlines()[-1].startswith("NOTHING SHARED")
+
+
+def test_the_text_shows_what_differs_and_ends_with_the_verdict(make_run: MakeRun) -> None:
+    long = "scenario = 1\n" * 50
+    run_a = make_run(provenance={"scenario_toml": long}, x=spiked(50, 0.0))
+    run_b = make_run(extra=WEIGHTS, x=spiked(50, 0.25), provenance={"scenario_toml": "b"})
+    lines = str(compare(run_a, run_b)).splitlines()
+
+    assert any(line.split()[:4] == ["x", "m", "0.25", "0.5"] for line in lines)
+    assert any(line.startswith("No difference in t, y, theta") for line in lines)
+    assert any(line.startswith("provenance.scenario_toml") for line in lines)
+    assert "Only the second run logs W_norm[1], W_norm[2]." in lines
+    assert lines[-1].startswith("DIFFER by more than 1e-09: 100 shared samples")
+    assert max(map(len, lines)) <= 100
+
+
+@pytest.mark.parametrize(("height", "word"), [(0.0, "EQUAL"), (1e-12, "AGREE to 1e-09")])
+def test_the_closing_sentence_fits_the_verdict(make_run: MakeRun, height: float, word: str) -> None:
+    text = str(compare(make_run(x=spiked(1, 0.0)), make_run(x=spiked(1, height))))
+
+    assert text.splitlines()[-1].startswith(word)

@@ -1,0 +1,272 @@
+"""Figures of a run: properties that the definitions imply, then the summary's shape."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.results import (
+    Monitor,
+    Run,
+    e_rms,
+    ise,
+    ise_over,
+    summary,
+    tau_peak,
+    tau_rms,
+    window,
+)
+
+MakeRun = Callable[..., Run]
+CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])
+ERRORS = st.floats(-1e3, 1e3).filter(lambda c: c == 0 or abs(c) > 1e-3)
+STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
+
+
+# -- integral squared error ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["x", "y", "theta", "x_d", "y_d", "theta_d"])
+@given(c=ERRORS, rows=st.integers(1, 300), control=CONTROLS)
+def test_a_constant_error_integrates_to_its_square_times_the_duration(
+    make_run: MakeRun, name: str, c: float, rows: int, control: float
+) -> None:
+    run = make_run(duration=rows * control, control=control, **{name: c})
+    expected = c**2 * rows * control
+
+    assert ise(run)["total"] == pytest.approx(expected, rel=1e-12)
+    assert ise(run)["position"] == pytest.approx(
+        0.0 if name.startswith("theta") else expected, rel=1e-12
+    )
+
+
+@given(split=st.floats(0, 1), seed=st.integers(0, 100))
+def test_before_and_after_add_up_to_the_total(make_run: MakeRun, split: float, seed: int) -> None:
+    x, y, theta = np.random.default_rng(seed).normal(size=(3, 100))
+    run = make_run(x=x, y=y, theta=theta, split=split)
+    parts = [ise(run)[part] or 0.0 for part in ("before", "after")]
+
+    assert sum(parts) == pytest.approx(ise(run)["total"], rel=1e-12)
+
+
+@given(factor=st.floats(1e-3, 1e3), seed=st.integers(0, 100))
+def test_the_ise_grows_with_the_square_of_the_error(
+    make_run: MakeRun, factor: float, seed: int
+) -> None:
+    x, y, theta = np.random.default_rng(seed).normal(size=(3, 100))
+    small = ise(make_run(x=x / factor, y=y / factor, theta=theta / factor))
+    large = ise(make_run(x=x, y=y, theta=theta))
+
+    assert large == {
+        key: pytest.approx(factor**2 * (value or 0.0), rel=1e-9) for key, value in small.items()
+    }
+
+
+def test_only_the_difference_from_the_reference_counts(make_run: MakeRun) -> None:
+    wave = np.sin(np.arange(100.0))
+    still = make_run(x=wave, theta=2 * wave)
+    moved = make_run(x=wave + 3, x_d=3.0, theta=0.0, theta_d=-2 * wave, y=4.0, y_d=4.0)
+
+    assert ise(moved)["total"] == pytest.approx(ise(still)["total"], rel=1e-12)
+
+
+def test_a_full_turn_of_the_angle_is_an_error_of_two_pi(make_run: MakeRun) -> None:
+    assert ise(make_run(theta=2 * math.pi))["total"] == pytest.approx(4 * math.pi**2)
+
+
+@given(k=st.integers(1, 299), control=CONTROLS)
+def test_windows_are_half_open(make_run: MakeRun, k: int, control: float) -> None:
+    spike = np.zeros(300)
+    spike[k] = 2.0
+    run = make_run(duration=300 * control, control=control, x=spike)
+
+    assert ise_over(run, 0.0, k * control) == 0.0
+    assert ise_over(run, k * control, (k + 1) * control) == pytest.approx(4.0 * control)
+    assert ise_over(run, (k + 1) * control, 300 * control) == 0.0
+
+
+@given(
+    a=st.integers(0, 1200),
+    b=st.integers(0, 1200),
+    control=st.sampled_from([Fraction(1, 100), Fraction(1, 10), Fraction(3, 10)]),
+)
+def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(
+    make_run: MakeRun, a: int, b: int, control: Fraction
+) -> None:
+    start, end = Fraction(a, 1000), Fraction(a + b, 1000)
+    run = make_run(duration=float(300 * control), control=float(control))
+    inside = [k for k in range(300) if start <= k * control < end]
+    rows = window(run, float(start), float(end))
+
+    assert rows is not None
+    assert list(range(300))[rows] == inside
+
+
+@pytest.mark.parametrize(("start", "end"), [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
+def test_a_window_outside_the_run_has_no_figure(
+    make_run: MakeRun, start: float, end: float
+) -> None:
+    assert ise_over(make_run(), start, end) is None
+    assert e_rms(make_run(), start, end) is None
+
+
+# -- runs that ended early ----------------------------------------------------------------
+
+
+def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run: MakeRun) -> None:
+    whole = make_run(x=1.0, split=0.6)
+    early = make_run(x=1.0, split=0.6, rows=60, monitor=STOPPED)
+
+    assert ise(early) == {
+        "total": None,
+        "before": ise(whole)["before"],
+        "after": None,
+        "position": None,
+    }
+    assert ise_over(early, 0.0, 0.61) is None
+
+
+def test_rows_missing_without_a_stop_are_not_covered_either(make_run: MakeRun) -> None:
+    assert ise(make_run(x=1.0, rows=49)) == dict.fromkeys(ise(make_run()), None)
+
+
+def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run: MakeRun) -> None:
+    between = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.995, 2), "diverged")
+    run = make_run(x=1.0, monitor=between)
+
+    assert run.rows == 100
+    assert ise(run)["total"] is None
+    assert ise_over(run, 0.0, 0.99) == pytest.approx(0.99)
+
+
+def test_a_run_that_ended_at_once_has_no_figures(make_run: MakeRun) -> None:
+    at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
+    figures = summary(make_run(rows=0, monitor=at_once, rms_from=0.0))
+
+    assert set(figures["ise"].values()) | set(figures["e_rms"].values()) == {None}
+    assert (figures["tau_peak"], figures["tau_rms"]) == (None, None)
+    assert (figures["outcome"], figures["max_abs_v"]) == ("diverged", [0.0, 1000.0])
+
+
+def test_the_torque_peak_of_an_early_end_is_that_of_its_rows(make_run: MakeRun) -> None:
+    run = make_run(tau_left=-3.0, rows=60, monitor=STOPPED, rms_from=0.0)
+
+    assert tau_peak(run) == 3.0
+    assert tau_rms(run) is None
+    assert tau_rms(run, 0.0, 0.6) == pytest.approx(math.sqrt(4.5))
+
+
+# -- torques and body-frame errors --------------------------------------------------------
+
+
+@pytest.mark.parametrize("wheel", ["tau_right", "tau_left"])
+@pytest.mark.parametrize("row", [0, 57, 99])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_the_torque_peak_is_found_on_either_wheel(
+    make_run: MakeRun, wheel: str, row: int, sign: int
+) -> None:
+    torque = np.full(100, 0.5)
+    torque[row] = 7.0 * sign
+
+    assert tau_peak(make_run(**{wheel: torque})) == 7.0
+
+
+def test_noise_is_no_commanded_torque(make_run: MakeRun) -> None:
+    run = make_run(noise_right=9.0, noise_left=-9.0, rms_from=0.0)
+
+    assert (tau_peak(run), tau_rms(run)) == (0.0, 0.0)
+
+
+@given(right=ERRORS, left=ERRORS)
+def test_the_torque_rms_joins_both_wheels(make_run: MakeRun, right: float, left: float) -> None:
+    run = make_run(tau_right=right, tau_left=left, rms_from=0.0)
+
+    assert tau_rms(run) == pytest.approx(math.sqrt((right**2 + left**2) / 2), rel=1e-12)
+
+
+def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run: MakeRun) -> None:
+    torque = np.where(np.arange(100) < 30, 100.0, 2.0)
+
+    assert tau_rms(make_run(tau_right=torque, tau_left=2.0, rms_from=0.3)) == pytest.approx(2.0)
+    assert tau_rms(make_run(tau_right=torque, tau_left=2.0, rms_from=0.29)) == pytest.approx(
+        math.sqrt((100**2 + 141 * 2**2) / 142)
+    )
+    assert tau_rms(make_run(rms_from=1.0)) is None
+
+
+def test_peak_and_rms_of_a_window_see_only_that_window(make_run: MakeRun) -> None:
+    run = make_run(tau_right=np.arange(100.0))
+
+    assert tau_peak(run, 0.2, 0.5) == 49.0
+    assert tau_peak(run, 0.2) == 99.0
+    assert tau_peak(run, 0.2, 1.5) is None
+    assert tau_rms(run, 0.1, 0.11) == pytest.approx(10 / math.sqrt(2))
+
+
+@given(c=st.tuples(ERRORS, ERRORS, ERRORS))
+def test_the_rms_of_constant_errors_is_their_size(
+    make_run: MakeRun, c: tuple[float, float, float]
+) -> None:
+    assert e_rms(make_run(e=c), 0.1, 0.4) == pytest.approx(np.abs(c), rel=1e-12)
+
+
+def test_the_rms_windows_of_the_summary_are_half_open(make_run: MakeRun) -> None:
+    time = np.arange(800) / 10
+    marks = np.stack([time, np.where(time < 40, 1.0, 3.0), np.where(time >= 45, 5.0, 0.0)], axis=1)
+    figures = summary(make_run(duration=80.0, control=0.1, e=marks))["e_rms"]
+
+    assert {key: values[1:] for key, values in figures.items()} == {
+        "30-40": [1.0, 0.0],
+        "40-45": [3.0, 0.0],
+        "70-80": [3.0, 5.0],
+    }
+    squares = [t**2 for t in time if 40 <= t < 45]
+    assert figures["40-45"][0] == pytest.approx(math.sqrt(sum(squares) / 50))
+
+
+def test_a_run_too_short_for_a_window_has_none(make_run: MakeRun) -> None:
+    figures = summary(make_run(duration=44.9, control=0.1, e=2.0))["e_rms"]
+
+    assert figures == {"30-40": [2.0, 2.0, 2.0], "40-45": None, "70-80": None}
+
+
+# -- summary ------------------------------------------------------------------------------
+
+
+def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
+    hashes = {"version": "1.0", "scenario_hash": "ab", "kernel_hash": "cd"}
+    monitor = Monitor((1.2, 0.5), 4, (0.1, 1))
+    run = make_run(provenance={**hashes, "scenario_toml": "..."}, monitor=monitor)
+    figures = summary(run)
+
+    assert " ".join(figures) == (
+        "scenario law guard seed engine outcome ise max_abs_v violations tau_peak tau_rms e_rms "
+        "provenance"
+    )
+    assert list(figures["ise"]) == ["total", "before", "after", "position"]
+    assert list(figures["e_rms"]) == ["30-40", "40-45", "70-80"]
+    assert figures["provenance"] == hashes
+    assert (figures["violations"], figures["max_abs_v"]) == (4, [1.2, 0.5])
+    assert (figures["outcome"], type(figures["outcome"])) == ("limit-violated", str)
+
+
+@given(value=st.sampled_from([math.nan, math.inf, -math.inf, 1e200]))
+def test_the_summary_is_strict_json_whatever_the_numbers_are(
+    make_run: MakeRun, value: float
+) -> None:
+    lost = Monitor((math.nan, math.inf), 1, (0.0, 1), (0.5, 1), "non-finite")
+    for monitor in (lost, Monitor((0.1, 0.1))):
+        run = make_run(x=value, e=value, tau_left=value, rms_from=0.0, monitor=monitor)
+        figures = summary(run)
+
+        assert json.loads(json.dumps(figures, allow_nan=False)) == figures
+        assert figures["ise"]["total"] is None
+        assert figures["tau_peak"] == (1e200 if value == 1e200 else None)
+    assert summary(make_run(rows=50, monitor=lost))["max_abs_v"] == [None, None]

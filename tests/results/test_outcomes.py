@@ -1,0 +1,76 @@
+"""Outcomes: which one, and the sentence that goes with it."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from wmr_ctrl.results import Monitor, Outcome, outcome_of
+
+KEPT = Monitor((0.9, 1.2))
+BROKEN = Monitor((1.7, 1.2), 12, (0.0125, 1))
+DIVERGED = Monitor((2.0, 1000.0), 80, (0.01, 1), (0.375, 2), "diverged")
+LOST = Monitor((2.0, math.nan), 80, (0.01, 1), (0.375, 1), "non-finite")
+
+CASES = [
+    (KEPT, "completed"),
+    (BROKEN, "limit-violated"),
+    (DIVERGED, "diverged"),
+    (LOST, "non-finite"),
+]
+
+
+@pytest.mark.parametrize(("monitor", "value"), CASES)
+def test_the_gravest_event_gives_the_outcome(monitor: Monitor, value: str) -> None:
+    assert outcome_of(monitor) == Outcome(value)
+    assert outcome_of(monitor).value == value
+
+
+def test_every_outcome_is_covered_here() -> None:
+    assert {value for _, value in CASES} == {outcome.value for outcome in Outcome}
+
+
+@pytest.mark.parametrize(
+    ("max_abs_v", "outcome"),
+    [
+        ((math.inf, 0.0), Outcome.NON_FINITE),
+        ((0.0, math.nan), Outcome.NON_FINITE),
+        ((1000.0, 0.0), Outcome.DIVERGED),
+        ((math.nextafter(1000.0, 0.0), 0.0), Outcome.COMPLETED),
+    ],
+)
+def test_extremes_alone_never_pass_as_completed(
+    max_abs_v: tuple[float, float], outcome: Outcome
+) -> None:
+    monitor = Monitor(max_abs_v)
+
+    assert outcome_of(monitor) == outcome
+    assert outcome.sentence(monitor).endswith(".")
+
+
+def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> None:
+    assert outcome_of(Monitor((1.0, 1.5))) == Outcome.COMPLETED
+
+
+@pytest.mark.parametrize(
+    ("monitor", "parts"),
+    [
+        (KEPT, ["completed", "0.9 m/s", "1.2 rad/s"]),
+        (BROKEN, ["linear velocity v1", "t = 0.0125 s", "12 plant steps", "guard"]),
+        (DIVERGED, ["angular velocity omega", "t = 0.375 s", "1000 rad/s", "clock.control"]),
+        (LOST, ["linear velocity v1", "t = 0.375 s", "finite", "clock.plant"]),
+    ],
+)
+def test_the_sentence_names_what_when_axis_and_remedy(monitor: Monitor, parts: list[str]) -> None:
+    sentence = outcome_of(monitor).sentence(monitor)
+
+    assert [part for part in parts if part not in sentence] == []
+    assert "\n" not in sentence
+    assert "{" not in sentence
+
+
+def test_one_step_is_counted_in_the_singular() -> None:
+    monitor = Monitor((1.7, 1.2), 1, (0.0125, 1))
+
+    assert "1 plant step was" in outcome_of(monitor).sentence(monitor)

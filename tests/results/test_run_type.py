@@ -1,0 +1,165 @@
+"""Run, Settings, Monitor: access by name, read-only arrays, and refusal of contradictions."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results import Monitor, Outcome, Run, Settings, runs_equal
+from wmr_ctrl.signals import LOG_HEAD, Signal
+
+MakeRun = Callable[..., Run]
+
+
+def test_columns_and_elements_are_reached_by_name(make_run: MakeRun) -> None:
+    pairs = np.arange(200.0).reshape(100, 2)
+    run = make_run(v_c0=pairs, v1=7.0)
+
+    assert np.array_equal(run["v_c0"], pairs)
+    assert np.array_equal(run["v_c0[1]"], pairs[:, 0])
+    assert np.array_equal(run["v_c0[2]"], pairs[:, 1])
+    assert np.array_equal(run["v1"], np.full(100, 7.0))
+    assert np.array_equal(run.time, run["t"])
+
+
+def test_every_element_of_a_row_is_listed_once_in_the_order_of_the_log(make_run: MakeRun) -> None:
+    run = make_run()
+    names = [signal.name for signal in run.elements]
+
+    assert names == [name for signal in LOG_HEAD for name in signal.elements]
+    assert all(run[name].shape == (run.rows,) and name in run for name in names)
+
+
+def test_an_element_has_its_own_unit(make_run: MakeRun) -> None:
+    run = make_run()
+
+    assert run.signal("v_c0").size == 2
+    assert (run.signal("v_c0[2]").unit, run.signal("v_c0[2]").size) == ("rad/s", 1)
+    assert run.signal("v_c0[2]").meaning == run.signal("v_c0").meaning
+
+
+@pytest.mark.parametrize("name", ["v_c0[0]", "v_c0[3]", "x[1]", "W_norm", "", "v_c"])
+def test_unknown_names_are_refused_with_the_known_ones(make_run: MakeRun, name: str) -> None:
+    run = make_run()
+
+    assert name not in run
+    with pytest.raises(UnknownNameError, match=r"known: .*v_c0"):
+        run[name]
+    with pytest.raises(UnknownNameError, match="no column"):
+        run.signal(name)
+
+
+def test_arrays_are_copies_that_nobody_can_change(make_run: MakeRun) -> None:
+    mine = np.ones(100)
+    run = make_run(x=mine)
+    mine[:] = 5.0
+
+    assert np.array_equal(run["x"], np.ones(100))
+    with pytest.raises(ValueError, match="read-only"):
+        run["x"][0] = 2.0
+    with pytest.raises(ValueError, match="read-only"):
+        run["e[1]"][0] = 2.0
+    with pytest.raises(TypeError):
+        run.columns["x"] = mine  # type: ignore[index]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        run.law = "pid"  # type: ignore[misc]
+
+
+def test_a_run_survives_pickling_and_copying(make_run: MakeRun) -> None:
+    run = make_run(x=3.0, provenance={"version": "1"})
+
+    assert runs_equal(pickle.loads(pickle.dumps(run)), run)
+    assert runs_equal(copy.deepcopy(run), run)
+    assert not pickle.loads(pickle.dumps(run))["x"].flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"columns": lambda c: {**c, "x": c["x"][:-1]}}, r"'x'.* must be \(100,\)"),
+        ({"columns": lambda c: {**c, "e": c["e"][:, :2]}}, r"'e'.* must be \(100, 3\)"),
+        ({"columns": lambda c: {**c, "x": c["x"][:, None]}}, r"'x'.* must be \(100,\)"),
+        ({"columns": lambda c: {k: v for k, v in c.items() if k != "x"}}, "each signal"),
+        ({"columns": lambda c: {**c, "more": c["x"]}}, "each signal"),
+        ({"columns": lambda c: {**c, "t": c["t"] + 1}}, "in row k"),
+        ({"columns": lambda c: {**c, "t": c["t"] * np.nan}}, "in row k"),
+        ({"signals": lambda s: s[1:]}, "begin with the time"),
+        ({"signals": lambda s: (*s, s[1])}, "each signal"),
+        ({"outcome": lambda _: Outcome.DIVERGED}, "outcome_of"),
+        ({"guard": lambda _: 1}, "guard = 1"),
+        ({"law": lambda _: None}, "law = None"),
+        ({"settings": lambda s: dataclasses.replace(s, duration=0.5)}, "100 rows, more than"),
+    ],
+)
+def test_contradictions_are_refused(
+    make_run: MakeRun, change: dict[str, Callable[..., object]], message: str
+) -> None:
+    run = make_run()
+    changed = {name: edit(getattr(run, name)) for name, edit in change.items()}
+
+    with pytest.raises(ArgumentError, match=message):
+        dataclasses.replace(run, **changed)  # type: ignore[arg-type]
+
+
+def test_repr_is_one_short_line(make_run: MakeRun) -> None:
+    text = repr(make_run(labels={"guard": True}))
+
+    assert text == "<Run toy, nn, guarded, seed 0, native: 100 rows, completed>"
+
+
+def test_further_diagnostics_of_a_law_are_columns_like_any(make_run: MakeRun) -> None:
+    run = make_run(extra=(Signal("W_norm", "1", "norm", 2),), W_norm=[1.0, 2.0])
+
+    assert "W_norm[2]" in run
+    assert np.array_equal(run["W_norm[2]"], np.full(100, 2.0))
+
+
+@pytest.mark.parametrize("control", [0.001, 0.01, 0.1, 1 / 3, 0.7])
+def test_every_sample_time_finds_its_own_index(control: float) -> None:
+    settings = Settings(control, control, 1000 * control, (1.0, 1.0), 0.0)
+
+    assert settings.samples == 1000
+    assert [settings.index(k * control) for k in range(1001)] == list(range(1001))
+    assert [settings.index((k + 0.5) * control) for k in range(1000)] == list(range(1, 1001))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"control": 0.0},
+        {"plant": -0.001},
+        {"duration": float("inf")},
+        {"split": float("nan")},
+        {"rms_from": -1.0},
+        {"v_u1": (1.0, 0.0)},
+        {"v_u1": (float("nan"), 1.0)},
+    ],
+)
+def test_impossible_settings_are_refused_by_name(fields: dict[str, float]) -> None:
+    good = {"control": 0.01, "plant": 0.001, "duration": 1.0, "v_u1": (1.0, 1.5), "split": 0.5}
+
+    with pytest.raises(ArgumentError, match=next(iter(fields))):
+        Settings(**{**good, **fields})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"violations": 1},
+        {"first_violation": (0.0, 1)},
+        {"violations": 1, "first_violation": (0.0, 3)},
+        {"stopped": (0.0, 1)},
+        {"stop_reason": "diverged"},
+        {"stop_reason": "tired", "stopped": (0.0, 1)},
+        {"stop_reason": "diverged", "stopped": (0.0, 0)},
+    ],
+)
+def test_a_monitor_that_contradicts_itself_is_refused(fields: dict[str, object]) -> None:
+    with pytest.raises(ArgumentError, match=r"monitor\."):
+        Monitor((0.0, 0.0), **fields)  # type: ignore[arg-type]

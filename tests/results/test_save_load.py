@@ -1,0 +1,282 @@
+"""Saving and loading: nothing is lost, and a file that is not a run says so in one paragraph."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.results import Monitor, Run, load_run, runs_equal, save_run
+from wmr_ctrl.signals import Signal
+
+MakeRun = Callable[..., Run]
+SUFFIXES = [".npz", ".csv"]
+NASTY = [math.nan, math.inf, -math.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, 1 / 3]
+LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
+
+# The folder of a test is reused by all its examples, each of which writes its file anew.
+reusing_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+short_reusing_folder = settings(reusing_folder, max_examples=50)
+
+
+def saved(run: Run, folder: Path, suffix: str) -> Path:
+    path = folder / f"run{suffix}"
+    save_run(run, path)
+    return path
+
+
+def refused(path: Path) -> bool:
+    """Whether loading is refused, in one paragraph that names the file; any other error fails."""
+    try:
+        load_run(path)
+    except ResultFileError as error:
+        message = str(error)
+    else:
+        return False
+    assert "\n" not in message
+    assert path.name in message
+    return True
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@reusing_folder
+@given(
+    x=arrays(np.float64, 20, elements=st.floats() | st.sampled_from(NASTY)),
+    e=arrays(np.float64, (20, 3), elements=st.floats() | st.sampled_from(NASTY)),
+    words=st.dictionaries(st.text(), st.text(), max_size=3),
+)
+def test_a_saved_run_loads_back_equal(
+    make_run: MakeRun,
+    tmp_path: Path,
+    suffix: str,
+    x: np.ndarray,
+    e: np.ndarray,
+    words: dict[str, str],
+) -> None:
+    run = make_run(duration=0.2, x=x, e=e, provenance=words)
+    loaded = load_run(saved(run, tmp_path, suffix))
+
+    assert runs_equal(loaded, run)
+    assert loaded.settings == run.settings
+    assert loaded.signals == run.signals
+    assert dict(loaded.provenance) == words
+    assert np.array_equal(loaded["e"], e, equal_nan=True)
+    assert np.array_equal(np.signbit(loaded["x"][x == 0]), np.signbit(x[x == 0]))
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("rows", [0, 1, 5])
+def test_a_run_that_ended_early_loads_back_equal(
+    make_run: MakeRun, tmp_path: Path, suffix: str, rows: int
+) -> None:
+    labels = {"guard": True, "seed": 2**70, "law": "my, law", "scenario": 'a "b"\n# c é'}
+    extra = (Signal("m_hat", "kg", "mass, as estimated", 2), Signal("Größe", "m", "a, b"))
+    run = make_run(rows=rows, monitor=LOST, labels=labels, extra=extra)
+    loaded = load_run(saved(run, tmp_path, suffix))
+
+    assert runs_equal(loaded, run)
+    assert (loaded.seed, loaded.guard, loaded.outcome) == (2**70, True, "non-finite")
+    assert (loaded.monitor.stopped, loaded.monitor.first_violation) == ((0.05, 1), (0.001, 2))
+    assert loaded.monitor.max_abs_v[0] == math.inf
+    assert math.isnan(loaded.monitor.max_abs_v[1])
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"x": 1.0},
+        {"x": -0.0},
+        {"e": [0.0, 0.0, math.nan]},
+        {"rows": 9},
+        {"labels": {"seed": 1}},
+        {"provenance": {"version": "2"}},
+        {"split": 0.06},
+        {"monitor": Monitor((0.5, 0.6))},
+        {"extra": (Signal("more", "1", "more"),)},
+    ],
+)
+def test_runs_that_differ_anywhere_are_not_equal(
+    make_run: MakeRun, other: dict[str, object]
+) -> None:
+    run, changed = make_run(duration=0.1), make_run(**{"duration": 0.1, **other})
+
+    assert runs_equal(run, make_run(duration=0.1))
+    assert not runs_equal(run, changed)
+    assert not runs_equal(changed, run)
+
+
+@pytest.mark.parametrize("suffix", [".NPZ", ".Csv"])
+def test_the_case_of_the_suffix_does_not_matter(
+    make_run: MakeRun, tmp_path: Path, suffix: str
+) -> None:
+    assert runs_equal(load_run(saved(make_run(x=1.0), tmp_path, suffix)), make_run(x=1.0))
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_equal_runs_give_equal_bytes(make_run: MakeRun, tmp_path: Path, suffix: str) -> None:
+    first = saved(make_run(x=1.0), tmp_path, suffix).read_bytes()
+
+    assert saved(make_run(x=1.0), tmp_path, suffix).read_bytes() == first
+
+
+def test_numpy_reads_the_columns_without_pickle(make_run: MakeRun, tmp_path: Path) -> None:
+    run = make_run(x=np.arange(100.0), e=[1.0, 2.0, 3.0])
+    with np.load(saved(run, tmp_path, ".npz"), allow_pickle=False) as archive:
+        assert all(np.array_equal(archive[name], run[name]) for name in run.columns)
+        assert json.loads(archive["run.json"])["law"] == "nn"
+
+
+def test_other_readers_find_names_units_and_numbers_in_the_csv(
+    make_run: MakeRun, tmp_path: Path
+) -> None:
+    run = make_run(x=np.arange(100.0) / 3, e=[1.0, 2.0, 3.0])
+    lines = saved(run, tmp_path, ".csv").read_text().splitlines()
+    comments = [line[2:] for line in lines if line.startswith("# ")]
+    header, *rows = csv.reader(lines[len(comments) :])
+
+    assert json.loads("\n".join(comments))["settings"]["duration"] == 1.0
+    assert header[:2] == ["t [s]", "x [m]"]
+    assert {"e[3] [rad]", "v_c0[2] [rad/s]"} < set(header)
+    assert [float(row[header.index("x [m]")]) for row in rows] == run["x"].tolist()
+
+
+def test_line_ends_of_another_system_do_no_harm(make_run: MakeRun, tmp_path: Path) -> None:
+    path = saved(make_run(x=0.1), tmp_path, ".csv")
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+
+    assert runs_equal(load_run(path), make_run(x=0.1))
+
+
+# -- files that are no runs ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@short_reusing_folder
+@given(data=st.binary(max_size=200))
+def test_random_bytes_are_refused(tmp_path: Path, suffix: str, data: bytes) -> None:
+    path = tmp_path / f"noise{suffix}"
+    path.write_bytes(data)
+
+    assert refused(path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@reusing_folder
+@given(part=st.floats(0, 1))
+def test_a_file_cut_anywhere_is_refused(
+    make_run: MakeRun, tmp_path: Path, suffix: str, part: float
+) -> None:
+    path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, suffix)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: min(int(part * len(whole)), len(whole) - 1)])
+
+    assert refused(path)
+
+
+@pytest.mark.parametrize("missing", [1, 2, 3, 30])
+def test_a_csv_that_lost_its_last_bytes_or_rows_is_refused(
+    make_run: MakeRun, tmp_path: Path, missing: int
+) -> None:
+    path = saved(make_run(duration=0.05, q=1 / 3), tmp_path, ".csv")
+    path.write_bytes(path.read_bytes()[:-missing])
+    assert refused(path)
+
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:-1]))
+    assert refused(path)
+
+
+@reusing_folder
+@given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
+def test_a_byte_flipped_in_an_archive_is_refused_or_harmless(
+    make_run: MakeRun, tmp_path: Path, part: float, flip: int
+) -> None:
+    run = make_run(duration=0.05, x=1 / 3)
+    path = saved(run, tmp_path, ".npz")
+    data = bytearray(path.read_bytes())
+    data[int(part * len(data))] ^= flip
+    path.write_bytes(data)
+
+    assert refused(path) or runs_equal(load_run(path), run)
+
+
+@reusing_folder
+@given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
+def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(
+    make_run: MakeRun, tmp_path: Path, part: float, flip: int
+) -> None:
+    path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, ".csv")
+    data = bytearray(path.read_bytes())
+    data[int(part * len(data))] ^= flip
+    path.write_bytes(data)
+
+    assert refused(path) or load_run(path).rows == 5
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"run, version 1", b"run, version 2"),
+        (b'"rows": 5', b'"rows": 4'),
+        (b'"outcome": "completed"', b'"outcome": "diverged"'),
+        (b'"guard": false', b'"guard": "false"'),
+        (b'"seed": 0', b'"seed": 0.5'),
+        (b'"law": "nn"', b'"law": 3'),
+        (b'"control": 0.01', b'"control": "fast"'),
+        (b'"control": 0.01', b'"control": -0.01'),
+        (b'"violations": 0', b'"violations": 1'),
+        (b'"provenance": {}', b'"provenance": []'),
+        (b"x [m]", b"x [km]"),
+        (b"\n0.01,", b"\n0.02,"),
+        (b"\n0.01,", b"\n0.01,,"),
+        (b"\n0.01,", b"\nlate,"),
+    ],
+)
+def test_a_csv_edited_into_a_contradiction_is_refused(
+    make_run: MakeRun, tmp_path: Path, old: bytes, new: bytes
+) -> None:
+    path = saved(make_run(duration=0.05), tmp_path, ".csv")
+    data = path.read_bytes()
+    assert old in data
+    path.write_bytes(data.replace(old, new, 1))
+
+    assert refused(path)
+
+
+def test_archives_of_somebody_else_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "theirs.npz"
+    np.savez(path, t=np.arange(3.0))
+    assert refused(path)
+
+    np.savez(path, t=np.array([{"format": 1}], dtype=object))
+    assert refused(path)
+
+
+@pytest.mark.parametrize("name", ["run", "run.txt", "run.npz.gz", ".npz"])
+def test_an_unknown_suffix_is_refused_with_the_known_ones(
+    make_run: MakeRun, tmp_path: Path, name: str
+) -> None:
+    for act in (lambda: save_run(make_run(), tmp_path / name), lambda: load_run(tmp_path / name)):
+        with pytest.raises(ResultFileError, match=r"\.npz or \.csv"):
+            act()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder.npz").mkdir()
+
+    with pytest.raises(ResultFileError, match="No such file"):
+        load_run(tmp_path / "none.npz")
+    with pytest.raises(ResultFileError, match="cannot read"):
+        load_run(tmp_path / "folder.npz")
+    with pytest.raises(ResultFileError, match="null"):
+        load_run("a\0b.npz")

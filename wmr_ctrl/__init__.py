@@ -1,0 +1,50 @@
+"""wmr_ctrl: velocity-constrained control of wheeled mobile robots, from laws to reports.
+
+>>> import wmr_ctrl
+>>> run = wmr_ctrl.simulate("paper-simulation", "nn", seed=3)  # doctest: +SKIP
+>>> print(run.outcome)  # doctest: +SKIP
+
+Public names are loaded when they are first used, so that importing the package costs little.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wmr_ctrl.api import (
+        Run,
+        Scenario,
+        compile_law,
+        load_scenario,
+        reproduce,
+        simulate,
+        simulate_many,
+    )
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Run",
+    "Scenario",
+    "compile_law",
+    "load_scenario",
+    "reproduce",
+    "simulate",
+    "simulate_many",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from `wmr_ctrl.api`, once."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module("wmr_ctrl.api"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Every public name, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,149 @@
+"""The Python interface: scenario -> Systems -> compiled kernels -> Run.
+
+>>> from wmr_ctrl import simulate
+>>> run = simulate("paper-simulation", "nn", seed=3)          # doctest: +SKIP
+>>> run.outcome, run["v1"].max()                              # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
+from wmr_ctrl.scenario import Scenario, load_scenario, override, to_toml
+from wmr_ctrl.signals import LOG_HEAD, Signal
+
+ENGINES = ("native", "numpy")
+
+Progress = Callable[[float], None]
+
+
+def scenario_of(
+    given: str | Path | Scenario, overrides: Mapping[str, Any] | None = None
+) -> Scenario:
+    """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
+
+    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``).  Gains are checked too.
+    Raises ScenarioError or UnknownNameError, each naming the key.
+    """
+    from wmr_ctrl.laws.gains import check_gains
+
+    loaded = override(given, overrides or {}) if isinstance(given, Scenario) else load_scenario(given, overrides)
+    check_gains(loaded)
+    return loaded
+
+
+def simulate(
+    scenario: str | Path | Scenario,
+    law: str = "nn",
+    *,
+    seed: int = 0,
+    engine: str = "native",
+    overrides: Mapping[str, Any] | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Run ``law`` on ``scenario`` and return the Run.
+
+    ``engine`` is "native" (compiled C) or "numpy" (slow, needs no compiler).  Leaving the velocity
+    limit, diverging or turning non-finite is the Run's outcome, never an exception.  Raises
+    UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
+    """
+    settled = scenario_of(scenario, overrides)
+    _check_seed(seed)
+    if engine == "native":
+        return _simulate_native(settled, law, seed)
+    if engine == "numpy":
+        return _simulate_numpy(settled, law, seed, progress)
+    raise UnknownNameError("engine", engine, ENGINES)
+
+
+def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> Any:
+    """The law's controller as a callable on NumPy arrays: ``step(u, x) -> (next, torque)``.
+
+    See `wmr_ctrl.sim.law.CompiledLaw`; the order of u and x is in its ``inputs`` and ``state``.
+    """
+    from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.sim.compiled_law import CompiledLaw
+
+    return CompiledLaw(build_loop(scenario_of(scenario), law))
+
+
+def law_table() -> list[dict[str, str]]:
+    """Name and title of every law in the registry."""
+    from wmr_ctrl.laws import LAWS
+
+    return [{"name": name, "title": LAWS[name].title} for name in LAWS]
+
+
+def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
+    from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.sim.native import columns_of, run_native
+
+    kernels = build_loop(scenario, law)
+    columns, monitor = run_native(kernels, scenario, seed)
+    facts = {"kernel_hash": kernels.digest}
+    return run_of(scenario, law, seed, "native", (columns_of(kernels.manifest), columns, monitor), facts)
+
+
+def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
+    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+    from wmr_ctrl.laws.sample import own_diagnostics
+    from wmr_ctrl.sim.oracle import simulate_oracle
+
+    own = {signal.name: signal for signal in own_diagnostics(LAWS[law].build(scenario))}
+    gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
+    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
+    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
+    return run_of(scenario, law, seed, "numpy", (signals, columns, Monitor(**numbers)), {"kernel_hash": ""})
+
+
+def run_of(
+    scenario: Scenario,
+    law: str,
+    seed: int,
+    engine: str,
+    found: tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor],
+    facts: Mapping[str, str],
+) -> Run:
+    """The Run of what an engine found, with its provenance."""
+    signals, columns, monitor = found
+    return Run(
+        scenario.name, law, False, seed, engine, settings_of(scenario), signals, columns, monitor,
+        outcome_of(monitor), {**provenance(scenario), **facts},
+    )  # fmt: skip
+
+
+def settings_of(scenario: Scenario) -> Settings:
+    """Clocks, limits and windows of a scenario."""
+    clock, metrics = scenario.clock, scenario.metrics
+    split = clock.duration / 2 if metrics.split is None else metrics.split
+    return Settings(clock.control, clock.plant, clock.duration, scenario.limits.v_u1, split, metrics.rms_from)
+
+
+def provenance(scenario: Scenario) -> dict[str, str]:
+    """What made a run: versions, the scenario as TOML and its hash."""
+    from wmr_ctrl import __version__
+
+    text = to_toml(scenario, comments=False)
+    return {
+        "version": __version__,
+        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
+        "scenario_toml": text,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "machine": platform.machine(),
+    }
+
+
+def _check_seed(seed: int) -> None:
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

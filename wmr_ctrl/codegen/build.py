@@ -1,0 +1,50 @@
+"""From a scenario and a law to a compiled closed loop."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems, plant_phases
+from wmr_ctrl.codegen.manifest import Kernels, manifest
+from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.source import sources
+from wmr_ctrl.codegen.toolchain import build_library
+from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.scenario import Scenario
+
+RUNTIME = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "wmr_math.h")
+
+
+def build_loop(scenario: Scenario, law: str) -> Kernels:
+    """Compile the closed loop of ``law`` on ``scenario``, or find it in the cache.
+
+    Numbers are parameters, so that scenarios of one structure share a library.  Raises
+    CompilerError without a working compiler.
+    """
+    systems = loop_systems(scenario, law)
+    roles = systems.by_role()
+    own = own_diagnostics(systems.controller)
+    described = manifest(law, systems.controller.title, roles, own, plant_phases(scenario, systems.plant))
+    generated = sources(roles, loop_kernels(systems))
+    library = build_library(unity(generated))
+    return Kernels(str(library), described, digest(generated))
+
+
+def unity(generated: dict[str, str]) -> dict[str, str | bytes]:
+    """Generated and hand-written sources with library.c as the only unit to compile."""
+    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in RUNTIME}
+    included = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
+    unit = included.pop("library.inc").replace('.c"', '.inc"')
+    return {**included, "library.c": unit}
+
+
+def digest(generated: dict[str, str]) -> str:
+    """Hash of the generated sources: which graphs a run was made from."""
+    text = json.dumps(generated, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _as_header(name: str) -> str:
+    return str(Path(name).with_suffix(".inc")) if name.endswith(".c") else name

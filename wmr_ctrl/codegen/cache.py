@@ -1,0 +1,215 @@
+"""Build cache on disk: one folder per library, named by the content that went into it.
+
+An entry is built in a folder of its own beside the others and then renamed, so a reader sees a
+whole entry or none: a compiler that fails or is killed leaves nothing behind, and of two
+processes that build the same entry at once the slower one throws its copy away.
+
+Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}`` and ``<cache>/zig/`` for the
+files that zig keeps for itself.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import shutil
+import struct
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.errors import CompilerError
+
+Sources = Mapping[str, str | bytes]
+"""Relative file name (it may have folders) to the file's text."""
+
+_LAYOUT = "1"  # raise it when what an entry consists of changes
+_STAMP = "stamp.json"
+_UNFINISHED = "building-"
+_DAY = 86400.0
+_checked: set[tuple[str, int]] = set()
+
+
+@dataclass(frozen=True, slots=True)
+class CacheInfo:
+    """Where the cache is and how much it holds: ``entries`` libraries, ``size`` bytes in all."""
+
+    folder: Path
+    entries: int
+    size: int
+
+
+def build_cached(
+    sources: Sources, compile_in: Callable[[Path], Path], *, key: Sequence[str] = ()
+) -> Path:
+    """Return the library built from ``sources``, compiling it only if the cache lacks it.
+
+    Parameters
+    ----------
+    sources
+        The files that the build reads; they are written into the entry's folder.
+    compile_in
+        Called with that folder (absolute), compiles, and returns the library's path inside it.
+    key
+        What else decides the library's content: compiler, version, flags.
+
+    Returns
+    -------
+    Path of the shared library.  Its size and SHA-256 were checked once in this process; a
+    damaged entry is built anew.
+
+    Raises
+    ------
+    CompilerError
+        If compiling fails, or the folder cannot be written (a full disk, say).
+    """
+    entry = cache_dir() / "kernels" / content_key(sources, key)
+    return _intact(entry) or _build(entry, sources, compile_in)
+
+
+def content_key(sources: Sources, key: Sequence[str] = ()) -> str:
+    """SHA-256 (hex) over file names and texts, ``key`` and the platform, free of ambiguity."""
+    digest = hashlib.sha256()
+    bits = str(8 * struct.calcsize("P"))
+    for part in (_LAYOUT, sys.platform, platform.machine(), bits, str(len(key)), *key):
+        _feed(digest.update, part.encode())
+    for name in sorted(sources):
+        _feed(digest.update, name.encode())
+        _feed(digest.update, _as_bytes(sources[name]))
+    return digest.hexdigest()
+
+
+def cache_info() -> CacheInfo:
+    """Count the finished entries and the bytes of everything in the cache folder."""
+    folder = cache_dir()
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return CacheInfo(folder, len(list(folder.glob(f"kernels/*/{_STAMP}"))), _total_size(files))
+
+
+def clear_cache() -> CacheInfo:
+    """Remove everything that the cache holds and return what was there."""
+    info = cache_info()
+    for name in ("kernels", "zig"):
+        shutil.rmtree(info.folder / name, ignore_errors=True)
+    _checked.clear()
+    return info
+
+
+def _feed(update: Callable[[bytes], object], part: bytes) -> None:
+    update(struct.pack("<Q", len(part)))
+    update(part)
+
+
+def _as_bytes(text: str | bytes) -> bytes:
+    return text if isinstance(text, bytes) else text.encode()
+
+
+def _total_size(files: Iterable[Path]) -> int:
+    total = 0
+    for path in files:
+        try:
+            total += path.stat().st_size
+        except OSError:  # another process removed it meanwhile
+            continue
+    return total
+
+
+def _intact(entry: Path) -> Path | None:
+    """Return the entry's library if it is the file that was stamped, else None."""
+    try:
+        stamp = json.loads((entry / _STAMP).read_bytes())
+        library = entry / stamp["library"]
+        status = library.stat()
+        known = (str(library), status.st_mtime_ns)
+        if status.st_size != stamp["size"]:
+            return None
+        if known not in _checked and _sha256(library) != stamp["sha256"]:
+            return None
+    except (OSError, ValueError, LookupError, TypeError):
+        return None
+    _checked.add(known)
+    return library
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) -> Path:
+    folder: Path | None = None
+    try:
+        folder = _fresh_folder(entry.parent)
+        _write(folder, sources)
+        library = compile_in(folder)
+        _write_stamp(folder, library)
+        _publish(folder, entry)
+        return entry / library.relative_to(folder)
+    except OSError as error:
+        raise CompilerError(
+            f"a compiled library could not be stored in {entry.parent}: {error}. Free some space "
+            "there, or name another folder in the environment variable WMR_CTRL_CACHE."
+        ) from error
+    finally:
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _fresh_folder(parent: Path) -> Path:
+    parent.mkdir(parents=True, exist_ok=True)
+    _sweep(parent)
+    folder = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=parent))
+    folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
+    return folder
+
+
+def _sweep(parent: Path) -> None:
+    """Remove what processes that died while building left behind, a day later."""
+    for folder in parent.glob(f"{_UNFINISHED}*"):
+        try:
+            old = time.time() - folder.stat().st_mtime > _DAY
+        except OSError:
+            continue
+        if old:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _write(folder: Path, sources: Sources) -> None:
+    for name, text in sources.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(_as_bytes(text))
+
+
+def _write_stamp(folder: Path, library: Path) -> None:
+    stamp = {
+        "library": library.relative_to(folder).as_posix(),
+        "size": library.stat().st_size,
+        "sha256": _sha256(library),
+    }
+    (folder / _STAMP).write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
+
+
+def _publish(folder: Path, entry: Path) -> None:
+    """Give the finished folder its final name; an intact entry that is there already stays."""
+    try:
+        os.rename(folder, entry)
+    except OSError:
+        if not entry.exists():
+            raise
+        if _intact(entry) is None:
+            _replace(folder, entry)
+
+
+def _replace(folder: Path, entry: Path) -> None:
+    aside = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=entry.parent))
+    try:
+        os.rename(entry, aside / "damaged")
+        os.rename(folder, entry)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)

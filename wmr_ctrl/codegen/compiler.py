@@ -1,0 +1,183 @@
+"""Call a C compiler on C files: flags, temporary files, and what it says when it fails.
+
+The flags keep every floating-point value as written: no fast-math, no contraction to fused
+multiply-add, no reassociation.  ``errno`` and exception flags are given up; nobody reads them.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import platform
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+
+from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.process import Finished, run_command
+from wmr_ctrl.errors import CompilerError
+
+VARIABLE = "WMR_CTRL_CC"
+"""Environment variable that names the C compiler."""
+TIMEOUT = 600.0
+"""Seconds that one call of the compiler may take."""
+
+_REMEDY = (
+    f"Another compiler can be named in the environment variable {VARIABLE} (`zig cc` after "
+    "`pip install ziglang`); `--engine numpy` runs without one."
+)
+_VALUE_SAFE = ("-fno-fast-math", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+_TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
+
+
+@dataclass(frozen=True, slots=True)
+class Toolchain:
+    """A C compiler: how to call it, what it calls itself, and the flags for every library."""
+
+    command: tuple[str, ...]
+    name: str
+    version: str
+    flags: tuple[str, ...]
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What of the compiler decides its output, for the build cache."""
+        native = any(flag.endswith("=native") for flag in self.flags)
+        return (*self.command, self.version, *self.flags, *((_processor(),) if native else ()))
+
+    def with_flags(self, *flags: str) -> Toolchain:
+        """Return the same compiler with further flags; of contradicting ones the last wins."""
+        return replace(self, flags=(*self.flags, *flags))
+
+    def for_this_processor(self) -> Toolchain:
+        """Return the same compiler using every instruction of this machine's processor.
+
+        Values stay the same.  The library may not run elsewhere; the cache tells such builds
+        of different processors apart.
+        """
+        kept = tuple(flag for flag in self.flags if flag != "-mcpu=baseline")
+        mcpu = is_zig(self.command) or platform.machine().lower() in ("arm64", "aarch64")
+        return replace(self, flags=(*kept, "-mcpu=native" if mcpu else "-march=native"))
+
+
+def is_zig(command: Sequence[str]) -> bool:
+    """Return whether a compiler's command is some way to call ``zig cc``."""
+    return command[-1] == "cc" and len(command) > 1 and "zig" in Path(command[-2]).stem
+
+
+def default_flags(command: Sequence[str]) -> tuple[str, ...]:
+    """Return the flags for a shared library that runs on every machine of this kind."""
+    flags: tuple[str, ...] = ("-std=c99", "-O3", *_VALUE_SAFE, "-shared", "-fvisibility=hidden")
+    if os.name != "nt":
+        flags = (*flags, "-fPIC")
+    if is_zig(command):  # its defaults are this very processor, and traps on overflow
+        flags = (*flags, "-mcpu=baseline", "-fno-sanitize=undefined")
+    return flags
+
+
+def library_suffix() -> str:
+    """Return the suffix of shared libraries on this platform: .so, .dylib or .dll."""
+    return {"win32": ".dll", "cygwin": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def compile_library(
+    toolchain: Toolchain,
+    sources: Sequence[Path],
+    out: Path,
+    *,
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+    timeout: float = TIMEOUT,
+) -> Path:
+    """Compile C files into the shared library ``out`` and return its absolute path.
+
+    Parameters
+    ----------
+    toolchain
+        The compiler.
+    sources
+        The C files.
+    out
+        The library; its folder must exist and also takes the compiler's temporary files.
+    include
+        Folders searched for headers.
+    flags
+        Further flags, after the toolchain's own.
+    timeout
+        Seconds until the compiler is killed.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler cannot be started, fails, is killed or runs out of time; ``out`` does
+        not exist then.
+    """
+    out = out.absolute()
+    command = [*toolchain.command, *toolchain.flags, *flags]
+    command += [f"-I{folder.absolute()}" for folder in include]
+    command += [str(source.absolute()) for source in sources]
+    command += ["-o", str(out), *(() if os.name == "nt" else ("-lm",))]
+    finished = _run(command, out.parent, timeout)
+    if finished.how or not out.is_file():
+        out.unlink(missing_ok=True)
+        raise CompilerError(_failure(toolchain, finished, command, timeout))
+    return out
+
+
+def _run(command: Sequence[str], folder: Path, timeout: float) -> Finished:
+    try:
+        return run_command(
+            command, timeout=timeout, folder=folder, environment=_environment(folder)
+        )
+    except OSError as error:
+        return Finished(127, str(error))
+
+
+def _environment(folder: Path) -> Mapping[str, str]:
+    """Keep the compiler's files with ours: HOME and the temporary folder may be read-only."""
+    zig = str(cache_dir() / "zig")
+    return {
+        **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
+        "ZIG_GLOBAL_CACHE_DIR": zig,
+        "ZIG_LOCAL_CACHE_DIR": zig,
+    }
+
+
+def _failure(
+    toolchain: Toolchain, finished: Finished, command: Sequence[str], timeout: float
+) -> str:
+    how = finished.how or "reported success but wrote no library"
+    if finished.timed_out:
+        how = f"did not finish within {timeout:g} s"
+    said = _first_errors(finished.output)
+    what = f"{how}: {said}" if said else how
+    called = _shortened(shlex.join(command), 600)
+    return (
+        f"the C compiler {toolchain.name} ({toolchain.version}) {what}. "
+        f"The command was `{called}`. {_REMEDY}"
+    )
+
+
+def _first_errors(output: str) -> str:
+    """Return up to three telling lines of a compiler's output on one line."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    telling = [line for line in lines if "error" in line.lower()] or lines
+    return _shortened(" | ".join(telling[:3]), 500).rstrip(".")
+
+
+def _shortened(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[: length - 4]} ..."
+
+
+@functools.cache
+def _processor() -> str:
+    """Return what tells this processor from another that code made for it may not run on."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        told = sorted({line for line in lines if line.startswith(_TELLING_OF_A_PROCESSOR)})
+    except OSError:
+        told = [platform.processor(), platform.node()]
+    return sha256("\n".join(told).encode()).hexdigest()

@@ -1,0 +1,84 @@
+"""Run one command to its end, or kill it with everything that it started."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """How a command ended: exit code (negative: the signal), its output, or out of time."""
+
+    code: int
+    output: str
+    timed_out: bool = False
+
+    @property
+    def how(self) -> str:
+        """The ending in words, empty if the command succeeded."""
+        if self.timed_out:
+            return "did not finish in time"
+        if self.code < 0:
+            return f"was killed by {_signal_name(-self.code)}"
+        return f"ended with exit code {self.code}" if self.code else ""
+
+
+def run_command(
+    command: Sequence[str],
+    *,
+    timeout: float,
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> Finished:
+    """Run ``command`` in ``folder`` without input and return how it ended.
+
+    ``environment`` is added to the process's own; messages come in English.  After ``timeout``
+    seconds, or when this process is interrupted, the command's whole process group is killed:
+    compiler drivers start children which would outlive them.
+
+    Raises OSError if the command cannot be started.
+    """
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        env={**os.environ, "LC_ALL": "C", **(environment or {})},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
+    try:
+        output, _ = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        return Finished(-int(signal.SIGTERM), _kill(process), timed_out=True)
+    except BaseException:
+        _kill(process)
+        raise
+    return Finished(process.returncode, output)
+
+
+def _kill(process: subprocess.Popen[str]) -> str:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if os.name == "posix":
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+    try:
+        return process.communicate(timeout=10.0)[0] or ""
+    except subprocess.TimeoutExpired:
+        return ""
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

@@ -1,0 +1,28 @@
+"""Where the hand-written C travels: beside the package in a checkout, inside it in a wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wmr_ctrl.errors import WmrError
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def fmu_dir() -> Path:
+    """Return the folder ``fmu/``, from the installed package or from the source tree.
+
+    Raises WmrError if the installation lacks it.
+    """
+    for folder in (_PACKAGE / "_fmu", _PACKAGE.parent / "fmu"):
+        if folder.is_dir():
+            return folder
+    raise WmrError(
+        f"the C sources of wmr_ctrl are missing: neither {_PACKAGE / '_fmu'} nor "
+        f"{_PACKAGE.parent / 'fmu'} exists. Install the package again."
+    )
+
+
+def runtime_dir() -> Path:
+    """Return the folder of the C runtime (stepper, closed loop, noise): ``fmu/runtime``."""
+    return fmu_dir() / "runtime"

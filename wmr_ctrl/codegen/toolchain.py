@@ -1,0 +1,189 @@
+"""Find a C compiler that works, and build libraries with it by way of the cache.
+
+Order: ``$WMR_CTRL_CC`` (it may hold arguments, as in ``zig cc``) and nothing else if it is set;
+else cc, gcc, clang on PATH; else the ``ziglang`` wheel.  A candidate counts only after it has
+compiled a few lines into a library that this very process can load and call; the cache
+remembers that, so the trial costs milliseconds later on.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import importlib.util
+import os
+import shlex
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from wmr_ctrl.codegen.cache import Sources, build_cached
+from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.compiler import (
+    TIMEOUT,
+    VARIABLE,
+    Toolchain,
+    compile_library,
+    default_flags,
+    is_zig,
+    library_suffix,
+)
+from wmr_ctrl.codegen.process import run_command
+from wmr_ctrl.errors import CompilerError
+
+_INSTALL = (
+    "Install one with `pip install ziglang` (or, on Debian and Ubuntu, `apt install gcc "
+    f"libc6-dev`), or name one in the environment variable {VARIABLE}; `--engine numpy` runs "
+    "without a compiler."
+)
+_ON_PATH = ("cc", "gcc", "clang")
+_PROBE = """\
+#include <math.h>
+#include <stdint.h>
+#if defined(_WIN32)
+__declspec(dllexport)
+#else
+__attribute__((visibility("default")))
+#endif
+int32_t wmr_probe(int32_t a) { return a + (int32_t)cosh(0.0 * a); }
+"""
+
+
+def find_toolchain(extra: Sequence[str] = (), *, native: bool = False) -> Toolchain:
+    """Return the first C compiler that works on this machine.
+
+    Parameters
+    ----------
+    extra
+        Flags added to the defaults.
+    native
+        Use every instruction of this processor: `Toolchain.for_this_processor`.
+
+    Raises
+    ------
+    CompilerError
+        If none works; the message names what was tried and what to install.
+    """
+    named = os.environ.get(VARIABLE, "").strip()
+    toolchain = _find(named, os.environ.get("PATH"), cache_dir())
+    if native:
+        toolchain = toolchain.for_this_processor()
+    return toolchain.with_flags(*extra)
+
+
+def build_library(
+    sources: Sources,
+    toolchain: Toolchain | None = None,
+    *,
+    name: str = "kernels",
+    flags: Sequence[str] = (),
+    timeout: float = TIMEOUT,
+) -> Path:
+    """Compile the ``.c`` files among ``sources`` into one shared library, unless cached.
+
+    Parameters
+    ----------
+    sources
+        File name to text; headers are found by their names relative to the mapping's root.
+    toolchain
+        The compiler, by default that of `find_toolchain`.
+    name
+        File name of the library without suffix.
+    flags
+        Further compiler flags, part of the cache's key.
+    timeout
+        Seconds that the compiler may take.
+
+    Returns
+    -------
+    Path of the library in the cache.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler, it fails, or the cache cannot be written.
+    """
+    chosen = (toolchain or find_toolchain()).with_flags(*flags)
+    units = [unit for unit in sources if unit.endswith(".c")]
+
+    def compile_in(folder: Path) -> Path:
+        out = folder / f"{name}{library_suffix()}"
+        paths = [folder / unit for unit in units]
+        return compile_library(chosen, paths, out, include=[folder], timeout=timeout)
+
+    return build_cached(sources, compile_in, key=(*chosen.key, name))
+
+
+@functools.lru_cache(maxsize=8)
+def _find(named: str, path: str | None, cache: Path) -> Toolchain:
+    """Look for a compiler; the arguments are all that the outcome depends on."""
+    if named:
+        return _named(named)
+    reasons = []
+    for command in _candidates(path):
+        try:
+            return _working(command)
+        except CompilerError as error:
+            reasons.append(str(error).partition(" The command was")[0])
+    tried = f" What they said: {' '.join(reasons)}" if reasons else ""
+    raise CompilerError(
+        f"no working C compiler was found: looked for {', '.join(_ON_PATH)} on PATH and for the "
+        f"Python package ziglang. {_INSTALL}{tried}"
+    )
+
+
+def _named(text: str) -> Toolchain:
+    command = shlex.split(text, posix=os.name != "nt")
+    if command[0] == "zig" and shutil.which("zig") is None and _zig():
+        command = [*_zig(), *command[1:]]
+    try:
+        return _working(tuple(command))
+    except CompilerError as error:
+        raise CompilerError(
+            f"the C compiler named in the environment variable {VARIABLE} ({text!r}) does not "
+            f"work: {error} {_INSTALL}"
+        ) from error
+
+
+def _candidates(path: str | None) -> list[tuple[str, ...]]:
+    found = [shutil.which(name, path=path) for name in _ON_PATH]
+    commands: list[tuple[str, ...]] = [(name,) for name in found if name]
+    return [*commands, (*_zig(), "cc")] if _zig() else commands
+
+
+def _zig() -> tuple[str, ...]:
+    """Return the command of the ziglang wheel, () without it; -P: not from the work folder."""
+    if importlib.util.find_spec("ziglang") is None:
+        return ()
+    return (sys.executable, "-P", "-m", "ziglang")
+
+
+def _working(command: tuple[str, ...]) -> Toolchain:
+    """Return the toolchain of ``command`` once its probe has been compiled, loaded and called."""
+    name = "zig cc" if is_zig(command) else Path(command[0]).name
+    toolchain = Toolchain(command, name, _version(command), default_flags(command))
+    library = build_library({"probe.c": _PROBE}, toolchain, name="probe", timeout=120.0)
+    try:
+        answer = ctypes.CDLL(str(library)).wmr_probe(41)
+    except (OSError, AttributeError) as error:
+        raise CompilerError(f"What {name} compiled cannot be loaded: {error}.") from error
+    if answer != 42:
+        raise CompilerError(f"What {name} compiled computes 41 + 1 as {answer}.")
+    return toolchain
+
+
+def _version(command: tuple[str, ...]) -> str:
+    """Return what the compiler calls itself; zig's own number is not in what its cc says."""
+    line = _first_line((*command, "--version"))
+    return f"zig {_first_line((*command[:-1], 'version'))}, {line}" if is_zig(command) else line
+
+
+def _first_line(command: tuple[str, ...]) -> str:
+    try:
+        finished = run_command(command, timeout=20.0)
+    except OSError as error:
+        raise CompilerError(f"`{shlex.join(command)}` cannot be started: {error}.") from error
+    if finished.timed_out:
+        raise CompilerError(f"`{shlex.join(command)}` gave no answer within 20 s.")
+    return finished.output.strip().partition("\n")[0].strip() or "unknown version"

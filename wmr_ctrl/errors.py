@@ -1,0 +1,41 @@
+"""Named exceptions. Each message is one paragraph: what is wrong, where, and the remedy."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class WmrError(Exception):
+    """Base of every error that a user can cause; the command line prints it and exits with 2."""
+
+
+class ScenarioError(WmrError, ValueError):
+    """A scenario's text, key, type or value is not usable; the message starts with the key path."""
+
+
+class UnknownNameError(WmrError, LookupError):
+    """A name (scenario, law, engine, gain, key) that is not known; the message lists the near ones."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
+        options = sorted(known)
+        near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
+        hint = f"near: {', '.join(near)}; " if near else ""
+        tail = f" {remedy}" if remedy else ""
+        super().__init__(f"no {kind} is named {name!r} ({hint}known: {', '.join(options)}).{tail}")
+
+
+class CompilerError(WmrError, RuntimeError):
+    """No C compiler was found, or it refused the generated source."""
+
+
+class ResultFileError(WmrError, ValueError):
+    """A saved run cannot be read, or a result cannot be written."""
+
+
+class MissingExtraError(WmrError, ImportError):
+    """An optional package is missing; the message names what to install."""
+
+
+class ArgumentError(WmrError, ValueError):
+    """An argument of the command line or of the Python interface is out of its range."""

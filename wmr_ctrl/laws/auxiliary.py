@@ -1,0 +1,39 @@
+"""The auxiliary velocity v_c0, Eq. (7), and its exact rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.scenario.fields import Section, quantity
+
+
+@dataclass(frozen=True)
+class Gains(Section):
+    """Gains of the kinematic loop, shared by all laws (k_1, k_2, k_3 > 0, k_2 >= 1)."""
+
+    KEY: ClassVar[str] = "gains.kinematics"
+
+    k: tuple[float, float, float] = quantity(
+        (10.0, 5.0, 4.0), unit="1/s, 1/m2, 1/s", doc="k_1, k_2, k_3 of Eq. (7), paper Section V", above=0.0
+    )
+
+
+def auxiliary_velocity(e: ca.SX, v_d: ca.SX, k: ca.SX) -> ca.SX:
+    """v_c0 of Eq. (7): (v1_d cos e3 + k1 e1, v2_d + k2 v1_d e2 + k3 sin e3) [m/s, rad/s]."""
+    return ca.vertcat(
+        v_d[0] * ca.cos(e[2]) + k[0] * e[0],
+        v_d[1] + k[1] * v_d[0] * e[1] + k[2] * ca.sin(e[2]),
+    )
+
+
+def auxiliary_rate(e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> ca.SX:
+    """v_c0' by the chain rule through Eqs. (7), (33)-(35): exact for measured v and given v_d'."""
+    e_sym, v_d_sym = ca.SX.sym("e", 3), ca.SX.sym("v_d", 2)
+    arguments = ca.vertcat(e_sym, v_d_sym)
+    direction = ca.vertcat(error_rate(e, v, v_d), v_d_dot)
+    rate = ca.jtimes(auxiliary_velocity(e_sym, v_d_sym, k), arguments, direction)
+    return ca.substitute(rate, arguments, ca.vertcat(e, v_d))

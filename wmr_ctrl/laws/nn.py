@@ -1,0 +1,75 @@
+"""Adaptive RBF-network barrier law of the paper.
+
+Source: Eqs. (57), (58), Theorem 2.  Differences from the paper: nodes, width and start weights are
+not given and are READ INTO it (64 nodes on the corners of [-1, 1]^6, shared by both axes, width
+sqrt 2, zero weights); the regressor A/(v - v_c1), unbounded on R2, is capped; V1/A and q by
+cancellation-free forms.  Choose it when mass and friction are unknown or change.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.laws.gains import gains_of
+from wmr_ctrl.laws.rbf import corner_basis, dot
+from wmr_ctrl.laws.sample import AXES, Sample
+from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.signals import Signal
+
+NODES = 64
+WEIGHTS = tuple(
+    Signal(f"W_hat{axis + 1}", unit, f"network weights of axis {axis + 1}", NODES)
+    for axis, unit in zip(AXES, ("N.s/m", "N.m.s/rad"), strict=True)
+)
+W_NORM = Signal("W_norm", "N.s/m, N.m.s/rad", "norms of the weights, after the sample's update", 2)
+
+
+@dataclass(frozen=True)
+class Gains(Section):
+    """Gains of the network law, per axis (linear, angular) where there are two."""
+
+    KEY: ClassVar[str] = "gains.nn"
+
+    rho1: tuple[float, float] = quantity((1350.0, 21.6), unit="kg/s, kg.m2/s", doc="gain on V1/A, Eq. (57)", above=0.0)
+    Gamma: tuple[float, float] = quantity((20000.0, 800.0), unit="1", doc="adaptation gain, Eq. (58)", minimum=0.0)
+    sigma: tuple[float, float] = quantity((1e-4, 1e-4), unit="1/s", doc="leak of the weights, Eq. (58)", minimum=0.0)
+    eta: float = quantity(math.sqrt(2.0), unit="1", doc="width of the Gaussians (read into the paper)", above=0.0)
+    node: float = quantity(1.0, unit="1", doc="corner coordinate of the nodes (read into the paper)", above=0.0)
+    ratio_cap: float = quantity(1e3, unit="1", doc="cap of the regressor A/(v - v_c1) = 1/q", above=0.0)
+    integrator: str = quantity(
+        "explicit", unit="1", doc="Euler step of the weights", options=("explicit", "semi-implicit")
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """F = -rho1 V1/A + q (W^ S(Z)), Eq. (57), then the weights' step, Eq. (58)."""
+    sample = Sample("nn", scenario)
+    weights = tuple(port(signal) for signal in WEIGHTS)
+    basis = corner_basis(regressor(sample), sample.gain("eta"), sample.gain("node"))
+    network = ca.vertcat(*(dot(item.sym, basis) for item in weights))
+    force = -sample.gain("rho1") * sample.per_axis("V1_over_A") + sample.per_axis("q") * network
+    following = [_adapted(sample, i, weights[i].sym, basis, scenario) for i in AXES]
+    norms = ca.vertcat(*(ca.sqrt(dot(item, item)) for item in following))
+    return sample.system("adaptive network (NN)", force, weights, ca.vertcat(*following), (Output(W_NORM, norms),))
+
+
+def regressor(sample: Sample) -> ca.SX:
+    """Z = (v_c0', min(A/(v - v_c1), cap), v), 6x1; the ratio is 1/q."""
+    q, cap = sample.per_axis("q"), sample.gain("ratio_cap")
+    ratio = [ca.if_else(q[i] * cap > 1, 1 / ca.if_else(q[i] * cap > 1, q[i], 1), cap) for i in AXES]
+    return ca.vertcat(sample.v_c0_dot, *ratio, sample.v)
+
+
+def _adapted(sample: Sample, axis: int, weights: ca.SX, basis: ca.SX, scenario: Scenario) -> ca.SX:
+    """Weights after one Euler step of W' = -Gamma (S w + sigma W), w = v - v_c1, Eq. (58)."""
+    rate = sample.period * sample.gain("Gamma")[axis]
+    learning, leak = rate * sample.barrier[axis].w, rate * sample.gain("sigma")[axis]
+    if gains_of(scenario, "nn").integrator == "semi-implicit":
+        return (weights - learning * basis) / (1 + leak)
+    return (1 - leak) * weights - learning * basis

@@ -1,0 +1,43 @@
+"""PID on the velocity error (a PD: the paper gives no integral gain).
+
+Source: Section V, K_p = diag(210, 1.1), K_d = diag(0.64, 0.08).  Differences from the paper: the
+paper does not say what the three gains act on; read here as z = v - v_c0 with the derivative by a
+backward difference, giving a generalised force before B1^-1 (of the meanings tried, the one with
+believable wheel torques).  Choose it only to compare with: it knows no velocity limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.model.system import System, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.signals import Signal
+
+Z_OLD = Signal("z_previous", "m/s, rad/s", "velocity error of the previous sample", 2)
+STARTED = Signal("started", "1", "0 before the first sample, then 1")
+
+
+@dataclass(frozen=True)
+class Gains(Section):
+    """Gains of the PID law, per axis (linear, angular)."""
+
+    KEY: ClassVar[str] = "gains.pid"
+
+    Kp: tuple[float, float] = quantity((210.0, 1.1), unit="N.s/m, N.m.s/rad", doc="proportional gain", minimum=0.0)
+    Kd: tuple[float, float] = quantity((0.64, 0.08), unit="kg, kg.m2", doc="derivative gain", minimum=0.0)
+
+
+def build(scenario: Scenario) -> System:
+    """F = -Kp z - Kd z', z = v - v_c0; z' = 0 at the first sample."""
+    sample = Sample("pid", scenario)
+    old, started = port(Z_OLD), port(STARTED)
+    z = sample.v - sample.v_c0
+    rate = ca.if_else(started.sym > 0, (z - old.sym) / sample.period, 0)
+    force = -sample.gain("Kp") * z - sample.gain("Kd") * rate
+    return sample.system("PID", force, (old, started), ca.vertcat(z, 1))

@@ -1,0 +1,106 @@
+"""Sample: what every law is given at one control sample, and how its System is put together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from wmr_ctrl.laws.auxiliary import auxiliary_rate, auxiliary_velocity
+from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.laws.stable_barrier import Barrier, stable_barrier
+from wmr_ctrl.model.dynamics import friction, reduced_mass
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, Port, System, ports, stack
+from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
+
+AXES = (0, 1)
+
+
+class Sample:
+    """Ports and shared quantities of a sampled law named ``law``.
+
+    Inputs in order: reference (7), measured pose (3), measured velocity (2).  ``v`` is the measured
+    velocity; barrier quantities see it clipped to v_u1 - limits.clip, everything else does not.
+    """
+
+    def __init__(self, law: str, scenario: Scenario) -> None:
+        """Fresh symbols for ``scenario``."""
+        self.law, self.scenario = law, scenario
+        self.inputs: tuple[Port, ...] = (*ports(REFERENCE), *ports(POSE), *ports(VELOCITY))
+        self.parameters = Parameters(scenario)
+        u = stack(item.sym for item in self.inputs)
+        self.pose_d, self.v_d, self.v_d_dot = u[0:3], u[3:5], u[5:7]
+        self.pose, self.v = u[7:10], u[10:12]
+        self.period = self.parameters.take("clock.control")
+
+    def gain(self, name: str) -> ca.SX:
+        """Symbol of one of the law's own gains."""
+        return self.parameters.field(f"gains.{self.law}.{name}", gains_of(self.scenario, self.law), name)
+
+    @cached_property
+    def e(self) -> ca.SX:
+        """Tracking error, Eq. (8), from the measured pose."""
+        return tracking_error(self.pose_d, self.pose)
+
+    @cached_property
+    def _k(self) -> ca.SX:
+        return self.parameters.field("gains.kinematics.k", kinematic_gains(self.scenario), "k")
+
+    @cached_property
+    def v_c0(self) -> ca.SX:
+        """Auxiliary velocity, Eq. (7)."""
+        return auxiliary_velocity(self.e, self.v_d, self._k)
+
+    @cached_property
+    def v_c0_dot(self) -> ca.SX:
+        """Its exact rate."""
+        return auxiliary_rate(self.e, self.v, self.v_d, self.v_d_dot, self._k)
+
+    @cached_property
+    def mass(self) -> ca.SX:
+        """Diagonal of the believed M1."""
+        return reduced_mass(self.parameters.take("model.m"), self.parameters.take("model.I"))
+
+    @cached_property
+    def friction(self) -> ca.SX:
+        """Believed F1 at the measured velocity."""
+        take = self.parameters.take
+        return friction(take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), self.v)
+
+    @cached_property
+    def barrier(self) -> tuple[Barrier, Barrier]:
+        """Barrier quantities of both axes, Eqs. (10)-(20)."""
+        u1, u2, clip = (self.parameters.take(f"limits.{name}") for name in ("v_u1", "v_u2", "clip"))
+        inside = [ca.fmax(clip - u1[i], ca.fmin(u1[i] - clip, self.v[i])) for i in AXES]
+        first, second = (stable_barrier(self.v_c0[i], inside[i], u1[i], u2[i]) for i in AXES)
+        return first, second
+
+    def per_axis(self, name: str) -> ca.SX:
+        """One barrier quantity of both axes as a column."""
+        return ca.vertcat(*(getattr(axis, name) for axis in self.barrier))
+
+    def diagnostics(self) -> tuple[Output, ...]:
+        """The diagnostics that every law publishes."""
+        u1 = self.parameters.take("limits.v_u1")
+        share = [1 - ca.fabs(self.v[i]) / u1[i] for i in AXES]
+        v1 = self.barrier[0].V1 + self.barrier[1].V1
+        exprs = (self.v_c0, self.per_axis("v_c1"), v1, self.per_axis("q"), ca.fmin(*share))
+        return tuple(Output(signal, expr) for signal, expr in zip(DIAGNOSTICS, exprs, strict=True))
+
+    def system(self, title: str, force: ca.SX, state: Sequence[Port] = (), update: Any = None,
+               diagnostics: Sequence[Output] = ()) -> System:
+        """The law's System: state and next state, generalised force (N, N m), own diagnostics."""
+        following = ca.SX(0, 1) if update is None else update
+        every = (*self.diagnostics(), *diagnostics)
+        return System(self.law, title, self.inputs, tuple(state), self.parameters.ports, following,
+                      (Output(FORCE, force),), every, self.scenario.clock.control)
+
+
+def own_diagnostics(law: System) -> tuple[Signal, ...]:
+    """What a law publishes beside the diagnostics that all laws have."""
+    return tuple(item.signal for item in law.diagnostics[len(DIAGNOSTICS) :])

@@ -1,0 +1,54 @@
+"""Adaptive sliding mode, a stand-in for the paper's reference [32].
+
+Source: the usual form of an adaptive sliding-mode dynamic controller.  Differences from the paper:
+the law of [32] is not in the paper's text, so form and gains are READ INTO the paper; what is found
+with it says nothing about [32] itself.  s = v_c0 - v; mass and friction are estimated per axis from
+zero.  Choose it to compare with: it tracks best of the four because it ignores the velocity limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.signals import Signal
+
+MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sample's update", 2)
+FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the sample's update", 2)
+
+
+@dataclass(frozen=True)
+class Gains(Section):
+    """Gains of the stand-in, per axis (linear, angular) where there are two."""
+
+    KEY: ClassVar[str] = "gains.smc"
+
+    K: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on s", minimum=0.0)
+    eta: tuple[float, float] = quantity((5.0, 0.5), unit="N, N.m", doc="switching gain", minimum=0.0)
+    boundary: float = quantity(0.1, unit="m/s", doc="half-width of the boundary layer of sat", above=0.0)
+    v_s: float = quantity(0.01, unit="m/s", doc="smoothing speed of the friction estimate", above=0.0)
+    g_m: float = quantity(0.5, unit="kg.s2/m2", doc="adaptation gain of the mass", minimum=0.0)
+    g_F: float = quantity(50.0, unit="N/m", doc="adaptation gain of the friction", minimum=0.0)
+    axis_scale: tuple[float, float] = quantity((1.0, 0.1), unit="1", doc="share of the adaptation per axis", minimum=0.0)
+
+
+def build(scenario: Scenario) -> System:
+    """F = m^ vc0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary); estimates by explicit Euler."""
+    sample = Sample("smc", scenario)
+    mass, force_hat = port(MASS), port(FRICTION)
+    s = sample.v_c0 - sample.v
+    shape = ca.tanh(sample.v / sample.gain("v_s"))
+    saturated = ca.fmax(-1, ca.fmin(1, s / sample.gain("boundary")))
+    force = (mass.sym * sample.v_c0_dot + force_hat.sym * shape
+             + sample.gain("K") * s + sample.gain("eta") * saturated)
+    step = sample.period * sample.gain("axis_scale") * s
+    mass_next = mass.sym + step * sample.gain("g_m") * sample.v_c0_dot
+    force_next = force_hat.sym + step * sample.gain("g_F") * shape
+    own = (Output(MASS, mass_next), Output(FRICTION, force_next))
+    return sample.system("adaptive SMC (stand-in)", force, (mass, force_hat), ca.vertcat(mass_next, force_next), own)

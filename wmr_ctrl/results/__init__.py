@@ -1,0 +1,63 @@
+"""What a run leaves behind: its log, its outcome, the figures taken from it, and its files.
+
+Everything here works on a finished :class:`Run`, whichever engine made it; nothing here computes
+a trajectory.
+"""
+
+from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
+from wmr_ctrl.results.diagnostics import (
+    Rises,
+    WeightNorm,
+    distance,
+    rises,
+    settling_time,
+    weight_norm,
+)
+from wmr_ctrl.results.facts import Fact
+from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable
+from wmr_ctrl.results.io import check_suffix, load_run, runs_equal, save_run
+from wmr_ctrl.results.metrics import e_rms, ise, ise_over, summary, tau_peak, tau_rms
+from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor
+from wmr_ctrl.results.outcomes import Outcome, outcome_of
+from wmr_ctrl.results.plain import json_safe
+from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.settings import Settings
+from wmr_ctrl.results.windows import covered, span, window
+
+__all__ = [
+    "DIVERGENCE",
+    "ColumnDifference",
+    "Comparison",
+    "Event",
+    "Fact",
+    "FloatArray",
+    "Monitor",
+    "Outcome",
+    "Rises",
+    "Run",
+    "Settings",
+    "WeightNorm",
+    "atomic_path",
+    "atomic_write",
+    "check_suffix",
+    "check_writable",
+    "compare",
+    "covered",
+    "distance",
+    "e_rms",
+    "ise",
+    "ise_over",
+    "json_safe",
+    "load_run",
+    "outcome_of",
+    "rises",
+    "runs_equal",
+    "save_run",
+    "settling_time",
+    "span",
+    "summary",
+    "tau_peak",
+    "tau_rms",
+    "weight_norm",
+    "window",
+]

@@ -1,0 +1,152 @@
+"""Where two runs differ, and by how much."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results.comparison_text import comparison_text
+from wmr_ctrl.results.facts import Fact, differing_facts
+from wmr_ctrl.results.run import FloatArray, Run
+
+Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
+
+_TICK = 1e-9
+"""Runs of different control periods are matched at sample times on a grid this fine [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnDifference:
+    """How far apart one logged number is in two runs, over the samples that they share.
+
+    ``largest`` [unit] is the largest absolute difference, inf where only one of the two is finite
+    or an infinity changes its sign; ``time`` [s] its first occurrence; ``relative`` is it divided
+    by the range that the finite values of both runs span.
+    """
+
+    name: str
+    unit: str
+    largest: float
+    time: float
+    relative: float
+
+    def within(self, tolerance: float) -> bool:
+        """Whether the difference is at most ``tolerance``, in the unit or relative to the range."""
+        return min(self.largest, self.relative) <= tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two runs side by side.
+
+    ``columns``: one entry per number that both runs log, empty if they share no sample; ``rows``:
+    number of samples that they share; ``facts``: labels, settings, readings and provenance that
+    differ; ``notes``: sentences on what was left out; ``verdict``: "equal" (no shared value
+    differs), "agree" (each within ``tolerance``), "differ" or "nothing shared".
+    """
+
+    columns: tuple[ColumnDifference, ...]
+    rows: int
+    facts: tuple[Fact, ...]
+    notes: tuple[str, ...]
+    tolerance: float
+    verdict: Verdict
+
+    def __str__(self) -> str:
+        """The comparison as a table and a closing sentence, plain text."""
+        return comparison_text(self)
+
+
+def compare(run_a: Run, run_b: Run, tolerance: float = 1e-9) -> Comparison:
+    """Compare the columns and samples that both runs have, and list what else differs.
+
+    ``tolerance`` applies in a column's own unit or relative to its range, whichever is kinder.
+    Runs whose outcomes differ over the same samples differ, however close their columns are.
+    Raises ArgumentError for a tolerance that is negative or not a number.
+    """
+    if not tolerance >= 0:
+        raise ArgumentError(f"tolerance = {tolerance!r} must be zero or a positive number.")
+    rows_a, rows_b = _shared_rows(run_a, run_b)
+    columns = tuple(
+        _difference(signal.name, run_a, run_b, rows_a, rows_b)
+        for signal in run_a.elements
+        if signal.name in run_b and len(rows_a)
+    )
+    facts = differing_facts(run_a, run_b, tolerance)
+    notes = (*_column_notes(run_a, run_b), *_sample_notes(run_a, run_b, len(rows_a)))
+    same_span = len(rows_a) == run_a.rows == run_b.rows
+    verdict = _verdict(columns, tolerance, same_span and run_a.outcome != run_b.outcome)
+    return Comparison(columns, len(rows_a), facts, notes, tolerance, verdict)
+
+
+def _shared_rows(run_a: Run, run_b: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    if run_a.settings.control == run_b.settings.control:
+        rows = np.arange(min(run_a.rows, run_b.rows))
+        return rows, rows
+    ticks_a, ticks_b = (np.rint(run.time / _TICK).astype(np.int64) for run in (run_a, run_b))
+    _, rows_a, rows_b = np.intersect1d(ticks_a, ticks_b, assume_unique=True, return_indices=True)
+    return rows_a, rows_b
+
+
+def _difference(
+    name: str, run_a: Run, run_b: Run, rows_a: NDArray[np.intp], rows_b: NDArray[np.intp]
+) -> ColumnDifference:
+    a, b = run_a[name][rows_a], run_b[name][rows_b]
+    apart = _apart(a, b)
+    row = int(np.argmax(apart))
+    largest = float(apart[row])
+    relative = _relative(largest, a, b)
+    return ColumnDifference(
+        name, run_a.signal(name).unit, largest, float(run_a.time[rows_a[row]]), relative
+    )
+
+
+def _apart(a: FloatArray, b: FloatArray) -> FloatArray:
+    """|a - b| by element: 0 for equal values (NaN equals NaN), inf for one finite, one not."""
+    same = (a == b) | (np.isnan(a) & np.isnan(b))
+    comparable = np.isfinite(a) & np.isfinite(b) & ~same
+    with np.errstate(over="ignore"):
+        gaps = np.abs(np.subtract(a, b, out=np.zeros_like(a), where=comparable))
+    return np.where(same | comparable, gaps, np.inf)
+
+
+def _relative(largest: float, a: FloatArray, b: FloatArray) -> float:
+    if largest == 0 or math.isinf(largest):
+        return largest
+    values = np.concatenate((a, b))
+    finite = values[np.isfinite(values)]
+    span = float(np.max(finite)) - float(np.min(finite))
+    return largest / span if math.isfinite(span) else math.inf
+
+
+def _verdict(
+    columns: tuple[ColumnDifference, ...], tolerance: float, outcomes_differ: bool
+) -> Verdict:
+    if not columns:
+        return "nothing shared"
+    if outcomes_differ or not all(column.within(tolerance) for column in columns):
+        return "differ"
+    return "agree" if any(column.largest > 0 for column in columns) else "equal"
+
+
+def _column_notes(run_a: Run, run_b: Run) -> list[str]:
+    notes = []
+    for label, run, other in (("first", run_a, run_b), ("second", run_b, run_a)):
+        alone = [signal.name for signal in run.elements if signal.name not in other]
+        if alone:
+            notes.append(f"Only the {label} run logs {', '.join(alone)}.")
+    return notes
+
+
+def _sample_notes(run_a: Run, run_b: Run, shared: int) -> list[str]:
+    if shared == run_a.rows == run_b.rows:
+        return []
+    return [
+        f"The first run has {run_a.rows} samples and the second {run_b.rows}; "
+        f"they share {shared}, and only these are compared."
+    ]

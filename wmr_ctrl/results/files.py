@@ -1,0 +1,93 @@
+"""Writing files so that a reader finds the whole file or none."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+from wmr_ctrl.errors import ResultFileError
+
+_REMEDIES = {
+    errno.EACCES: "Choose a folder that you may write to.",
+    errno.EPERM: "Choose a folder that you may write to.",
+    errno.EROFS: "Choose a folder that is not read-only.",
+    errno.ENOSPC: "Free some space or choose another disk; nothing was left behind.",
+    errno.EDQUOT: "Free some space or choose another disk; nothing was left behind.",
+    errno.EFBIG: "Choose a disk that takes files of this size; nothing was left behind.",
+    errno.ENAMETOOLONG: "Choose a shorter name.",
+}
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A scratch path beside ``path``, of the same suffix, that replaces it when all went well.
+
+    For writers that want a path; see :func:`atomic_write` for those that want a file.  Whatever
+    goes wrong inside, the scratch file is removed and ``path`` keeps its former content.
+    Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
+    """
+    target = check_writable(path)
+    scratch = target.with_name(f".{secrets.token_hex(8)}{target.suffix}")
+    try:
+        yield scratch
+        os.replace(scratch, target)
+    except OSError as error:
+        raise _refusal(path, error) from error
+    finally:
+        with suppress(OSError):
+            scratch.unlink()
+
+
+@contextmanager
+def atomic_write(path: str | os.PathLike[str], *, text: bool = False) -> Iterator[IO[Any]]:
+    """An open file that becomes ``path`` when all went well: bytes, or UTF-8 if ``text``.
+
+    Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
+    """
+    how: dict[str, Any] = {"mode": "wb"}
+    if text:
+        how = {"mode": "w", "encoding": "utf-8", "newline": "\n"}
+    with atomic_path(path) as scratch, scratch.open(**how) as file:
+        yield file
+
+
+def check_writable(path: str | os.PathLike[str]) -> Path:
+    """The file that writing to ``path`` would replace, links followed; nothing is touched.
+
+    Raises ResultFileError where it is plain beforehand that it cannot be written.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        reason = _objection(target)
+    except (OSError, ValueError) as error:
+        raise _refusal(path, error) from error
+    if reason:
+        raise ResultFileError(f"cannot write {os.fspath(path)!r}: {reason}")
+    return target
+
+
+def _objection(target: Path) -> str:
+    folder = target.parent
+    if target.is_dir():
+        return "it is a folder. Give the name of a file."
+    if target.exists() and not target.is_file():
+        return "it is a device or a pipe, not a regular file. Give the name of a file."
+    if target.exists() and not os.access(target, os.W_OK):
+        return "it is write-protected. Choose another name, or allow writing to it."
+    if not folder.is_dir():
+        return f"its folder {str(folder)!r} does not exist. Create the folder first."
+    if not os.access(folder, os.W_OK):
+        return f"its folder {str(folder)!r} may not be written to. {_REMEDIES[errno.EACCES]}"
+    return ""
+
+
+def _refusal(path: str | os.PathLike[str], error: OSError | ValueError) -> ResultFileError:
+    number = getattr(error, "errno", None)
+    reason = os.strerror(number) if number else str(error)
+    remedy = _REMEDIES.get(number or 0, "Choose another path.")
+    return ResultFileError(f"cannot write {os.fspath(path)!r}: {reason}. {remedy}")

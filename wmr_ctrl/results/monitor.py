@@ -1,0 +1,67 @@
+"""What the loop watched at t = 0 and at every plant step, finer than the log's samples."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from wmr_ctrl.errors import ArgumentError
+
+Event: TypeAlias = tuple[float, int]
+"""A time [s] and a velocity axis: 1 linear, 2 angular."""
+
+DIVERGENCE = 1e3
+"""A run ends where |v1| [m/s] or |omega| [rad/s] reaches this."""
+
+STOP_REASONS = ("", "diverged", "non-finite")
+
+
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """Extremes and events of a run, over t = 0 and every plant step.
+
+    ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``violations``: number of plant steps
+    strictly beyond a limit; ``first_violation``: time [s] and axis of the first of them;
+    ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none).
+    Raises ArgumentError where the fields contradict one another.
+    """
+
+    max_abs_v: tuple[float, float]
+    violations: int = 0
+    first_violation: Event | None = None
+    stopped: Event | None = None
+    stop_reason: str = ""
+
+    def __post_init__(self) -> None:
+        linear, angular = self.max_abs_v
+        object.__setattr__(self, "max_abs_v", (float(linear), float(angular)))
+        object.__setattr__(self, "violations", operator.index(self.violations))
+        for name in ("first_violation", "stopped"):
+            object.__setattr__(self, name, _event(name, getattr(self, name)))
+        self._check()
+
+    def _check(self) -> None:
+        if self.stop_reason not in STOP_REASONS:
+            raise ArgumentError(
+                f"monitor.stop_reason = {self.stop_reason!r} must be one of {STOP_REASONS}."
+            )
+        if (self.violations > 0) != (self.first_violation is not None):
+            raise ArgumentError(
+                f"monitor.violations = {self.violations} does not fit monitor.first_violation = "
+                f"{self.first_violation}: give both, or neither."
+            )
+        if bool(self.stop_reason) != (self.stopped is not None):
+            raise ArgumentError(
+                f"monitor.stop_reason = {self.stop_reason!r} does not fit monitor.stopped = "
+                f"{self.stopped}: give both, or neither."
+            )
+
+
+def _event(name: str, value: Event | None) -> Event | None:
+    if value is None:
+        return None
+    time, axis = value
+    if axis not in (1, 2):
+        raise ArgumentError(f"monitor.{name} names axis {axis!r}; it must be 1 or 2.")
+    return float(time), operator.index(axis)

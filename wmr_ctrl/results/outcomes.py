@@ -1,0 +1,80 @@
+"""How a run ended: a value, never an exception, with a sentence that says what to do about it."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor
+
+_AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s")}
+
+
+class Outcome(StrEnum):
+    """How a run ended.  The value is the word that files and ``--json`` show."""
+
+    COMPLETED = "completed"
+    LIMIT_VIOLATED = "limit-violated"
+    DIVERGED = "diverged"
+    NON_FINITE = "non-finite"
+
+    def sentence(self, monitor: Monitor) -> str:
+        """What happened, when [s], on which axis, and the remedy, for the run that was watched."""
+        return _SENTENCES[self].format(
+            violation=_place(monitor.first_violation),
+            stop=_place(monitor.stopped),
+            unit=_unit(monitor.stopped),
+            bound=f"{DIVERGENCE:g}",
+            steps=_steps(monitor.violations),
+            extremes=_extremes(monitor.max_abs_v),
+        )
+
+
+_SENTENCES = {
+    Outcome.COMPLETED: (
+        "The run completed and both velocities stayed within their limits ({extremes}); "
+        "nothing needs to be done."
+    ),
+    Outcome.LIMIT_VIOLATED: (
+        "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
+        "({extremes}). Switch the guard on, start inside the limits, or ask for a slower "
+        "reference."
+    ),
+    Outcome.DIVERGED: (
+        "The run ended early because of the {stop}: it reached {bound} {unit}, which no robot "
+        "survives. Shorten clock.control, lower the law's gains, or start nearer to the reference."
+    ),
+    Outcome.NON_FINITE: (
+        "The run ended early because of the {stop}: it was no longer a finite number. Shorten "
+        "clock.control and clock.plant, and look for gains or torques that overflow."
+    ),
+}
+
+
+def outcome_of(monitor: Monitor) -> Outcome:
+    """The gravest thing that the monitor saw: non-finite, diverged, limit-violated, completed."""
+    if monitor.stop_reason == "non-finite" or not all(map(math.isfinite, monitor.max_abs_v)):
+        return Outcome.NON_FINITE
+    if monitor.stop_reason == "diverged" or max(monitor.max_abs_v) >= DIVERGENCE:
+        return Outcome.DIVERGED
+    return Outcome.LIMIT_VIOLATED if monitor.violations else Outcome.COMPLETED
+
+
+def _place(event: Event | None) -> str:
+    if event is None:
+        return "velocity, at a time that was not recorded"
+    time, axis = event
+    return f"{_AXES[axis][0]} at t = {time:.6g} s"
+
+
+def _unit(event: Event | None) -> str:
+    return _AXES[event[1]][1] if event else "m/s or rad/s"
+
+
+def _steps(count: int) -> str:
+    return "1 plant step was" if count == 1 else f"{count} plant steps were"
+
+
+def _extremes(max_abs_v: tuple[float, float]) -> str:
+    linear, angular = max_abs_v
+    return f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s"

@@ -1,0 +1,178 @@
+"""Run: the one result type, whichever engine made it."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results.monitor import Monitor
+from wmr_ctrl.results.outcomes import Outcome, outcome_of
+from wmr_ctrl.results.settings import Settings
+from wmr_ctrl.signals import TIME, Signal
+
+__all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """A finished run of the closed loop: one row per control sample t_k = k * control.
+
+    ``columns`` maps each signal's name to its log, shape (N,) for a scalar and (N, size) for a
+    vector, in the signals' SI units; N is smaller than ``settings.samples`` if the run ended
+    early.  Arrays are copied and read-only.  ``run["v1"]`` is a column, ``run["v_c0[1]"]`` an
+    element of one.  ``provenance`` says what made the run (versions, hashes, scenario text).
+    Raises ArgumentError where names, shapes, clock or outcome contradict one another.
+    """
+
+    scenario: str
+    law: str
+    guard: bool
+    seed: int
+    engine: str
+    settings: Settings
+    signals: tuple[Signal, ...]
+    columns: Mapping[str, FloatArray]
+    monitor: Monitor
+    outcome: Outcome
+    provenance: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        columns = {name: _frozen(values) for name, values in self.columns.items()}
+        provenance = {str(key): str(value) for key, value in self.provenance.items()}
+        self._set("columns", MappingProxyType(columns))
+        self._set("provenance", MappingProxyType(provenance))
+        self._set("signals", tuple(self.signals))
+        self._set("outcome", Outcome(self.outcome))
+        self._set("seed", operator.index(self.seed))
+        _check_labels(self)
+        _check_columns(self)
+        _check_clock(self)
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def __reduce__(self) -> tuple[type[Run], tuple[Any, ...]]:
+        """Pickle and copy through the constructor: a mapping proxy by itself cannot be pickled."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values |= {"columns": dict(self.columns), "provenance": dict(self.provenance)}
+        return Run, tuple(values.values())
+
+    def __repr__(self) -> str:
+        guarded = ", guarded" if self.guard else ""
+        return (
+            f"<Run {self.scenario}, {self.law}{guarded}, seed {self.seed}, {self.engine}: "
+            f"{self.rows} rows, {self.outcome}>"
+        )
+
+    @property
+    def rows(self) -> int:
+        """Number N of logged samples."""
+        return len(self.columns[TIME.name])
+
+    @property
+    def time(self) -> FloatArray:
+        """Sample times t_k [s], shape (N,)."""
+        return self.columns[TIME.name]
+
+    @property
+    def explanation(self) -> str:
+        """The outcome as a sentence: what, when, which axis, and the remedy."""
+        return self.outcome.sentence(self.monitor)
+
+    @property
+    def elements(self) -> tuple[Signal, ...]:
+        """One scalar signal per logged number of a row, in order (``v_c0[1]``, ``v_c0[2]``)."""
+        return tuple(scalar for signal in self.signals for scalar in _scalars(signal))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns or any(name in signal.elements for signal in self.signals)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """A column, shape (N,) or (N, size), or one element of it, shape (N,), by its name.
+
+        Raises UnknownNameError for any other name.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        owner = self._owner(name)
+        return self.columns[owner.name][:, owner.elements.index(name)]
+
+    def signal(self, name: str) -> Signal:
+        """Name, unit, size and meaning of a column, or of one element of it (size 1).
+
+        Raises UnknownNameError for any other name.
+        """
+        owner = self._owner(name)
+        if name == owner.name:
+            return owner
+        return _scalars(owner)[owner.elements.index(name)]
+
+    def _owner(self, name: str) -> Signal:
+        for signal in self.signals:
+            if name == signal.name or name in signal.elements:
+                return signal
+        raise UnknownNameError("column", name, (signal.name for signal in self.signals))
+
+
+def _scalars(signal: Signal) -> tuple[Signal, ...]:
+    pairs = zip(signal.elements, signal.units, strict=True)
+    return tuple(Signal(name, unit, signal.meaning) for name, unit in pairs)
+
+
+def _frozen(values: object) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def _check_labels(run: Run) -> None:
+    for name in ("scenario", "law", "engine"):
+        if not isinstance(getattr(run, name), str):
+            raise ArgumentError(f"run.{name} = {getattr(run, name)!r} must be a text.")
+    if not isinstance(run.guard, bool):
+        raise ArgumentError(f"run.guard = {run.guard!r} must be True or False.")
+    if run.outcome != outcome_of(run.monitor):
+        raise ArgumentError(
+            f"run.outcome = {run.outcome.value!r} does not fit what the monitor saw, which is "
+            f"{outcome_of(run.monitor).value!r}. Use outcome_of(monitor)."
+        )
+
+
+def _check_columns(run: Run) -> None:
+    names = [signal.name for signal in run.signals]
+    if names[:1] != [TIME.name]:
+        raise ArgumentError(f"run.signals must begin with the time {TIME.name!r}, not {names[:1]}.")
+    if len(set(names)) != len(names) or set(names) != set(run.columns):
+        raise ArgumentError(
+            f"run.columns ({', '.join(run.columns)}) must have each signal ({', '.join(names)}) "
+            "once."
+        )
+    rows = run.columns[TIME.name].shape[:1]
+    for signal in run.signals:
+        wanted = rows if signal.size == 1 else (*rows, signal.size)
+        if run.columns[signal.name].shape != wanted:
+            raise ArgumentError(
+                f"run.columns[{signal.name!r}] has the shape {run.columns[signal.name].shape}; "
+                f"it must be {wanted}, one row per sample."
+            )
+
+
+def _check_clock(run: Run) -> None:
+    control = run.settings.control
+    if run.rows > run.settings.samples:
+        raise ArgumentError(
+            f"the run has {run.rows} rows, more than the {run.settings.samples} samples of "
+            f"{run.settings.duration:g} s at {control:g} s."
+        )
+    late = np.abs(run.time - control * np.arange(run.rows)) > 1e-6 * control
+    if late.any() or not np.isfinite(run.time).all():
+        raise ArgumentError(f"run.time must be k * {control:g} s in row k, counted from 0.")

@@ -1,0 +1,59 @@
+"""The few numbers of a scenario that are needed to read a finished run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from wmr_ctrl.errors import ArgumentError
+
+_GRID = 1e-6
+"""Times this close to a sample, in sample periods, count as that sample: 0.3/0.1 is not 3."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Clocks, limits and windows under which a run was made.
+
+    ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as asked for;
+    ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
+    before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s].
+    Raises ArgumentError where a number is not finite or not positive.
+    """
+
+    control: float
+    plant: float
+    duration: float
+    v_u1: tuple[float, float]
+    split: float
+    rms_from: float = 2.0
+
+    def __post_init__(self) -> None:
+        for name in ("control", "plant", "duration", "split", "rms_from"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+        linear, angular = self.v_u1
+        object.__setattr__(self, "v_u1", (float(linear), float(angular)))
+        self._check()
+
+    def _check(self) -> None:
+        for name in ("control", "plant", "duration"):
+            if not 0 < getattr(self, name) < math.inf:
+                raise ArgumentError(_message(name, getattr(self, name), "finite and positive"))
+        for name in ("split", "rms_from"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise ArgumentError(_message(name, getattr(self, name), "finite and not negative"))
+        if not all(limit > 0 for limit in self.v_u1):
+            raise ArgumentError(_message("v_u1", self.v_u1, "two positive limits"))
+
+    @property
+    def samples(self) -> int:
+        """Number of control samples of a run that lasts its whole duration."""
+        return self.index(self.duration)
+
+    def index(self, time: float) -> int:
+        """The first sample k with k * control >= ``time`` [s]; never decided by rounding errors."""
+        return math.ceil(time / self.control - _GRID)
+
+
+def _message(name: str, value: object, wanted: str) -> str:
+    return f"settings.{name} = {value!r} must be {wanted}. Correct it where the run is built."

@@ -1,0 +1,42 @@
+"""Scenarios: frozen, validated dataclasses, read from TOML presets and users' files.
+
+This layer knows nothing of control laws or symbolic expressions; gains are kept as raw values.
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.scenario.actuator import Actuator as Actuator
+from wmr_ctrl.scenario.change import Change as Change
+from wmr_ctrl.scenario.clock import Clock as Clock
+from wmr_ctrl.scenario.disturbance import Disturbance as Disturbance
+from wmr_ctrl.scenario.fields import REQUIRED as REQUIRED
+from wmr_ctrl.scenario.fields import Section as Section
+from wmr_ctrl.scenario.fields import build as build
+from wmr_ctrl.scenario.fields import quantities as quantities
+from wmr_ctrl.scenario.fields import quantity as quantity
+from wmr_ctrl.scenario.frozen import Frozen as Frozen
+from wmr_ctrl.scenario.initial import Initial as Initial
+from wmr_ctrl.scenario.limits import Limits as Limits
+from wmr_ctrl.scenario.metrics import Metrics as Metrics
+from wmr_ctrl.scenario.overrides import override as override
+from wmr_ctrl.scenario.overrides import parse_assignments as parse_assignments
+from wmr_ctrl.scenario.paths import path_of as path_of
+from wmr_ctrl.scenario.presets import preset_names as preset_names
+from wmr_ctrl.scenario.presets import preset_titles as preset_titles
+from wmr_ctrl.scenario.problems import UnknownKeyError as UnknownKeyError
+from wmr_ctrl.scenario.raw import from_dict as from_dict
+from wmr_ctrl.scenario.raw import scenario_dict as scenario_dict
+from wmr_ctrl.scenario.reference import Circle as Circle
+from wmr_ctrl.scenario.reference import Lemniscate as Lemniscate
+from wmr_ctrl.scenario.reference import Line as Line
+from wmr_ctrl.scenario.reference import Reference as Reference
+from wmr_ctrl.scenario.reference import RoundedSquare as RoundedSquare
+from wmr_ctrl.scenario.reference import StopAndGo as StopAndGo
+from wmr_ctrl.scenario.reference import Waypoints as Waypoints
+from wmr_ctrl.scenario.robot import Model as Model
+from wmr_ctrl.scenario.robot import Robot as Robot
+from wmr_ctrl.scenario.scenario import Scenario as Scenario
+from wmr_ctrl.scenario.sensor import Sensor as Sensor
+from wmr_ctrl.scenario.toml_io import load_scenario as load_scenario
+from wmr_ctrl.scenario.toml_io import loads_scenario as loads_scenario
+from wmr_ctrl.scenario.toml_write import to_toml as to_toml

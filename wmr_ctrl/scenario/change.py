@@ -1,0 +1,20 @@
+"""A sudden change of the robot's parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from wmr_ctrl.scenario.fields import REQUIRED, Section, quantity
+
+
+@dataclass(frozen=True)
+class Change(Section):
+    """New parameters from the first plant step that starts at or after ``t``; others stay."""
+
+    KEY: ClassVar[str] = "changes"
+
+    t: float = quantity(REQUIRED, unit="s", doc="time of the change", minimum=0)
+    m: float | None = quantity(None, unit="kg", doc="mass from then on", above=0)
+    I: float | None = quantity(None, unit="kg.m2", doc="inertia from then on", above=0)
+    mu: float | None = quantity(None, unit="1", doc="friction from then on", minimum=0)

@@ -1,0 +1,27 @@
+"""Random torque on the wheels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from wmr_ctrl.scenario.fields import Section, quantity
+
+
+@dataclass(frozen=True)
+class Disturbance(Section):
+    """Gaussian torque on each wheel, drawn once per control period and held over it."""
+
+    KEY: ClassVar[str] = "disturbance"
+
+    std: float = quantity(
+        1.0, unit="N.m", doc="standard deviation of the torque on each wheel", minimum=0
+    )
+    truncate: float = quantity(
+        math.inf,
+        unit="1",
+        doc="draw again beyond this many std; inf: never",
+        above=0,
+        infinite=True,
+    )

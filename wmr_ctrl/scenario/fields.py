@@ -1,0 +1,106 @@
+"""Dataclass fields with unit, meaning and bounds, and the validation that all of them share.
+
+A section of a scenario, or the gains of a law, is a frozen dataclass that derives from
+:class:`Section` and whose fields are made by :func:`quantity`::
+
+    @dataclass(frozen=True)
+    class Gains(Section):
+        KEY: ClassVar[str] = "gains.mb"
+        rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="decay rates", above=0)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, TypeVar
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario.problems import UnknownKeyError, show
+from wmr_ctrl.scenario.values import Bounds, Quantity, kind_of
+
+REQUIRED = dataclasses.MISSING
+"""Default of a field that every scenario must give (a number)."""
+
+
+def quantity(
+    default: object,
+    *,
+    unit: str,
+    doc: str,
+    kind: str | None = None,
+    options: tuple[str, ...] = (),
+    above: float | None = None,
+    minimum: float | None = None,
+    below: float | None = None,
+    maximum: float | None = None,
+    infinite: bool = False,
+) -> Any:
+    """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
+
+    Type and size follow from ``default``: a float is a number, an int a whole number, a bool a
+    flag, a str a text (one of ``options`` if given), a tuple of floats a vector of that length,
+    ``None`` a number that may be left out, ``REQUIRED`` a number that must be given.  ``kind``
+    overrules this (``"points"`` is a list of pairs of any length).  Bounds hold for every
+    element, in ``unit``; ``infinite`` admits inf.
+    """
+    bounds = Bounds(above, minimum, below, maximum, infinite)
+    size = len(default) if isinstance(default, tuple) and kind is None else 0
+    what = Quantity(default, unit, doc, bounds, kind or _kind(default), size, options)
+    metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
+    if default is REQUIRED:
+        return dataclasses.field(metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def _kind(default: object) -> str:
+    return "number" if default is REQUIRED or isinstance(default, tuple) else kind_of(default)
+
+
+class Section:
+    """Base of the frozen dataclasses of a scenario: cleans and checks every field on creation."""
+
+    KEY: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """Put every field into its own type, or raise ScenarioError that names the key."""
+        for name, what in quantities(type(self)):
+            object.__setattr__(self, name, what.clean(getattr(self, name), key(self.KEY, name)))
+        self.relate()
+
+    def relate(self) -> None:
+        """Check relations between the fields; a section that has some overrides this."""
+
+
+S = TypeVar("S", bound=Section)
+
+
+def quantities(cls: type[Section]) -> Iterator[tuple[str, Quantity]]:
+    """Yield name and :class:`Quantity` of each field of a section or gains dataclass."""
+    for field in dataclasses.fields(cls):  # type: ignore[arg-type]
+        yield field.name, field.metadata["quantity"]
+
+
+def build(cls: type[S], raw: object, path: str | None = None) -> S:
+    """Make a section from a raw table of TOML; errors name keys below ``path`` (default: its KEY).
+
+    Raises ScenarioError for a value, UnknownKeyError for a key that is not usable.
+    """
+    where = cls.KEY if path is None else path
+    if not isinstance(raw, Mapping):
+        raise ScenarioError(f"{where} = {show(raw)} must be a table, written as [{where}].")
+    known = dict(quantities(cls))
+    values = {}
+    for name, value in raw.items():
+        if name not in known:
+            raise UnknownKeyError(key(where, str(name)), known)
+        values[name] = known[name].clean(value, key(where, name))
+    for name, what in known.items():
+        if what.default is REQUIRED and name not in values:
+            raise ScenarioError(f"{key(where, name)} is missing: {what.doc} [{what.unit}].")
+    return cls(**values)
+
+
+def key(path: str, name: str) -> str:
+    """Join a section's path and a field's name by a dot."""
+    return f"{path}.{name}" if path else name

@@ -1,0 +1,24 @@
+"""Where the robot stands and how fast it moves at t = 0."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from wmr_ctrl.scenario.fields import Section, quantity
+
+HEADING = -math.pi / 2
+"""Orientation along +X in the paper's convention (0 is along +Y), rad."""
+
+
+@dataclass(frozen=True)
+class Initial(Section):
+    """Pose and velocity at t = 0; the velocity may lie outside the limits."""
+
+    KEY: ClassVar[str] = "initial"
+
+    pose: tuple[float, float, float] = quantity(
+        (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta = 0 along +Y)"
+    )
+    velocity: tuple[float, float] = quantity((0.0, 0.0), unit="m/s, rad/s", doc="v1, omega")

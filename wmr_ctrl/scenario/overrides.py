@@ -1,0 +1,153 @@
+"""Overrides such as ``limits.v_u2[1] = 0.7``, put on a raw scenario before it is checked.
+
+A key is dotted, with indices from 1.  A text value is TOML; failing that, a bare comma list is
+an array, and a bare word is text.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario.merge import Raw, drop_unreached, with_defaults
+from wmr_ctrl.scenario.problems import show
+from wmr_ctrl.scenario.raw import from_dict, scenario_dict
+from wmr_ctrl.scenario.scenario import Scenario
+
+Step = str | int
+_PART = re.compile(r"([A-Za-z0-9_-]+)((?:\[[0-9]{1,6}\])*)")
+
+
+def override(scenario: Scenario, overrides: Mapping[str, Any]) -> Scenario:
+    """Return the scenario with the fields of ``overrides`` replaced, checked again.
+
+    Keys are paths such as ``"robot.m"`` or ``"changes[1].mu"``; values are TOML text or plain
+    values.  Raises ScenarioError.
+    """
+    return from_dict(apply(scenario_dict(scenario), overrides), scenario.name)
+
+
+def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
+    """Split texts ``KEY=VALUE`` into a mapping of overrides; of a repeated key the last counts."""
+    pairs = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise ScenarioError(f"{show(text)} is not KEY=VALUE, such as robot.m=60.")
+        pairs[key.strip()] = value.strip()
+    return pairs
+
+
+def parse_value(text: str) -> Any:
+    """Return the value of an override's text: TOML, or a bare comma list, or a bare word."""
+    text = text.strip()
+    found = _toml_value(text)
+    if found is not None:
+        return found[0]
+    if "," in text and not text.startswith(("[", "{", '"', "'")):
+        items = text.removesuffix(",").split(",")
+        return [parse_value(item) for item in items]
+    return text
+
+
+def _toml_value(text: str) -> tuple[Any] | None:
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return None
+    return (table["value"],) if set(table) == {"value"} else None
+
+
+def apply(raw: Mapping[str, Any], overrides: Mapping[str, Any]) -> Raw:
+    """Return a copy of ``raw`` with the overrides put on it.
+
+    Another ``reference.kind`` starts from that kind's defaults; a shorter ``clock.duration``
+    drops the changes that the run no longer reaches, unless changes are overridden too.  A
+    relative ``reference.file`` is relative to the current directory.
+    """
+    if not overrides:
+        return deepcopy(dict(raw))
+    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in overrides.items()}
+    result = _with_kind(deepcopy(dict(raw)), values)
+    result = with_defaults(result)
+    for key, value in values.items():
+        _assign(result, parse_key(key), value, key)
+    if "clock.duration" in values and not any(key.startswith("changes") for key in values):
+        drop_unreached(result)
+    return result
+
+
+def _with_kind(raw: Raw, values: dict[str, Any]) -> Raw:
+    reference = raw.get("reference")
+    table = dict(reference) if isinstance(reference, Mapping) else {}
+    kind = values.get("reference.kind")
+    if kind is not None and kind != table.get("kind", "circle"):
+        table = {"kind": kind}
+    if "reference.file" in values:
+        table.pop("points", None)
+        values["reference.file"] = absolute(values["reference.file"], Path.cwd())
+    if "reference.points" in values:
+        table.pop("file", None)
+    return raw | {"reference": table} if table else raw
+
+
+def absolute(file: object, folder: Path) -> object:
+    """Return a file's name as an absolute path; anything but text is left to the later check."""
+    return str(folder / file) if isinstance(file, str) else file
+
+
+def parse_key(key: str) -> list[Step]:
+    """Split a dotted key with indices from 1 into names and indices from 0."""
+    steps: list[Step] = []
+    for part in key.split("."):
+        match = _PART.fullmatch(part)
+        if match is None:
+            raise ScenarioError(f"{show(key)} is not a key such as robot.m or changes[1].mu.")
+        steps.append(match[1])
+        steps.extend(int(index) - 1 for index in re.findall(r"\d+", match[2]))
+    return steps
+
+
+def _assign(raw: Raw, steps: list[Step], value: Any, key: str) -> None:
+    place: Any = raw
+    for step, following in pairwise(steps):
+        place = _enter(place, step, following, key)
+    _set(place, steps[-1], value, key)
+
+
+def _enter(place: Any, step: Step, following: Step, key: str) -> Any:
+    """Go one step down; a missing table is made, and so is the element after a list's last."""
+    fresh: Any = {} if isinstance(following, str) else []
+    if isinstance(step, str) and isinstance(place, dict):
+        return place.setdefault(step, fresh)
+    if isinstance(step, int) and isinstance(place, list):
+        if step == len(place) and isinstance(following, str):
+            place.append(fresh)
+        if 0 <= step < len(place):
+            return place[step]
+    raise _no_place(place, step, key)
+
+
+def _set(place: Any, step: Step, value: Any, key: str) -> None:
+    if isinstance(step, str) and isinstance(place, dict):
+        place[step] = value
+    elif isinstance(step, int) and isinstance(place, list) and 0 <= step < len(place):
+        place[step] = value
+    else:
+        raise _no_place(place, step, key)
+
+
+def _no_place(place: Any, step: Step, key: str) -> ScenarioError:
+    if isinstance(step, str):
+        return ScenarioError(f"{key} does not exist: {step} has nothing to stand in.")
+    size = len(place) if isinstance(place, list) else 0
+    return ScenarioError(
+        f"{key} does not exist: index {step + 1} is outside an array of {size} "
+        "element(s), counted from 1. Give the whole array, or an index within it."
+    )

@@ -1,0 +1,45 @@
+"""Wording of scenario errors: the key path first, then what is wrong, then the remedy."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
+
+
+class UnknownKeyError(ScenarioError, UnknownNameError):
+    """A key that a scenario does not have; the message lists the near ones and all others."""
+
+    def __init__(self, path: str, known: Iterable[str]) -> None:
+        head, _, name = path.rpartition(".")
+        place = f"in {head}" if head else "at the top of a scenario"
+        Exception.__init__(self, f"{path} is not a key {place}; {choices(name, known)}.")
+
+
+def choices(name: str, known: Iterable[str]) -> str:
+    """Say which of the ``known`` names are near ``name``, then list all."""
+    options = sorted(known)
+    near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
+    hint = f"near: {', '.join(near)}; " if near else ""
+    return f"{hint}known: {', '.join(options) or 'none'}"
+
+
+def show(value: object) -> str:
+    """Return ``value`` as a TOML file would spell it, cut to a readable length."""
+    text = _spell(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _spell(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return '"' + "".join(c if c.isprintable() else " " for c in value[:80]) + '"'
+    if isinstance(value, int):
+        return str(value) if abs(value) < 10**30 else "an integer beyond 1e30"
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(_spell(item) for item in value[:8]) + "]"
+    return " ".join(repr(value).split())

@@ -1,0 +1,76 @@
+"""Checks between the sections of a scenario; those within one section stand beside it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario.change import Change
+from wmr_ctrl.scenario.clock import multiple
+from wmr_ctrl.scenario.fields import Section
+from wmr_ctrl.scenario.problems import show
+from wmr_ctrl.scenario.reference import KINDS
+from wmr_ctrl.scenario.values import as_list
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario.scenario import Scenario
+
+
+def check_types(scenario: Scenario) -> None:
+    """Raise ScenarioError if a part of the scenario is not of its own class."""
+    for name in ("name", "title"):
+        if not isinstance(getattr(scenario, name), str):
+            raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
+    if type(scenario.reference) not in KINDS.values():
+        raise ScenarioError(f"reference must be one of the kinds {', '.join(KINDS)}.")
+    if as_list(scenario.changes) is None:
+        raise ScenarioError(f"changes = {show(scenario.changes)} must be an array of changes.")
+    for field in dataclasses.fields(scenario):
+        wanted, value = field.default_factory, getattr(scenario, field.name)
+        if isinstance(wanted, type) and issubclass(wanted, Section) and field.name != "reference":
+            if not isinstance(value, wanted):
+                raise ScenarioError(f"{field.name} must be a {wanted.__name__}.")
+
+
+def relate(scenario: Scenario) -> None:
+    """Check changes against the run's end, and periods and delays against the clock's steps."""
+    _changes(scenario.changes, scenario.clock.duration)
+    clock = scenario.clock
+    _multiple("sensor.pose_period", scenario.sensor.pose_period, "clock.control", clock.control)
+    _multiple("actuator.delay", scenario.actuator.delay, "clock.plant", clock.plant)
+    split = scenario.metrics.split
+    if split is not None and not split < clock.duration:
+        raise ScenarioError(
+            f"metrics.split = {split!r} s must be below clock.duration = {clock.duration!r} s: it "
+            "splits the run in two. Leave it out to split at half the duration."
+        )
+
+
+def _changes(changes: tuple[Change, ...], duration: float) -> None:
+    before = -1.0
+    for i, change in enumerate(changes, start=1):
+        if not isinstance(change, Change):
+            raise ScenarioError(f"changes[{i}] must be a Change, or a table [[changes]] in TOML.")
+        if change.m is None and change.I is None and change.mu is None:
+            raise ScenarioError(f"changes[{i}] changes nothing: give it a new m, I or mu.")
+        if change.t <= before:
+            raise ScenarioError(
+                f"changes[{i}].t = {change.t!r} s must be later than changes[{i - 1}].t = "
+                f"{before!r} s: changes stand in the order of time. Sort or merge them."
+            )
+        if change.t >= duration:
+            raise ScenarioError(
+                f"changes[{i}].t = {change.t!r} s must be before the run's end, clock.duration = "
+                f"{duration!r} s. Make the run longer or remove the change."
+            )
+        before = change.t
+
+
+def _multiple(name: str, value: float, unit_name: str, unit: float) -> None:
+    if multiple(value, unit) is None:
+        near = round(value / unit) * unit
+        raise ScenarioError(
+            f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
+            f"nearest is {near:.9g} s."
+        )

@@ -1,0 +1,150 @@
+"""Cleaning of single values: what type, size and range a field accepts, and the error if not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario.problems import choices, show
+
+LARGEST = 1e12
+"""No finite quantity of a scenario may be larger in size: it would be a slip of units."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Range that every element of a quantity must keep; ``None`` means no bound on that side."""
+
+    above: float | None = None
+    minimum: float | None = None
+    below: float | None = None
+    maximum: float | None = None
+    infinite: bool = False
+
+    def broken(self, value: float) -> str:
+        """Return the rule that ``value`` breaks, such as ``above 0``, or an empty string."""
+        if math.isnan(value) or (math.isinf(value) and not self.infinite):
+            return "a finite number"
+        if not math.isinf(value) and abs(value) > LARGEST:
+            return f"at most {LARGEST:g} in size"
+        return self._side(value)
+
+    def _side(self, value: float) -> str:
+        if self.above is not None and not value > self.above:
+            return f"above {self.above:g}"
+        if self.minimum is not None and not value >= self.minimum:
+            return f"at least {self.minimum:g}"
+        if self.below is not None and not value < self.below:
+            return f"below {self.below:g}"
+        if self.maximum is not None and not value <= self.maximum:
+            return f"at most {self.maximum:g}"
+        return ""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What one field means and accepts: default, unit, meaning, bounds, shape.
+
+    ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
+    that a text field accepts (any, if empty).
+    """
+
+    default: Any
+    unit: str
+    doc: str
+    bounds: Bounds
+    kind: str
+    size: int = 0
+    options: tuple[str, ...] = ()
+
+    def clean(self, value: object, path: str) -> Any:
+        """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
+        if self.kind == "optional" and (value is None or value == "none"):
+            return None
+        if self.size:
+            return self._vector(value, path)
+        return getattr(self, "_" + self.kind)(value, path)
+
+    def refuse(self, value: object, path: str, rule: str) -> ScenarioError:
+        """Build the error: path and value, the rule, what the field is, and its default."""
+        has_default = self.default is not None and isinstance(self.default, (bool, float, int, str))
+        remedy = f"; the default is {show(self.default)}" if has_default else ""
+        unit = f" [{self.unit}]" if self.unit else ""
+        return ScenarioError(f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}.")
+
+    def _number(self, value: object, path: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise self.refuse(value, path, "a number")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.copysign(1e300, value)  # too long for a double: refused as too large
+        rule = self.bounds.broken(number)
+        if rule:
+            raise self.refuse(value, path, rule)
+        return number
+
+    _optional = _number
+
+    def _integer(self, value: object, path: str) -> int:
+        number = self._number(value, path)
+        if not number.is_integer():
+            raise self.refuse(value, path, "a whole number")
+        return int(number)
+
+    def _flag(self, value: object, path: str) -> bool:
+        if not isinstance(value, bool):
+            raise self.refuse(value, path, "true or false")
+        return value
+
+    def _text(self, value: object, path: str) -> str:
+        if not isinstance(value, str):
+            raise self.refuse(value, path, "text in quotes")
+        if self.options and value not in self.options:
+            raise ScenarioError(
+                f"{path} = {show(value)} is not known ({self.doc}); {choices(value, self.options)}."
+            )
+        return value
+
+    def _vector(self, value: object, path: str) -> tuple[float, ...]:
+        items = as_list(value)
+        if items is None or len(items) != self.size:
+            rule = f"an array of {self.size} numbers, such as {show(list(self.default))}"
+            raise self.refuse(value, path, rule)
+        return tuple(self._number(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
+
+    def _points(self, value: object, path: str) -> tuple[tuple[float, float], ...]:
+        rows = as_list(value)
+        if rows is None:
+            raise self.refuse(value, path, "an array of [x, y] pairs")
+        return tuple(self._point(row, f"{path}[{i}]") for i, row in enumerate(rows, start=1))
+
+    def _point(self, row: object, path: str) -> tuple[float, float]:
+        pair = as_list(row)
+        if pair is None or len(pair) != 2:
+            raise self.refuse(row, path, "a pair [x, y]")
+        return self._number(pair[0], f"{path}[1]"), self._number(pair[1], f"{path}[2]")
+
+
+def as_list(value: object) -> list[object] | None:
+    """Return an array-like value (list, tuple, NumPy array) as a list; ``None`` for others."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
+        return list(value)
+    return None
+
+
+def kind_of(default: object) -> str:
+    """Infer a field's kind from its default value (a vector's elements are numbers)."""
+    if isinstance(default, bool):
+        return "flag"
+    if isinstance(default, int):
+        return "integer"
+    if isinstance(default, str):
+        return "text"
+    return "optional" if default is None else "number"

@@ -1,0 +1,83 @@
+"""Signal: name, unit, size and meaning of one quantity, and the catalogue that fixes every order.
+
+Everything that is ordered follows this page: vectors in CasADi graphs, enums in C, variables of
+FMUs, columns of results, labels of plots.  It imports nothing, so that every layer may use it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One named quantity: a scalar (size 1) or a vector of ``size`` elements in one unit list.
+
+    ``unit`` is one SI unit, or one per element joined by ``, `` where they differ
+    (``"m/s, rad/s"``).  Indices in names and messages count from 1.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    size: int = 1
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Names of the elements: the name itself, or ``name[1]`` to ``name[size]``."""
+        if self.size == 1:
+            return (self.name,)
+        return tuple(f"{self.name}[{i}]" for i in range(1, self.size + 1))
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each element."""
+        parts = tuple(part.strip() for part in self.unit.split(","))
+        return parts if len(parts) == self.size else parts[:1] * self.size
+
+
+TIME = Signal("t", "s", "time")
+
+PLANT_STATE = (
+    Signal("x", "m", "position of the axle's midpoint along X"),
+    Signal("y", "m", "position of the axle's midpoint along Y"),
+    Signal("theta", "rad", "orientation, 0 along +Y, forward = (-sin theta, cos theta)"),
+    Signal("v1", "m/s", "linear velocity"),
+    Signal("omega", "rad/s", "angular velocity (v2 in the paper)"),
+)
+POSE = PLANT_STATE[:3]
+VELOCITY = PLANT_STATE[3:]
+PSI = Signal("psi", "rad", "usual heading, psi = theta + pi/2")
+
+REFERENCE = (
+    Signal("x_d", "m", "desired position along X"),
+    Signal("y_d", "m", "desired position along Y"),
+    Signal("theta_d", "rad", "desired orientation, continuous in time"),
+    Signal("v1_d", "m/s", "desired linear velocity"),
+    Signal("v2_d", "rad/s", "desired angular velocity"),
+    Signal("v1_d_dot", "m/s2", "rate of the desired linear velocity"),
+    Signal("v2_d_dot", "rad/s2", "rate of the desired angular velocity"),
+)
+
+TORQUE = (
+    Signal("tau_right", "N.m", "torque on the right wheel, as commanded"),
+    Signal("tau_left", "N.m", "torque on the left wheel, as commanded"),
+)
+TORQUE_NOISE = (
+    Signal("noise_right", "N.m", "disturbance torque on the right wheel"),
+    Signal("noise_left", "N.m", "disturbance torque on the left wheel"),
+)
+TAU_APPLIED = Signal("tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2)
+FORCE = Signal("force", "N, N.m", "generalised force (thrust, turning moment)", 2)
+
+TRACKING_ERROR = Signal("e", "m, m, rad", "tracking error, Eq. (8): ahead, to the left, angle", 3)
+DIAGNOSTICS = (
+    Signal("v_c0", "m/s, rad/s", "auxiliary velocity, Eq. (7)", 2),
+    Signal("v_c1", "m/s, rad/s", "minimiser of the barrier function, Eq. (18)", 2),
+    Signal("V1", "1", "barrier Lyapunov function, Eq. (12)"),
+    Signal("q", "1", "(v - v_c1)/A, in (0, 1]", 2),
+    Signal("margin", "1", "distance to the velocity limit, min over axes of 1 - |v|/v_u1"),
+)
+
+LOG_HEAD = (TIME, *PLANT_STATE, PSI, *REFERENCE, *TORQUE, *TORQUE_NOISE, TRACKING_ERROR, *DIAGNOSTICS)
+"""The columns that every logged run has, in order; a law's own diagnostics follow."""

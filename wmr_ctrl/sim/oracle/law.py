@@ -1,0 +1,36 @@
+"""What every law of the oracle is given and has to answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from wmr_ctrl.sim.oracle.barrier import Barrier
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """The loop as a law sees it at one control sample; pairs hold the axes (linear, angular)."""
+
+    v: Pair
+    """Measured velocity [m/s, rad/s], not clipped."""
+    v_c0: Pair
+    """Auxiliary velocity, Eq. (7) [m/s, rad/s]."""
+    v_c0_dot: Pair
+    """Its rate [m/s2, rad/s2]."""
+    barrier: tuple[Barrier, Barrier]
+    """Barrier terms of both axes, on the clipped velocity."""
+
+
+class Law(Protocol):
+    """A control law with its memory."""
+
+    def act(self, sight: Sight) -> Pair:
+        """Generalised force (thrust [N], moment [N m]); the memory is updated after it."""
+        ...
+
+    def memory(self) -> dict[str, Pair]:
+        """Further columns to log, after the update."""
+        ...

@@ -1,0 +1,136 @@
+"""The closed loop, one control sample after the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.actuator import Actuator
+from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
+from wmr_ctrl.sim.oracle.barrier import barrier, clip
+from wmr_ctrl.sim.oracle.law import Pair, Sight
+from wmr_ctrl.sim.oracle.laws import build_law
+from wmr_ctrl.sim.oracle.monitor import Watch
+from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
+from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torques
+from wmr_ctrl.sim.oracle.recorder import Recorder
+from wmr_ctrl.sim.oracle.references import reference_of
+from wmr_ctrl.sim.oracle.sensing import Sensor
+from wmr_ctrl.sim.oracle.target import Target
+
+_ROWS_PER_REPORT = 100
+
+
+def simulate_oracle(
+    scenario: Scenario,
+    law: str,
+    gains: Mapping[str, Any],
+    kinematics: Mapping[str, Any],
+    seed: int,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """One run of ``law`` in ``scenario``.
+
+    ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
+    called now and then with the share of the run that is done.  Returns the columns, (N,) or
+    (N, size), of ``signals.LOG_HEAD`` and of the law's memory, and the monitor's numbers
+    (max_abs_v, violations, first_violation, stopped, stop_reason).  Raises ArgumentError for a law
+    that has no NumPy twin.
+    """
+    loop = _Loop(scenario, law, gains, kinematics, seed)
+    samples = scenario.clock.samples
+    for k in range(samples):
+        if loop.ended:
+            break
+        loop.sample(k)
+        if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
+            progress((k + 1) / samples)
+    return loop.log.columns(), loop.watch.numbers()
+
+
+class _Loop:
+    """Everything that changes during a run."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: str,
+        gains: Mapping[str, Any],
+        kinematics: Mapping[str, Any],
+        seed: int,
+    ) -> None:
+        key, clock = key_of(seed), scenario.clock
+        self.scenario, self.clock, self.k = scenario, clock, kinematics["k"]
+        self.law = build_law(law, gains, scenario)
+        self.reference = reference_of(scenario.reference)
+        self.sensor = Sensor(scenario.sensor, clock, key)
+        self.actuator = Actuator(scenario.actuator, clock.plant)
+        self.noise = torque_noise(key, clock.samples, scenario.disturbance)
+        self.plants = plants(scenario.robot, scenario.changes, clock)
+        self.log = Recorder(self.law.memory())
+        self.watch = Watch(scenario.limits.v_u1)
+        self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
+        self.ended = self.watch.see(0.0, self.state)
+
+    def sample(self, k: int) -> None:
+        """One control step: look, act, log, and let the plant run until the next sample."""
+        target = self.reference(k * self.clock.control)
+        sight = self._look(k, target)
+        force = limited_force(
+            self.law.act(sight), self.scenario.actuator.tau_max, self.scenario.robot
+        )
+        torque = wheel_torques(force, self.scenario.robot)
+        right, left = self.noise[k].tolist()
+        self.log.write(self._row(k, target, sight, torque, (right, left)))
+        for j in range(self.clock.substeps):
+            if not self.ended:
+                self._plant_step(k * self.clock.substeps + j, torque, (right, left))
+
+    def _look(self, k: int, target: Target) -> Sight:
+        pose, v = self.sensor.look(k, self.state)
+        e = tracking_error(target, pose)
+        v_c0 = auxiliary_velocity(e, target, self.k)
+        limits = self.scenario.limits
+        first, second = (
+            barrier(clip(v[i], u1 - limits.clip), v_c0[i], u1, limits.v_u2[i])
+            for i, u1 in enumerate(limits.v_u1)
+        )
+        return Sight(v, v_c0, auxiliary_rate(e, v, target, self.k), (first, second))
+
+    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> None:
+        """The plant's step number ``n`` with the parameters of the time at which it starts."""
+        while len(self.plants) > 1 and self.plants[1][0] <= n:
+            self.plants.pop(0)
+        acting = self.actuator.advance(torque)
+        total = (acting[0] + noise[0], acting[1] + noise[1])
+        self.state = self.plants[0][1].step(self.state, total, self.clock.plant)
+        self.ended = self.watch.see((n + 1) * self.clock.plant, self.state)
+
+    def _row(
+        self, k: int, target: Target, sight: Sight, torque: Pair, noise: Pair
+    ) -> dict[str, Any]:
+        """The log's row: state at t_k, torques over the step, memory after the law acted."""
+        x, y, theta, v1, omega = self.state
+        row = {"t": k * self.clock.control, "x": x, "y": y, "theta": theta, "v1": v1}
+        row |= {"omega": omega, "psi": theta + math.pi / 2.0}
+        row |= target.columns()
+        row |= {"tau_right": torque[0], "tau_left": torque[1]}
+        row |= {"noise_right": noise[0], "noise_left": noise[1]}
+        return row | self._diagnostics(target, sight) | self.law.memory()
+
+    def _diagnostics(self, target: Target, sight: Sight) -> dict[str, Any]:
+        """Error and margin of the true state, the rest as the law saw it."""
+        speeds = zip(self.state[3:], self.scenario.limits.v_u1)
+        first, second = sight.barrier
+        return {
+            "e": tracking_error(target, self.state[:3]),
+            "v_c0": sight.v_c0,
+            "v_c1": (first.v_c1, second.v_c1),
+            "V1": first.V1 + second.V1,
+            "q": (first.q, second.q),
+            "margin": min(1.0 - abs(v) / u1 for v, u1 in speeds),
+        }

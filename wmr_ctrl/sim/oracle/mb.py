@@ -1,0 +1,35 @@
+"""Model-based barrier law, Eq. (9), with V1/A and q where the paper has the pseudo-inverse of A."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.law import Pair, Sight
+
+
+class ModelBased:
+    """F = M1 (-rho V1/A + q v_c0') + F1, with the robot as the law believes it to be."""
+
+    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+        self.rho = gains["rho"]
+        self.believed = scenario.believed
+
+    def act(self, sight: Sight) -> Pair:
+        """Generalised force (thrust [N], moment [N m])."""
+        bot = self.believed
+        friction = bot.mu * bot.m * bot.g * math.tanh(sight.v[0] / bot.v_s)
+        return (
+            bot.m * self._acceleration(0, sight) + friction,
+            bot.I * self._acceleration(1, sight),
+        )
+
+    def _acceleration(self, i: int, sight: Sight) -> float:
+        b = sight.barrier[i]
+        return float(-self.rho[i] * b.V1_by_A + b.q * sight.v_c0_dot[i])
+
+    def memory(self) -> dict[str, Pair]:
+        """Nothing to log."""
+        return {}

@@ -1,0 +1,51 @@
+"""Watch over the velocity at t = 0 and after every plant step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from wmr_ctrl.sim.oracle.plant import Pair, State
+
+_DIVERGED = 1e3  # m/s or rad/s
+
+
+@dataclass
+class Watch:
+    """Extremes and events of one run; axes count from 1, times in s."""
+
+    v_u1: Pair
+    max_abs_v: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    violations: int = 0
+    first_violation: tuple[float, int] | None = None
+    stopped: tuple[float, int] | None = None
+    stop_reason: str = ""
+
+    def see(self, t: float, state: State) -> bool:
+        """Take note of the state at ``t``; True if the run must end here."""
+        speed = (abs(state[3]), abs(state[4]))
+        if not all(map(math.isfinite, state)):
+            return self._stop(t, 2 if math.isfinite(state[3]) else 1, "non-finite")
+        self.max_abs_v = [max(a, b) for a, b in zip(self.max_abs_v, speed)]
+        if speed[0] > self.v_u1[0] or speed[1] > self.v_u1[1]:
+            self.violations += 1
+            if self.first_violation is None:
+                self.first_violation = (t, 1 if speed[0] > self.v_u1[0] else 2)
+        if max(speed) >= _DIVERGED:
+            return self._stop(t, 1 if speed[0] >= _DIVERGED else 2, "diverged")
+        return False
+
+    def _stop(self, t: float, axis: int, reason: str) -> bool:
+        self.stopped, self.stop_reason = (t, axis), reason
+        return True
+
+    def numbers(self) -> dict[str, Any]:
+        """The monitor's numbers by name, as plain Python values."""
+        return {
+            "max_abs_v": (self.max_abs_v[0], self.max_abs_v[1]),
+            "violations": self.violations,
+            "first_violation": self.first_violation,
+            "stopped": self.stopped,
+            "stop_reason": self.stop_reason,
+        }

@@ -1,0 +1,33 @@
+"""The log: one row per control sample, columns in the order of ``signals.LOG_HEAD``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from wmr_ctrl.signals import LOG_HEAD
+
+
+class Recorder:
+    """Collects rows of values by column name."""
+
+    def __init__(self, further: Mapping[str, Any]) -> None:
+        self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
+        self.sizes.update({name: len(value) for name, value in further.items()})
+        self.rows: dict[str, list[Any]] = {name: [] for name in self.sizes}
+
+    def write(self, row: Mapping[str, Any]) -> None:
+        """Append one row, which must name every column and nothing else."""
+        if row.keys() != self.rows.keys():
+            raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
+        for name, value in row.items():
+            self.rows[name].append(value)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Arrays (N,), or (N, size) for vectors, also when there is no row."""
+        return {
+            name: np.array(values, dtype=float).reshape((-1,) if size == 1 else (-1, size))
+            for (name, size), values in zip(self.sizes.items(), self.rows.values())
+        }

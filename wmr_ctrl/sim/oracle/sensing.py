@@ -1,0 +1,61 @@
+"""What the law is shown: the pose, dead-reckoned and corrected, and the measured velocity."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wmr_ctrl.scenario import Clock
+from wmr_ctrl.scenario import Sensor as SensorSettings
+from wmr_ctrl.sim.oracle.auxiliary import Pair, Triple
+from wmr_ctrl.sim.oracle.noise import POSE, VELOCITY, symmetric
+from wmr_ctrl.sim.oracle.plant import State
+
+
+class Sensor:
+    """Measures one state per control sample, in order."""
+
+    def __init__(self, settings: SensorSettings, clock: Clock, key: np.ndarray) -> None:
+        self.settings = settings
+        self.period = clock.control
+        self.every = max(1, round(settings.pose_period / clock.control))
+        self.pose_error = settings.pose_noise * symmetric(key, clock.samples, POSE)
+        self.velocity_error = np.array(settings.velocity_noise) * symmetric(
+            key, clock.samples, VELOCITY
+        )
+        self.estimate: Triple = (0.0, 0.0, 0.0)
+        self.v_before: Pair = (0.0, 0.0)
+
+    def look(self, k: int, state: State) -> tuple[Triple, Pair]:
+        """Pose (x, y, theta) and velocity (v1, omega) that the law is given at sample ``k``."""
+        right, turn = self.velocity_error[k].tolist()
+        velocity = (state[3] + right, state[4] + turn)
+        if self.settings.perfect:
+            return state[:3], velocity
+        if k > 0:
+            self._predict()
+        if k % self.every == 0:
+            self._correct(k, state)
+        self.v_before = state[3:]
+        return self.estimate, velocity
+
+    def _predict(self) -> None:
+        """One Euler step with the exact velocity of the previous sample, the angle first."""
+        x, y, theta = self.estimate
+        v1, omega = self.v_before
+        theta += self.period * omega
+        x -= self.period * v1 * math.sin(theta)
+        y += self.period * v1 * math.cos(theta)
+        self.estimate = (x, y, theta)
+
+    def _correct(self, k: int, state: State) -> None:
+        """Move towards the measured pose, all the way at the first sample."""
+        gain = self.settings.correction if k > 0 else 1.0
+        error_x, error_y = self.pose_error[k].tolist()
+        x, y, theta = self.estimate
+        self.estimate = (
+            x + gain * (state[0] + error_x - x),
+            y + gain * (state[1] + error_y - y),
+            theta + gain * (state[2] - theta),
+        )
