@@ -1,4 +1,4 @@
-"""Python side of drive.c: time any control step from C, through a pointer, over a ring of inputs."""
+"""Python side of drive.c: time any control step from C, by its pointer, over a ring of inputs."""
 
 from __future__ import annotations
 

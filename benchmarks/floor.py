@@ -1,6 +1,6 @@
-"""The floor and its slow peer as candidates for `timing`; run it to see their times.
+"""The floor and its slow peer as candidates for `timing`.
 
-    python -m benchmarks.floor
+``python -m benchmarks.floor`` in a checkout prints their times.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import layout
 from .native import HERE, load
@@ -87,7 +87,7 @@ class HandC:
         self.library.hand_plant_step(plant, torque, following)
         return following
 
-    def philox(self, key: Sequence[int], counter: Sequence[int]) -> NDArray[np.uint64]:
+    def philox(self, key: ArrayLike, counter: ArrayLike) -> NDArray[np.uint64]:
         """Return one block of Philox4x64-10, shape (4,)."""
         out = np.empty(4, np.uint64)
         self.library.hand_philox(np.array(key, np.uint64), np.array(counter, np.uint64), out)

@@ -64,13 +64,14 @@ def _random_reference(rng: np.random.Generator, count: int) -> Array:
 
 
 def _wanted(rng: np.random.Generator, count: int, setup: Setup) -> Array:
-    """v_c0 (count, 2), a third in each region, region 3 up to a thousand times its edge."""
+    """v_c0 (count, 2), a third in each region, region 3 up to thirty times its edge."""
     u1, u2 = np.array(setup.v_u1), np.array(setup.v_u2)
     edge = u2 + 1 / (u1 - u2)
     region = rng.integers(0, 3, (count, 2))
     share = rng.uniform(0, 1, (count, 2))
-    sizes = np.choose(region, [u2 * share, u2 + (edge - u2) * share, edge * 1000**share])
-    return sizes * rng.choice([-1.0, 1.0], (count, 2))
+    sizes: Array = np.choose(region, [u2 * share, u2 + (edge - u2) * share, edge * 30**share])
+    signed: Array = sizes * rng.choice([-1.0, 1.0], (count, 2))
+    return signed
 
 
 def _errors_for(v_c0: Array, desired: Array, setup: Setup, rng: np.random.Generator) -> Array:
@@ -86,4 +87,5 @@ def _velocities(rng: np.random.Generator, count: int, setup: Setup) -> Array:
     u1 = np.array(setup.v_u1)
     near = rng.uniform(0, 1, (count, 2)) < 0.1
     share = np.where(near, rng.uniform(0.999, 0.999999, (count, 2)), rng.uniform(0, 1, (count, 2)))
-    return u1 * share * rng.choice([-1.0, 1.0], (count, 2))
+    v: Array = u1 * share * rng.choice([-1.0, 1.0], (count, 2))
+    return v

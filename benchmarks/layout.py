@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .setup import Case, Setup
 
 Double, Int64 = ctypes.c_double, ctypes.c_int64
 Pair = Double * 2
 Field = tuple[str, Any]
+Kind = TypeVar("Kind", bound=ctypes.Structure)
 
 
 def _doubles(names: str) -> list[Field]:
@@ -106,16 +108,16 @@ def fill_case(case: Case) -> HandCase:
     return _filled(HandCase, {n: special[n] if n in special else getattr(case, n) for n in names})
 
 
-def noise_key(seed: int) -> np.ndarray:
+def noise_key(seed: int) -> NDArray[np.uint64]:
     """Key of Philox4x64 that belongs to a seed, shape (2,), uint64."""
-    return np.random.SeedSequence(seed).generate_state(2, np.uint64)
+    return np.random.SeedSequence(seed).generate_state(2, np.uint64).astype(np.uint64)
 
 
 def _fields(kind: type[ctypes.Structure]) -> Iterable[Field]:
     return kind._fields_  # type: ignore[return-value]
 
 
-def _filled(kind: type[Any], values: dict[str, Any]) -> Any:
+def _filled(kind: type[Kind], values: dict[str, Any]) -> Kind:
     """Return the structure with tuples turned into C arrays."""
     made = kind()
     for name, value in values.items():

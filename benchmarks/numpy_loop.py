@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def closed_loop(law: str, setup: Setup, case: Case) -> tuple[Array, Array, int]:
-    """Run ``mb`` or ``nn``; return the final state (5,), max |v| (2,) and the steps in violation."""
+    """Run ``mb`` or ``nn``; return final state (5,), max |v| (2,), number of steps in violation."""
     laws, key, W = NumpyLaws(setup), noise_key(case.seed), np.zeros((2, 64))
     state = np.array(case.initial)
     velocities = [state[3:]]
@@ -40,12 +40,13 @@ def circle(case: Case, t: float) -> Array:
     return np.array([x, y, rate * t - np.pi / 2, R * rate, rate, 0.0, 0.0])
 
 
-def torque_noise(key: Array, k: int) -> Array:
+def torque_noise(key: NDArray[np.uint64], k: int) -> Array:
     """Return two standard normal numbers (right, left) of control step ``k``."""
     counter = (k - 1) % 2**256  # NumPy counts up before it draws
     raw = np.random.Philox(key=key, counter=counter).random_raw(4)
     u0, u1 = (raw[:2] >> np.uint64(11)) * 2.0**-53
-    return np.sqrt(-2 * np.log(1 - u0)) * np.array([np.cos(2 * np.pi * u1), np.sin(2 * np.pi * u1)])
+    radius, angle = np.sqrt(-2 * np.log(1 - u0)), 2 * np.pi * u1
+    return np.array([radius * np.cos(angle), radius * np.sin(angle)])
 
 
 def rk4(
@@ -59,9 +60,7 @@ def rk4(
     return state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def rate(
-    setup: Setup, robot: tuple[float, float, float], torque: Array, state: Array
-) -> Array:
+def rate(setup: Setup, robot: tuple[float, float, float], torque: Array, state: Array) -> Array:
     """Return the state's rate (5,) by (1)-(6) with Coulomb friction smoothed by tanh."""
     m, inertia, mu = robot
     _, _, theta, v1, omega = state

@@ -35,7 +35,8 @@ class NumpyLaws:
         _, va, q = self.barrier(v, c)
         friction = np.array([self.setup.mu * self.setup.m * self.setup.g, 0.0])
         friction *= np.tanh(v / self.setup.v_s)
-        return self.wheels @ (self.mass * (-self.rho * va + q * c_dot) + friction)
+        torque: Array = self.wheels @ (self.mass * (-self.rho * va + q * c_dot) + friction)
+        return torque
 
     def nn_step(self, reference: Array, pose: Array, v: Array, W: Array) -> tuple[Array, Array]:
         """Return the torques (2,) [N m] of the network law and its weights (2, 64) afterwards."""
@@ -93,7 +94,7 @@ def axis_barrier(u1: float, u2: float, v: float, c: float) -> tuple[float, float
 def _gap(u1: float, c: float) -> float:
     """Distance u1 - v_c1 of (18) in region 3."""
     t = c - u1
-    return 2 / (t + np.sqrt(t * t + 4))
+    return float(2 / (t + np.sqrt(t * t + 4)))
 
 
 def _wall(u1: float, u2: float, v: float) -> tuple[float, float]:
@@ -131,5 +132,5 @@ def _behind(u1: float, u2: float, v: float, c: float) -> tuple[float, float, flo
 def _phi(y: float) -> float:
     """-ln(1 - y) - y, by its series where the difference would cancel."""
     if abs(y) < 0.05:
-        return y * y * np.polyval(1.0 / np.arange(16, 1, -1), y)
-    return -np.log1p(-y) - y
+        return float(y * y * np.polyval(1.0 / np.arange(16, 1, -1), y))
+    return float(-np.log1p(-y) - y)

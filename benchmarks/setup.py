@@ -21,7 +21,7 @@ class Setup:
     inertia: float = 5.4
     mu: float = 0.08
     r: float = 0.1
-    l: float = 0.25  # noqa: E741  the paper's letter
+    l: float = 0.25
     g: float = 9.81
     v_s: float = 0.01
     k: tuple[float, float, float] = (10.0, 5.0, 4.0)
@@ -52,6 +52,11 @@ class Setup:
 
         robot, limits = scenario.believed, scenario.limits
         mb, nn, pid, smc = (gains_of(scenario, law) for law in ("mb", "nn", "pid", "smc"))
+        _require(
+            nn.node == 1 and nn.integrator == "explicit" and math.isinf(scenario.actuator.tau_max),
+            f"the hand-written laws cannot follow the scenario {scenario.name!r}: they know nodes "
+            "at +-1, the explicit Euler step of the weights and no torque limit.",
+        )
         return Setup(
             robot.m, robot.I, robot.mu, robot.r, robot.l, robot.g, robot.v_s,
             kinematic_gains(scenario).k, limits.v_u1, limits.v_u2, limits.clip,
@@ -94,15 +99,14 @@ class Case:
     @staticmethod
     def from_scenario(scenario: Any, seed: int = 0) -> Case:
         """Numbers of a Scenario that this loop can run: a circle, at most one change, no extras."""
-        from wmr_ctrl.errors import ArgumentError
+        from wmr_ctrl.scenario import Circle
 
         reference, robot, clock = scenario.reference, scenario.robot, scenario.clock
-        plain = scenario.sensor.perfect and scenario.actuator.ideal and len(scenario.changes) < 2
-        if not (plain and hasattr(reference, "rate") and type(reference).__name__ == "Circle"):
-            raise ArgumentError(
-                f"the hand-written loop cannot run the scenario {scenario.name!r}: it knows the "
-                "circle, a perfect sensor, an ideal actuator and at most one change."
-            )
+        _require(
+            isinstance(reference, Circle) and len(scenario.changes) < 2 and _plain(scenario),
+            f"the hand-written loop cannot run the scenario {scenario.name!r}: it knows the "
+            "circle, perfect sensors, ideal actuators, plain Gaussian noise and up to one change.",
+        )
         first = (robot.m, robot.I, robot.mu)
         change = scenario.changes[0] if scenario.changes else None
         later = first if change is None else _changed(first, (change.m, change.I, change.mu))
@@ -111,6 +115,19 @@ class Case:
             clock.control, clock.plant, clock.duration, scenario.disturbance.std,
             math.inf if change is None else change.t, first, later, seed,
         )  # fmt: skip
+
+
+def _plain(scenario: Any) -> bool:
+    sensor = scenario.sensor
+    exact = sensor.perfect and not any(sensor.velocity_noise)
+    return exact and scenario.actuator.ideal and math.isinf(scenario.disturbance.truncate)
+
+
+def _require(condition: bool, message: str) -> None:
+    from wmr_ctrl.errors import ArgumentError
+
+    if not condition:
+        raise ArgumentError(message)
 
 
 def _changed(

@@ -76,7 +76,7 @@ DIAGNOSTICS = (
     Signal("v_c1", "m/s, rad/s", "minimiser of the barrier function, Eq. (18)", 2),
     Signal("V1", "1", "barrier Lyapunov function, Eq. (12)"),
     Signal("q", "1", "(v - v_c1)/A, in (0, 1]", 2),
-    Signal("margin", "1", "distance to the velocity limit, min over axes of 1 - |v|/v_u1"),
+    Signal("margin", "1", "distance to the velocity limit as measured, min over axes of 1 - |v|/v_u1"),
 )
 
 LOG_HEAD = (TIME, *PLANT_STATE, PSI, *REFERENCE, *TORQUE, *TORQUE_NOISE, TRACKING_ERROR, *DIAGNOSTICS)

@@ -1,4 +1,4 @@
-/* Hand-written controllers, plant and closed loop: the floor that generated code is measured against.
+/* Hand-written controllers, plant and closed loop: the floor for what is generated.
  *
  * Plain C99 and libm, doubles, SI units, no allocation, no globals. Numbers in brackets are the
  * equations of the paper. Vectors are ordered as everywhere in the project:

@@ -151,6 +151,11 @@ def test_a_missing_folder_is_named(tmp_path: Path) -> None:
         check_writable(tmp_path / "none" / "a.bin")
 
 
+def test_a_folder_is_called_a_folder(tmp_path: Path) -> None:
+    with pytest.raises(ResultFileError, match="it is a folder"):
+        check_writable(tmp_path)
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/null"), reason="no device to try it on")
 def test_a_device_is_never_replaced_by_a_file() -> None:
     with pytest.raises(ResultFileError, match="not a regular file"), atomic_write("/dev/null"):

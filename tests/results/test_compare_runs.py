@@ -108,9 +108,30 @@ def test_a_value_that_is_finite_in_one_run_only_is_infinitely_far(
 
 
 def test_huge_values_do_not_pass_as_near(make_run: MakeRun) -> None:
-    pair = (make_run(x=spiked(0, 1.5e308)), make_run(x=spiked(0, -1.5e308)))
+    wide = spiked(0, 1.5e308) - spiked(1, 1.5e308)
+    moved = np.where(np.arange(100) == 50, 1.0, wide)
 
-    assert compare(*pair).verdict == "differ"
+    assert compare(make_run(x=spiked(0, 1.5e308)), make_run(x=-1.5e308)).verdict == "differ"
+    assert compare(make_run(x=wide), make_run(x=moved)).verdict == "differ"
+
+
+def test_columns_without_any_finite_value_are_compared_too(make_run: MakeRun) -> None:
+    found = column(compare(make_run(x=math.nan), make_run(x=math.inf)), "x")
+
+    assert (found.largest, found.time, found.relative) == (math.inf, 0.0, math.inf)
+
+
+def test_rounding_in_a_column_that_rests_is_within_the_tolerance(make_run: MakeRun) -> None:
+    comparison = compare(make_run(), make_run(x=1e-12))
+
+    assert comparison.verdict == "agree"
+    assert column(comparison, "x").relative == 1.0
+
+
+def test_jitter_in_the_sample_times_does_not_part_the_samples(make_run: MakeRun) -> None:
+    late = 0.01 * np.arange(100) + 5e-9
+
+    assert compare(make_run(), make_run(t=late)).rows == 100
 
 
 @pytest.mark.parametrize("tolerance", [-1e-9, math.nan])
@@ -141,6 +162,7 @@ def test_runs_of_different_clocks_are_compared_where_their_samples_meet(make_run
     assert (comparison.rows, comparison.verdict) == (30, "agree")
     assert "settings.control" in {fact.name for fact in comparison.facts}
     assert column(compare(coarse, make_run()), "x").time == pytest.approx(0.87)
+    assert column(compare(make_run(), coarse), "x").time == pytest.approx(0.87)
 
 
 def test_different_laws_are_compared_on_the_columns_that_both_have(make_run: MakeRun) -> None:
@@ -160,7 +182,9 @@ def test_different_laws_are_compared_on_the_columns_that_both_have(make_run: Mak
 
 def test_differing_settings_and_provenance_are_listed(make_run: MakeRun) -> None:
     run_a = make_run(provenance={"version": "1", "compiler": "cc"}, split=0.2)
-    run_b = make_run(provenance={"version": "2"}, split=0.3, labels={"seed": 7, "guard": True})
+    run_b = make_run(
+        provenance={"version": "2", "system": "os"}, split=0.3, labels={"seed": 7, "guard": True}
+    )
     facts = {fact.name: (fact.in_a, fact.in_b) for fact in compare(run_a, run_b).facts}
 
     assert facts == {
@@ -169,6 +193,7 @@ def test_differing_settings_and_provenance_are_listed(make_run: MakeRun) -> None
         "settings.split": ("0.2", "0.3"),
         "provenance.version": ("1", "2"),
         "provenance.compiler": ("cc", "(absent)"),
+        "provenance.system": ("(absent)", "os"),
     }
 
 
@@ -177,6 +202,12 @@ def test_rounding_in_the_monitor_is_no_difference(make_run: MakeRun) -> None:
 
     assert compare(*pair).facts == ()
     assert [fact.name for fact in compare(*pair, tolerance=0.0).facts] == ["monitor.max_abs_v"]
+
+
+def test_monitors_that_lost_the_same_number_do_not_differ(make_run: MakeRun) -> None:
+    lost = Monitor((math.inf, math.nan), 1, (0.0, 1), (0.5, 1), "non-finite")
+
+    assert compare(make_run(monitor=lost), make_run(monitor=lost)).facts == ()
 
 
 def test_runs_that_end_differently_differ_however_close_they_are(make_run: MakeRun) -> None:

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from wmr_ctrl.results import (
     Monitor,
     Run,
+    covered,
     e_rms,
     ise,
     ise_over,
@@ -146,6 +147,17 @@ def test_a_period_that_the_run_did_not_live_through_is_not_covered(make_run: Mak
     assert ise_over(run, 0.0, 0.99) == pytest.approx(0.99)
 
 
+@given(k=st.integers(1, 99), control=CONTROLS)
+def test_a_stop_at_a_sample_covers_every_period_before_it(
+    make_run: MakeRun, k: int, control: float
+) -> None:
+    monitor = Monitor((2.0, 1000.0), 3, (0.0, 1), (k * control, 2), "diverged")
+    run = make_run(duration=100 * control, control=control, rows=k, monitor=monitor)
+
+    assert covered(run) == k
+    assert ise_over(run, 0.0, k * control) == 0.0
+
+
 def test_a_run_that_ended_at_once_has_no_figures(make_run: MakeRun) -> None:
     at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
     figures = summary(make_run(rows=0, monitor=at_once, rms_from=0.0))
@@ -202,12 +214,22 @@ def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run: MakeRun) -
 
 
 def test_peak_and_rms_of_a_window_see_only_that_window(make_run: MakeRun) -> None:
-    run = make_run(tau_right=np.arange(100.0))
+    run = make_run(tau_right=np.arange(100.0), tau_left=np.arange(-60.0, 40.0))
 
-    assert tau_peak(run, 0.2, 0.5) == 49.0
+    assert tau_peak(run, 0.0, 0.2) == 60.0
+    assert tau_peak(run, 0.2, 0.3) == 40.0
     assert tau_peak(run, 0.2) == 99.0
     assert tau_peak(run, 0.2, 1.5) is None
-    assert tau_rms(run, 0.1, 0.11) == pytest.approx(10 / math.sqrt(2))
+    assert tau_peak(run, 1.0) is None
+    assert tau_rms(run, 0.1, 0.11) == pytest.approx(math.sqrt((10**2 + 50**2) / 2))
+
+
+def test_a_window_without_a_sample_has_no_mean_and_an_ise_of_zero(make_run: MakeRun) -> None:
+    run = make_run(x=1.0, e=1.0)
+
+    assert e_rms(run, 0.5, 0.5) is None
+    assert tau_rms(run, 0.5, 0.5) is None
+    assert ise_over(run, 0.5, 0.5) == 0.0
 
 
 @given(c=st.tuples(ERRORS, ERRORS, ERRORS))

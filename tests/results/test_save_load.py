@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -239,6 +241,7 @@ def test_a_byte_flipped_in_a_csv_never_crashes_the_loader(
         (b"\n0.01,", b"\n0.02,"),
         (b"\n0.01,", b"\n0.01,,"),
         (b"\n0.01,", b"\nlate,"),
+        (b'"size": 1', b'"si\\nze": 1'),
     ],
 )
 def test_a_csv_edited_into_a_contradiction_is_refused(
@@ -250,6 +253,32 @@ def test_a_csv_edited_into_a_contradiction_is_refused(
     path.write_bytes(data.replace(old, new, 1))
 
     assert refused(path)
+
+
+@pytest.mark.parametrize("new", [b"\n0.01,0.0,", b"\n"])
+def test_a_row_of_another_length_is_counted(make_run: MakeRun, tmp_path: Path, new: bytes) -> None:
+    path = saved(make_run(duration=0.05), tmp_path, ".csv")
+    path.write_bytes(path.read_bytes().replace(b"\n0.01,", new, 1))
+
+    with pytest.raises(ResultFileError, match=r"row 2 has \d+ of 29 numbers"):
+        load_run(path)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "int64", "complex128"])
+def test_a_column_of_another_precision_is_refused(
+    make_run: MakeRun, tmp_path: Path, dtype: str
+) -> None:
+    path = saved(make_run(duration=0.05), tmp_path, ".npz")
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    buffer = io.BytesIO()
+    np.save(buffer, np.zeros(5, dtype=dtype))
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in {**members, "x.npy": buffer.getvalue()}.items():
+            archive.writestr(name, data)
+
+    with pytest.raises(ResultFileError, match=f"holds {dtype}"):
+        load_run(path)
 
 
 def test_archives_of_somebody_else_are_refused(tmp_path: Path) -> None:

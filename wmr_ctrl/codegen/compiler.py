@@ -129,15 +129,16 @@ def compile_library(
 
 def _run(command: Sequence[str], folder: Path, timeout: float) -> Finished:
     try:
-        return run_command(
-            command, timeout=timeout, folder=folder, environment=_environment(folder)
-        )
+        return run_command(command, timeout=timeout, folder=folder, environment=environment(folder))
     except OSError as error:
         return Finished(127, str(error))
 
 
-def _environment(folder: Path) -> Mapping[str, str]:
-    """Keep the compiler's files with ours: HOME and the temporary folder may be read-only."""
+def environment(folder: Path) -> Mapping[str, str]:
+    """Return variables that keep a compiler's own files in ``folder`` and the cache.
+
+    HOME and the temporary folder may be read-only.
+    """
     zig = str(cache_dir() / "zig")
     return {
         **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),

@@ -26,6 +26,7 @@ from wmr_ctrl.codegen.compiler import (
     Toolchain,
     compile_library,
     default_flags,
+    environment,
     is_zig,
     library_suffix,
 )
@@ -181,9 +182,10 @@ def _version(command: tuple[str, ...]) -> str:
 
 def _first_line(command: tuple[str, ...]) -> str:
     try:
-        finished = run_command(command, timeout=20.0)
+        finished = run_command(command, timeout=20.0, environment=environment(cache_dir()))
     except OSError as error:
         raise CompilerError(f"`{shlex.join(command)}` cannot be started: {error}.") from error
     if finished.timed_out:
         raise CompilerError(f"`{shlex.join(command)}` gave no answer within 20 s.")
-    return finished.output.strip().partition("\n")[0].strip() or "unknown version"
+    lines = finished.output.strip().splitlines()
+    return lines[0].strip() if lines and not finished.code else "of unknown version"

@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from wmr_ctrl.results.compare import ColumnDifference, Comparison
 
 _LINE = 88
-_WIDTH = 36
+"""Width of wrapped text, in characters."""
+
+_WIDTH = 42
 """Longest value of a fact that is shown whole; a scenario's text is not."""
 
 

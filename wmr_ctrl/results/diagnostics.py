@@ -58,7 +58,7 @@ def settling_time(run: Run, within: float) -> float | None:
 
     None for a run that ended early, or whose last sample is farther away.
     """
-    if run.rows == 0 or covered(run) < run.settings.samples:
+    if covered(run) < run.settings.samples:
         return None
     outside = np.flatnonzero(~(distance(run) <= within))
     first = int(outside[-1]) + 1 if outside.size else 0

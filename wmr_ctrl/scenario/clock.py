@@ -27,9 +27,9 @@ class Clock(Section):
 
     KEY: ClassVar[str] = "clock"
 
-    control: float = quantity(0.01, unit="s", doc="period of the control law", above=0)
-    plant: float = quantity(0.001, unit="s", doc="step of the plant's integration", above=0)
-    duration: float = quantity(80.0, unit="s", doc="length of a run", above=0)
+    control: float = quantity(0.01, unit="s", doc="period of the control law", minimum=1e-9)
+    plant: float = quantity(0.001, unit="s", doc="step of the plant's integration", minimum=1e-9)
+    duration: float = quantity(80.0, unit="s", doc="length of a run", minimum=1e-9)
 
     @property
     def substeps(self) -> int:

@@ -88,7 +88,8 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
     """
     where = cls.KEY if path is None else path
     if not isinstance(raw, Mapping):
-        raise ScenarioError(f"{where} = {show(raw)} must be a table, written as [{where}].")
+        header = f"[[{where.split('[')[0]}]]" if where.endswith("]") else f"[{where}]"
+        raise ScenarioError(f"{where} = {show(raw)} must be a table, written as {header}.")
     known = dict(quantities(cls))
     values = {}
     for name, value in raw.items():

@@ -54,12 +54,12 @@ def drop_unreached(raw: Raw) -> None:
     duration = _table(raw, "clock").get("duration")
     changes = raw.get("changes")
     if isinstance(duration, Real) and isinstance(changes, list):
-        raw["changes"] = [change for change in changes if not _late(change, float(duration))]
+        raw["changes"] = [change for change in changes if not _late(change, duration)]
 
 
-def _late(change: object, duration: float) -> bool:
+def _late(change: object, duration: Real) -> bool:
     time = change.get("t") if isinstance(change, Mapping) else None
-    return isinstance(time, Real) and float(time) >= duration
+    return isinstance(time, Real) and time >= duration
 
 
 def with_defaults(raw: Mapping[str, Any]) -> Raw:

@@ -135,9 +135,15 @@ def _enter(place: Any, step: Step, following: Step, key: str) -> Any:
 
 
 def _set(place: Any, step: Step, value: Any, key: str) -> None:
-    if isinstance(step, str) and isinstance(place, dict):
-        place[step] = value
-    elif isinstance(step, int) and isinstance(place, list) and 0 <= step < len(place):
+    """Put the value in; a table may also be put after a list's last element."""
+    if isinstance(step, int) and isinstance(place, list):
+        if step == len(place) and isinstance(value, Mapping):
+            place.append(value)
+        elif 0 <= step < len(place):
+            place[step] = value
+        else:
+            raise _no_place(place, step, key)
+    elif isinstance(step, str) and isinstance(place, dict):
         place[step] = value
     else:
         raise _no_place(place, step, key)

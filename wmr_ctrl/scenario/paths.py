@@ -26,7 +26,14 @@ def path_of(reference: RoundedSquare | Waypoints) -> SplinePath:
     """
     if isinstance(reference, RoundedSquare):
         return fit(square_points(reference.side, reference.corner), reference.speed, True)
-    path = fit(_checked_points(reference), reference.speed, reference.closed)
+    points = _checked_points(reference)
+    try:
+        path = fit(points, reference.speed, reference.closed)
+    except (ValueError, np.linalg.LinAlgError) as problem:
+        raise ScenarioError(
+            f"reference.points: no smooth path runs through them ({problem}). "
+            "Space them more evenly."
+        ) from None
     _check_forward(path, reference.speed)
     return path
 

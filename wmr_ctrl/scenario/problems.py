@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 
@@ -38,6 +39,8 @@ def _spell(value: object) -> str:
         return '"' + "".join(c if c.isprintable() else " " for c in value[:80]) + '"'
     if isinstance(value, int):
         return str(value) if abs(value) < 10**30 else "an integer beyond 1e30"
+    if isinstance(value, Real):
+        return repr(float(value))
     if isinstance(value, Mapping):
         return "a table"
     if isinstance(value, Sequence):

@@ -21,7 +21,7 @@ class Circle(Section):
 
     KEY: ClassVar[str] = "reference"
 
-    radius: float = quantity(2.0, unit="m", doc="radius", above=0)
+    radius: float = quantity(2.0, unit="m", doc="radius", minimum=1e-6)
     rate: float = quantity(0.1, unit="rad/s", doc="angular rate; negative: driven backwards")
 
     @property
@@ -52,9 +52,9 @@ class Lemniscate(Section):
 
     KEY: ClassVar[str] = "reference"
 
-    size: float = quantity(2.0, unit="m", doc="half the width; the height equals it", above=0)
+    size: float = quantity(2.0, unit="m", doc="half the width; the height equals it", minimum=1e-6)
     rate: float = quantity(
-        0.1, unit="rad/s", doc="rate of the phase; one lap is 2 pi/rate", above=0
+        0.1, unit="rad/s", doc="rate of the phase; one lap is 2 pi/rate", minimum=1e-6
     )
 
     @property
@@ -69,11 +69,14 @@ class RoundedSquare(Section):
 
     KEY: ClassVar[str] = "reference"
 
-    side: float = quantity(3.0, unit="m", doc="side of the square", above=0)
+    side: float = quantity(3.0, unit="m", doc="side of the square", minimum=1e-6)
     corner: float = quantity(
-        0.8, unit="m", doc="length of side that a corner takes at each end; at most side/2", above=0
+        0.8,
+        unit="m",
+        doc="length of side that a corner takes at each end; at most side/2",
+        minimum=1e-6,
     )
-    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", above=0)
+    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", minimum=1e-6)
 
     def relate(self) -> None:
         """Two corners must fit on a side."""
@@ -97,9 +100,9 @@ class StopAndGo(Section):
 
     KEY: ClassVar[str] = "reference"
 
-    radius: float = quantity(2.0, unit="m", doc="radius", above=0)
+    radius: float = quantity(2.0, unit="m", doc="radius", minimum=1e-6)
     speed: float = quantity(0.4, unit="m/s", doc="largest speed; the mean is half of it", above=0)
-    period: float = quantity(10.0, unit="s", doc="time from one stop to the next", above=0)
+    period: float = quantity(10.0, unit="s", doc="time from one stop to the next", minimum=1e-6)
 
     @property
     def cycle(self) -> float:
@@ -120,7 +123,7 @@ class Waypoints(Section):
     points: tuple[tuple[float, float], ...] = quantity(
         (), unit="m", doc="x, y of each point, in the order of travel", kind="points"
     )
-    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", above=0)
+    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", minimum=1e-6)
     closed: bool = quantity(False, unit="", doc="whether the path returns to its first point")
 
     def relate(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario.change import Change
@@ -27,10 +27,11 @@ def check_types(scenario: Scenario) -> None:
     if as_list(scenario.changes) is None:
         raise ScenarioError(f"changes = {show(scenario.changes)} must be an array of changes.")
     for field in dataclasses.fields(scenario):
-        wanted, value = field.default_factory, getattr(scenario, field.name)
-        if isinstance(wanted, type) and issubclass(wanted, Section) and field.name != "reference":
-            if not isinstance(value, wanted):
-                raise ScenarioError(f"{field.name} must be a {wanted.__name__}.")
+        wanted: Any = field.default_factory
+        value = getattr(scenario, field.name)
+        section = isinstance(wanted, type) and issubclass(wanted, Section)
+        if section and field.name != "reference" and type(value) is not wanted:
+            raise ScenarioError(f"{field.name} = {show(value)} must be a {wanted.__name__}.")
 
 
 def relate(scenario: Scenario) -> None:

@@ -90,7 +90,7 @@ def _evaluate(table: Array, order: int, s: Array) -> Array:
     powers = np.arange(order, DEGREE + 1)
     factors = np.array([math.perm(int(p), order) for p in powers], dtype=float)
     basis = s[:, None] ** (powers - order) * factors
-    return np.einsum("kp,npc->nkc", basis, table[:, order:, :])
+    return np.asarray(np.einsum("kp,npc->nkc", basis, table[:, order:, :]))
 
 
 def _arc_lengths(table: Array) -> Array:

@@ -82,7 +82,7 @@ class Quantity:
         try:
             number = float(value)
         except OverflowError:
-            number = math.copysign(1e300, value)  # too long for a double: refused as too large
+            number = 1e300  # an integer too long for a double: refused as too large
         rule = self.bounds.broken(number)
         if rule:
             raise self.refuse(value, path, rule)

@@ -10,7 +10,7 @@ from wmr_ctrl.model.references.registry import trajectory_of
 from wmr_ctrl.scenario.reference import Reference
 from wmr_ctrl.scenario.scenario import Scenario
 
-GRID = 4001
+GRID = 2001
 
 
 def function_of(reference: Reference) -> ca.Function:

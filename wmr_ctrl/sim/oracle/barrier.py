@@ -78,7 +78,7 @@ def _excess(c: float, u1: float, u2: float) -> float:
 
 def _distance(t: float) -> float:
     """d = u1 - v_c1 in R3, positive root of d (d + t) = 1."""
-    root = math.sqrt(t * t + 4.0)
+    root = math.hypot(t, 2.0)
     return 2.0 / (t + root) if t >= 0.0 else (root - t) / 2.0
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.actuator import Actuator
+from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
 from wmr_ctrl.sim.oracle.law import Pair, Sight
@@ -32,7 +33,7 @@ def simulate_oracle(
     kinematics: Mapping[str, Any],
     seed: int,
     progress: Callable[[float], None] | None = None,
-) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+) -> tuple[dict[str, FloatArray], dict[str, Any]]:
     """One run of ``law`` in ``scenario``.
 
     ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
@@ -42,13 +43,8 @@ def simulate_oracle(
     that has no NumPy twin.
     """
     loop = _Loop(scenario, law, gains, kinematics, seed)
-    samples = scenario.clock.samples
-    for k in range(samples):
-        if loop.ended:
-            break
-        loop.sample(k)
-        if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
-            progress((k + 1) / samples)
+    with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
+        loop.run(progress)
     return loop.log.columns(), loop.watch.numbers()
 
 
@@ -76,7 +72,17 @@ class _Loop:
         self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
         self.ended = self.watch.see(0.0, self.state)
 
-    def sample(self, k: int) -> None:
+    def run(self, progress: Callable[[float], None] | None) -> None:
+        """All control samples, or those before the run must end."""
+        samples = self.clock.samples
+        for k in range(samples):
+            if self.ended:
+                break
+            self._sample(k)
+            if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
+                progress((k + 1) / samples)
+
+    def _sample(self, k: int) -> None:
         """One control step: look, act, log, and let the plant run until the next sample."""
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
@@ -123,8 +129,8 @@ class _Loop:
         return row | self._diagnostics(target, sight) | self.law.memory()
 
     def _diagnostics(self, target: Target, sight: Sight) -> dict[str, Any]:
-        """Error and margin of the true state, the rest as the law saw it."""
-        speeds = zip(self.state[3:], self.scenario.limits.v_u1)
+        """Error of the true pose; margin and the rest as the law saw them."""
+        speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier
         return {
             "e": tracking_error(target, self.state[:3]),

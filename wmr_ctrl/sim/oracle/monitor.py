@@ -27,7 +27,7 @@ class Watch:
         speed = (abs(state[3]), abs(state[4]))
         if not all(map(math.isfinite, state)):
             return self._stop(t, 2 if math.isfinite(state[3]) else 1, "non-finite")
-        self.max_abs_v = [max(a, b) for a, b in zip(self.max_abs_v, speed)]
+        self.max_abs_v = [max(a, b) for a, b in zip(self.max_abs_v, speed, strict=True)]
         if speed[0] > self.v_u1[0] or speed[1] > self.v_u1[1]:
             self.violations += 1
             if self.first_violation is None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.barrier import Barrier
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 
@@ -33,23 +34,24 @@ class NeuralNetwork:
             self.W[i] = self._learned(i, S * b.gap)
         return force[0], force[1]
 
-    def _basis(self, sight: Sight) -> np.ndarray:
+    def _basis(self, sight: Sight) -> FloatArray:
         """S(Z) (64,) at Z = (v_c0', 1/q, v)."""
         Z = np.array((*sight.v_c0_dot, *map(self._ratio, sight.barrier), *sight.v))
-        squares: np.ndarray = ((Z - self.nodes) ** 2).sum(axis=1)
-        return np.exp(-squares / self.gains["eta"] ** 2)
+        squares: FloatArray = ((Z - self.nodes) ** 2).sum(axis=1)
+        S: FloatArray = np.exp(-squares / self.gains["eta"] ** 2)
+        return S
 
     def _ratio(self, b: Barrier) -> float:
         """A/(v - v_c1) = 1/q, capped."""
         cap = float(self.gains["ratio_cap"])
-        return cap if b.q * cap <= 1.0 else 1.0 / b.q
+        return cap if b.q <= 1.0 / cap else 1.0 / b.q
 
-    def _learned(self, i: int, drive: np.ndarray) -> np.ndarray:
+    def _learned(self, i: int, drive: FloatArray) -> FloatArray:
         """Weights of axis ``i`` one control step later; ``drive`` = S (v - v_c1)."""
         Gamma, sigma, W, T = self.gains["Gamma"][i], self.gains["sigma"][i], self.W[i], self.T
         if self.gains["integrator"] == "semi-implicit":
-            return (W - T * Gamma * drive) / (1.0 + T * Gamma * sigma)
-        return W - T * Gamma * (drive + sigma * W)
+            return np.asarray((W - T * Gamma * drive) / (1.0 + T * Gamma * sigma))
+        return np.asarray(W - T * Gamma * (drive + sigma * W))
 
     def memory(self) -> dict[str, Pair]:
         """Euclidean norms of both axes' weights, after the update."""

@@ -9,35 +9,37 @@ from __future__ import annotations
 import numpy as np
 
 from wmr_ctrl.scenario import Disturbance
+from wmr_ctrl.sim.oracle.arrays import FloatArray, Words
 
 TORQUE, POSE, VELOCITY = 0, 1, 2
 """Streams."""
 _ATTEMPTS = 64
 
 
-def key_of(seed: int) -> np.ndarray:
+def key_of(seed: int) -> Words:
     """Philox key (2,) uint64 of a seed."""
-    return np.random.SeedSequence(seed).generate_state(2, np.uint64)
+    return np.asarray(np.random.SeedSequence(seed).generate_state(2, np.uint64), np.uint64)
 
 
-def raw_blocks(key: np.ndarray, first: int, count: int, stream: int, attempt: int = 0) -> np.ndarray:
+def raw_blocks(key: Words, first: int, count: int, stream: int, attempt: int = 0) -> Words:
     """Integers (count, 4) uint64 of the control steps ``first`` to ``first + count - 1``."""
     counter = first + (stream << 64) + (attempt << 128)
-    generator = np.random.Philox(key=key, counter=(counter - 1) % 2**256)  # it counts up, then draws
+    before = (counter - 1) % 2**256  # the generator counts up before it draws
+    generator = np.random.Philox(key=key, counter=before)
     return generator.random_raw(4 * count).reshape(count, 4)
 
 
-def uniforms(raw: np.ndarray) -> np.ndarray:
+def uniforms(raw: Words) -> FloatArray:
     """Numbers in [0, 1) of 53 bits, shaped like ``raw``."""
     return (raw >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 
-def symmetric(key: np.ndarray, count: int, stream: int) -> np.ndarray:
+def symmetric(key: Words, count: int, stream: int) -> FloatArray:
     """Pairs (count, 2), uniform in [-1, 1)."""
     return 2.0 * uniforms(raw_blocks(key, 0, count, stream))[:, :2] - 1.0
 
 
-def torque_noise(key: np.ndarray, count: int, disturbance: Disturbance) -> np.ndarray:
+def torque_noise(key: Words, count: int, disturbance: Disturbance) -> FloatArray:
     """Disturbance torques (count, 2) [N m], right and left wheel, one row per control step."""
     if disturbance.std == 0.0:
         return np.zeros((count, 2))
@@ -48,16 +50,16 @@ def torque_noise(key: np.ndarray, count: int, disturbance: Disturbance) -> np.nd
     return disturbance.std * normal
 
 
-def _redrawn(key: np.ndarray, k: int, bound: float) -> np.ndarray:
+def _redrawn(key: Words, k: int, bound: float) -> FloatArray:
     """The first later attempt at step ``k`` that keeps the bound, or the last one clipped."""
     attempt, pair = 0, np.array([np.inf, np.inf])
     while np.abs(pair).max() > bound and attempt + 1 < _ATTEMPTS:
         attempt += 1
         pair = _box_muller(uniforms(raw_blocks(key, k, 1, TORQUE, attempt)))[0]
-    return np.clip(pair, -bound, bound)
+    return np.asarray(np.clip(pair, -bound, bound))
 
 
-def _box_muller(u: np.ndarray) -> np.ndarray:
+def _box_muller(u: FloatArray) -> FloatArray:
     """Standard normal pairs (count, 2) of uniforms (count, 4)."""
     radius = np.sqrt(-2.0 * np.log(1.0 - u[:, 0]))
     angle = 2.0 * np.pi * u[:, 1]

@@ -44,7 +44,9 @@ class Plant:
             k4 = self.rate(_moved(state, k3, dt), torque)
         except ValueError:  # the sine of infinity
             return _NOT_A_STATE
-        mean = [(a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(k1, k2, k3, k4)]
+        mean = [
+            (a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)
+        ]
         return _moved(state, mean, dt)
 
 
@@ -59,7 +61,7 @@ def _moved(state: State, rate: State | list[float], h: float) -> State:
 
 
 def plants(robot: Robot, changes: tuple[Change, ...], clock: Clock) -> list[tuple[int, Plant]]:
-    """(first plant step, plant) pairs in order of time: the robot, then as each change leaves it."""
+    """(first plant step, plant) pairs in order of time, one more after each change."""
     current = robot
     schedule = [(0, Plant(current))]
     for change in changes:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.sim.oracle.arrays import FloatArray
 
 
 class Recorder:
@@ -25,9 +26,9 @@ class Recorder:
         for name, value in row.items():
             self.rows[name].append(value)
 
-    def columns(self) -> dict[str, np.ndarray]:
+    def columns(self) -> dict[str, FloatArray]:
         """Arrays (N,), or (N, size) for vectors, also when there is no row."""
         return {
-            name: np.array(values, dtype=float).reshape((-1,) if size == 1 else (-1, size))
-            for (name, size), values in zip(self.sizes.items(), self.rows.values())
+            name: np.array(self.rows[name], dtype=float).reshape(-1 if size == 1 else (-1, size))
+            for name, size in self.sizes.items()
         }

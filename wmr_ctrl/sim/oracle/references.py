@@ -13,7 +13,6 @@ from wmr_ctrl.scenario.reference import Reference as Kind
 from wmr_ctrl.sim.oracle.splined import splined
 from wmr_ctrl.sim.oracle.target import Target, target_on
 
-
 Reference = Callable[[float], Target]
 
 

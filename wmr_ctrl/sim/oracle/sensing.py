@@ -8,6 +8,7 @@ import numpy as np
 
 from wmr_ctrl.scenario import Clock
 from wmr_ctrl.scenario import Sensor as SensorSettings
+from wmr_ctrl.sim.oracle.arrays import Words
 from wmr_ctrl.sim.oracle.auxiliary import Pair, Triple
 from wmr_ctrl.sim.oracle.noise import POSE, VELOCITY, symmetric
 from wmr_ctrl.sim.oracle.plant import State
@@ -16,7 +17,7 @@ from wmr_ctrl.sim.oracle.plant import State
 class Sensor:
     """Measures one state per control sample, in order."""
 
-    def __init__(self, settings: SensorSettings, clock: Clock, key: np.ndarray) -> None:
+    def __init__(self, settings: SensorSettings, clock: Clock, key: Words) -> None:
         self.settings = settings
         self.period = clock.control
         self.every = max(1, round(settings.pose_period / clock.control))

@@ -24,7 +24,8 @@ class Target:
 
     def columns(self) -> dict[str, float]:
         """The values by the names of their signals."""
-        return {signal.name: value for signal, value in zip(REFERENCE, astuple(self))}
+        names = (signal.name for signal in REFERENCE)
+        return dict(zip(names, astuple(self), strict=True))
 
 
 def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -> Target:

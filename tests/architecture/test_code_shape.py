@@ -1,0 +1,87 @@
+"""Short functions, short files, documented and annotated names."""
+
+from __future__ import annotations
+
+import ast
+import statistics
+from pathlib import Path
+
+from tests.architecture.tree import Function, Module, functions, length, modules, offenders, public
+
+LONGEST_FUNCTION = 60
+LONGEST_FILE = 350
+
+
+def test_no_function_is_too_long():
+    def long(module: Module) -> list[str]:
+        sizes = {f.name: length(f) for f in functions(module.tree)}
+        return [f"{name}: {size}" for name, size in sizes.items() if size > LONGEST_FUNCTION]
+
+    assert offenders(long) == {}
+
+
+def test_no_file_is_too_long():
+    def long(module: Module) -> list[str]:
+        lines = len(module.text.splitlines())
+        return [f"{lines} lines"] if lines > LONGEST_FILE else []
+
+    assert offenders(long) == {}
+
+
+def test_most_functions_take_a_few_lines():
+    lengths = [length(function) for module in modules() for function in functions(module.tree)]
+
+    assert statistics.median(lengths) <= 8
+    assert statistics.quantiles(lengths, n=10)[-1] <= 35
+
+
+def test_modules_and_public_names_have_docstrings():
+    def bare(module: Module) -> list[str]:
+        names = [node.name for node in public(module.tree) if not ast.get_docstring(node)]
+        return names if ast.get_docstring(module.tree) else ["the module itself", *names]
+
+    assert offenders(bare) == {}
+
+
+def test_functions_are_annotated():
+    def bare(module: Module) -> list[str]:
+        return [f"{f.name}: {', '.join(missing(f))}" for f in functions(module.tree) if missing(f)]
+
+    assert offenders(bare) == {}
+
+
+def missing(function: Function) -> list[str]:
+    """Arguments without annotation, self and cls aside, and ``return``."""
+    args = function.args
+    listed = [*args.posonlyargs, *args.args, *args.kwonlyargs]
+    named = [arg for arg in (*listed, args.vararg, args.kwarg) if arg is not None]
+    bare = [a.arg for a in named if a.annotation is None and a.arg not in ("self", "cls")]
+    return bare if function.returns is not None else [*bare, "return"]
+
+
+def test_library_code_prints_nothing_and_holds_no_debugger():
+    def wrong(module: Module) -> set[str]:
+        unwanted = {"breakpoint", "set_trace", *(() if module.layer == "cli" else ("print",))}
+        return calls(module) & unwanted
+
+    assert offenders(wrong) == {}
+
+
+def calls(module: Module) -> set[str]:
+    """Names of the functions and methods that a module calls."""
+    nodes = [node.func for node in ast.walk(module.tree) if isinstance(node, ast.Call)]
+    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+
+
+def test_the_checks_see_what_they_should(tmp_path: Path):
+    """The helpers themselves: a wrong file is told from a right one."""
+    wrong = ast.parse("def f(a, *, b: int):\n    def g() -> int: return 1\n    print(a)\n")
+    module = Module("wmr_ctrl.x", tmp_path, "", wrong)
+    outer, inner = functions(wrong)
+
+    assert missing(outer) == ["a", "return"]
+    assert missing(inner) == []
+    assert length(outer) == 3
+    assert calls(module) == {"print"}
+    assert [node.name for node in public(wrong)] == ["f"]

@@ -1,0 +1,176 @@
+"""Who may import whom, as docs/architecture.md says it."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+
+from tests.architecture.tree import ROOT, Module, layer_of, modules, offenders
+
+EVERYWHERE = {"errors", "signals"}
+ORDER = (
+    {"paper", "results"},
+    {"scenario"},
+    {"model"},
+    {"laws"},
+    {"codegen"},
+    {"checks"},
+    {"sim"},
+    {"proofs", "linear", "fmi"},
+    {"campaign"},
+    {"report"},
+    {"api"},
+    {"__init__"},
+    {"cli"},
+)
+THIRD_PARTY = {
+    "errors": set(),
+    "signals": set(),
+    "paper": set(),
+    "results": {"numpy"},
+    "scenario": {"numpy", "scipy", "tomlkit"},
+    "model": {"casadi", "numpy"},
+    "laws": {"casadi", "numpy"},
+    "codegen": {"casadi", "jinja2", "numpy", "platformdirs"},
+    "checks": {"casadi", "numpy"},
+    "sim": {"numpy"},
+    "proofs": {"casadi", "flint", "numpy", "sympy", "z3"},
+    "linear": {"casadi", "control", "numpy", "scipy"},
+    "fmi": {"fmpy", "jinja2", "numpy"},
+    "campaign": {"numpy"},
+    "report": {"jinja2", "matplotlib", "numpy"},
+    "api": {"numpy"},
+    "__init__": set(),
+}
+"""What each layer may import from elsewhere; the command line (cli) may import anything."""
+JOINERS = {"api", "cli", "fmi"}
+"""Who may both compile and run: the interface, and the co-simulation that is compared with it."""
+LEDGER = "wmr_ctrl.proofs.ledger"
+LIGHT = tuple(f"wmr_ctrl.{layer}" for layer in sorted(EVERYWHERE))
+
+
+def rank(layer: str) -> int:
+    found = [place for place, layers in enumerate(ORDER) if layer in layers]
+    assert found, f"wmr_ctrl/{layer} is in no layer: add it to docs/architecture.md and here"
+    return found[0]
+
+
+def own_imports(module: Module) -> list[str]:
+    return [name for name in module.imports() if name.split(".")[0] == "wmr_ctrl"]
+
+
+def foreign_imports(module: Module) -> set[str]:
+    tops = {name.split(".")[0] for name in module.imports()}
+    return tops - {"wmr_ctrl", "__future__"} - sys.stdlib_module_names
+
+
+def layers_used(module: Module) -> set[str]:
+    return {layer_of(name) for name in own_imports(module)}
+
+
+def test_imports_come_from_layers_below():
+    def above(module: Module) -> list[str]:
+        if module.layer in EVERYWHERE:
+            return own_imports(module)
+        return [
+            name
+            for name in own_imports(module)
+            if layer_of(name) not in {module.layer, *EVERYWHERE}
+            and rank(layer_of(name)) >= rank(module.layer)
+            and name != "wmr_ctrl"  # the version
+        ]
+
+    assert offenders(above) == {}
+
+
+def test_third_party_imports_are_those_of_the_layer():
+    def foreign(module: Module) -> set[str]:
+        return foreign_imports(module) - THIRD_PARTY.get(module.layer, set())
+
+    assert {k: v for k, v in offenders(foreign).items() if not k.startswith("wmr_ctrl.cli")} == {}
+
+
+def test_tests_notebooks_and_benchmarks_are_not_imported():
+    outside = {"tests", "analysis", "benchmarks", "fmu"}
+
+    assert offenders(lambda module: foreign_imports(module) & outside) == {}
+
+
+def test_only_the_api_joins_compiling_and_running():
+    def joins(module: Module) -> list[str]:
+        both = layers_used(module) >= {"codegen", "sim"}
+        return ["codegen with sim"] if both and module.layer not in JOINERS else []
+
+    assert offenders(joins) == {}
+
+
+def test_runs_and_studies_are_handed_their_kernels():
+    graphs = {"model", "laws", "codegen", "checks"}
+
+    def builds(module: Module) -> set[str]:
+        return layers_used(module) & graphs if module.layer in {"sim", "campaign"} else set()
+
+    assert offenders(builds) == {}
+
+
+def test_report_reads_proofs_through_the_ledger_only():
+    def proofs(module: Module) -> list[str]:
+        used = [name for name in own_imports(module) if layer_of(name) == "proofs"]
+        return [name for name in used if module.layer == "report" and name != LEDGER]
+
+    def heavy(module: Module) -> set[str]:
+        if module.name != LEDGER:
+            return set()
+        return foreign_imports(module) | (layers_used(module) - EVERYWHERE)
+
+    assert offenders(proofs) == {}
+    assert offenders(heavy) == {}
+
+
+def test_the_numpy_oracle_shares_no_code_with_what_it_checks():
+    allowed = ("wmr_ctrl.sim.oracle", "wmr_ctrl.scenario", "wmr_ctrl.results", *LIGHT)
+
+    def shared(module: Module) -> list[str]:
+        if not module.name.startswith("wmr_ctrl.sim.oracle"):
+            return []
+        return [name for name in own_imports(module) if not name.startswith(allowed)]
+
+    assert offenders(shared) == {}
+
+
+def test_laws_and_plants_are_built_into_systems():
+    """One type at the arrow: every ``build`` of a law takes a Scenario and returns a System."""
+    built = [
+        (module.name, ast.unparse(node.args.args[0].annotation or node), ast.unparse(node.returns))
+        for module in modules()
+        if module.layer == "laws"
+        for node in module.tree.body
+        if isinstance(node, ast.FunctionDef) and node.name == "build" and node.returns
+    ]
+
+    assert len(built) >= 4
+    assert {(given, returned) for _, given, returned in built} == {("Scenario", "System")}
+
+
+def test_every_engine_returns_a_run():
+    """One type at the arrow: what the interface simulates is a Run, or many of them."""
+    api = next((module for module in modules() if module.name == "wmr_ctrl.api"), None)
+    assert api is not None
+    returned = {
+        node.name: ast.unparse(node.returns)
+        for node in api.tree.body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("simulate") and node.returns
+    }
+
+    assert returned["simulate"] == "Run"
+    assert all("Run" in annotation for annotation in returned.values())
+
+
+def test_architecture_page_names_every_layer():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    order = next(line for line in page.splitlines() if line.startswith("paper, results |"))
+    steps = [set(re.findall(r"\w+", step)) for step in order.split("|")]
+
+    assert steps == [layers for layers in ORDER if layers != {"__init__"}]
+    assert all(f"`wmr_ctrl/{layer}" in page for layers in ORDER for layer in layers)

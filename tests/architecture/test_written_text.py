@@ -1,0 +1,54 @@
+"""What is written in the tree speaks of the project only."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.architecture.tree import ROOT, text_files
+
+MACHINE_PATH = re.compile(r"(?<![\w.$}/-])/(?:home|root|work|tmp|Users|mnt|scratch)/[\w.]")
+LONGEST_TEXT = 3_000_000
+
+
+def test_no_file_names_a_folder_of_somebodys_machine():
+    found = [
+        f"{path.relative_to(ROOT)}: {match.group()}"
+        for path in text_files()
+        for match in MACHINE_PATH.finditer(path.read_text(encoding="utf-8"))
+    ]
+
+    assert found == []
+
+
+@pytest.mark.parametrize("folder", ["wmr_ctrl", "tests", "docs", "fmu", ".ci", "analysis"])
+def test_text_has_no_tabs_at_line_starts_or_trailing_blanks(folder):
+    written = (".py", ".c", ".h", ".md", ".toml", ".xml")
+    found = [
+        f"{path.relative_to(ROOT)}:{number}"
+        for path in text_files()
+        if path.relative_to(ROOT).parts[0] == folder and path.suffix in written
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if line != line.rstrip() or line.startswith("\t")
+    ]
+
+    assert found == []
+
+
+def test_no_build_product_or_oversized_text_is_tracked():
+    assert [path.name for path in text_files() if path.stat().st_size > LONGEST_TEXT] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("cd /" + "home/me/x", True),
+        ("see '/" + "tmp/venv'", True),
+        ("https://example.org/home/page", False),
+        ("${TMPDIR:-/tmp}/x", False),
+        ("fmu/runtime and ../work/x", False),
+    ],
+)
+def test_the_pattern_tells_machine_paths_from_others(text, told):
+    assert bool(MACHINE_PATH.search(text)) is told

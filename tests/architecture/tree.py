@@ -1,0 +1,133 @@
+"""The project's files, parsed: what the architecture tests read."""
+
+from __future__ import annotations
+
+import ast
+import shutil
+import subprocess
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "wmr_ctrl"
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True)
+class Module:
+    """One Python file of the package: dotted name, path, text and syntax tree."""
+
+    name: str
+    path: Path
+    text: str
+    tree: ast.Module
+
+    @property
+    def layer(self) -> str:
+        """The folder or file right below wmr_ctrl that it belongs to."""
+        return layer_of(self.name)
+
+    def imports(self) -> Iterator[str]:
+        """Every imported module, wherever the statement stands; names count as modules if so."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                yield from (alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom):
+                yield from self._from(node)
+
+    def _from(self, node: ast.ImportFrom) -> Iterator[str]:
+        base = self._absolute(node)
+        for alias in node.names:
+            full = f"{base}.{alias.name}"
+            yield full if full in names_of_modules() else base
+
+    def _absolute(self, node: ast.ImportFrom) -> str:
+        if not node.level:
+            return node.module or ""
+        package = self.name if self.path.name == "__init__.py" else self.name.rpartition(".")[0]
+        parents = package.split(".")[: len(package.split(".")) - node.level + 1]
+        return ".".join([*parents, *([node.module] if node.module else [])])
+
+
+@cache
+def modules() -> tuple[Module, ...]:
+    """Every Python file of the package."""
+    return tuple(_parsed(path) for path in sorted(PACKAGE.rglob("*.py")))
+
+
+@cache
+def names_of_modules() -> frozenset[str]:
+    """Dotted names of all modules and packages of wmr_ctrl."""
+    return frozenset(_name(path) for path in PACKAGE.rglob("*.py"))
+
+
+def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
+    """Module to what ``check`` found wrong in it, for the modules where it found something."""
+    found = {module.name: list(check(module)) for module in modules()}
+    return {name: wrong for name, wrong in found.items() if wrong}
+
+
+def layer_of(name: str) -> str:
+    """First part of a dotted name after wmr_ctrl, ``__init__`` for the package itself."""
+    return [*name.split("."), "__init__"][1]
+
+
+def functions(tree: ast.Module) -> Iterator[Function]:
+    """Every function and method, nested ones too."""
+    return (node for node in ast.walk(tree) if isinstance(node, Function))
+
+
+def public(tree: ast.Module) -> Iterator[Function | ast.ClassDef]:
+    """Public functions and classes of a module, and the public methods of such classes."""
+    for node in tree.body:
+        if isinstance(node, Function | ast.ClassDef) and not node.name.startswith("_"):
+            yield node
+            if isinstance(node, ast.ClassDef):
+                yield from (
+                    inner
+                    for inner in node.body
+                    if isinstance(inner, Function) and not inner.name.startswith("_")
+                )
+
+
+def length(function: Function) -> int:
+    """Lines of a function without its decorators and docstring."""
+    body = function.body
+    documented = ast.get_docstring(function, clean=False) is not None
+    start = body[0]
+    said = (start.end_lineno or start.lineno) - start.lineno + 1 if documented else 0
+    return (function.end_lineno or function.lineno) - function.lineno + 1 - said
+
+
+def text_files() -> Iterator[Path]:
+    """Files that belong to the project and are text."""
+    for path in _project_files():
+        try:
+            path.read_text(encoding="utf-8")
+        except (UnicodeDecodeError, OSError):
+            continue
+        yield path
+
+
+def _project_files() -> list[Path]:
+    """What git would track; without git, what lies in the project's folders."""
+    if shutil.which("git") and (ROOT / ".git").exists():
+        command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        return [ROOT / name for name in listed.stdout.split("\0") if name]
+    folders = (ROOT / name for name in (".ci", "analysis", "benchmarks", "docs", "fmu", "tests"))
+    found = [path for folder in (*folders, PACKAGE) for path in folder.rglob("*")]
+    return [path for path in (*found, *ROOT.glob("*.*")) if path.is_file()]
+
+
+def _parsed(path: Path) -> Module:
+    text = path.read_text(encoding="utf-8")
+    return Module(_name(path), path, text, ast.parse(text, filename=str(path)))
+
+
+def _name(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

@@ -1,0 +1,201 @@
+"""The hand-written C is the floor of every benchmark, so it must be right before it is fast."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.drive import in_place, out_of_place
+from benchmarks.hand_c import HandC
+from benchmarks.inputs import mixed_rows, plant_torques, tracking_rows
+from benchmarks.layout import noise_key
+from benchmarks.native import HERE, floor_toolchain
+from benchmarks.numpy_loop import closed_loop, rk4
+from benchmarks.numpy_step import NumpyLaws
+from benchmarks.setup import Case, Setup
+from wmr_ctrl.errors import CompilerError
+
+try:
+    floor_toolchain()
+except CompilerError as missing:
+    pytest.skip(str(missing), allow_module_level=True)
+
+TOLERANCE = 1e-11
+ROWS = {"tracking": tracking_rows(64), "mixed": mixed_rows(3000, seed=1)}
+
+
+@pytest.fixture(scope="module")
+def hand() -> HandC:
+    return HandC()
+
+
+def parts(row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return row[:7], row[7:10], row[10:]
+
+
+@pytest.mark.parametrize("rows", ROWS)
+def test_model_based_step_equals_numpy(hand: HandC, rows: str) -> None:
+    laws = NumpyLaws(Setup())
+    for row in ROWS[rows]:
+        expected = laws.mb_step(*parts(row))
+        actual = hand.step("mb", *parts(row))
+
+        np.testing.assert_allclose(actual, expected, rtol=TOLERANCE, atol=TOLERANCE)
+
+
+@pytest.mark.parametrize("rows", ROWS)
+def test_network_step_equals_numpy_with_any_weights(hand: HandC, rows: str) -> None:
+    laws, rng = NumpyLaws(Setup()), np.random.default_rng(2)
+    for row in ROWS[rows]:
+        W = rng.normal(0, 100, (2, 64))
+        mine = W.ravel().copy()
+        expected, W_expected = laws.nn_step(*parts(row), W)
+        actual = hand.step("nn", *parts(row), mine)
+
+        np.testing.assert_allclose(actual, expected, rtol=TOLERANCE, atol=TOLERANCE)
+        np.testing.assert_allclose(mine, W_expected.ravel(), rtol=TOLERANCE, atol=TOLERANCE)
+
+
+def test_mixed_rows_visit_every_region_and_both_signs() -> None:
+    laws, setup = NumpyLaws(Setup()), Setup()
+    c = np.array([laws.auxiliary(*parts(row))[0] for row in ROWS["mixed"]])
+    edges = np.array(setup.v_u2) + 1 / (np.array(setup.v_u1) - np.array(setup.v_u2))
+    region = (np.abs(c) > setup.v_u2).astype(int) + (np.abs(c) > edges)
+    for axis in (0, 1):
+        seen = set(zip(region[:, axis], np.sign(c[:, axis]), strict=True))
+
+        assert seen == {(r, s) for r in (0, 1, 2) for s in (-1.0, 1.0)}
+
+
+def test_velocities_beyond_the_limit_are_clipped_for_the_barrier_only(hand: HandC) -> None:
+    laws, row = NumpyLaws(Setup()), tracking_rows(1)[0]
+    for v in ([1.3, 2.0], [-1.0, 1.5], [0.2, -7.0]):
+        row[10:] = v
+
+        np.testing.assert_allclose(
+            hand.step("mb", *parts(row)), laws.mb_step(*parts(row)), rtol=TOLERANCE
+        )
+
+
+def test_baselines_follow_their_definitions(hand: HandC) -> None:
+    setup, laws, rows = Setup(), NumpyLaws(Setup()), ROWS["mixed"][:50]
+    memory, estimates, z_old = np.zeros(3), np.zeros(4), None
+    m_hat, F_hat = np.zeros(2), np.zeros(2)
+    for row in rows:
+        c, c_dot = laws.auxiliary(*parts(row))
+        z, shape = row[10:] - c, np.tanh(row[10:] / setup.smc_v_s)
+        rate = 0 * z if z_old is None else (z - z_old) / setup.period
+        pid = laws.wheels @ (-np.array(setup.pid_kp) * z - np.array(setup.pid_kd) * rate)
+        pull = np.array(setup.smc_k) * -z
+        pull += np.array(setup.smc_eta) * np.clip(-z / setup.smc_width, -1, 1)
+        smc = laws.wheels @ (m_hat * c_dot + F_hat * shape + pull)
+        step = setup.period * np.array(setup.smc_weight) * -z
+        m_hat = m_hat + step * setup.smc_gain_m * c_dot
+        F_hat = F_hat + step * setup.smc_gain_f * shape
+        z_old = z
+
+        np.testing.assert_allclose(hand.step("pid", *parts(row), memory), pid, rtol=1e-10)
+        np.testing.assert_allclose(hand.step("smc", *parts(row), estimates), smc, rtol=1e-10)
+        np.testing.assert_allclose(estimates, [*m_hat, *F_hat], rtol=1e-10)
+
+
+def test_plant_step_is_the_classical_runge_kutta_step(hand: HandC) -> None:
+    rng, robot, h = np.random.default_rng(3), Case().first, 1e-3
+    plant = hand.plant(*robot, h)
+    for _ in range(200):
+        state, torque = rng.normal(0, 1, 5), rng.normal(0, 5, 2)
+        expected = rk4(Setup(), robot, torque, state, h)
+
+        np.testing.assert_allclose(
+            hand.plant_step(plant, torque, state), expected, rtol=1e-13, atol=1e-13
+        )
+
+
+def test_noise_is_numpys_philox_block_for_block(hand: HandC) -> None:
+    key = noise_key(7)
+    for counter in ([1, 0, 0, 0], [79_999, 0, 0, 0], [5, 2, 3, 0]):
+        number = sum(word << (64 * i) for i, word in enumerate(counter))
+        expected = np.random.Philox(key=key, counter=number - 1).random_raw(4)
+
+        np.testing.assert_array_equal(hand.philox(key, counter), expected)
+
+
+@pytest.mark.parametrize("law", ["mb", "nn"])
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+def test_closed_loop_equals_a_plain_python_loop(hand: HandC, law: str, noise: float) -> None:
+    case = Case(duration=5.0, t_change=2.0, noise_std=noise, seed=4)
+    state, fastest, violations = closed_loop(law, Setup(), case)
+    result, _ = hand.loop(law, case)
+
+    np.testing.assert_allclose(list(result.state), state, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(list(result.max_abs_v), fastest, rtol=0, atol=1e-9)
+    assert result.violations == violations
+    assert result.steps == 5000
+
+
+def test_monitor_counts_the_start_and_stops_a_run_that_diverges(hand: HandC) -> None:
+    outside = Case(initial=(0.0, 0.0, 0.0, 1.3, 2.0), duration=0.01, noise_std=0.0)
+    lost = replace(outside, initial=(0.0, 0.0, 0.0, 0.0, 999.0), noise_std=1e6, duration=1.0)
+    nowhere = replace(outside, initial=(0.0, 0.0, 0.0, float("nan"), 0.0))
+
+    assert hand.loop("mb", outside)[0].violations == closed_loop("mb", Setup(), outside)[2] > 0
+    assert hand.loop("pid", lost)[0].steps < 1000
+    assert hand.loop("mb", nowhere)[0].steps == 0
+
+
+def test_adaptive_loop_reports_what_it_learned(hand: HandC) -> None:
+    for law, size in {"nn": 128, "pid": 3, "smc": 4}.items():
+        _, state = hand.loop(law, Case(duration=1.0))
+
+        assert state.shape == (size,)
+        assert np.any(state != 0)
+
+
+def test_drivers_take_the_same_steps_as_the_library(hand: HandC) -> None:
+    rows, W = tracking_rows(16), np.zeros(128)
+    expected = sum(hand.step("nn", *parts(rows[i % 16]), W).sum() for i in range(100))
+    state = hand.driven_state("nn")
+    driven = in_place(hand.library.hand_nn_driven, rows, state, 2)(100)
+    repeated = hand.library.hand_nn_repeat(hand.law, 100, rows, 16, np.zeros(128))
+
+    assert driven == pytest.approx(expected, rel=1e-12)
+    assert repeated == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_array_equal(state[-128:], W)
+
+
+def test_kernel_driver_swaps_the_states() -> None:
+    kind = ctypes.CFUNCTYPE(None, *[ctypes.POINTER(ctypes.c_double)] * 5)
+
+    def integrate(*vectors: Any) -> None:
+        u, x, p, following, y = vectors
+        following[0] = x[0] + p[0] * u[0]
+        y[0] = x[0]
+
+    step = kind(integrate)
+    run = out_of_place(step, np.array([[1.0], [2.0]]), np.zeros(1), np.array([10.0]), 1)
+
+    assert run(4) == 0 + 10 + 30 + 40
+
+
+def test_timing_torques_keep_the_plant_where_friction_is_dear(hand: HandC) -> None:
+    torques, plant = plant_torques(Setup(), 1e-3), hand.plant(*Case().first, 1e-3)
+    state = np.array([0.0, 0.0, 0.0, 0.15, 0.1])
+    hand.library.hand_plant_repeat(plant, 256 * 400, torques, 256, state)
+
+    assert 0.1 < state[3] < 0.2
+
+
+def test_c_has_no_warnings(tmp_path: Path) -> None:
+    warnings = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+    command = [*floor_toolchain().command, *warnings, "-O3", "-c"]
+    for source in (HERE / "hand" / "hand.c", HERE / "drive.c"):
+        out = ["-o", str(tmp_path / f"{source.stem}.o"), str(source)]
+        done = subprocess.run([*command, *out], capture_output=True, text=True, check=False)
+
+        assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,65 @@
+"""Interleaved timing: order, ratios, refusals."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+
+from benchmarks.timing import Candidate, measure, measure_in_processes, sample, summarize
+
+
+def nothing() -> None:
+    """Cost next to nothing."""
+
+
+def count() -> int:
+    """Cost some microseconds."""
+    return sum(range(2000))
+
+
+def count_five_times() -> int:
+    """Cost five times as much."""
+    return sum(count() for _ in range(5))
+
+
+def two() -> dict[str, Candidate]:
+    return {"floor": Candidate(count, 1), "slow": Candidate(count_five_times, 1)}
+
+
+def test_every_candidate_runs_once_a_round_in_rotating_order() -> None:
+    calls: list[str] = []
+    candidates = {name: Candidate(partial(calls.append, name), 1) for name in "abc"}
+    times = sample(candidates, 4)
+
+    assert "".join(calls) == "abc" + "abc" + "bca" + "cab" + "abc"
+    assert {len(values) for values in times.values()} == {4}
+
+
+def test_ratios_are_taken_round_by_round() -> None:
+    drifting = {"floor": [10.0, 20.0, 40.0], "other": [20.0, 40.0, 80.0]}
+    other = summarize(drifting, "floor")["other"]
+
+    assert (other.ratio, other.low, other.high, other.ns) == (2.0, 2.0, 2.0, 40.0)
+
+
+def test_the_floor_is_one_and_more_work_costs_more() -> None:
+    seen: list[tuple[int, int]] = []
+    found = measure(two(), "floor", progress=lambda done, total: seen.append((done, total)))
+
+    assert found["floor"].ratio == 1.0
+    assert found["slow"].ratio > 2.0
+    assert seen[-1] == (9, 9)
+
+
+def test_processes_pool_their_rounds() -> None:
+    found = measure_in_processes(two, "floor", processes=2)
+
+    assert len(found["slow"].ratios) == 18
+
+
+def test_too_few_rounds_and_unknown_floors_are_refused() -> None:
+    with pytest.raises(ValueError, match="at least 9"):
+        measure(two(), "floor", rounds=8)
+    with pytest.raises(ValueError, match="no candidate is named 'ground'"):
+        measure({"a": Candidate(nothing, 1)}, "ground")

@@ -1,0 +1,259 @@
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.codegen import cache, cache_folder
+from wmr_ctrl.codegen.cache import build_cached, cache_info, clear_cache, content_key
+from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.errors import CompilerError
+
+SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
+    cache_folder._usable.cache_clear()
+    cache._checked.clear()
+    yield tmp_path / "cache"
+    cache_folder._usable.cache_clear()
+
+
+class Compiler:
+    """Writes a library from the sources and counts how often it was asked to."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, folder: Path) -> Path:
+        self.calls += 1
+        out = folder / "lib.so"
+        out.write_bytes((folder / "a.c").read_bytes() + (folder / "inner/b.h").read_bytes())
+        return out
+
+
+def leftovers(folder: Path) -> list[str]:
+    return [path.name for path in (folder / "kernels").glob("building-*")]
+
+
+def test_builds_once_and_keeps_the_sources_beside_the_library(folder):
+    compiler = Compiler()
+
+    first = build_cached(SOURCES, compiler)
+    second = build_cached(SOURCES, compiler)
+
+    assert first == second
+    assert first.read_bytes() == b"int a;int b;"
+    assert (first.parent / "inner/b.h").read_bytes() == b"int b;"
+    assert compiler.calls == 1
+    assert leftovers(folder) == []
+
+
+@pytest.mark.parametrize(
+    ("sources", "key"),
+    [
+        ({"a.c": "int A;", "inner/b.h": b"int b;"}, ()),
+        ({"a.c": "int a;", "inner/c.h": b"int b;"}, ()),
+        ({"a.c": "int a;int b;", "inner/b.h": b""}, ()),
+        (SOURCES, ("gcc 12",)),
+    ],
+)
+def test_key_depends_on_names_texts_and_compiler(sources, key):
+    assert content_key(sources, key) != content_key(SOURCES)
+
+
+def test_key_parts_do_not_run_into_each_other():
+    assert content_key({}, ("ab", "c")) != content_key({}, ("a", "bc"))
+    assert content_key({"a": "b"}) != content_key({}, ("a", "b"))
+
+
+def test_text_and_its_bytes_have_the_same_key():
+    assert content_key({"a.c": "µ"}) == content_key({"a.c": "µ".encode()})
+
+
+def test_compiler_that_fails_leaves_nothing(folder):
+    def fails(build: Path) -> Path:
+        (build / "lib.so").write_bytes(b"half")
+        raise CompilerError("it broke")
+
+    with pytest.raises(CompilerError, match="it broke"):
+        build_cached(SOURCES, fails)
+
+    assert list((folder / "kernels").iterdir()) == []
+    assert build_cached(SOURCES, Compiler()).exists()
+
+
+def test_interrupt_leaves_nothing(folder):
+    def interrupted(_: Path) -> Path:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        build_cached(SOURCES, interrupted)
+
+    assert list((folder / "kernels").iterdir()) == []
+
+
+@pytest.mark.parametrize("damage", [b"int a;int B;", b"int", b""])
+def test_damaged_library_is_built_anew(folder, damage):
+    compiler = Compiler()
+    library = build_cached(SOURCES, compiler)
+    library.write_bytes(damage)
+    cache._checked.clear()  # as in a new process
+
+    again = build_cached(SOURCES, compiler)
+
+    assert again == library
+    assert again.read_bytes() == b"int a;int b;"
+    assert compiler.calls == 2
+    assert leftovers(folder) == []
+
+
+@pytest.mark.parametrize("stamp", [b"", b"\xff\x00", b"[]", b"{}", b'{"library": 3}'])
+def test_entry_with_a_damaged_stamp_is_built_anew(stamp):
+    compiler = Compiler()
+    library = build_cached(SOURCES, compiler)
+    (library.parent / "stamp.json").write_bytes(stamp)
+
+    assert build_cached(SOURCES, compiler).read_bytes() == b"int a;int b;"
+    assert compiler.calls == 2
+
+
+def test_missing_library_is_built_anew_in_the_same_process():
+    compiler = Compiler()
+    build_cached(SOURCES, compiler).unlink()
+
+    assert build_cached(SOURCES, compiler).exists()
+
+
+def test_two_processes_that_build_at_once_both_succeed(folder, tmp_path):
+    script = textwrap.dedent("""
+        import sys, time
+        from pathlib import Path
+        from wmr_ctrl.codegen.cache import build_cached
+
+        me, meeting = sys.argv[1], Path(sys.argv[2])
+
+        def compile_in(folder):
+            (meeting / me).touch()
+            until = time.monotonic() + 20
+            while len(list(meeting.iterdir())) < 2 and time.monotonic() < until:
+                time.sleep(0.01)
+            (folder / "lib.so").write_text("made by " + me)
+            return folder / "lib.so"
+
+        library = build_cached({"a.c": "int a;"}, compile_in)
+        print(library, library.read_text(), sep="|")
+    """)
+    meeting = tmp_path / "meeting"
+    meeting.mkdir()
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-c", script, name, str(meeting)], stdout=subprocess.PIPE, text=True
+        )
+        for name in ("one", "two")
+    ]
+    said = [process.communicate(timeout=60)[0].strip() for process in started]
+
+    assert [process.returncode for process in started] == [0, 0]
+    assert len(list(meeting.iterdir())) == 2, "they did not overlap"
+    assert said[0] == said[1]
+    assert leftovers(folder) == []
+    assert cache_info().entries == 1
+
+
+def test_other_process_that_was_first_wins():
+    def beaten(folder: Path) -> Path:
+        first.append(build_cached(SOURCES, Compiler()))
+        (folder / "lib.so").write_bytes(b"mine")
+        return folder / "lib.so"
+
+    first: list[Path] = []
+    library = build_cached(SOURCES, beaten)
+
+    assert library == first[0]
+    assert library.read_bytes() == b"int a;int b;"
+
+
+def test_full_disk_is_one_clear_error(folder, monkeypatch):
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(cache, "_write", full)
+
+    with pytest.raises(CompilerError, match=r"No space left on device.*WMR_CTRL_CACHE"):
+        build_cached(SOURCES, Compiler())
+
+    assert leftovers(folder) == []
+
+
+def test_leftovers_of_dead_processes_go_after_a_day(folder):
+    old, fresh = folder / "kernels/building-old", folder / "kernels/building-fresh"
+    old.mkdir(parents=True)
+    fresh.mkdir()
+    os.utime(old, (time.time() - 2 * 86400,) * 2)
+
+    build_cached(SOURCES, Compiler())
+
+    assert leftovers(folder) == ["building-fresh"]
+
+
+def test_cache_tells_its_size_and_can_be_cleared(folder):
+    build_cached(SOURCES, Compiler())
+
+    before = clear_cache()
+
+    assert before.folder == folder
+    assert before.entries == 1
+    assert before.size > len(b"int a;int b;")
+    assert cache_info().entries == cache_info().size == 0
+
+
+def test_unwritable_folder_is_replaced_with_a_warning(tmp_path, monkeypatch, caplog):
+    (tmp_path / "file").write_text("in place of a folder")
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+
+    chosen = cache_dir()
+
+    assert chosen.parent == tmp_path
+    assert chosen.is_dir()
+    assert "WMR_CTRL_CACHE" in caplog.text
+    assert str(chosen) in caplog.text
+    assert build_cached(SOURCES, Compiler()).is_relative_to(chosen)
+    assert cache_dir() == chosen
+    assert len(caplog.records) == 1, "one warning per process"
+
+
+def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
+    real = cache_folder.tempfile.mkdtemp
+
+    def mkdtemp(*args: object, **keywords: object) -> str:
+        if keywords.get("dir") == folder:
+            raise OSError(errno.EROFS, "Read-only file system")
+        return real(*args, **keywords)
+
+    monkeypatch.setattr(cache_folder.tempfile, "mkdtemp", mkdtemp)
+    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+
+    assert cache_dir() != folder
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows' temporary folder is private")
+def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatch):
+    prepared = tmp_path / f"wmr_ctrl-{os.getuid()}"
+    prepared.mkdir()
+    prepared.chmod(0o777)
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path))
+
+    assert cache_dir() != prepared
+    assert cache_dir().stat().st_mode & 0o077 == 0

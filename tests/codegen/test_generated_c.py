@@ -1,0 +1,155 @@
+"""The compiled kernels against CasADi's virtual machine, on the very graphs they came from."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import math
+import shutil
+import subprocess
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from wmr_ctrl.codegen.build import build_loop, unity
+from wmr_ctrl.codegen.emit import definition, kernel
+from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems
+from wmr_ctrl.codegen.source import sources
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.sim.native import load
+from wmr_ctrl.sim.structs import REALS
+
+SCENARIO = load_scenario("paper-simulation")
+every_law = pytest.mark.parametrize("law", tuple(LAWS))
+EDGE = (6.3, 5.8)
+
+
+def compiled(law: str, name: str) -> object:
+    """Call of one exported kernel: arrays in, arrays out."""
+    entry = getattr(load(build_loop(SCENARIO, law).library), f"wmr_export_{name}")
+    entry.restype = None
+
+    def call(inputs: list[np.ndarray], sizes: list[int]) -> list[np.ndarray]:
+        outputs = [np.zeros(max(size, 1)) for size in sizes]
+        given = [np.ascontiguousarray(item, dtype=float) if np.size(item) else np.zeros(1) for item in inputs]
+        entry(*(item.ctypes.data_as(REALS) for item in (*given, *outputs)))
+        return [item[:size] for item, size in zip(outputs, sizes, strict=True)]
+
+    return call
+
+
+def admissible(draw: np.random.Generator, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """(inputs, memory): all three regions of v_c0, both signs, v near the limits and the kinks."""
+    reference = np.array([*draw.normal(size=3), 0.2, 0.1, 0.0, 0.0])
+    pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-6, 1)
+    v = draw.choice([draw.uniform(-1, 1), 0.8, -0.8, 0.8 + 1e-9, 0.999999, 0.0]) * np.array([1.0, 1.5])
+    return np.concatenate([reference, pose, v]), draw.normal(size=size) * draw.choice([0.0, 1.0, 30.0])
+
+
+@every_law
+def test_c_equals_the_virtual_machine(law: str) -> None:
+    """To 1e-13 per step, all regions, both signs, boundaries."""
+    item = loop_systems(SCENARIO, law).controller
+    machine = item.function("step", [item.update, item.y, item.d])
+    step, diagnose = compiled(law, "controller_step"), compiled(law, "controller_diagnostics")
+    draw = np.random.default_rng(0)
+    for _ in range(400):
+        u, x = admissible(draw, len(item.x0))
+        wanted = [part.full().ravel() for part in machine(u, x, item.p0)]
+        found = [*step([u, x, item.p0], [len(x), 2]), *diagnose([u, x, item.p0], [wanted[2].size])]
+        for ours, theirs in zip(found, wanted, strict=True):
+            assert ours == pytest.approx(theirs, rel=1e-13, abs=1e-13 * (1 + abs(theirs).max(initial=0)))
+
+
+@every_law
+@pytest.mark.parametrize("hostile", [1e308, -1e308, 5e-324, -0.0, 1e150])
+def test_hostile_values_never_give_nan_where_the_law_is_defined(law: str, hostile: float) -> None:
+    """Positions anywhere; the velocity stays inside the limit."""
+    item, step = loop_systems(SCENARIO, law).controller, compiled(law, "controller_step")
+    for at in (0, 1, 7, 8):
+        u = np.array([0, 0, -math.pi / 2, 0.2, 0.1, 0, 0, 0, 0, -math.pi / 2, 0.3, -0.4])
+        u[at] = hostile
+        following, torque = step([u, np.zeros(len(item.x0)), item.p0], [len(item.x0), 2])
+        assert not np.isnan(torque).any() or abs(hostile) == 1e308
+        assert not np.isnan(following).any() or abs(hostile) == 1e308
+
+
+def test_plant_step_equals_the_virtual_machine() -> None:
+    item = loop_systems(SCENARIO, "mb").plant
+    machine, step = item.function("step", [item.update]), compiled("mb", "plant_step")
+    draw = np.random.default_rng(0)
+    for _ in range(200):
+        u, x = draw.normal(size=4) * 20, draw.normal(size=5)
+        found = step([u, x, item.p0], [5])[0]
+        assert found == pytest.approx(machine(u, x, item.p0).full().ravel(), rel=1e-14, abs=1e-15)
+
+
+def test_every_operation_has_a_c_form_or_is_refused() -> None:
+    x = ca.SX.sym("x")
+
+    with pytest.raises(NotImplementedError, match="operation"):
+        definition(kernel("odd", "An operation without C form.", {"x": x}, {"y": ca.erf(x)}))
+
+
+def test_choices_are_merged_and_nothing_unused_is_left() -> None:
+    x = ca.SX.sym("x")
+    text = definition(kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, ca.exp(x), 2 * x)}))
+
+    assert text.count("?") == 1
+    assert "!" not in text
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_sources_compile_without_a_warning(compiler: str, tmp_path: Path) -> None:
+    if not shutil.which(compiler):
+        pytest.skip(f"{compiler} is not on this machine")
+    systems = loop_systems(SCENARIO, "nn")
+    for name, text in unity(sources(systems.by_role(), loop_kernels(systems))).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = [compiler, "-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "library.c"]
+
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 0, done.stderr
+
+
+@every_law
+def test_loading_our_library_keeps_denormal_numbers(law: str) -> None:
+    load(build_loop(SCENARIO, law).library)
+
+    assert np.float64(5e-324) / 2 * 2 in (0.0, 5e-324)
+    assert float(np.float64(2.3e-308) / 8) > 0.0
+
+
+def test_numbers_are_parameters_so_scenarios_share_a_library() -> None:
+    first = build_loop(SCENARIO, "mb")
+    second = build_loop(load_scenario("paper-simulation", {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}), "mb")
+
+    assert first.library == second.library
+    assert first.manifest["systems"]["controller"] != second.manifest["systems"]["controller"]
+
+
+def test_only_marked_names_leave_the_library() -> None:
+    if not shutil.which("nm"):
+        pytest.skip("nm is not on this machine")
+    listed = subprocess.run(["nm", "-D", "--defined-only", build_loop(SCENARIO, "mb").library],
+                            capture_output=True, text=True, check=True).stdout
+    names = {line.split()[-1] for line in listed.splitlines()}
+
+    assert names
+    assert all(name.startswith("wmr_") for name in names), names
+
+
+def test_noise_block_is_philox() -> None:
+    """Integers to the bit against NumPy, whose block of counter c is ours of c + 1."""
+    library = load(build_loop(SCENARIO, "mb").library)
+    for seed in (0, 1, 77):
+        key = np.random.SeedSequence(seed).generate_state(2, np.uint64)
+        for counter in ((1, 0, 0, 0), (8000, 1, 0, 0), (2**63, 2, 5, 0)):
+            given, out = np.array(counter, dtype=np.uint64), np.zeros(4, dtype=np.uint64)
+            library.wmr_noise_block(*(item.ctypes.data_as(ct.POINTER(ct.c_uint64)) for item in (given, key, out)))
+            before = [counter[0] - 1, *counter[1:]]
+            wanted = np.random.Philox(key=key, counter=np.array(before, dtype=np.uint64)).random_raw(4)
+            assert (out == wanted).all()

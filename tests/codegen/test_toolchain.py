@@ -1,0 +1,322 @@
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import sys
+import textwrap
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.codegen import cache_folder, compiler, toolchain
+from wmr_ctrl.codegen.cache import cache_info, clear_cache
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags, library_suffix
+from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.errors import CompilerError
+
+posix = pytest.mark.skipif(os.name != "posix", reason="the stand-ins for compilers are scripts")
+needs_zig = pytest.mark.skipif(find_spec("ziglang") is None, reason="the wheel ziglang is missing")
+
+EXPORT = """
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+"""
+SOURCES = {
+    "square.c": '#include "inner/export.h"\nEXPORT double square(double x) { return x * x; }\n',
+    "inner/export.h": EXPORT,
+}
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    """An empty cache and no compiler named, so that every test looks for itself."""
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("WMR_CTRL_CC", raising=False)
+    forget()
+    yield tmp_path / "cache"
+    forget()
+
+
+@pytest.fixture(scope="session")
+def zig_cache(tmp_path_factory):
+    """One cache for all tests with zig, which compiles its own parts at first (3 s)."""
+    return tmp_path_factory.mktemp("zig")
+
+
+@pytest.fixture
+def fake(tmp_path):
+    """Return a function that writes a stand-in for a compiler, a Python script, and its path."""
+
+    def write(body: str, name: str = "cc") -> Path:
+        path = tmp_path / "bin" / name
+        path.parent.mkdir(exist_ok=True)
+        head = f"#!{sys.executable}\nimport os, signal, sys, time\n"
+        version = "if '--version' in sys.argv: print('fake 1.0'); sys.exit(0)\n"
+        out = "out = sys.argv[sys.argv.index('-o') + 1]\n"
+        path.write_text(head + version + out + textwrap.dedent(body))
+        path.chmod(0o755)
+        return path
+
+    return write
+
+
+def forget() -> None:
+    cache_folder._usable.cache_clear()
+    toolchain._find.cache_clear()
+
+
+def of(path: Path) -> Toolchain:
+    return Toolchain((str(path),), path.name, "fake 1.0", default_flags((str(path),)))
+
+
+def hide_compilers(monkeypatch, *, zig: bool) -> None:
+    monkeypatch.setenv("PATH", "")
+    if zig:
+        monkeypatch.setattr(toolchain, "_zig", lambda: ())
+
+
+def square(library: Path) -> float:
+    function = ctypes.CDLL(str(library)).square
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
+    return function(3.0)
+
+
+# -- a compiler that works ----------------------------------------------------------------------
+
+
+def test_finds_a_compiler_and_builds_once(cache):
+    library = build_library(SOURCES, name="square")
+
+    assert library.name == f"square{library_suffix()}"
+    assert library.is_relative_to(cache)
+    assert square(library) == 9.0
+    assert build_library(SOURCES, name="square") == library
+    assert cache_info().entries == 2  # the trial's and ours
+
+
+def test_flags_are_part_of_the_key():
+    assert build_library(SOURCES) != build_library(SOURCES, flags=("-DA=1",))
+
+
+def test_values_are_kept_as_written():
+    """No fused multiply-add, no reassociation, errors of rounding stay."""
+    text = EXPORT + (
+        "EXPORT double fused(double a, double b, double c) { return a * b + c; }\n"
+        "EXPORT double sum(double a, double b) { return (a + b) - a; }\n"
+        "EXPORT double same(double a) { return a == a; }\n"
+    )
+    library = ctypes.CDLL(str(build_library({"a.c": text}, find_toolchain(native=True))))
+    for name, arity in (("fused", 3), ("sum", 2), ("same", 1)):
+        function = getattr(library, name)
+        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * arity
+
+    a = 1.0 + 2.0**-30
+    assert library.fused(a, a, -(a * a)) == 0.0
+    assert library.sum(1.0, 1e-17) == 0.0
+    assert library.same(float("nan")) == 0.0
+
+
+def test_loading_a_library_leaves_denormals_alone():
+    ctypes.CDLL(str(build_library(SOURCES)))
+
+    assert sys.float_info.min / 2.0 > 0.0
+
+
+def test_this_processor_alone_is_part_of_the_key():
+    portable, native = find_toolchain(), find_toolchain(native=True)
+
+    assert portable.flags != native.flags
+    assert compiler._processor() in native.key
+    assert compiler._processor() not in portable.key
+
+
+def test_extra_flags_come_last():
+    assert find_toolchain(("-O1",)).flags[-1] == "-O1"
+
+
+@posix
+def test_named_compiler_may_have_arguments(fake, monkeypatch):
+    real = shutil.which("cc") or pytest.skip("no cc to stand behind the wrapper")
+    path = fake(f"assert sys.argv[1] == 'front'\nos.execv({real!r}, ['cc', *sys.argv[2:]])", "wrap")
+    monkeypatch.setenv("WMR_CTRL_CC", f"'{path}' front")
+
+    found = find_toolchain()
+
+    assert found.command == (str(path), "front")
+    assert square(build_library(SOURCES, found)) == 9.0
+
+
+@needs_zig
+def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch):
+    hide_compilers(monkeypatch, zig=False)
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
+    monkeypatch.setenv("HOME", str(tmp_path / "nowhere"))
+
+    found = find_toolchain()
+
+    assert found.name == "zig cc"
+    assert found.version.startswith("zig ")
+    assert square(build_library(SOURCES, found)) == 9.0
+    assert not (tmp_path / "nowhere").exists()
+    assert (zig_cache / "zig").is_dir()
+
+
+@needs_zig
+def test_zig_cc_can_be_named_without_zig_on_path(zig_cache, monkeypatch):
+    monkeypatch.setenv("WMR_CTRL_CC", "zig cc")
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
+    monkeypatch.setenv("PATH", "")
+
+    assert find_toolchain().name == "zig cc"
+
+
+# -- no compiler, or one that does not work -----------------------------------------------------
+
+
+def test_no_compiler_at_all_says_what_to_install(monkeypatch):
+    hide_compilers(monkeypatch, zig=True)
+
+    with pytest.raises(CompilerError) as caught:
+        find_toolchain()
+
+    message = str(caught.value)
+    assert "\n" not in message
+    for remedy in ("pip install ziglang", "apt install gcc", "WMR_CTRL_CC", "--engine numpy"):
+        assert remedy in message
+
+
+def test_named_compiler_that_is_missing_is_not_replaced_by_another(monkeypatch):
+    monkeypatch.setenv("WMR_CTRL_CC", "no-such-compiler -v")
+
+    with pytest.raises(CompilerError, match=r"WMR_CTRL_CC.*no-such-compiler.*pip install ziglang"):
+        find_toolchain()
+
+
+@posix
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("print('x.c:1: error: broken on purpose'); sys.exit(1)", "broken on purpose"),
+        ("open(out, 'w').write('no library')", "cannot be loaded"),
+        ("pass", "wrote no library"),
+        ("os.kill(os.getpid(), signal.SIGKILL)", "was killed by SIGKILL"),
+    ],
+)
+def test_broken_compilers_on_path_are_told(fake, monkeypatch, body, said):
+    path = fake(body)
+    hide_compilers(monkeypatch, zig=True)
+    monkeypatch.setenv("PATH", str(path.parent))
+
+    with pytest.raises(CompilerError, match=said) as caught:
+        find_toolchain()
+
+    assert "fake 1.0" in str(caught.value) or said == "cannot be loaded"
+    assert "pip install ziglang" in str(caught.value)
+
+
+@posix
+@needs_zig
+def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch, zig_cache):
+    path = fake("sys.exit(1)")
+    monkeypatch.setenv("PATH", str(path.parent))
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
+
+    assert find_toolchain().name == "zig cc"
+
+
+# -- a compiler that fails on our sources -------------------------------------------------------
+
+
+@posix
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (
+            "open(out, 'w').write('half'); print('a.c:3: error: no'); sys.exit(1)",
+            "a.c:3: error: no",
+        ),
+        ("open(out, 'w').write('half'); os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV"),
+        ("open(out, 'w').write('half'); time.sleep(60)", "did not finish within 1 s"),
+        ("print('fine')", "wrote no library"),
+    ],
+)
+def test_failing_compiler_leaves_no_library(fake, cache, body, said):
+    broken = of(fake(body))
+    start = time.monotonic()
+
+    with pytest.raises(CompilerError, match=said) as caught:
+        build_library(SOURCES, broken, timeout=1.0)
+
+    assert time.monotonic() - start < 20.0
+    assert "\n" not in str(caught.value)
+    assert "--engine numpy" in str(caught.value)
+    assert list((cache / "kernels").iterdir()) == []
+
+
+@posix
+def test_what_a_hanging_compiler_started_is_killed_too(fake, tmp_path):
+    child = tmp_path / "child"
+    path = fake(f"""
+        pid = os.fork()
+        if pid:
+            open({str(child)!r}, "w").write(str(pid))
+        time.sleep(60)
+    """)
+
+    with pytest.raises(CompilerError, match="did not finish"):
+        compile_library(of(path), [], tmp_path / "lib.so", timeout=1.0)
+
+    assert ended(int(child.read_text()))
+
+
+def ended(pid: int) -> bool:
+    """Whether a process is gone, or dead and only waiting for somebody to collect it."""
+    for _ in range(100):
+        try:
+            os.kill(pid, 0)
+            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except OSError:
+            return True
+        if state == "Z":
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def test_wrong_source_names_line_command_and_remedy():
+    with pytest.raises(CompilerError) as caught:
+        build_library({"wrong.c": "int f(void) { return undeclared_thing; }"})
+
+    message = str(caught.value)
+    assert "undeclared_thing" in message
+    assert "wrong.c" in message
+    assert "-ffp-contract=off" in message
+    assert "WMR_CTRL_CC" in message
+
+
+def test_compiler_that_cannot_be_started_is_a_compiler_error(tmp_path):
+    with pytest.raises(CompilerError, match="missing"):
+        compile_library(of(tmp_path / "missing"), [], tmp_path / "lib.so")
+
+
+def test_clearing_the_cache_makes_the_next_build_compile_again():
+    library = build_library(SOURCES)
+    clear_cache()
+
+    assert not library.exists()
+    assert build_library(SOURCES).exists()
+
+
+# -- where the C sources are --------------------------------------------------------------------
+
+
+def test_runtime_is_found():
+    assert runtime_dir() == fmu_dir() / "runtime"
+    assert list(runtime_dir().glob("*.c"))

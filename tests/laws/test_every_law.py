@@ -1,0 +1,152 @@
+"""What every control law must satisfy, whichever it is."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.gains import gains_of
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY
+
+SCENARIO = load_scenario("paper-simulation-nominal")
+NOMINAL = (0.0, 0.0, -np.pi / 2, 0.2, 0.1, 0.0, 0.0)
+every_law = pytest.mark.parametrize("law", tuple(LAWS))
+
+
+def sample(system: System, u: object, x: object = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(next state, outputs, diagnostics) for inputs u."""
+    f = system.function("sample", [system.update, system.y, system.d])
+    return tuple(item.full().ravel() for item in f(u, system.x0 if x is None else x, system.p0))
+
+
+def inputs(draw: np.random.Generator) -> np.ndarray:
+    """Reference, pose and velocity somewhere on the circle, up to metres away, inside the limits."""
+    reference = np.array(NOMINAL) + draw.normal(size=7) * (1, 1, 3, 0, 0, 0, 0)
+    pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-3, 0.7)
+    return np.concatenate([reference, pose, draw.uniform(-0.99, 0.99, 2) * (1.0, 1.5)])
+
+
+@every_law
+def test_ports_are_the_common_ones(law: str) -> None:
+    system = LAWS[law].build(SCENARIO)
+
+    assert [item.signal for item in system.inputs] == [*REFERENCE, *POSE, *VELOCITY]
+    assert [item.signal for item in system.outputs] == [FORCE]
+    assert tuple(item.signal for item in system.diagnostics[: len(DIAGNOSTICS)]) == DIAGNOSTICS
+    assert system.period == SCENARIO.clock.control
+
+
+@every_law
+def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
+    names = [item.signal.name for item in controller(SCENARIO, law).params]
+
+    assert len(names) == len(set(names))
+    assert {name.split(".")[0] for name in names} <= {"robot", "model", "limits", "gains", "clock", "actuator"}
+    assert all(item.signal.unit and item.signal.meaning for item in controller(SCENARIO, law).params)
+
+
+@every_law
+def test_finite_everywhere(law: str) -> None:
+    """No NaN or infinity for any finite pose and velocity, also outside the limit and at rest."""
+    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(0)
+    for _ in range(300):
+        u = inputs(draw)
+        u[10:] *= draw.choice([0.0, 1.0, 1.0 / 0.99, 3.0, 300.0])
+        assert all(np.isfinite(part).all() for part in sample(system, u)), u
+
+
+@every_law
+def test_mirror_symmetry(law: str) -> None:
+    """A world seen in a mirror: the thrust stays, the moment changes sign."""
+    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(1)
+    flip = np.array([-1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1.0])  # x, theta, v2 change sign
+    for _ in range(100):
+        u = inputs(draw)
+        force, mirrored = sample(system, u)[1], sample(system, flip * u)[1]
+        assert mirrored == pytest.approx(force * (1, -1), rel=1e-9, abs=1e-9 * (1 + abs(force).max()))
+
+
+@every_law
+def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None:
+    """Turning and shifting the whole plane changes nothing."""
+    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(2)
+    for _ in range(50):
+        u = inputs(draw)
+        angle, shift = draw.uniform(-3, 3), draw.normal(size=2)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        moved = u.copy()
+        for at in (0, 7):
+            moved[at : at + 2] = turn @ u[at : at + 2] + shift
+            moved[at + 2] += angle
+        assert sample(system, moved)[1] == pytest.approx(sample(system, u)[1], rel=1e-6, abs=1e-6)
+
+
+@every_law
+def test_torque_limit_is_never_exceeded(law: str) -> None:
+    limited = override(SCENARIO, {"actuator.tau_max": 6.5})
+    system, draw = controller(limited, law), np.random.default_rng(3)
+    for _ in range(200):
+        assert abs(sample(system, inputs(draw))[1]).max() <= 6.5 * (1 + 1e-15)
+
+
+@every_law
+def test_memory_starts_at_zero_and_moves(law: str) -> None:
+    system = LAWS[law].build(SCENARIO)
+    following = sample(system, (*NOMINAL, -0.5, -0.5, -0.7, 0.0, 0.0))[0]
+
+    assert not any(system.x0)
+    assert following.size == 0 or following.any()
+
+
+@every_law
+def test_diagnostics_tell_the_margin(law: str) -> None:
+    diagnostics = sample(LAWS[law].build(SCENARIO), (*NOMINAL, -0.5, -0.5, -0.7, 0.25, -1.2))[2]
+
+    assert diagnostics[7] == pytest.approx(min(1 - 0.25, 1 - 1.2 / 1.5))
+
+
+@every_law
+def test_gains_are_checked(law: str) -> None:
+    name = next(iter(vars(gains_of(SCENARIO, law))))
+
+    with pytest.raises(ScenarioError, match=rf"gains\.{law}\.{name}"):
+        gains_of(override(SCENARIO, {f"gains.{law}.{name}": "high"}), law)
+    with pytest.raises((UnknownNameError, ScenarioError), match="gain_of_none"):
+        gains_of(override(SCENARIO, {f"gains.{law}.gain_of_none": 1.0}), law)
+
+
+@every_law
+def test_documentation_names_source_and_differences(law: str) -> None:
+    doc = LAWS[law].doc
+
+    assert "Source:" in doc
+    assert "Differences from the paper:" in doc
+    assert "Choose it" in doc
+
+
+def test_unknown_law_lists_the_near_ones() -> None:
+    with pytest.raises(UnknownNameError, match="near: nn"):
+        LAWS["nnn"]
+
+
+def test_feedforward_is_not_dropped_at_the_target() -> None:
+    """At v = v_c0 exactly, MB asks for M1 v_c0' + F1; the printed A^-1 := 0 asks for F1 alone."""
+    system = LAWS["mb"].build(SCENARIO)
+    accelerating = (0.0, 0.0, 0.0, 0.2, 0.1, 0.7, -0.4)
+    u = (*accelerating, 0.0, 0.0, 0.0, 0.2, 0.1)
+    friction = 0.08 * 50.0 * 9.81 * np.tanh(0.2 / 0.01)
+
+    assert sample(system, u)[1] == pytest.approx([50.0 * 0.7 + friction, 5.4 * -0.4], rel=1e-12)
+
+
+def test_network_is_linear_in_its_weights() -> None:
+    system = LAWS["nn"].build(SCENARIO)
+    jacobian = ca.jacobian(system.y, system.x)
+
+    assert not ca.depends_on(jacobian, system.x)

@@ -1,0 +1,294 @@
+"""Desired trajectories: what a wheeled robot can follow, and that the velocities belong to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import casadi as ca
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.model.references import function_of, reference_bounds, sample, trajectory_of
+from wmr_ctrl.scenario import (
+    Circle,
+    Clock,
+    Lemniscate,
+    Line,
+    RoundedSquare,
+    Scenario,
+    StopAndGo,
+    Waypoints,
+    load_scenario,
+    path_of,
+)
+from wmr_ctrl.signals import REFERENCE
+
+HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
+EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0), (-2.0, 0.0))
+LAPS = (
+    Lemniscate(size=1.5, rate=0.3),
+    RoundedSquare(),
+    RoundedSquare(side=2.0, corner=1.0, speed=0.5),
+    Waypoints(points=HOOK, speed=0.3, closed=True),
+    Waypoints(points=(*EIGHT, (-1.0, -1.0)), speed=0.4, closed=True),
+    Waypoints(points=((0, 0), (2, 0), (1, 2)), closed=True),
+)
+ALL = (
+    Circle(),
+    Circle(radius=0.5, rate=-0.7),
+    Line(),
+    Line(speed=0.9, heading=2.3, origin=(1.0, -2.0)),
+    StopAndGo(),
+    StopAndGo(radius=1.0, speed=1.2, period=3.0),
+    Waypoints(points=HOOK),
+    Waypoints(points=EIGHT, speed=0.5),
+    Waypoints(points=((1, 1), (2, 3))),
+    *LAPS,
+)
+
+
+def name_of(reference):
+    return type(reference).__name__
+
+
+def graph_of(reference):
+    """Symbols t and p with the reference's expression, and the numbers of p."""
+    kind = trajectory_of(reference)
+    given_ = kind.parameters(reference)
+    t = ca.SX.sym("t")
+    p = {signal.name: ca.SX.sym(signal.name, signal.size) for signal, _ in given_}
+    symbols = ca.vertcat(*p.values())
+    numbers = ca.vertcat(*(ca.DM(value) for _, value in given_))
+    return t, symbols, kind.trajectory(t, p), numbers
+
+
+def instants(reference, count=400, seed=0):
+    """Random times over three cycles of a reference, or over a minute."""
+    cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
+    return np.sort(np.random.default_rng(seed).uniform(0, 3 * cycle, count))
+
+
+@pytest.mark.parametrize("reference", ALL, ids=name_of)
+def test_has_seven_finite_outputs_and_matching_parameters(reference):
+    found = sample(reference, instants(reference))
+
+    assert found.shape == (400, len(REFERENCE))
+    assert np.isfinite(found).all()
+    for signal, values in trajectory_of(reference).parameters(reference):
+        assert len(values) == signal.size == len(signal.elements)
+        assert all(type(value) is float for value in values)
+
+
+@pytest.mark.parametrize("reference", ALL, ids=name_of)
+def test_robot_can_follow_it_without_slipping(reference):
+    """q_d' = H(theta_d) v_d, Eqs. (4)-(5), and v_d' is the rate of v_d, by exact derivatives."""
+    t, p, path, numbers = graph_of(reference)
+    theta, v1, v2 = path[2], path[3], path[4]
+    moving = ca.vertcat(-ca.sin(theta) * v1, ca.cos(theta) * v1, v2, path[5], path[6])
+    residual = ca.Function("residual", [t, p], [ca.jacobian(path[:5], t) - moving])
+
+    worst = np.abs(np.asarray(residual(instants(reference).reshape(1, -1), numbers))).max()
+    assert worst < 1e-9
+
+
+@pytest.mark.parametrize("reference", ALL, ids=name_of)
+def test_rates_agree_with_central_differences(reference):
+    h = 1e-4
+    times = instants(reference, 200, seed=1) + h
+    before, at, after = (sample(reference, times + shift) for shift in (-h, 0, h))
+    slope = (after - before) / (2 * h)
+    theta, v1 = at[:, 2], at[:, 3]
+    moving = np.column_stack([-np.sin(theta) * v1, np.cos(theta) * v1, at[:, 4:7]])
+
+    np.testing.assert_allclose(slope[:, :5], moving, rtol=1e-6, atol=2e-6)
+
+
+@pytest.mark.parametrize("reference", ALL, ids=name_of)
+def test_all_outputs_are_continuous(reference):
+    cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
+    coarse, fine = (np.linspace(0, 2.2 * cycle, n) for n in (4001, 16001))
+    jumps = [
+        np.abs(np.diff(sample(reference, times), axis=0)).max(axis=0) for times in (coarse, fine)
+    ]
+
+    assert (jumps[1] <= 0.3 * jumps[0] + 1e-9).all()
+    assert jumps[1][2] < 0.1
+
+
+@pytest.mark.parametrize("reference", LAPS, ids=name_of)
+def test_laps_repeat(reference):
+    times = instants(reference, 100, seed=2)
+    one, next_ = sample(reference, times), sample(reference, times + reference.cycle)
+    turns = (next_ - one)[:, 2] / (2 * math.pi)
+
+    np.testing.assert_allclose(np.delete(next_ - one, 2, axis=1), 0, atol=1e-9)
+    np.testing.assert_allclose(turns, round(turns[0]), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("reference", "turns"), list(zip(LAPS, (0, 1, 1, 1, 0, 1), strict=True)), ids=str
+)
+def test_orientation_counts_the_turns_of_a_lap(reference, turns):
+    start, end = sample(reference, np.array([0.0, reference.cycle]))
+
+    assert end[2] - start[2] == pytest.approx(2 * math.pi * turns, abs=1e-9)
+    assert -math.pi <= start[2] <= math.pi
+
+
+@pytest.mark.parametrize("reference", ALL, ids=name_of)
+def test_numbers_are_parameters_of_the_graph(reference):
+    """The graph of another reference of the same structure is the same, so nothing recompiles."""
+    faster = {"rate": 2.0, "speed": 2.0}
+    other = replace(
+        reference,
+        **{k: v * getattr(reference, k) for k, v in faster.items() if hasattr(reference, k)},
+    )
+    t, p, path, _ = graph_of(reference)
+    _, _, _, numbers = graph_of(other)
+    times = instants(other, 50)
+    shared = ca.Function("shared", [t, p], [path])
+
+    assert np.array_equal(np.asarray(shared(times.reshape(1, -1), numbers)).T, sample(other, times))
+
+
+def test_circle_is_the_papers():
+    times = np.linspace(0, 80, 801)
+    found = sample(Circle(), times)
+    paper = np.column_stack(
+        [2 * np.sin(0.1 * times), 2 - 2 * np.cos(0.1 * times), 0.1 * times - math.pi / 2]
+    )
+
+    np.testing.assert_allclose(found[:, :3], paper, atol=1e-14)
+    assert (found[:, 3:] == [0.2, 0.1, 0.0, 0.0]).all()
+
+
+def test_lemniscate_against_fifty_digits():
+    with mpmath.workdps(50):
+        a, w, t = mpmath.mpf(1.5), mpmath.mpf(0.3), mpmath.mpf(7.25)
+
+        def x(s):
+            return a * mpmath.sin(w * s)
+
+        def y(s):
+            return a * mpmath.sin(w * s) * mpmath.cos(w * s)
+
+        dx, ddx, dddx = (mpmath.diff(x, t, n) for n in (1, 2, 3))
+        dy, ddy, dddy = (mpmath.diff(y, t, n) for n in (1, 2, 3))
+        v1 = mpmath.hypot(dx, dy)
+        v2 = (dx * ddy - dy * ddx) / v1**2
+        v1_dot = (dx * ddx + dy * ddy) / v1
+        v2_dot = (dx * dddy - dy * dddx) / v1**2 - 2 * v2 * v1_dot / v1
+        expected = [float(value) for value in (x(t), y(t), v1, v2, v1_dot, v2_dot)]
+        psi = float(mpmath.atan2(dy, dx))
+    found = sample(Lemniscate(size=1.5, rate=0.3), np.array([7.25]))[0]
+
+    np.testing.assert_allclose(np.delete(found, 2), expected, rtol=1e-12)
+    assert math.remainder(found[2] + math.pi / 2 - psi, 2 * math.pi) == pytest.approx(0, abs=1e-12)
+
+
+def test_stop_and_go_really_stops_and_starts_again():
+    reference = StopAndGo(speed=0.4, period=10.0)
+    found = sample(reference, np.array([0.0, 5.0, 10.0]))
+
+    np.testing.assert_allclose(found[:, 3], [0.0, 0.4, 0.0], atol=1e-15)
+    np.testing.assert_allclose(found[:, 5:], 0.0, atol=1e-15)
+
+
+def test_waypoints_are_passed_in_order():
+    for reference in (Waypoints(points=EIGHT), Waypoints(points=HOOK, closed=True)):
+        path = path_of(reference)
+        count = len(reference.points)
+        places = sample(reference, path.knots[:count])[:, :2]
+
+        np.testing.assert_allclose(places, reference.points, atol=1e-12)
+        assert (np.diff(path.knots) > 0).all()
+
+
+def test_an_open_path_goes_straight_on_after_its_end():
+    reference = Waypoints(points=HOOK, speed=0.3)
+    end = reference.cycle
+    at, later = sample(reference, np.array([end, end + 2.0]))
+    ahead = at[:2] + 2.0 * at[3] * np.array([-math.sin(at[2]), math.cos(at[2])])
+
+    np.testing.assert_allclose(at[4:], 0.0, atol=1e-12)
+    np.testing.assert_allclose(later[:2], ahead, atol=1e-12)
+    np.testing.assert_allclose(later[2:], at[2:], atol=1e-12)
+
+
+def test_rounded_square_keeps_its_shape():
+    """Straight sides to a millimetre and corners inside the square, at nearly constant speed."""
+    reference = RoundedSquare(side=3.0, corner=0.8, speed=0.2)
+    found = sample(reference, np.linspace(0, reference.cycle, 5000))
+    x, y, v1 = found[:, 0], found[:, 1], found[:, 3]
+    on_lower_side = (np.abs(x) < 0.7) & (y < 1.5)
+
+    assert np.abs(y[on_lower_side]).max() < 1e-3
+    assert x.min() > -1.5 - 1e-3
+    assert x.max() < 1.5 + 1e-3
+    assert y.max() < 3.0 + 1e-3
+    assert np.abs(v1 - 0.2).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("reference", "bounds"),
+    [
+        (Circle(), (0.2, 0.2, 0.1)),
+        (Line(speed=0.9), (0.9, 0.9, 0.0)),
+        (StopAndGo(radius=2.0, speed=0.4, period=10.0), (0.0, 0.4, 0.2)),
+        # v1^2 = (a w)^2 (c^2 + (2 c^2 - 1)^2) with c = cos wt: least at c^2 = 3/8.
+        (Lemniscate(size=2.0, rate=0.1), (0.2 * math.sqrt(7) / 4, 0.2 * math.sqrt(2), None)),
+    ],
+    ids=str,
+)
+def test_bounds_of_the_velocities(reference, bounds):
+    found = reference_bounds(Scenario(reference=reference))
+
+    for value, expected in zip(found, bounds, strict=True):
+        if expected is not None:
+            assert value == pytest.approx(expected, rel=1e-5, abs=1e-12)
+
+
+def test_bounds_cover_the_run_only():
+    short = Scenario(reference=StopAndGo(speed=0.4, period=10.0), clock=Clock(duration=2.5))
+
+    assert reference_bounds(short)[1] == pytest.approx(0.2)
+
+
+def test_bounds_tell_the_fast_reference_from_the_papers():
+    limit = load_scenario("fast-reference").limits.v_u2[0]
+
+    assert reference_bounds(load_scenario("fast-reference"))[1] > limit
+    assert 0 < reference_bounds(load_scenario("paper-simulation"))[0] < limit
+
+
+def test_function_takes_time_alone():
+    assert function_of(Circle())(0.0).shape == (7, 1)
+
+
+coordinates = st.floats(-20, 20).map(lambda value: round(value, 3))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=9, unique=True),
+    st.booleans(),
+)
+def test_any_points_give_a_path_that_can_be_followed_or_an_error(points, closed):
+    try:
+        reference = Waypoints(points=tuple(points), speed=0.5, closed=closed)
+    except ScenarioError as problem:
+        assert str(problem).startswith("reference.points")
+        return
+    times = np.linspace(0, 1.5 * reference.cycle, 1500)
+    found = sample(reference, times)
+    turned = np.abs(np.diff(found[:, 2]))
+    fastest = np.abs(found[:, 4]).max() * (times[1] - times[0])
+
+    assert np.isfinite(found).all()
+    assert found[:, 3].min() > 0
+    assert turned.max() <= max(2 * fastest, 1e-9) + 1e-6

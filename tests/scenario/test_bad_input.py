@@ -1,0 +1,202 @@
+"""Whatever is wrong in a scenario: one paragraph, the key first, then the rule and a remedy."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmr_ctrl.errors import ScenarioError, WmrError
+from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario
+
+TWO_CHANGES = "[[changes]]\nt = 40.0\nm = 60.0\n[[changes]]\n"
+POINTS = "[reference]\nkind = 'waypoints'\npoints = "
+
+CASES = {
+    "not a number": ("[robot]\nm = nan", "robot.m = nan must be a finite number"),
+    "infinite": ("[clock]\nduration = inf", "clock.duration = inf must be a finite number"),
+    "flag": ("[robot]\nm = true", "robot.m = true must be a number"),
+    "text": ("[robot]\nm = 'heavy'", 'robot.m = "heavy" must be a number'),
+    "date": ("[robot]\nm = 2020-01-01", "robot.m = datetime.date(2020, 1, 1) must be a number"),
+    "negative mass": ("[robot]\nm = -5.0", "robot.m = -5.0 must be above 0"),
+    "no mass": ("[robot]\nm = 0", "robot.m = 0 must be above 0"),
+    "huge": ("[robot]\nm = 1e300", "robot.m = 1e+300 must be at most 1e+12"),
+    "huge integer": ("[robot]\nm = 1" + "0" * 400, "robot.m = an integer beyond 1e30 must be"),
+    "length": ("[limits]\nv_u1 = [1.0]", "limits.v_u1 = [1.0] must be an array of 2 numbers"),
+    "element": ("[limits]\nv_u1 = [1.0, nan]", "limits.v_u1[2] = nan must be a finite number"),
+    "limits 1": (
+        "[limits]\nv_u2 = [1.6, 1.3]",
+        "limits.v_u2[1] = 1.6 must be below limits.v_u1[1] = 1.0 m/s",
+    ),
+    "limits 2": (
+        "[limits]\nv_u2 = [0.8, 1.5]",
+        "limits.v_u2[2] = 1.5 must be below limits.v_u1[2] = 1.5 rad/s",
+    ),
+    "clip": ("[limits]\nclip = 0.25", "limits.clip = 0.25 must be below v_u1[1] - v_u2[1]"),
+    "clip below 0": ("[limits]\nclip = -1.0", "limits.clip = -1.0 must be above 0"),
+    "duration": (
+        "[clock]\nduration = 80.005",
+        "clock.duration = 80.005 s must be a whole multiple",
+    ),
+    "period": ("[clock]\nplant = 0.003", "clock.control = 0.01 s must be a whole multiple"),
+    "step longer": ("[clock]\nplant = 0.02", "clock.control = 0.01 s must be a whole multiple"),
+    "step zero": ("[clock]\nplant = 0", "clock.plant = 0 must be at least 1e-09"),
+    "too long": ("[clock]\nduration = 1e9", "clock.duration = 1000000000.0 s is 1e+11 times"),
+    "correction": ("[sensor]\ncorrection = 0.0", "sensor.correction = 0.0 must be above 0"),
+    "correction 2": ("[sensor]\ncorrection = 1.5", "sensor.correction = 1.5 must be at most 1"),
+    "pose period": (
+        "[sensor]\npose_period = 0.025",
+        "sensor.pose_period = 0.025 s must be a whole",
+    ),
+    "delay": ("[actuator]\ndelay = 0.0005", "actuator.delay = 0.0005 s must be a whole multiple"),
+    "truncate": ("[disturbance]\ntruncate = 0", "disturbance.truncate = 0 must be above 0"),
+    "std": ("[disturbance]\nstd = -1", "disturbance.std = -1 must be at least 0"),
+    "kind": (
+        "[reference]\nkind = 'cirle'",
+        'reference.kind = "cirle" is not a kind of reference; near',
+    ),
+    "kind type": ("[reference]\nkind = [1]", "reference.kind = [1] is not a kind of reference"),
+    "key": ("[limits]\nv_u3 = 1", "limits.v_u3 is not a key in limits; near: v_u2, v_u1"),
+    "key of another kind": ("[reference]\nspeed = 1", "reference.speed is not a key in reference"),
+    "section": ("[limit]\nv_u2 = 1", "limit is not a key at the top of a scenario; near: limits"),
+    "no table": ("robot = 5", "robot = 5 must be a table, written as [robot]"),
+    "no array": ("[changes]\nt = 5", "changes = a table must be an array of tables, [[changes]]"),
+    "no tables": ("changes = [5]", "changes[1] = 5 must be a table, written as [[changes]]"),
+    "late": (
+        "[[changes]]\nt = 80.0\nm = 60.0",
+        "changes[1].t = 80.0 s must be before the run's end",
+    ),
+    "twins": (
+        TWO_CHANGES + "t = 40.0\nm = 3",
+        "changes[2].t = 40.0 s must be later than changes[1]",
+    ),
+    "order": (
+        TWO_CHANGES + "t = 30.0\nm = 3",
+        "changes[2].t = 30.0 s must be later than changes[1]",
+    ),
+    "nothing": (TWO_CHANGES + "t = 50.0", "changes[2] changes nothing"),
+    "no time": ("[[changes]]\nm = 3", "changes[1].t is missing"),
+    "change": (TWO_CHANGES + "t = 50.0\nmu = -1", "changes[2].mu = -1 must be at least 0"),
+    "split": ("[metrics]\nsplit = 80.0", "metrics.split = 80.0 s must be below clock.duration"),
+    "gain": ("[gains.mb]\nrho = [1.0, nan]", "gains.mb.rho[2] = nan must be a finite number"),
+    "gain table": ("[gains]\nrho = 1", "gains.rho = 1 must be a table of gains"),
+    "gain depth": ("[gains.mb.rho]\na = 1", "gains.mb.rho = a table must be a number"),
+    "corner": (
+        "[reference]\nkind='rounded-square'\ncorner=2",
+        "reference.corner = 2.0 must be at most",
+    ),
+    "no points": ("[reference]\nkind='waypoints'", "reference.points has 0 different point(s)"),
+    "one point": (POINTS + "[[0, 0]]", "reference.points has 1 different point(s)"),
+    "two closed": (POINTS + "[[0, 0], [1, 0]]\nclosed = true", "reference.points has 2 different"),
+    "same point": (
+        POINTS + "[[0, 0], [1, 0], [1, 0]]",
+        "reference.points[2] and reference.points[3]",
+    ),
+    "turn": (
+        POINTS + "[[0, 0], [1, 0], [0, 0]]",
+        "reference.points[2] and the next: the smooth path",
+    ),
+    "pair": (POINTS + "[[0, 0], [1, 0, 0]]", "reference.points[2] = [1, 0, 0] must be a pair"),
+    "coordinate": (POINTS + "[[0, 0], [1, inf]]", "reference.points[2][2] = inf must be a finite"),
+    "file type": ("[reference]\nkind='waypoints'\nfile=3", "reference.file = 3 must be the path"),
+    "both": (POINTS + "[[0,0],[1,0]]\nfile='a'", "reference.file and reference.points exclude"),
+    "title": ("title = 3", "title = 3 must be text"),
+    "extends": ("extends = 3", "extends = 3 must be a preset's name"),
+    "extends what": ("extends = 'paper-simulaton'", "no scenario is named 'paper-simulaton'"),
+    "syntax": ("[robot\nm = 3", "mine is not valid TOML"),
+    "twice": ("[robot]\nm = 3\nm = 4", "mine is not valid TOML"),
+    "nesting": ("a = " + "[" * 5000, "mine is not "),
+    "digits": ("a = 1" + "0" * 5000, "mine is not valid TOML"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), CASES.values(), ids=CASES)
+def test_error_names_the_key(text, message):
+    with pytest.raises(WmrError) as caught:
+        loads_scenario(text, "mine")
+
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 700
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfe\x00", "is not UTF-8 text"),
+        (b"\x00\x01\x02", "is not valid TOML"),
+        (b"#" * 1_000_001, "larger than 1 MB"),
+    ],
+)
+def test_files_that_are_no_scenario(tmp_path, content, message):
+    file = tmp_path / "bad.toml"
+    file.write_bytes(content)
+
+    with pytest.raises(ScenarioError, match=message) as caught:
+        load_scenario(file)
+    assert "bad.toml" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("missing.toml", "there is no file"),
+        ("./missing", "there is no file"),
+        ("folder.toml", "is a directory"),
+        ("nul\0.toml", "cannot be read"),
+        ("x" * 5000 + ".toml", "cannot be read"),
+    ],
+)
+def test_files_that_cannot_be_read(tmp_path, monkeypatch, name, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.toml").mkdir()
+
+    with pytest.raises(ScenarioError, match=message) as caught:
+        load_scenario(name)
+    assert len(str(caught.value)) < 700
+
+
+def test_a_folder_without_suffix_is_named_as_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
+
+    with pytest.raises(ScenarioError, match="is a directory"):
+        load_scenario("mine")
+
+
+def test_files_that_extend_each_other(tmp_path):
+    (tmp_path / "a.toml").write_text('extends = "b.toml"')
+    (tmp_path / "b.toml").write_text('extends = "./a.toml"')
+
+    with pytest.raises(ScenarioError, match="leads back to the same file"):
+        load_scenario(tmp_path / "a.toml")
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.binary(max_size=200))
+def test_random_bytes_never_give_a_traceback(data):
+    try:
+        assert isinstance(loads_scenario(data), Scenario)
+    except WmrError as problem:
+        assert re.fullmatch(r"[^\n\r]+", str(problem))
+
+
+numbers = st.one_of(st.integers(), st.floats(), st.booleans(), st.text(max_size=5))
+values = st.recursive(numbers, lambda inner: st.lists(inner, max_size=4), max_leaves=6)
+keys = st.sampled_from(
+    ["robot.m", "robot", "limits.v_u1", "limits.v_u2[1]", "clock.plant", "clock.duration",
+     "sensor.pose_period", "actuator.delay", "changes", "changes[1].t", "changes[2].mu", "gains.mb",
+     "gains", "reference", "reference.kind", "reference.points", "reference.radius", "model.mu",
+     "metrics.split", "title", "initial.pose", "disturbance.truncate", "reference.file"]
+)  # fmt: skip
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.dictionaries(keys, values, max_size=3))
+def test_random_values_load_or_are_refused(overrides):
+    try:
+        load_scenario("paper-simulation", overrides)
+    except WmrError as problem:
+        assert re.fullmatch(r"[^\n\r]+", str(problem))

@@ -1,0 +1,87 @@
+"""Waypoints from CSV files, good ones and bad ones."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.scenario.csv_points import read_points
+
+GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0,0\n1,0.5\n2,-1\n",
+        "x,y\n0,0\n1,0.5\n2,-1",
+        "x [m], y [m]\r\n0, 0\r\n1, 5e-1\r\n2, -1\r\n",
+        "# a track\n\n0,0\n1,0.5\n\n2,-1\n\n",
+        '"0","0"\n"1","0.5"\n"2","-1"\n',
+    ],
+)
+def test_usual_ways_to_write_points(tmp_path, text):
+    file = tmp_path / "way.csv"
+    file.write_bytes(b"\xef\xbb\xbf" + text.encode())
+
+    assert read_points(file) == GOOD
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,0\n", "way.csv holds 1 point(s), but a path needs at least 2"),
+        ("x,y\n0,0\n", "way.csv holds 1 point(s), but a path needs at least 2"),
+        ("", "way.csv holds 0 point(s), but a path needs at least 2"),
+        ("x,y\n", "way.csv holds 0 point(s), but a path needs at least 2"),
+        ("0,0\n1,nan\n", "way.csv, row 2, column 2: nan is not a finite number"),
+        ("0,0\ninf,1\n", "way.csv, row 2, column 1: inf is not a finite number"),
+        ("x,y\n0,0\n\n1,east\n", 'way.csv, row 4, column 2: "east" is not a number'),
+        ("0,north\n1,1\n", 'way.csv, row 1, column 2: "north" is not a number'),
+        ("0,0\n1,\n", 'way.csv, row 2, column 2: "" is not a number'),
+        ("0,0\n1\n", "way.csv, row 2 has 1 column(s)"),
+        ("0,0,0\n1,1,1\n", "way.csv, row 1 has 3 column(s)"),
+        ("0;0\n1;1\n", "way.csv, row 2 has 1 column(s)"),
+        ("0,0\n1,1\n1,1\n", "way.csv, rows 2 and 3 are the same point (1.0, 1.0)"),
+        ("0,0\n1,1e13\n", "reference.points[2][2] = 10000000000000.0 must be at most 1e+12"),
+    ],
+)
+def test_errors_name_row_and_column(tmp_path, text, message):
+    (tmp_path / "way.csv").write_text(text)
+    (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
+
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(tmp_path / "mine.toml")
+    assert str(caught.value).removeprefix("reference.file: ").startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("none.csv", "there is no file"), (".", "is a directory")]
+)
+def test_files_that_are_not_there(tmp_path, name, message):
+    with pytest.raises(ScenarioError, match=rf"^reference\.file: .*{message}"):
+        read_points(tmp_path / name)
+
+
+def test_too_many_points(tmp_path):
+    (tmp_path / "way.csv").write_text("".join(f"{i},{i % 2}\n" for i in range(401)))
+    (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
+
+    with pytest.raises(ScenarioError, match="at most 400"):
+        load_scenario(tmp_path / "mine.toml")
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.binary(max_size=100))
+def test_random_bytes_are_points_or_an_error(tmp_path_factory, data):
+    file = tmp_path_factory.mktemp("csv") / "way.csv"
+    file.write_bytes(data)
+    try:
+        assert len(read_points(file)) >= 2
+    except ScenarioError as problem:
+        assert str(problem).startswith("reference.file: ")
+        assert "\n" not in str(problem)

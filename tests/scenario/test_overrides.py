@@ -1,0 +1,159 @@
+"""Overrides, as ``--set KEY=VALUE`` gives them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.scenario import (
+    Change,
+    Circle,
+    Line,
+    Robot,
+    Waypoints,
+    load_scenario,
+    override,
+    parse_assignments,
+)
+from wmr_ctrl.scenario.overrides import parse_key, parse_value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1", 1),
+        ("1e3", 1000.0),
+        ("inf", math.inf),
+        ("true", True),
+        ("[1, 2]", [1, 2]),
+        ("{a = 1}", {"a": 1}),
+        ('"1"', "1"),
+        ("1,2", [1, 2]),
+        ("0.5 , 1e-3,", [0.5, 1e-3]),
+        ("a,b", ["a", "b"]),
+        ("circle", "circle"),
+        ("two words", "two words"),
+        ("1\nx = 2", "1\nx = 2"),
+        ("", ""),
+        (" 3 ", 3),
+    ],
+)
+def test_value_is_toml_or_a_list_or_a_word(text, value):
+    assert parse_value(text) == value
+
+
+def test_key_counts_from_one():
+    assert parse_key("changes[2].mu") == ["changes", 1, "mu"]
+
+
+@pytest.mark.parametrize(
+    "key", ["", ".", "robot.", "robot..m", "a[", "a[1", "a[-1]", "a b", "a[x]"]
+)
+def test_bad_keys(key):
+    with pytest.raises(ScenarioError, match="is not a key such as"):
+        parse_key(key)
+
+
+def test_assignments():
+    assert parse_assignments(["a.b=1", "c = x=y", "a.b=2"]) == {"a.b": "2", "c": "x=y"}
+    for text in ("a.b", "=3", ""):
+        with pytest.raises(ScenarioError, match="is not KEY=VALUE"):
+            parse_assignments([text])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "check"),
+    [
+        ({"robot.m": "60"}, lambda s: s.robot.m == 60.0),
+        ({"robot.m": 60}, lambda s: s.robot.m == 60.0),
+        ({"robot.m": np.float64(60)}, lambda s: s.robot.m == 60.0),
+        ({"robot": "{m = 60}"}, lambda s: s.robot == Robot(m=60)),
+        ({"limits.v_u2": "0.7,1.2"}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
+        ({"limits.v_u2": np.array([0.7, 1.2])}, lambda s: s.limits.v_u2 == (0.7, 1.2)),
+        ({"limits.v_u2[1]": "0.7"}, lambda s: s.limits.v_u2 == (0.7, 1.3)),
+        ({"limits.v_u1": "2,2", "limits.v_u2": "1.5,1.5"}, lambda s: s.limits.v_u2 == (1.5, 1.5)),
+        ({"model.mu": "0.12"}, lambda s: s.believed == Robot(mu=0.12)),
+        ({"gains.mb.rho": "20,60"}, lambda s: s.gains == {"mb": {"rho": (20.0, 60.0)}}),
+        ({"changes": "[]"}, lambda s: s.changes == ()),
+        ({"changes[1].m": "30"}, lambda s: s.changes == (Change(40.0, 30.0, 7.0, 0.15),)),
+        (
+            {"changes[2].t": "50", "changes[2].mu": "0"},
+            lambda s: s.changes[1] == Change(50.0, mu=0),
+        ),
+        ({"changes[2]": {"t": 50, "mu": 0}}, lambda s: s.changes[1] == Change(50.0, mu=0)),
+        ({"changes[1].mu": "none"}, lambda s: s.changes == (Change(40.0, 65.0, 7.0),)),
+        ({"clock.duration": "10"}, lambda s: s.changes == () and s.clock.samples == 1000),
+        ({"clock.duration": "50"}, lambda s: len(s.changes) == 1),
+        ({"reference.kind": "line"}, lambda s: s.reference == Line()),
+        (
+            {"reference.kind": "line", "reference.speed": "1"},
+            lambda s: s.reference == Line(speed=1),
+        ),
+        (
+            {"reference.speed": "1", "reference.kind": "line"},
+            lambda s: s.reference == Line(speed=1),
+        ),
+        ({"reference.kind": "circle"}, lambda s: s.reference == Circle()),
+        ({"reference.radius": "3"}, lambda s: s.reference == Circle(radius=3)),
+        ({"title": "my run"}, lambda s: s.title == "my run"),
+        ({"actuator.tau_max": "inf"}, lambda s: s.actuator.tau_max == math.inf),
+        ({"metrics.split": "10"}, lambda s: s.split == 10.0),
+    ],
+    ids=str,
+)
+def test_override_by_name_and_of_a_scenario_agree(overrides, check):
+    loaded = load_scenario("paper-simulation", overrides)
+
+    assert check(loaded)
+    assert override(load_scenario("paper-simulation"), overrides) == loaded
+
+
+def test_override_leaves_the_scenario_alone():
+    before = load_scenario("paper-simulation")
+    override(before, {"robot.m": 70, "changes[1].m": 80})
+
+    assert before == load_scenario("paper-simulation")
+    assert override(before, {}) == before
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"robot.mass": 3}, r"^robot\.mass is not a key in robot; near: m"),
+        ({"limts.v_u1": 3}, r"^limts is not a key .*near: limits"),
+        ({"limits.v_u2[3]": 3}, r"^limits\.v_u2\[3\] does not exist: index 3 .* 2 element"),
+        ({"limits.v_u2[0]": 3}, r"^limits\.v_u2\[0\] does not exist"),
+        ({"changes[3].t": 3}, r"^changes\[3\]\.t does not exist"),
+        ({"changes[1].t": 90}, r"^changes\[1\]\.t = 90\.0 s must be before the run's end"),
+        ({"clock.duration": 10, "changes[1].m": 9}, r"^changes\[1\]\.t = 40\.0 s must be before"),
+        ({"gains.mb.rho[1]": 3}, r"^gains\.mb\.rho\[1\] does not exist.*Give the whole array"),
+        ({"robot.m.x": 3}, r"^robot\.m\.x does not exist"),
+        ({"limits.v_u2": "1.6,1"}, r"^limits\.v_u2\[1\] = 1\.6 must be below limits\.v_u1\[1\]"),
+        ({"reference.kind": "lin"}, r'^reference\.kind = "lin" is not a kind.*near: line'),
+        ({"reference.file": "x.csv"}, r"^reference\.file is not a key in reference"),
+        ({"extends": "far-start"}, r"^extends is not a key"),
+    ],
+    ids=str,
+)
+def test_overrides_are_checked(overrides, message):
+    for make in (
+        lambda: load_scenario("paper-simulation", overrides),
+        lambda: override(load_scenario("paper-simulation"), overrides),
+    ):
+        with pytest.raises((ScenarioError, UnknownNameError), match=message):
+            make()
+
+
+def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
+    (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
+    monkeypatch.chdir(tmp_path)
+    scenario = load_scenario(
+        "paper-simulation", {"reference.kind": "waypoints", "reference.file": "way.csv"}
+    )
+    again = override(scenario, {"reference.file": "way.csv", "reference.speed": "0.3"})
+
+    assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
+    assert again.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)), speed=0.3)

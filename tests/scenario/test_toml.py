@@ -1,0 +1,188 @@
+"""Scenarios as TOML: files of users, ``extends``, and text that loads back equal."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import tomlkit
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmr_ctrl.scenario import (
+    Actuator,
+    Change,
+    Circle,
+    Clock,
+    Disturbance,
+    Lemniscate,
+    Line,
+    Metrics,
+    Model,
+    Robot,
+    RoundedSquare,
+    Scenario,
+    Sensor,
+    StopAndGo,
+    Waypoints,
+    from_dict,
+    load_scenario,
+    loads_scenario,
+    quantities,
+    scenario_dict,
+    to_toml,
+)
+from wmr_ctrl.scenario.reference import KINDS
+from wmr_ctrl.scenario.scenario import SECTIONS
+
+FULL = Scenario(
+    title='odd "title" with = and # and é',
+    robot=Robot(m=63.25, v_s=1e-300),
+    model=Model(mu=0.0, I=1 / 3),
+    gains={"mb": {"rho": (1.0, 2.0)}, "nn": {"on": False, "way": "x", "eta": math.pi}, "pid": {}},
+    disturbance=Disturbance(std=0.1 + 0.2, truncate=3.0),
+    sensor=Sensor(0.02, 0.01, (0.1, 0.2), 0.5),
+    actuator=Actuator(20.0, 0.02, 0.003),
+    changes=(Change(1.0, m=3.0), Change(2.0, I=4.0, mu=0.0)),
+    clock=Clock(0.02, 0.001, 4.0),
+    metrics=Metrics(1.5, 0.0),
+)
+REFERENCES = (
+    Circle(3.0, -0.2),
+    Line(0.1, 0.3, (1.0, 2.0)),
+    Lemniscate(1.0, 0.2),
+    RoundedSquare(2.0, 0.5, 0.1),
+    StopAndGo(1.0, 0.2, 4.0),
+    Waypoints(((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)), 0.3, True),
+)
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=lambda reference: type(reference).__name__)
+@pytest.mark.parametrize("comments", [True, False])
+def test_every_kind_and_field_loads_back_equal(reference, comments):
+    scenario = Scenario(**{**vars(FULL), "reference": reference})
+
+    assert loads_scenario(to_toml(scenario, comments), scenario.name) == scenario
+    assert from_dict(scenario_dict(scenario), scenario.name) == scenario
+
+
+def test_every_kind_is_tried_above():
+    assert {type(reference) for reference in REFERENCES} == set(KINDS.values())
+
+
+finite = st.floats(-1e12, 1e12)
+gains = st.dictionaries(
+    st.text(max_size=5),
+    st.dictionaries(
+        st.text(max_size=5),
+        st.one_of(finite, st.booleans(), st.text(max_size=8), st.tuples(finite, finite)),
+        max_size=3,
+    ),
+    max_size=3,
+)
+
+
+@settings(max_examples=100, deadline=None)
+@given(gains, finite, st.text(max_size=20))
+def test_any_gains_numbers_and_titles_load_back_equal(gains, heading, title):
+    scenario = Scenario(title=title, gains=gains, reference=Line(heading=heading))
+
+    assert loads_scenario(to_toml(scenario), scenario.name) == scenario
+
+
+def test_every_field_is_printed_with_unit_and_meaning():
+    text = to_toml(load_scenario("paper-simulation-no-switch"))
+
+    for cls in (*SECTIONS.values(), Circle, Change):
+        for name, what in quantities(cls):
+            assert any(
+                name in line and f"[{what.unit}] {what.doc}" in line for line in text.splitlines()
+            )
+    assert "#" not in to_toml(Scenario(), comments=False)
+
+
+def test_gains_of_the_laws_are_printed_where_they_are_told():
+    docs = {
+        "mb": {"rho": ((15.0, 57.6), "1/s", "decay rates")},
+        "nn": {"eta": (1.5, "1", "width"), "integrator": ("explicit", "", "update of the weights")},
+    }
+    scenario = Scenario(gains={"mb": {"rho": (1.0, 2.0)}, "mine": {"k": 3.0}})
+    text = to_toml(scenario, gains_docs=docs)
+
+    assert "rho = [1.0, 2.0] # [1/s] decay rates" in text
+    assert "eta = 1.5 # [1] width" in text
+    assert loads_scenario(text).gains == {
+        "mb": {"rho": (1.0, 2.0)},
+        "nn": {"eta": 1.5, "integrator": "explicit"},
+        "mine": {"k": 3.0},
+    }
+
+
+def test_text_can_be_edited_by_tomlkit():
+    document = tomlkit.parse(to_toml(Scenario()))
+    document["robot"]["m"] = 61.0
+
+    assert loads_scenario(tomlkit.dumps(document)).robot.m == 61.0
+
+
+def test_file_of_a_user_extends_a_preset(tmp_path):
+    file = tmp_path / "heavier.toml"
+    file.write_text('extends = "paper-simulation"\n[robot]\nm = 70.0\n', encoding="utf-8-sig")
+    scenario = load_scenario(str(file))
+
+    assert scenario.name == "heavier"
+    assert scenario.robot == Robot(m=70.0)
+    assert scenario.changes == load_scenario("paper-simulation").changes
+
+
+def test_files_extend_files_next_to_them(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "way.csv").write_text("x,y\n0,0\n1,0\n2,1\n")
+    (tmp_path / "base.toml").write_text(
+        'title = "base"\n[reference]\nkind = "waypoints"\nfile = "way.csv"\n[robot]\nm = 60.0\n'
+    )
+    (tmp_path / "sub" / "child.toml").write_text('extends = "../base.toml"\n[robot]\nI = 6.0\n')
+    scenario = load_scenario(tmp_path / "sub" / "child.toml")
+
+    assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
+    assert scenario.robot == Robot(m=60.0, I=6.0)
+    assert scenario.title == "base"
+
+
+def test_another_kind_replaces_the_extended_reference():
+    text = 'extends = "fast-reference"\n[reference]\nkind = "circle"\nradius = 3.0\n'
+
+    assert loads_scenario(text).reference == Circle(radius=3.0)
+
+
+def test_same_kind_keeps_the_rest_of_the_extended_reference():
+    text = 'extends = "fast-reference"\n[reference]\norigin = [0.0, 1.0]\n'
+
+    assert loads_scenario(text).reference == Line(speed=0.9, origin=(0.0, 1.0))
+
+
+def test_a_shorter_run_drops_the_changes_that_it_does_not_reach():
+    text = 'extends = "paper-simulation"\n[clock]\nduration = 30.0\n'
+
+    assert loads_scenario(text).changes == ()
+
+
+def test_none_takes_back_what_the_extended_scenario_says():
+    text = 'extends = "far-start-friction-overestimated"\n[model]\nmu = "none"\n'
+
+    assert loads_scenario(text).believed.mu == 0.08
+
+
+def test_an_existing_file_needs_no_suffix(tmp_path, monkeypatch):
+    (tmp_path / "mine").write_text('title = "mine"')
+    monkeypatch.chdir(tmp_path)
+
+    assert load_scenario("mine").title == "mine"
+
+
+def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):
+    (tmp_path / "far-start").write_text('title = "mine"')
+    monkeypatch.chdir(tmp_path)
+
+    assert load_scenario("far-start").title != "mine"
+    assert load_scenario("./far-start").title == "mine"

@@ -1,0 +1,155 @@
+"""The compiled loop against the NumPy oracle and against what must hold in any loop."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import compile_law, simulate
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Run, runs_equal
+from wmr_ctrl.scenario import preset_names
+
+SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+every_law = pytest.mark.parametrize("law", NAMES)
+
+
+def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
+    return max(float(np.nanmax(abs(first[s.name][:rows] - second[s.name][:rows]))) for s in first.signals)
+
+
+@every_law
+@pytest.mark.parametrize("scenario", ["paper-simulation", "paper-simulation-noise-free"])
+def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
+    native, numpy = (simulate(scenario, law, seed=5, engine=engine) for engine in ("native", "numpy"))
+
+    assert largest_gap(native, numpy) < 1e-9
+    assert native.monitor.violations == numpy.monitor.violations
+    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
+
+
+@every_law
+def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
+    """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
+    native, numpy = (simulate("paper-simulation-nominal", law, engine=engine) for engine in ("native", "numpy"))
+
+    assert largest_gap(native, numpy, 4000) < 1e-9
+    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, rel=1e-2)
+
+
+@every_law
+@pytest.mark.parametrize("changed", [
+    {"actuator.lag": 0.02, "actuator.delay": 0.005},
+    {"actuator.delay": 0.03},
+    {"actuator.tau_max": 10.0},
+    {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2},
+    {"sensor.velocity_noise": [0.02, 0.03]},
+    {"disturbance.truncate": 1.5},
+    {"model.m": 60.0, "model.mu": 0.12},
+    {"clock.control": 0.001},
+    {"reference.kind": "line", "reference.speed": 0.3},
+    {"reference.kind": "stop-and-go"},
+    {"reference.kind": "lemniscate"},
+    {"reference.kind": "rounded-square"},
+    {"initial.velocity": [1.3, 2.0]},
+])  # fmt: skip
+def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str, object]) -> None:
+    native, numpy = (simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})
+                     for engine in ("native", "numpy"))
+
+    assert native.rows == numpy.rows
+    assert largest_gap(native, numpy) < 1e-8
+    assert native.monitor.violations == numpy.monitor.violations
+
+
+@pytest.mark.parametrize("scenario", preset_names())
+def test_every_preset_ends_with_an_outcome(scenario: str) -> None:
+    for law in NAMES:
+        run = simulate(scenario, law)
+        assert run.explanation
+        assert run.rows == run.settings.samples or run.monitor.stopped
+
+
+def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
+    alone = [simulate("paper-simulation", "nn", seed=seed, overrides=SHORT) for seed in range(6)]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda seed: simulate("paper-simulation", "nn", seed=seed, overrides=SHORT), range(6)))
+
+    assert all(runs_equal(a, b) for a, b in zip(alone, together, strict=True))
+    assert not runs_equal(alone[0], alone[1])
+
+
+def test_all_laws_see_the_same_noise() -> None:
+    first, second = (simulate("paper-simulation", law, seed=9, overrides=SHORT) for law in ("pid", "nn"))
+
+    assert (first["noise_right"] == second["noise_right"]).all()
+    assert np.std(first["noise_right"]) == pytest.approx(1.0, rel=0.1)
+
+
+def test_truncated_noise_stays_inside() -> None:
+    run = simulate("paper-simulation", "mb", overrides={**SHORT, "disturbance.truncate": 1.5})
+
+    assert abs(run["noise_right"]).max() <= 1.5
+    assert abs(run["noise_left"]).max() <= 1.5
+
+
+def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
+    """Without a change both runs agree up to t = 3 s and differ after the next plant step."""
+    same, heavier = (simulate("paper-simulation-nominal", "mb", overrides={"clock.duration": 6.0, "changes": change})
+                     for change in ([], [{"t": 3.0, "m": 65.0}]))
+    apart = np.flatnonzero(same["v1"] != heavier["v1"])
+
+    assert same.time[apart[0]] == pytest.approx(3.01)
+
+
+def test_mb_decays_as_the_theorem_says() -> None:
+    """V1 falls along the undisturbed, exactly modelled run, Eq. (30), up to what 1 ms of hold costs."""
+    value = simulate("paper-simulation-nominal", "mb", overrides={"clock.control": 0.001, "clock.duration": 4.0})["V1"]
+
+    assert value[0] > 8
+    assert np.diff(value).max() < 1e-8 * value[0]
+    assert value[-1] < 1e-15
+
+
+@pytest.mark.parametrize(("law", "ise"), [("pid", 2.34), ("smc", 0.425), ("nn", 0.822)])
+def test_known_figures(law: str, ise: float) -> None:
+    """ISE of the nominal run, from an independent simulation."""
+    run = simulate("paper-simulation-nominal", law)
+    squares = (run["x"] - run["x_d"]) ** 2 + (run["y"] - run["y_d"]) ** 2 + (run["theta"] - run["theta_d"]) ** 2
+
+    assert squares.sum() * 0.01 == pytest.approx(ise, abs=0.005 if law == "pid" else 0.0006)
+
+
+def test_literal_experiment_leaves_the_limit_in_its_first_sample() -> None:
+    run = simulate("paper-experiment-literal", "mb")
+
+    assert run.monitor.first_violation is not None
+    assert run.monitor.first_violation[0] < 0.1
+
+
+def test_divergence_is_an_outcome() -> None:
+    run = simulate("paper-experiment-literal", "pid", overrides={"gains.pid.Kp": [2e4, 2e3]})
+
+    assert run.outcome == "diverged"
+    assert run.monitor.stopped
+    assert not math.isnan(max(run.monitor.max_abs_v))
+
+
+def test_compiled_law_steps_like_the_loop() -> None:
+    run = simulate("paper-simulation-nominal", "nn", overrides={"clock.duration": 1.0})
+    law = compile_law("nn", "paper-simulation-nominal")
+    for k in range(100):
+        law.u[:] = [run[name][k] for name in law.inputs]
+        torque = law.step()
+        assert (torque == (run["tau_right"][k], run["tau_left"][k])).all()
+
+
+def test_bad_arguments() -> None:
+    with pytest.raises(UnknownNameError, match="engine"):
+        simulate("paper-simulation", "nn", engine="matlab")
+    with pytest.raises(ArgumentError, match="seed"):
+        simulate("paper-simulation", "nn", seed=-1)
