@@ -1,15 +1,17 @@
 """The Python interface: scenario -> Systems -> compiled kernels -> Run.
 
 >>> from wmr_ctrl import simulate
->>> run = simulate("paper-simulation", "nn", seed=3)          # doctest: +SKIP
->>> run.outcome, run["v1"].max()                              # doctest: +SKIP
+>>> run = simulate("paper-simulation", "nn", seed=3)  # doctest: +SKIP
+>>> run.outcome, run["v1"].max()  # doctest: +SKIP
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 import platform
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,9 @@ from wmr_ctrl.scenario import Scenario, load_scenario, override, to_toml
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
 ENGINES = ("native", "numpy")
+
+START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
+"""A sample near the paper's start: reference, pose, velocity."""
 
 Progress = Callable[[float], None]
 
@@ -36,7 +41,11 @@ def scenario_of(
     """
     from wmr_ctrl.laws.gains import check_gains
 
-    loaded = override(given, overrides or {}) if isinstance(given, Scenario) else load_scenario(given, overrides)
+    loaded = (
+        override(given, overrides or {})
+        if isinstance(given, Scenario)
+        else load_scenario(given, overrides)
+    )
     check_gains(loaded)
     return loaded
 
@@ -59,10 +68,97 @@ def simulate(
     settled = scenario_of(scenario, overrides)
     _check_seed(seed)
     if engine == "native":
-        return _simulate_native(settled, law, seed)
+        return _prepared(settled, law)(seed)
     if engine == "numpy":
         return _simulate_numpy(settled, law, seed, progress)
     raise UnknownNameError("engine", engine, ENGINES)
+
+
+def simulate_many(
+    scenario: str | Path | Scenario,
+    law: str = "nn",
+    seeds: Iterable[int] = range(20),
+    *,
+    overrides: Mapping[str, Any] | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[Run]:
+    """Run ``law`` once per seed, in parallel; the same bits for any number of ``jobs``.
+
+    ``jobs`` is the number of threads (default: one per processor); ``progress`` is called with the
+    share that is done.  Errors as in `simulate`.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    settled, listed = scenario_of(scenario, overrides), list(seeds)
+    for seed in listed:
+        _check_seed(seed)
+    engine = _prepared(settled, law)
+    runs: list[Run] = []
+    with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
+        for run in pool.map(engine, listed):
+            runs.append(run)
+            if progress:
+                progress(len(runs) / len(listed))
+    return runs
+
+
+def reproduce(
+    out: str | Path = "reproduction",
+    *,
+    seeds: int = 20,
+    quick: bool = False,
+    jobs: int | None = None,
+    progress: Any = None,
+) -> Any:
+    """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
+
+    ``quick`` takes 3 seeds.  Returns the verdicts; ``.ok`` tells whether they are the committed
+    ones.  ``progress`` has ``start(total, text)``, ``advance(n)`` and ``done()``.
+    """
+    from wmr_ctrl.report.reproduce import reproduce as write_report
+    from wmr_ctrl.scenario import preset_names
+
+    engines: dict[tuple[str, str], Callable[[int], Run]] = {}
+
+    def prepare(scenario: str, law: str) -> None:
+        engines[scenario, law] = _prepared(scenario_of(scenario), law)
+
+    def run(scenario: str, law: str, seed: int) -> Run:
+        return engines[scenario, law](seed)
+
+    titles = {row["name"]: row["title"] for row in law_table()}
+    facts = {
+        "titles": titles,
+        "timings": evaluation_times(),
+        "versions": versions(),
+        "presets": preset_names(),
+    }
+    return write_report(
+        run,
+        prepare,
+        seeds=seeds,
+        quick=quick,
+        jobs=jobs,
+        out=Path(out),
+        progress=progress,
+        facts=facts,
+    )
+
+
+def evaluation_times(
+    laws: Iterable[str] = ("pid", "smc", "mb", "nn"), count: int = 10_000
+) -> dict[str, float]:
+    """Seconds that ``count`` evaluations of each law take, called one by one from Python."""
+    found = {}
+    for law in laws:
+        compiled = compile_law(law)
+        compiled.u[:] = START_SAMPLE
+        begin = time.perf_counter()
+        for _ in range(count):
+            compiled.step()
+        found[law] = time.perf_counter() - begin
+    return found
 
 
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> Any:
@@ -83,14 +179,19 @@ def law_table() -> list[dict[str, str]]:
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
 
 
-def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
+def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
+    """The compiled loop of ``law`` on ``scenario`` as a function of the seed."""
     from wmr_ctrl.codegen.build import build_loop
     from wmr_ctrl.sim.native import columns_of, run_native
 
     kernels = build_loop(scenario, law)
-    columns, monitor = run_native(kernels, scenario, seed)
-    facts = {"kernel_hash": kernels.digest}
-    return run_of(scenario, law, seed, "native", (columns_of(kernels.manifest), columns, monitor), facts)
+    signals, facts = columns_of(kernels.manifest), {"kernel_hash": kernels.digest}
+
+    def engine(seed: int) -> Run:
+        columns, monitor = run_native(kernels, scenario, seed)
+        return run_of(scenario, law, seed, "native", (signals, columns, monitor), facts)
+
+    return engine
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
@@ -103,7 +204,9 @@ def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress 
     gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    return run_of(scenario, law, seed, "numpy", (signals, columns, Monitor(**numbers)), {"kernel_hash": ""})
+    return run_of(
+        scenario, law, seed, "numpy", (signals, columns, Monitor(**numbers)), {"kernel_hash": ""}
+    )
 
 
 def run_of(
@@ -126,18 +229,27 @@ def settings_of(scenario: Scenario) -> Settings:
     """Clocks, limits and windows of a scenario."""
     clock, metrics = scenario.clock, scenario.metrics
     split = clock.duration / 2 if metrics.split is None else metrics.split
-    return Settings(clock.control, clock.plant, clock.duration, scenario.limits.v_u1, split, metrics.rms_from)
+    return Settings(
+        clock.control, clock.plant, clock.duration, scenario.limits.v_u1, split, metrics.rms_from
+    )
 
 
 def provenance(scenario: Scenario) -> dict[str, str]:
     """What made a run: versions, the scenario as TOML and its hash."""
-    from wmr_ctrl import __version__
-
     text = to_toml(scenario, comments=False)
     return {
-        "version": __version__,
+        **versions(),
         "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
         "scenario_toml": text,
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes."""
+    from wmr_ctrl import __version__
+
+    return {
+        "version": __version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "machine": platform.machine(),

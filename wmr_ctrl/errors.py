@@ -15,7 +15,7 @@ class ScenarioError(WmrError, ValueError):
 
 
 class UnknownNameError(WmrError, LookupError):
-    """A name (scenario, law, engine, gain, key) that is not known; the message lists the near ones."""
+    """A name (scenario, law, engine, gain, key) that is not known; the near ones are listed."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
         options = sorted(known)

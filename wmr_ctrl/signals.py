@@ -67,7 +67,9 @@ TORQUE_NOISE = (
     Signal("noise_right", "N.m", "disturbance torque on the right wheel"),
     Signal("noise_left", "N.m", "disturbance torque on the left wheel"),
 )
-TAU_APPLIED = Signal("tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2)
+TAU_APPLIED = Signal(
+    "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2
+)
 FORCE = Signal("force", "N, N.m", "generalised force (thrust, turning moment)", 2)
 
 TRACKING_ERROR = Signal("e", "m, m, rad", "tracking error, Eq. (8): ahead, to the left, angle", 3)
@@ -76,8 +78,19 @@ DIAGNOSTICS = (
     Signal("v_c1", "m/s, rad/s", "minimiser of the barrier function, Eq. (18)", 2),
     Signal("V1", "1", "barrier Lyapunov function, Eq. (12)"),
     Signal("q", "1", "(v - v_c1)/A, in (0, 1]", 2),
-    Signal("margin", "1", "distance to the velocity limit as measured, min over axes of 1 - |v|/v_u1"),
+    Signal(
+        "margin", "1", "distance to the velocity limit as measured, min over axes of 1 - |v|/v_u1"
+    ),
 )
 
-LOG_HEAD = (TIME, *PLANT_STATE, PSI, *REFERENCE, *TORQUE, *TORQUE_NOISE, TRACKING_ERROR, *DIAGNOSTICS)
+LOG_HEAD = (
+    TIME,
+    *PLANT_STATE,
+    PSI,
+    *REFERENCE,
+    *TORQUE,
+    *TORQUE_NOISE,
+    TRACKING_ERROR,
+    *DIAGNOSTICS,
+)
 """The columns that every logged run has, in order; a law's own diagnostics follow."""

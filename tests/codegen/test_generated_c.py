@@ -33,7 +33,10 @@ def compiled(law: str, name: str) -> object:
 
     def call(inputs: list[np.ndarray], sizes: list[int]) -> list[np.ndarray]:
         outputs = [np.zeros(max(size, 1)) for size in sizes]
-        given = [np.ascontiguousarray(item, dtype=float) if np.size(item) else np.zeros(1) for item in inputs]
+        given = [
+            np.ascontiguousarray(item, dtype=float) if np.size(item) else np.zeros(1)
+            for item in inputs
+        ]
         entry(*(item.ctypes.data_as(REALS) for item in (*given, *outputs)))
         return [item[:size] for item, size in zip(outputs, sizes, strict=True)]
 
@@ -44,8 +47,12 @@ def admissible(draw: np.random.Generator, size: int) -> tuple[np.ndarray, np.nda
     """(inputs, memory): all three regions of v_c0, both signs, v near the limits and the kinks."""
     reference = np.array([*draw.normal(size=3), 0.2, 0.1, 0.0, 0.0])
     pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-6, 1)
-    v = draw.choice([draw.uniform(-1, 1), 0.8, -0.8, 0.8 + 1e-9, 0.999999, 0.0]) * np.array([1.0, 1.5])
-    return np.concatenate([reference, pose, v]), draw.normal(size=size) * draw.choice([0.0, 1.0, 30.0])
+    v = draw.choice([draw.uniform(-1, 1), 0.8, -0.8, 0.8 + 1e-9, 0.999999, 0.0]) * np.array(
+        [1.0, 1.5]
+    )
+    return np.concatenate([reference, pose, v]), draw.normal(size=size) * draw.choice(
+        [0.0, 1.0, 30.0]
+    )
 
 
 @every_law
@@ -60,7 +67,9 @@ def test_c_equals_the_virtual_machine(law: str) -> None:
         wanted = [part.full().ravel() for part in machine(u, x, item.p0)]
         found = [*step([u, x, item.p0], [len(x), 2]), *diagnose([u, x, item.p0], [wanted[2].size])]
         for ours, theirs in zip(found, wanted, strict=True):
-            assert ours == pytest.approx(theirs, rel=1e-13, abs=1e-13 * (1 + abs(theirs).max(initial=0)))
+            assert ours == pytest.approx(
+                theirs, rel=1e-13, abs=1e-13 * (1 + abs(theirs).max(initial=0))
+            )
 
 
 @every_law
@@ -95,7 +104,9 @@ def test_every_operation_has_a_c_form_or_is_refused() -> None:
 
 def test_choices_are_merged_and_nothing_unused_is_left() -> None:
     x = ca.SX.sym("x")
-    text = definition(kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, ca.exp(x), 2 * x)}))
+    text = definition(
+        kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, ca.exp(x), 2 * x)})
+    )
 
     assert text.count("?") == 1
     assert "!" not in text
@@ -108,7 +119,17 @@ def test_sources_compile_without_a_warning(compiler: str, tmp_path: Path) -> Non
     systems = loop_systems(SCENARIO, "nn")
     for name, text in unity(sources(systems.by_role(), loop_kernels(systems))).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    command = [compiler, "-std=c99", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "library.c"]
+    command = [
+        compiler,
+        "-std=c99",
+        "-O1",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Werror",
+        "-c",
+        "library.c",
+    ]
 
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
@@ -125,7 +146,9 @@ def test_loading_our_library_keeps_denormal_numbers(law: str) -> None:
 
 def test_numbers_are_parameters_so_scenarios_share_a_library() -> None:
     first = build_loop(SCENARIO, "mb")
-    second = build_loop(load_scenario("paper-simulation", {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}), "mb")
+    second = build_loop(
+        load_scenario("paper-simulation", {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}), "mb"
+    )
 
     assert first.library == second.library
     assert first.manifest["systems"]["controller"] != second.manifest["systems"]["controller"]
@@ -134,8 +157,12 @@ def test_numbers_are_parameters_so_scenarios_share_a_library() -> None:
 def test_only_marked_names_leave_the_library() -> None:
     if not shutil.which("nm"):
         pytest.skip("nm is not on this machine")
-    listed = subprocess.run(["nm", "-D", "--defined-only", build_loop(SCENARIO, "mb").library],
-                            capture_output=True, text=True, check=True).stdout
+    listed = subprocess.run(
+        ["nm", "-D", "--defined-only", build_loop(SCENARIO, "mb").library],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     names = {line.split()[-1] for line in listed.splitlines()}
 
     assert names
@@ -149,7 +176,11 @@ def test_noise_block_is_philox() -> None:
         key = np.random.SeedSequence(seed).generate_state(2, np.uint64)
         for counter in ((1, 0, 0, 0), (8000, 1, 0, 0), (2**63, 2, 5, 0)):
             given, out = np.array(counter, dtype=np.uint64), np.zeros(4, dtype=np.uint64)
-            library.wmr_noise_block(*(item.ctypes.data_as(ct.POINTER(ct.c_uint64)) for item in (given, key, out)))
+            library.wmr_noise_block(
+                *(item.ctypes.data_as(ct.POINTER(ct.c_uint64)) for item in (given, key, out))
+            )
             before = [counter[0] - 1, *counter[1:]]
-            wanted = np.random.Philox(key=key, counter=np.array(before, dtype=np.uint64)).random_raw(4)
+            wanted = np.random.Philox(
+                key=key, counter=np.array(before, dtype=np.uint64)
+            ).random_raw(4)
             assert (out == wanted).all()

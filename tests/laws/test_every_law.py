@@ -19,14 +19,16 @@ NOMINAL = (0.0, 0.0, -np.pi / 2, 0.2, 0.1, 0.0, 0.0)
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 
 
-def sample(system: System, u: object, x: object = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(next state, outputs, diagnostics) for inputs u."""
+def sample(
+    system: System, u: object, x: object = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Next state, outputs and diagnostics for inputs u."""
     f = system.function("sample", [system.update, system.y, system.d])
     return tuple(item.full().ravel() for item in f(u, system.x0 if x is None else x, system.p0))
 
 
 def inputs(draw: np.random.Generator) -> np.ndarray:
-    """Reference, pose and velocity somewhere on the circle, up to metres away, inside the limits."""
+    """Reference, pose up to metres away from it, velocity inside the limits."""
     reference = np.array(NOMINAL) + draw.normal(size=7) * (1, 1, 3, 0, 0, 0, 0)
     pose = reference[:3] + draw.normal(size=3) * 10 ** draw.uniform(-3, 0.7)
     return np.concatenate([reference, pose, draw.uniform(-0.99, 0.99, 2) * (1.0, 1.5)])
@@ -47,8 +49,17 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
     names = [item.signal.name for item in controller(SCENARIO, law).params]
 
     assert len(names) == len(set(names))
-    assert {name.split(".")[0] for name in names} <= {"robot", "model", "limits", "gains", "clock", "actuator"}
-    assert all(item.signal.unit and item.signal.meaning for item in controller(SCENARIO, law).params)
+    assert {name.split(".")[0] for name in names} <= {
+        "robot",
+        "model",
+        "limits",
+        "gains",
+        "clock",
+        "actuator",
+    }
+    assert all(
+        item.signal.unit and item.signal.meaning for item in controller(SCENARIO, law).params
+    )
 
 
 @every_law
@@ -69,7 +80,9 @@ def test_mirror_symmetry(law: str) -> None:
     for _ in range(100):
         u = inputs(draw)
         force, mirrored = sample(system, u)[1], sample(system, flip * u)[1]
-        assert mirrored == pytest.approx(force * (1, -1), rel=1e-9, abs=1e-9 * (1 + abs(force).max()))
+        assert mirrored == pytest.approx(
+            force * (1, -1), rel=1e-9, abs=1e-9 * (1 + abs(force).max())
+        )
 
 
 @every_law

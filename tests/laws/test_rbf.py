@@ -34,7 +34,12 @@ def test_right_to_fourteen_digits() -> None:
     z = (0.3, -1.2, 1.0, 2.5, 0.2, -0.1)
     with mp.workdps(50):
         centres = corner_centres(6, 1.0)
-        wanted = [mp.exp(-sum((mp.mpf(a) - b) ** 2 for a, b in zip(z, c, strict=True)) / mp.mpf(2**0.5) ** 2) for c in centres]
+        wanted = [
+            mp.exp(
+                -sum((mp.mpf(a) - b) ** 2 for a, b in zip(z, c, strict=True)) / mp.mpf(2**0.5) ** 2
+            )
+            for c in centres
+        ]
         found = fast(z)[0].full().ravel()
 
         assert max(abs(mp.mpf(f) / w - 1) for f, w in zip(found, wanted, strict=True)) < 1e-14

@@ -68,15 +68,37 @@ def points(u1: float, u2: float, count: int) -> list[tuple[float, float]]:
 
     found = []
     while len(found) < count:
-        c = draw.choice((
-            draw.uniform(0, u2), draw.uniform(u2, edge), draw.uniform(edge, 4 * edge), 10 ** draw.uniform(-3, 6),
-            near(u2), near(edge), 0.0, u2, edge, math.nextafter(edge, 0), math.nextafter(edge, 1e9), math.nextafter(u2, 9),
-        ))
+        c = draw.choice(
+            (
+                draw.uniform(0, u2),
+                draw.uniform(u2, edge),
+                draw.uniform(edge, 4 * edge),
+                10 ** draw.uniform(-3, 6),
+                near(u2),
+                near(edge),
+                0.0,
+                u2,
+                edge,
+                math.nextafter(edge, 0),
+                math.nextafter(edge, 1e9),
+                math.nextafter(u2, 9),
+            )
+        )
         target = float(exact(c, 0, u1, u2)[2])
-        v = draw.choice((
-            draw.uniform(-u1, u1), near(target), target, near(u2), near(-u2), math.nextafter(u2, 9), 0.0,
-            u1 - 1e-6, 1e-6 - u1, draw.choice((-1, 1)) * (u1 - 10 ** draw.uniform(-6, -1)),
-        ))
+        v = draw.choice(
+            (
+                draw.uniform(-u1, u1),
+                near(target),
+                target,
+                near(u2),
+                near(-u2),
+                math.nextafter(u2, 9),
+                0.0,
+                u1 - 1e-6,
+                1e-6 - u1,
+                draw.choice((-1, 1)) * (u1 - 10 ** draw.uniform(-6, -1)),
+            )
+        )
         if abs(v) <= u1 - 1e-6:
             found.append(draw.choice(((c, v), (-c, -v))))
     return found
@@ -99,7 +121,13 @@ def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
     edge, step = u2 + 1 / (u1 - u2), mp.mpf("1e-20")
     with mp.workdps(60):
         for c, v in points(u1, u2, 600):
-            corners = (abs(abs(v) - u2), abs(abs(c) - u2), abs(abs(c) - edge), abs(c), abs(v - float(exact(c, v, u1, u2)[2])))
+            corners = (
+                abs(abs(v) - u2),
+                abs(abs(c) - u2),
+                abs(abs(c) - edge),
+                abs(c),
+                abs(v - float(exact(c, v, u1, u2)[2])),
+            )
             slopes = SLOPES(c, v, u1, u2).full()
             assert math.isfinite(abs(slopes).sum()), (c, v, slopes)
             if min(corners) < 1e-4:
@@ -108,7 +136,13 @@ def test_derivatives_are_right_where_they_exist(u1: float, u2: float) -> None:
                 right, left = (exact(c + k * dc, v + k * dv, u1, u2)[:2] for k in (1, -1))
                 wanted = [(a - b) / (2 * step) for a, b in zip(right, left, strict=True)]
                 for found, target in zip(slopes[:, column], wanted, strict=True):
-                    assert abs(found - target) <= 1e-9 * max(1, abs(target)), (c, v, column, found, target)
+                    assert abs(found - target) <= 1e-9 * max(1, abs(target)), (
+                        c,
+                        v,
+                        column,
+                        found,
+                        target,
+                    )
 
 
 inside = st.floats(-0.999999, 0.999999)
@@ -162,7 +196,9 @@ def test_definition_and_stable_form_are_the_same_function() -> None:
     """Where the printed formulas are well conditioned, both agree."""
     c, v = ca.SX.sym("c"), ca.SX.sym("v")
     u1, u2 = ca.SX(1.0), ca.SX(0.8)
-    printed = ca.Function("printed", [c, v], [barrier.minimiser(c, u1, u2), barrier.lyapunov(v, c, u1, u2)])
+    printed = ca.Function(
+        "printed", [c, v], [barrier.minimiser(c, u1, u2), barrier.lyapunov(v, c, u1, u2)]
+    )
     for c_value in (-9.0, -3.0, -0.4, 0.3, 0.8, 2.0, 7.17):
         for v_value in (-0.95, -0.5, 0.0, 0.6, 0.9):
             found = STABLE(c_value, v_value, 1.0, 0.8)

@@ -43,7 +43,9 @@ def test_projection_gives_the_reduced_dynamics() -> None:
     for angle in ANGLES:
         assert value(mass, [theta], angle) == pytest.approx(np.diag([50.0, 5.4]), abs=1e-13)
         force = value(input_map @ tau, [theta, tau], angle, (3.0, -1.0))
-        assert force == pytest.approx(value(wheel_to_force(*numbers[2:], tau), [tau], (3.0, -1.0)), abs=1e-13)
+        assert force == pytest.approx(
+            value(wheel_to_force(*numbers[2:], tau), [tau], (3.0, -1.0)), abs=1e-13
+        )
     assert ca.evalf(reduced_mass(*numbers[:2])).full().ravel() == pytest.approx([50.0, 5.4])
 
 
@@ -52,7 +54,9 @@ def test_wheel_torques_and_forces_are_inverse() -> None:
     r, half_track = ca.SX(0.1), ca.SX(0.25)
     there_and_back = wheel_to_force(r, half_track, force_to_wheel(r, half_track, force))
 
-    assert value(there_and_back, [force], (37.0, -2.5)).ravel() == pytest.approx([37.0, -2.5], rel=1e-15)
+    assert value(there_and_back, [force], (37.0, -2.5)).ravel() == pytest.approx(
+        [37.0, -2.5], rel=1e-15
+    )
 
 
 def test_tracking_error_is_the_rotation_of_the_difference() -> None:
@@ -66,10 +70,24 @@ def test_error_rate_follows_from_both_kinematics() -> None:
     """Eqs. (33)-(35) are the derivative of Eq. (8) along q' = H v, q_d' = H_d v_d."""
     pose_d, pose, v_d, v = (ca.SX.sym(n, k) for n, k in (("qd", 3), ("q", 3), ("vd", 2), ("v", 2)))
     e = tracking_error(pose_d, pose)
-    moving = ca.jtimes(e, ca.vertcat(pose_d, pose), ca.vertcat(pose_rate(pose_d[2], v_d), pose_rate(pose[2], v)))
+    moving = ca.jtimes(
+        e, ca.vertcat(pose_d, pose), ca.vertcat(pose_rate(pose_d[2], v_d), pose_rate(pose[2], v))
+    )
     gap = moving - error_rate(e, v, v_d)
     for angle in ANGLES:
-        assert abs(value(gap, [pose_d, pose, v_d, v], (1, 2, angle), (-1, 0.5, 0.3), (0.2, 0.1), (0.7, -1))).max() < 1e-14
+        assert (
+            abs(
+                value(
+                    gap,
+                    [pose_d, pose, v_d, v],
+                    (1, 2, angle),
+                    (-1, 0.5, 0.3),
+                    (0.2, 0.1),
+                    (0.7, -1),
+                )
+            ).max()
+            < 1e-14
+        )
 
 
 def test_power_balance() -> None:

@@ -282,13 +282,11 @@ def test_any_points_give_a_path_that_can_be_followed_or_an_error(points, closed)
     try:
         reference = Waypoints(points=tuple(points), speed=0.5, closed=closed)
     except ScenarioError as problem:
-        assert str(problem).startswith("reference.points")
-        return
-    times = np.linspace(0, 1.5 * reference.cycle, 1500)
-    found = sample(reference, times)
-    turned = np.abs(np.diff(found[:, 2]))
-    fastest = np.abs(found[:, 4]).max() * (times[1] - times[0])
-
-    assert np.isfinite(found).all()
-    assert found[:, 3].min() > 0
-    assert turned.max() <= max(2 * fastest, 1e-9) + 1e-6
+        message = str(problem)
+    else:
+        found = sample(reference, np.linspace(0, 1.5 * reference.cycle, 20_000))
+        message = "reference.points"
+        assert np.isfinite(found).all()
+        assert found[:, 3].min() > 0
+        assert np.abs(np.diff(found[:, 2])).max() < 1.0  # a slip of the branch would be 2 pi
+    assert message.startswith("reference.points")

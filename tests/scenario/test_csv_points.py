@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -81,7 +83,7 @@ def test_random_bytes_are_points_or_an_error(tmp_path_factory, data):
     file = tmp_path_factory.mktemp("csv") / "way.csv"
     file.write_bytes(data)
     try:
-        assert len(read_points(file)) >= 2
+        good = len(read_points(file)) >= 2
     except ScenarioError as problem:
-        assert str(problem).startswith("reference.file: ")
-        assert "\n" not in str(problem)
+        good = re.fullmatch(r"reference\.file: [^\n]+", str(problem)) is not None
+    assert good

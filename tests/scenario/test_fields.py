@@ -112,11 +112,11 @@ def test_scenario_made_in_python_is_checked_and_frozen():
     assert isinstance(hash(scenario), int)
     with pytest.raises(TypeError):
         scenario.gains["mb"] = {}
-    with pytest.raises(ScenarioError, match="^limits"):
+    with pytest.raises(ScenarioError, match=r"^limits"):
         Scenario(limits=Robot())
-    with pytest.raises(ScenarioError, match="^changes"):
+    with pytest.raises(ScenarioError, match=r"^changes"):
         Scenario(changes=(3,))
-    with pytest.raises(ScenarioError, match="^reference"):
+    with pytest.raises(ScenarioError, match=r"^reference"):
         Scenario(reference=Limits())
 
 

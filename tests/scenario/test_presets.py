@@ -111,7 +111,7 @@ def test_experiment():
     scenario = load_scenario("paper-experiment")
 
     assert scenario.robot.m == 80.0
-    assert scenario.robot.I == 80.0 * (0.8**2 + 0.5**2) / 12
+    assert abs(scenario.robot.I - 80.0 * (0.8**2 + 0.5**2) / 12) < 1e-14
     assert scenario.believed == scenario.robot
     assert scenario.disturbance.std == 1.0
     assert scenario.changes == ()

@@ -21,9 +21,9 @@ def test_four_derivatives_are_continuous_at_the_knots(closed):
     for order in range(5):
         at = path.derivatives(order, ENDS)
         nexts = np.roll(at[:, 0], -1, axis=0)
-        jumps = np.abs(at[:, 1] - nexts) if closed else np.abs(at[:, 1] - nexts)[:-1]
+        joints = slice(None) if closed and order > 0 else slice(-1)
 
-        assert jumps.max() < 1e-9
+        np.testing.assert_allclose(at[joints, 1], nexts[joints], atol=1e-9)
 
 
 def test_ends_of_an_open_path_are_straight():
@@ -35,15 +35,23 @@ def test_ends_of_an_open_path_are_straight():
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_every_segment_is_driven_at_the_mean_speed(closed):
+def test_mean_speed_is_the_wanted_one(closed):
     path = fit(WAVE, 0.5, closed)
-    for i, length in enumerate(np.diff(path.knots)):
 
-        def speed(s, i=i):
-            return math.hypot(*path.derivatives(1, np.array([s]))[i, 0])
+    def speed(s, i):
+        return math.hypot(*path.derivatives(1, np.array([s]))[i, 0])
 
-        assert quad(speed, 0, 1)[0] == pytest.approx(0.5, rel=0.02)
-        assert length > 0
+    lengths = [quad(speed, 0, 1, (i,))[0] * step for i, step in enumerate(np.diff(path.knots))]
+    assert sum(lengths) == pytest.approx(0.5 * path.duration, rel=1e-3)
+    assert (np.diff(path.knots) > 0).all()
+
+
+def test_speed_is_even_where_points_are_close():
+    angle = np.linspace(0, 1.5, 20)
+    points = np.column_stack([np.sinh(angle), np.sin(3 * angle)])
+    velocity = fit(points, 0.5, False).derivatives(1, np.linspace(0, 1, 50))
+
+    np.testing.assert_allclose(np.hypot(velocity[..., 0], velocity[..., 1]), 0.5, rtol=0.06)
 
 
 def test_points_on_a_circle_give_nearly_that_circle():

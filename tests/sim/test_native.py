@@ -19,13 +19,17 @@ every_law = pytest.mark.parametrize("law", NAMES)
 
 
 def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
-    return max(float(np.nanmax(abs(first[s.name][:rows] - second[s.name][:rows]))) for s in first.signals)
+    return max(
+        float(np.nanmax(abs(first[s.name][:rows] - second[s.name][:rows]))) for s in first.signals
+    )
 
 
 @every_law
 @pytest.mark.parametrize("scenario", ["paper-simulation", "paper-simulation-noise-free"])
 def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
-    native, numpy = (simulate(scenario, law, seed=5, engine=engine) for engine in ("native", "numpy"))
+    native, numpy = (
+        simulate(scenario, law, seed=5, engine=engine) for engine in ("native", "numpy")
+    )
 
     assert largest_gap(native, numpy) < 1e-9
     assert native.monitor.violations == numpy.monitor.violations
@@ -35,7 +39,9 @@ def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
 @every_law
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
-    native, numpy = (simulate("paper-simulation-nominal", law, engine=engine) for engine in ("native", "numpy"))
+    native, numpy = (
+        simulate("paper-simulation-nominal", law, engine=engine) for engine in ("native", "numpy")
+    )
 
     assert largest_gap(native, numpy, 4000) < 1e-9
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, rel=1e-2)
@@ -58,8 +64,10 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     {"initial.velocity": [1.3, 2.0]},
 ])  # fmt: skip
 def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str, object]) -> None:
-    native, numpy = (simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})
-                     for engine in ("native", "numpy"))
+    native, numpy = (
+        simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})
+        for engine in ("native", "numpy")
+    )
 
     assert native.rows == numpy.rows
     assert largest_gap(native, numpy) < 1e-8
@@ -77,14 +85,21 @@ def test_every_preset_ends_with_an_outcome(scenario: str) -> None:
 def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
     alone = [simulate("paper-simulation", "nn", seed=seed, overrides=SHORT) for seed in range(6)]
     with ThreadPoolExecutor(4) as pool:
-        together = list(pool.map(lambda seed: simulate("paper-simulation", "nn", seed=seed, overrides=SHORT), range(6)))
+        together = list(
+            pool.map(
+                lambda seed: simulate("paper-simulation", "nn", seed=seed, overrides=SHORT),
+                range(6),
+            )
+        )
 
     assert all(runs_equal(a, b) for a, b in zip(alone, together, strict=True))
     assert not runs_equal(alone[0], alone[1])
 
 
 def test_all_laws_see_the_same_noise() -> None:
-    first, second = (simulate("paper-simulation", law, seed=9, overrides=SHORT) for law in ("pid", "nn"))
+    first, second = (
+        simulate("paper-simulation", law, seed=9, overrides=SHORT) for law in ("pid", "nn")
+    )
 
     assert (first["noise_right"] == second["noise_right"]).all()
     assert np.std(first["noise_right"]) == pytest.approx(1.0, rel=0.1)
@@ -99,8 +114,12 @@ def test_truncated_noise_stays_inside() -> None:
 
 def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
     """Without a change both runs agree up to t = 3 s and differ after the next plant step."""
-    same, heavier = (simulate("paper-simulation-nominal", "mb", overrides={"clock.duration": 6.0, "changes": change})
-                     for change in ([], [{"t": 3.0, "m": 65.0}]))
+    same, heavier = (
+        simulate(
+            "paper-simulation-nominal", "mb", overrides={"clock.duration": 6.0, "changes": change}
+        )
+        for change in ([], [{"t": 3.0, "m": 65.0}])
+    )
     apart = np.flatnonzero(same["v1"] != heavier["v1"])
 
     assert same.time[apart[0]] == pytest.approx(3.01)
@@ -108,7 +127,9 @@ def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
 
 def test_mb_decays_as_the_theorem_says() -> None:
     """V1 falls along the undisturbed, exactly modelled run, Eq. (30), up to what 1 ms of hold costs."""
-    value = simulate("paper-simulation-nominal", "mb", overrides={"clock.control": 0.001, "clock.duration": 4.0})["V1"]
+    value = simulate(
+        "paper-simulation-nominal", "mb", overrides={"clock.control": 0.001, "clock.duration": 4.0}
+    )["V1"]
 
     assert value[0] > 8
     assert np.diff(value).max() < 1e-8 * value[0]
@@ -119,7 +140,11 @@ def test_mb_decays_as_the_theorem_says() -> None:
 def test_known_figures(law: str, ise: float) -> None:
     """ISE of the nominal run, from an independent simulation."""
     run = simulate("paper-simulation-nominal", law)
-    squares = (run["x"] - run["x_d"]) ** 2 + (run["y"] - run["y_d"]) ** 2 + (run["theta"] - run["theta_d"]) ** 2
+    squares = (
+        (run["x"] - run["x_d"]) ** 2
+        + (run["y"] - run["y_d"]) ** 2
+        + (run["theta"] - run["theta_d"]) ** 2
+    )
 
     assert squares.sum() * 0.01 == pytest.approx(ise, abs=0.005 if law == "pid" else 0.0006)
 

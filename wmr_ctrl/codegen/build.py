@@ -26,7 +26,9 @@ def build_loop(scenario: Scenario, law: str) -> Kernels:
     systems = loop_systems(scenario, law)
     roles = systems.by_role()
     own = own_diagnostics(systems.controller)
-    described = manifest(law, systems.controller.title, roles, own, plant_phases(scenario, systems.plant))
+    described = manifest(
+        law, systems.controller.title, roles, own, plant_phases(scenario, systems.plant)
+    )
     generated = sources(roles, loop_kernels(systems))
     library = build_library(unity(generated))
     return Kernels(str(library), described, digest(generated))

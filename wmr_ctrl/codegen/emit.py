@@ -13,21 +13,49 @@ from dataclasses import dataclass
 import casadi as ca
 
 _BINARY = {
-    ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}", ca.OP_DIV: "{0} / {1}",
-    ca.OP_LT: "{0} < {1}", ca.OP_LE: "{0} <= {1}", ca.OP_EQ: "{0} == {1}", ca.OP_NE: "{0} != {1}",
-    ca.OP_AND: "{0} && {1}", ca.OP_OR: "{0} || {1}",
-    ca.OP_FMIN: "wmr_min({0}, {1})", ca.OP_FMAX: "wmr_max({0}, {1})",
-    ca.OP_ATAN2: "atan2({0}, {1})", ca.OP_HYPOT: "hypot({0}, {1})",
-    ca.OP_POW: "pow({0}, {1})", ca.OP_CONSTPOW: "pow({0}, {1})", ca.OP_COPYSIGN: "copysign({0}, {1})",
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}",
+    ca.OP_EQ: "{0} == {1}",
+    ca.OP_NE: "{0} != {1}",
+    ca.OP_AND: "{0} && {1}",
+    ca.OP_OR: "{0} || {1}",
+    ca.OP_FMIN: "wmr_min({0}, {1})",
+    ca.OP_FMAX: "wmr_max({0}, {1})",
+    ca.OP_ATAN2: "atan2({0}, {1})",
+    ca.OP_HYPOT: "hypot({0}, {1})",
+    ca.OP_POW: "pow({0}, {1})",
+    ca.OP_CONSTPOW: "pow({0}, {1})",
+    ca.OP_COPYSIGN: "copysign({0}, {1})",
     ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0.0",
 }
 _UNARY = {
-    ca.OP_ASSIGN: "{0}", ca.OP_NEG: "-{0}", ca.OP_NOT: "!{0}", ca.OP_FABS: "fabs({0})",
-    ca.OP_SQRT: "sqrt({0})", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "2.0 * {0}", ca.OP_INV: "1.0 / {0}",
-    ca.OP_EXP: "exp({0})", ca.OP_LOG: "log({0})", ca.OP_LOG1P: "log1p({0})", ca.OP_EXPM1: "expm1({0})",
-    ca.OP_SIN: "sin({0})", ca.OP_COS: "cos({0})", ca.OP_TAN: "tan({0})", ca.OP_TANH: "tanh({0})",
-    ca.OP_ASIN: "asin({0})", ca.OP_ACOS: "acos({0})", ca.OP_ATAN: "atan({0})",
-    ca.OP_SINH: "sinh({0})", ca.OP_COSH: "cosh({0})", ca.OP_FLOOR: "floor({0})", ca.OP_CEIL: "ceil({0})",
+    ca.OP_ASSIGN: "{0}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_NOT: "!{0}",
+    ca.OP_FABS: "fabs({0})",
+    ca.OP_SQRT: "sqrt({0})",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "2.0 * {0}",
+    ca.OP_INV: "1.0 / {0}",
+    ca.OP_EXP: "exp({0})",
+    ca.OP_LOG: "log({0})",
+    ca.OP_LOG1P: "log1p({0})",
+    ca.OP_EXPM1: "expm1({0})",
+    ca.OP_SIN: "sin({0})",
+    ca.OP_COS: "cos({0})",
+    ca.OP_TAN: "tan({0})",
+    ca.OP_TANH: "tanh({0})",
+    ca.OP_ASIN: "asin({0})",
+    ca.OP_ACOS: "acos({0})",
+    ca.OP_ATAN: "atan({0})",
+    ca.OP_SINH: "sinh({0})",
+    ca.OP_COSH: "cosh({0})",
+    ca.OP_FLOOR: "floor({0})",
+    ca.OP_CEIL: "ceil({0})",
     ca.OP_SIGN: "wmr_sign({0})",
 }
 _LOGICAL = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_NOT}
@@ -47,7 +75,9 @@ class Kernel:
 def kernel(name: str, meaning: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> Kernel:
     """Kernel of named SX vectors; common subexpressions are merged first."""
     shared = ca.cse(list(outputs.values()))
-    function = ca.Function(name, list(inputs.values()), shared, list(inputs), list(outputs), {"allow_free": False})
+    function = ca.Function(
+        name, list(inputs.values()), shared, list(inputs), list(outputs), {"allow_free": False}
+    )
     return Kernel(name, meaning, function, tuple(inputs), tuple(outputs))
 
 
@@ -61,7 +91,11 @@ def prototype(item: Kernel) -> str:
 def definition(item: Kernel) -> str:
     """The whole C function with its comment and operation count."""
     lines = _Body(item).lines()
-    unused = [f"    (void){name};" for name in item.inputs if not any(f"{name}[" in line for line in lines)]
+    unused = [
+        f"    (void){name};"
+        for name in item.inputs
+        if not any(f"{name}[" in line for line in lines)
+    ]
     head = f"/* {item.meaning}\n   {item.function.n_instructions()} instructions. */\n"
     return head + prototype(item) + "\n{\n" + "\n".join(unused + lines) + "\n}\n"
 
@@ -89,7 +123,11 @@ class _Body:
         return [f"    {item.text}" for item in _needed(every)]
 
     def _statement(self, k: int) -> _Statement | None:
-        op, into, operands = self.f.instruction_id(k), self.f.instruction_output(k), self.f.instruction_input(k)
+        op, into, operands = (
+            self.f.instruction_id(k),
+            self.f.instruction_output(k),
+            self.f.instruction_input(k),
+        )
         if op == ca.OP_OUTPUT:
             source = self.slot[operands[0]]
             return _Statement("", (source,), f"{self.item.outputs[into[0]]}[{into[1]}] = {source};")
@@ -108,7 +146,9 @@ class _Body:
         self.parts[name] = (op, operands)
         return _Statement(name, reads, f"const {kind} {name} = {pattern.format(*reads)};")
 
-    def _merged_choice(self, op: int, operands: tuple[str, ...]) -> tuple[str, tuple[str, ...]] | None:
+    def _merged_choice(
+        self, op: int, operands: tuple[str, ...]
+    ) -> tuple[str, tuple[str, ...]] | None:
         """(c ? a : 0) + (!c ? b : 0), which is how if_else arrives, as one choice."""
         if op != ca.OP_ADD:
             return None

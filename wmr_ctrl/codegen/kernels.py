@@ -29,13 +29,22 @@ class LoopSystems:
 
     def by_role(self) -> Mapping[str, System]:
         """The four Systems under the prefixes that C and the manifest use."""
-        return {"reference": self.reference, "plant": self.plant, "controller": self.controller,
-                "estimator": self.estimator}
+        return {
+            "reference": self.reference,
+            "plant": self.plant,
+            "controller": self.controller,
+            "estimator": self.estimator,
+        }
 
 
 def loop_systems(scenario: Scenario, law: str) -> LoopSystems:
     """Systems of ``law`` on ``scenario``; the plant's parameters end with its step [s]."""
-    return LoopSystems(reference(scenario), _stepped_plant(scenario), controller(scenario, law), estimator(scenario))
+    return LoopSystems(
+        reference(scenario),
+        _stepped_plant(scenario),
+        controller(scenario, law),
+        estimator(scenario),
+    )
 
 
 def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
@@ -43,17 +52,39 @@ def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
     pose_d, pose = ca.SX.sym("pose_d", 3), ca.SX.sym("pose", 3)
     ref, moving, law, dead = systems.reference, systems.plant, systems.controller, systems.estimator
     return (
-        kernel("reference", "Desired trajectory at time t.", {"t": ref.u, "p": ref.p}, {"y": ref.y}),
-        kernel("plant_step", "Plant state after one Runge-Kutta step, inputs held.",
-               {"u": moving.u, "x": moving.x, "p": moving.p}, {"next": moving.update}),
-        kernel("controller_step", f"One sample of the law: {law.title}.",
-               {"u": law.u, "x": law.x, "p": law.p}, {"next": law.update, "y": law.y}),
-        kernel("controller_diagnostics", "What the law publishes beside its torques.",
-               {"u": law.u, "x": law.x, "p": law.p}, {"d": law.d}),
-        kernel("estimator_step", f"{dead.title.capitalize()}.",
-               {"u": dead.u, "x": dead.x, "p": dead.p}, {"next": dead.update}),
-        kernel("tracking_error", "Tracking error, Eq. (8).", {"pose_d": pose_d, "pose": pose},
-               {"e": tracking_error(pose_d, pose)}),
+        kernel(
+            "reference", "Desired trajectory at time t.", {"t": ref.u, "p": ref.p}, {"y": ref.y}
+        ),
+        kernel(
+            "plant_step",
+            "Plant state after one Runge-Kutta step, inputs held.",
+            {"u": moving.u, "x": moving.x, "p": moving.p},
+            {"next": moving.update},
+        ),
+        kernel(
+            "controller_step",
+            f"One sample of the law: {law.title}.",
+            {"u": law.u, "x": law.x, "p": law.p},
+            {"next": law.update, "y": law.y},
+        ),
+        kernel(
+            "controller_diagnostics",
+            "What the law publishes beside its torques.",
+            {"u": law.u, "x": law.x, "p": law.p},
+            {"d": law.d},
+        ),
+        kernel(
+            "estimator_step",
+            f"{dead.title.capitalize()}.",
+            {"u": dead.u, "x": dead.x, "p": dead.p},
+            {"next": dead.update},
+        ),
+        kernel(
+            "tracking_error",
+            "Tracking error, Eq. (8).",
+            {"pose_d": pose_d, "pose": pose},
+            {"e": tracking_error(pose_d, pose)},
+        ),
     )
 
 
@@ -80,5 +111,13 @@ def _stepped_plant(scenario: Scenario) -> System:
     continuous = plant(scenario)
     p = Parameters(scenario, continuous.params)
     step = rk4_step(continuous, p.take("clock.plant"))
-    return System(continuous.name, continuous.title, continuous.inputs, continuous.state, p.ports, step,
-                  continuous.outputs, period=scenario.clock.plant)
+    return System(
+        continuous.name,
+        continuous.title,
+        continuous.inputs,
+        continuous.state,
+        p.ports,
+        step,
+        continuous.outputs,
+        period=scenario.clock.plant,
+    )

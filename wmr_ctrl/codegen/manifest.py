@@ -11,21 +11,40 @@ from wmr_ctrl.model.system import System, values
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
 
-def manifest(law: str, title: str, systems: Mapping[str, System], own: tuple[Signal, ...],
-             phases: list[tuple[int, list[float]]]) -> dict[str, Any]:
+def manifest(
+    law: str,
+    title: str,
+    systems: Mapping[str, System],
+    own: tuple[Signal, ...],
+    phases: list[tuple[int, list[float]]],
+) -> dict[str, Any]:
     """Sizes, signals, parameter values and start values of every System of one closed loop."""
     roles = {role: _role(system) for role, system in systems.items()}
     columns = [asdict(signal) for signal in (*LOG_HEAD, *own)]
-    return {"law": law, "title": title, "systems": roles, "columns": columns,
-            "phases": [{"step": step, "parameters": row} for step, row in phases]}
+    return {
+        "law": law,
+        "title": title,
+        "systems": roles,
+        "columns": columns,
+        "phases": [{"step": step, "parameters": row} for step, row in phases],
+    }
 
 
 def _role(system: System) -> dict[str, Any]:
-    groups = {"inputs": system.inputs, "state": system.state, "parameters": system.params,
-              "outputs": system.outputs, "diagnostics": system.diagnostics}
+    groups = {
+        "inputs": system.inputs,
+        "state": system.state,
+        "parameters": system.params,
+        "outputs": system.outputs,
+        "diagnostics": system.diagnostics,
+    }
     named = {key: [asdict(item.signal) for item in group] for key, group in groups.items()}
-    return {**named, "sizes": sizes(system), "parameter_values": values(system.params),
-            "start": values(system.state)}
+    return {
+        **named,
+        "sizes": sizes(system),
+        "parameter_values": values(system.params),
+        "start": values(system.state),
+    }
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,10 @@ class Gains(Section):
     KEY: ClassVar[str] = "gains.kinematics"
 
     k: tuple[float, float, float] = quantity(
-        (10.0, 5.0, 4.0), unit="1/s, 1/m2, 1/s", doc="k_1, k_2, k_3 of Eq. (7), paper Section V", above=0.0
+        (10.0, 5.0, 4.0),
+        unit="1/s, 1/m2, 1/s",
+        doc="k_1, k_2, k_3 of Eq. (7), paper Section V",
+        above=0.0,
     )
 
 

@@ -2,7 +2,8 @@
 
 These are definitions: short, literal, and numerically poor (V1 is a difference of large numbers,
 A vanishes at the target).  The laws use `stable_barrier`, whose equality with this page is proved
-and tested.  Notation: c = v_c0, v the velocity, u1 = v_u1 the limit, u2 = v_u2 where the barrier begins.
+and tested.  Notation: c = v_c0, v the velocity, u1 = v_u1 the limit, u2 = v_u2 where the barrier
+begins.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ KINEMATICS = "kinematics"
 
 
 def gains_of(scenario: Scenario, law: str) -> Any:
-    """The law's frozen Gains with what the scenario sets; raises on unknown names and bad values."""
+    """The law's Gains with what the scenario sets; raises on unknown names and bad values."""
     return build(LAWS[law].gains, scenario.gains.get(law, {}), f"gains.{law}")
 
 

@@ -23,11 +23,15 @@ class Gains(Section):
 
     KEY: ClassVar[str] = "gains.mb"
 
-    rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis, Eq. (9)", above=0.0)
+    rho: tuple[float, float] = quantity(
+        (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis, Eq. (9)", above=0.0
+    )
 
 
 def build(scenario: Scenario) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
     sample = Sample("mb", scenario)
-    command = -sample.gain("rho") * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
+    command = (
+        -sample.gain("rho") * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
+    )
     return sample.system("model-based (MB)", sample.mass * command + sample.friction)

@@ -36,12 +36,24 @@ class Gains(Section):
 
     KEY: ClassVar[str] = "gains.nn"
 
-    rho1: tuple[float, float] = quantity((1350.0, 21.6), unit="kg/s, kg.m2/s", doc="gain on V1/A, Eq. (57)", above=0.0)
-    Gamma: tuple[float, float] = quantity((20000.0, 800.0), unit="1", doc="adaptation gain, Eq. (58)", minimum=0.0)
-    sigma: tuple[float, float] = quantity((1e-4, 1e-4), unit="1/s", doc="leak of the weights, Eq. (58)", minimum=0.0)
-    eta: float = quantity(math.sqrt(2.0), unit="1", doc="width of the Gaussians (read into the paper)", above=0.0)
-    node: float = quantity(1.0, unit="1", doc="corner coordinate of the nodes (read into the paper)", above=0.0)
-    ratio_cap: float = quantity(1e3, unit="1", doc="cap of the regressor A/(v - v_c1) = 1/q", above=0.0)
+    rho1: tuple[float, float] = quantity(
+        (1350.0, 21.6), unit="kg/s, kg.m2/s", doc="gain on V1/A, Eq. (57)", above=0.0
+    )
+    Gamma: tuple[float, float] = quantity(
+        (20000.0, 800.0), unit="1", doc="adaptation gain, Eq. (58)", minimum=0.0
+    )
+    sigma: tuple[float, float] = quantity(
+        (1e-4, 1e-4), unit="1/s", doc="leak of the weights, Eq. (58)", minimum=0.0
+    )
+    eta: float = quantity(
+        math.sqrt(2.0), unit="1", doc="width of the Gaussians (read into the paper)", above=0.0
+    )
+    node: float = quantity(
+        1.0, unit="1", doc="corner coordinate of the nodes (read into the paper)", above=0.0
+    )
+    ratio_cap: float = quantity(
+        1e3, unit="1", doc="cap of the regressor A/(v - v_c1) = 1/q", above=0.0
+    )
     integrator: str = quantity(
         "explicit", unit="1", doc="Euler step of the weights", options=("explicit", "semi-implicit")
     )
@@ -56,7 +68,9 @@ def build(scenario: Scenario) -> System:
     force = -sample.gain("rho1") * sample.per_axis("V1_over_A") + sample.per_axis("q") * network
     following = [_adapted(sample, i, weights[i].sym, basis, scenario) for i in AXES]
     norms = ca.vertcat(*(ca.sqrt(dot(item, item)) for item in following))
-    return sample.system("adaptive network (NN)", force, weights, ca.vertcat(*following), (Output(W_NORM, norms),))
+    return sample.system(
+        "adaptive network (NN)", force, weights, ca.vertcat(*following), (Output(W_NORM, norms),)
+    )
 
 
 def regressor(sample: Sample) -> ca.SX:

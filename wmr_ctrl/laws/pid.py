@@ -29,8 +29,12 @@ class Gains(Section):
 
     KEY: ClassVar[str] = "gains.pid"
 
-    Kp: tuple[float, float] = quantity((210.0, 1.1), unit="N.s/m, N.m.s/rad", doc="proportional gain", minimum=0.0)
-    Kd: tuple[float, float] = quantity((0.64, 0.08), unit="kg, kg.m2", doc="derivative gain", minimum=0.0)
+    Kp: tuple[float, float] = quantity(
+        (210.0, 1.1), unit="N.s/m, N.m.s/rad", doc="proportional gain", minimum=0.0
+    )
+    Kd: tuple[float, float] = quantity(
+        (0.64, 0.08), unit="kg, kg.m2", doc="derivative gain", minimum=0.0
+    )
 
 
 def build(scenario: Scenario) -> System:

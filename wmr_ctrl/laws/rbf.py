@@ -24,10 +24,10 @@ def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
     size = [ca.if_else(right[i], z[i], -z[i]) for i in range(z.numel())]
     distance = [(item - node) * (item - node) for item in size]
     basis = [ca.exp(-scale * _sum(distance))]
-    for flag, item in zip(right, size, strict=True):
+    for flag, item in reversed(list(zip(right, size, strict=True))):
         far = ca.exp(-4 * node * scale * item)
         low, high = ca.if_else(flag, far, 1), ca.if_else(flag, 1, far)
-        basis = [value * side for value in basis for side in (low, high)]
+        basis = [value * low for value in basis] + [value * high for value in basis]
     return ca.vertcat(*basis)
 
 
@@ -38,7 +38,10 @@ def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca
 
 def dot(left: ca.SX, right: ca.SX, lanes: int = 8) -> ca.SX:
     """Inner product, summed in independent lanes so that compilers may use vector instructions."""
-    partial = [_sum([left[j] * right[j] for j in range(lane, left.numel(), lanes)]) for lane in range(lanes)]
+    partial = [
+        _sum([left[j] * right[j] for j in range(lane, left.numel(), lanes)])
+        for lane in range(lanes)
+    ]
     while len(partial) > 1:
         half = len(partial) // 2
         partial = [partial[i] + partial[i + half] for i in range(half)]

@@ -40,7 +40,9 @@ class Sample:
 
     def gain(self, name: str) -> ca.SX:
         """Symbol of one of the law's own gains."""
-        return self.parameters.field(f"gains.{self.law}.{name}", gains_of(self.scenario, self.law), name)
+        return self.parameters.field(
+            f"gains.{self.law}.{name}", gains_of(self.scenario, self.law), name
+        )
 
     @cached_property
     def e(self) -> ca.SX:
@@ -70,7 +72,9 @@ class Sample:
     def friction(self) -> ca.SX:
         """Believed F1 at the measured velocity."""
         take = self.parameters.take
-        return friction(take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), self.v)
+        return friction(
+            take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), self.v
+        )
 
     @cached_property
     def barrier(self) -> tuple[Barrier, Barrier]:
@@ -92,13 +96,28 @@ class Sample:
         exprs = (self.v_c0, self.per_axis("v_c1"), v1, self.per_axis("q"), ca.fmin(*share))
         return tuple(Output(signal, expr) for signal, expr in zip(DIAGNOSTICS, exprs, strict=True))
 
-    def system(self, title: str, force: ca.SX, state: Sequence[Port] = (), update: Any = None,
-               diagnostics: Sequence[Output] = ()) -> System:
+    def system(
+        self,
+        title: str,
+        force: ca.SX,
+        state: Sequence[Port] = (),
+        update: Any = None,
+        diagnostics: Sequence[Output] = (),
+    ) -> System:
         """The law's System: state and next state, generalised force (N, N m), own diagnostics."""
         following = ca.SX(0, 1) if update is None else update
         every = (*self.diagnostics(), *diagnostics)
-        return System(self.law, title, self.inputs, tuple(state), self.parameters.ports, following,
-                      (Output(FORCE, force),), every, self.scenario.clock.control)
+        return System(
+            self.law,
+            title,
+            self.inputs,
+            tuple(state),
+            self.parameters.ports,
+            following,
+            (Output(FORCE, force),),
+            every,
+            self.scenario.clock.control,
+        )
 
 
 def own_diagnostics(law: System) -> tuple[Signal, ...]:

@@ -29,13 +29,23 @@ class Gains(Section):
 
     KEY: ClassVar[str] = "gains.smc"
 
-    K: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on s", minimum=0.0)
-    eta: tuple[float, float] = quantity((5.0, 0.5), unit="N, N.m", doc="switching gain", minimum=0.0)
-    boundary: float = quantity(0.1, unit="m/s", doc="half-width of the boundary layer of sat", above=0.0)
-    v_s: float = quantity(0.01, unit="m/s", doc="smoothing speed of the friction estimate", above=0.0)
+    K: tuple[float, float] = quantity(
+        (200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on s", minimum=0.0
+    )
+    eta: tuple[float, float] = quantity(
+        (5.0, 0.5), unit="N, N.m", doc="switching gain", minimum=0.0
+    )
+    boundary: float = quantity(
+        0.1, unit="m/s", doc="half-width of the boundary layer of sat", above=0.0
+    )
+    v_s: float = quantity(
+        0.01, unit="m/s", doc="smoothing speed of the friction estimate", above=0.0
+    )
     g_m: float = quantity(0.5, unit="kg.s2/m2", doc="adaptation gain of the mass", minimum=0.0)
     g_F: float = quantity(50.0, unit="N/m", doc="adaptation gain of the friction", minimum=0.0)
-    axis_scale: tuple[float, float] = quantity((1.0, 0.1), unit="1", doc="share of the adaptation per axis", minimum=0.0)
+    axis_scale: tuple[float, float] = quantity(
+        (1.0, 0.1), unit="1", doc="share of the adaptation per axis", minimum=0.0
+    )
 
 
 def build(scenario: Scenario) -> System:
@@ -45,10 +55,16 @@ def build(scenario: Scenario) -> System:
     s = sample.v_c0 - sample.v
     shape = ca.tanh(sample.v / sample.gain("v_s"))
     saturated = ca.fmax(-1, ca.fmin(1, s / sample.gain("boundary")))
-    force = (mass.sym * sample.v_c0_dot + force_hat.sym * shape
-             + sample.gain("K") * s + sample.gain("eta") * saturated)
+    force = (
+        mass.sym * sample.v_c0_dot
+        + force_hat.sym * shape
+        + sample.gain("K") * s
+        + sample.gain("eta") * saturated
+    )
     step = sample.period * sample.gain("axis_scale") * s
     mass_next = mass.sym + step * sample.gain("g_m") * sample.v_c0_dot
     force_next = force_hat.sym + step * sample.gain("g_F") * shape
     own = (Output(MASS, mass_next), Output(FRICTION, force_next))
-    return sample.system("adaptive SMC (stand-in)", force, (mass, force_hat), ca.vertcat(mass_next, force_next), own)
+    return sample.system(
+        "adaptive SMC (stand-in)", force, (mass, force_hat), ca.vertcat(mass_next, force_next), own
+    )

@@ -9,12 +9,13 @@ w = v - x, a = c - x; then a is a subgradient of f at x and
 In every region D is a sum of non-negative terms, one of them phi(Y) = -ln(1 - Y) - Y.  Mirrored to
 c >= 0, with delta = u1 - u2, gap = u1 - |v|, and d = u1 - |x|:
 
-    region of c          x         a        v > u2 (ahead)                |v| <= u2    v < -u2 (behind)
-    R1: c <= u2          c         0        Y + phi(Y),  Y = excess       0            Y + phi(Y)
-    R2: to u2 + 1/delta  u2        c - u2   slack w + phi(Y), Y = excess  a (u2 - v)   a (u2 - v) + Y + phi(Y)
-    R3: beyond           u1 - d    1/d      phi(Y),  Y = w/d              a (u2 - v)   2 a |v| + phi(1 - gap/d)
-                                                                           + phi(1 - delta/d)
+    region of c           x       a       v > u2 (ahead)            |v| <= u2     v < -u2 (behind)
+    R1: c <= u2           c       0       Y + phi(Y)                0             Y + phi(Y)
+    R2: to u2 + 1/delta   u2      c - u2  slack w + phi(Y)          a (u2 - v)    a (u2 - v)
+                                                                                  + Y + phi(Y)
+    R3: beyond            u1 - d  1/d     phi(w/d)                  *             2 a |v| + phi(1 - gap/d)
 
+    Y = excess,    * = a (u2 - v) + phi(1 - delta/d),
     excess = (|v| - u2)/delta,    slack = 1/delta - (c - u2) >= 0 in R2.
 
 Where A vanishes at the target (R1 between -u2 and u2, R3 ahead) w is divided out of V1 and A, so
@@ -71,9 +72,11 @@ class _Axis:
         self.scaled_slack = _boundary_slack(self.c, u1, u2)
         self.near, self.far = self.c <= u2, self.scaled_slack < 0
         self.excess = (ca.fabs(v) - u2) / self.delta
-        self.smooth = ca.if_else(self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind)))
+        self.smooth = ca.if_else(
+            self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind))
+        )
 
-    def by_region(self, near: ca.SX, middle: ca.SX, far: ca.SX) -> ca.SX:
+    def by_region(self, near: ca.SX | float, middle: ca.SX, far: ca.SX | float) -> ca.SX:
         """The operand of the region that c is in: R1, R2 or R3."""
         return ca.if_else(self.near, near, ca.if_else(self.far, far, middle))
 
@@ -122,7 +125,9 @@ class _Axis:
     @cached_property
     def y(self) -> ca.SX:
         """Y, the argument of phi."""
-        return ca.if_else(self.far, (self.d - self.top) / self.d, ca.if_else(self.outside, self.excess, 0))
+        return ca.if_else(
+            self.far, (self.d - self.top) / self.d, ca.if_else(self.outside, self.excess, 0)
+        )
 
     @cached_property
     def top(self) -> ca.SX:

@@ -1,1 +1,1 @@
-"""The model: Signals, Systems, kinematics, dynamics, tracking errors and references in CasADi SX."""
+"""The model in CasADi SX: Systems, kinematics, dynamics, tracking errors and references."""

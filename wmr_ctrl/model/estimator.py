@@ -31,5 +31,13 @@ def estimator(scenario: Scenario) -> System:
     corrected = predicted + gain.sym * error
     outputs = tuple(Output(item, corrected[i]) for i, item in enumerate(POSE))
     update = ca.vertcat(corrected, stack(item.sym for item in velocity))
-    return System("estimator", "dead reckoning with pose correction", (*measured, *velocity, gain),
-                  (*estimate, old), p.ports, update, outputs, period=scenario.clock.control)
+    return System(
+        "estimator",
+        "dead reckoning with pose correction",
+        (*measured, *velocity, gain),
+        (*estimate, old),
+        p.ports,
+        update,
+        outputs,
+        period=scenario.clock.control,
+    )

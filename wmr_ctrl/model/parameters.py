@@ -40,7 +40,10 @@ class Parameters:
         """Symbol of one dataclass field, published under ``key``."""
         if key not in self._ports:
             meta = next(item.metadata for item in fields(holder) if item.name == name)
-            self.declare(Signal(key, meta["unit"], meta["doc"], _size(getattr(holder, name))), getattr(holder, name))
+            self.declare(
+                Signal(key, meta["unit"], meta["doc"], _size(getattr(holder, name))),
+                getattr(holder, name),
+            )
         return self._ports[key].sym
 
     def declare(self, signal: Signal, value: Any) -> ca.SX:

@@ -30,7 +30,9 @@ def plant(scenario: Scenario) -> System:
     rate = ca.vertcat(pose_rate(x[2], x[3:5]), v_dot)
     outputs = tuple(Output(item.signal, item.sym) for item in state)
     heading = Output(PSI, x[2] + ca.pi / 2)
-    return System("plant", "wheeled robot", (*torque, *noise), state, p.ports, rate, (*outputs, heading))
+    return System(
+        "plant", "wheeled robot", (*torque, *noise), state, p.ports, rate, (*outputs, heading)
+    )
 
 
 def rk4_step(system: System, h: ca.SX) -> ca.SX:

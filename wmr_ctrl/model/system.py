@@ -53,10 +53,14 @@ class System:
     def __post_init__(self) -> None:
         """Check shapes and that no symbol is free."""
         if self.update.numel() != self.x.numel():
-            raise ValueError(f"{self.name}: the update has {self.update.numel()} rows, the state {self.x.numel()}")
+            raise ValueError(
+                f"{self.name}: {self.update.numel()} rows of update, {self.x.numel()} of state"
+            )
         for item in (*self.outputs, *self.diagnostics):
             if item.expr.numel() != item.signal.size:
-                raise ValueError(f"{self.name}: {item.signal.name} has {item.expr.numel()} elements")
+                raise ValueError(
+                    f"{self.name}: {item.signal.name} has {item.expr.numel()} elements"
+                )
         self.function("check", [self.update, self.y, self.d])
 
     @property
@@ -96,8 +100,13 @@ class System:
 
     def function(self, name: str, exprs: list[ca.SX]) -> ca.Function:
         """CasADi function (u, x, p) -> exprs; raises RuntimeError on a free symbol."""
-        return ca.Function(name, [self.u, self.x, self.p], exprs, ["u", "x", "p"],
-                           [f"out{i}" for i in range(len(exprs))])
+        return ca.Function(
+            name,
+            [self.u, self.x, self.p],
+            exprs,
+            ["u", "x", "p"],
+            [f"out{i}" for i in range(len(exprs))],
+        )
 
 
 def stack(parts: Iterable[ca.SX]) -> ca.SX:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario.reference import RoundedSquare, Waypoints
-from wmr_ctrl.scenario.spline import Array, SplinePath, fit
+from wmr_ctrl.scenario.spline import SAMPLES, Array, SplinePath, fit, headings
 from wmr_ctrl.scenario.square import square_points
 
 MOST_POINTS = 400
@@ -16,6 +17,10 @@ SAME = 1e-9
 """Points nearer to each other than this, m, are the same."""
 SLOWEST = 0.1
 """Smallest share of the wanted speed that a path may fall to: below it turns on the spot."""
+SHARPEST = math.pi / 4
+"""Largest turn, rad, between two of the samples on a segment."""
+WIDEST = 3.0
+"""Largest turn, rad, from the middle of a segment to either end."""
 
 
 @lru_cache(maxsize=64)
@@ -71,14 +76,19 @@ def _distance(a: tuple[float, float], b: tuple[float, float]) -> float:
 
 
 def _check_forward(path: SplinePath, speed: float) -> None:
-    velocity = path.derivatives(1, np.linspace(0, 1, 65))
-    speeds = np.hypot(velocity[..., 0], velocity[..., 1])
-    worst = int(np.argmin(speeds.min(axis=1)))
-    slowest = float(speeds.min())
-    if not slowest >= SLOWEST * speed:
-        where, share = worst + 1, 100 * slowest / speed
+    """Refuse a path that nearly stops to turn; where it does not, theta_d's branch is certain."""
+    velocity = path.derivatives(1, np.linspace(0, 1, SAMPLES + 1))
+    share = np.hypot(velocity[..., 0], velocity[..., 1]) / speed
+    theta = headings(path.coefficients)
+    steps = np.abs(np.diff(theta, axis=1)).max(axis=1)
+    reach = np.abs(theta - path.headings[:, None]).max(axis=1)
+    good = (share.min(axis=1) >= SLOWEST) & (steps <= SHARPEST) & (reach <= WIDEST)
+    if not good.all():
+        segment = int(np.argmin(good))
+        sample = int(np.argmin(share[segment]))
+        point = (segment + round(sample / SAMPLES)) % (len(good) + (not path.closed)) + 1
         raise ScenarioError(
-            f"reference.points[{where}] and the next: the smooth path turns almost on the spot "
-            f"between them (its speed falls to {share:.2g} % of reference.speed), which a robot "
-            "that drives forwards cannot follow. Add points that round the turn."
+            f"reference.points[{point}]: the smooth path turns almost on the spot near this point "
+            f"(at {100 * share[segment, sample]:.2g} % of reference.speed), which a robot that "
+            "drives forwards cannot follow. Add points that round the turn."
         )

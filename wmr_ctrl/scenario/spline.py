@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 DEGREE = 5
 ROUNDS = 6
+SAMPLES = 64
+"""Samples on each segment that find its orientation; even, so that one is in the middle."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -49,21 +51,33 @@ class SplinePath:
 
 
 def fit(points: Array, speed: float, closed: bool) -> SplinePath:
-    """Return the spline path through ``points`` (n, 2) [m] at about ``speed`` [m/s].
+    """Return the spline path through ``points`` (n, 2) [m] at the mean speed ``speed`` [m/s].
 
-    The parameter starts as the chord length; a few rounds replace it by the arc length of the
-    spline found so far, which brings the mean speed of every segment to ``speed``.
+    The parameter is the chord length at first.  Taking the arc length of the spline found so far
+    instead makes the speed more even where the points are; where they are far apart in a bend it
+    would not, so that each round is kept only as long as it helps.
     """
     if closed:
         points = np.vstack([points, points[:1]])
-    lengths = np.hypot(*np.diff(points, axis=0).T)
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    table = _polynomials(_sums(steps), points, closed)
     for _ in range(ROUNDS):
-        table = _polynomials(_sums(lengths), points, closed)
-        lengths = _arc_lengths(table)
-    knots = _sums(lengths / speed)
-    table = _polynomials(knots, points, closed)
-    headings, turn = _headings(table)
-    return SplinePath(knots, table, headings, turn if closed else 0.0, closed)
+        longer = _arc_lengths(table)
+        trial = _polynomials(_sums(longer), points, closed)
+        if not _unevenness(trial, longer) < 0.999 * _unevenness(table, steps):
+            break
+        steps, table = longer, trial
+    knots = _sums(steps) * (_arc_lengths(table).sum() / steps.sum() / speed)
+    theta = headings(table)
+    turns = round(float(theta[-1, -1] - theta[0, 0]) / (2 * math.pi)) if closed else 0
+    return SplinePath(knots, table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed)
+
+
+def _unevenness(table: Array, steps: Array) -> float:
+    """Ratio of the largest to the smallest speed, with ``steps`` as the segments' durations."""
+    velocity = _evaluate(table, 1, np.linspace(0, 1, 17)) / steps[:, None, None]
+    speeds = np.hypot(velocity[..., 0], velocity[..., 1])
+    return float(speeds.max() / max(speeds.min(), 1e-12 * speeds.max()))
 
 
 def _sums(steps: Array) -> Array:
@@ -99,16 +113,14 @@ def _arc_lengths(table: Array) -> Array:
     return np.asarray(np.hypot(velocity[..., 0], velocity[..., 1]) @ _WEIGHTS / 2)
 
 
-def _headings(table: Array) -> tuple[Array, float]:
-    """Unwrapped theta_d at mid-segments (n,) and its growth over the whole path [rad].
+def headings(table: Array) -> Array:
+    """Theta_d [rad] along each segment, (n, SAMPLES + 1), continuous over the whole path.
 
-    The direction is followed from sample to sample, 32 in every segment, so that a turn of more
-    than half a circle within one segment keeps its sense.
+    The direction is followed from sample to sample, so that a turn of more than half a circle
+    within a segment keeps its sense.  The first value lies in (-pi, pi].
     """
-    count = 32
-    velocity = _evaluate(table, 1, np.arange(count + 1) / count)
+    velocity = _evaluate(table, 1, np.arange(SAMPLES + 1) / SAMPLES)
     psi = np.arctan2(velocity[..., 1], velocity[..., 0])
-    theta = np.unwrap(np.concatenate([psi[:, :-1].ravel(), psi[-1:, -1]])) - math.pi / 2
+    theta = np.unwrap(psi.ravel()) - math.pi / 2
     theta -= 2 * math.pi * math.ceil((theta[0] - math.pi) / (2 * math.pi))
-    turn = round(float(theta[-1] - theta[0]) / (2 * math.pi)) * 2 * math.pi
-    return theta[:-1].reshape(-1, count)[:, count // 2], turn
+    return theta.reshape(-1, SAMPLES + 1)

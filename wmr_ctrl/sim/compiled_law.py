@@ -28,7 +28,9 @@ class CompiledLaw:
         role = kernels.manifest["systems"]["controller"]
         self.inputs = tuple(Signal(**item).name for item in role["inputs"])
         self.state = tuple(name for item in role["state"] for name in Signal(**item).elements)
-        self.parameter_names = tuple(name for item in role["parameters"] for name in Signal(**item).elements)
+        self.parameter_names = tuple(
+            name for item in role["parameters"] for name in Signal(**item).elements
+        )
         self.u: Floats = np.zeros(role["sizes"]["NU"])
         self.parameters: Floats = np.array(role["parameter_values"], dtype=float)
         self.torque: Floats = np.zeros(2)

@@ -39,7 +39,9 @@ def load(path: str) -> ct.CDLL:
     try:
         library = ct.CDLL(path)
     except OSError as error:
-        raise CompilerError(f"the compiled library {path} cannot be loaded ({error}); delete it and run again.") from error
+        raise CompilerError(
+            f"the compiled library {path} cannot be loaded ({error}); delete it and run again."
+        ) from error
     library.wmr_run.restype = LONG
     library.wmr_run.argtypes = [ct.POINTER(Settings), ct.c_void_p, REALS]
     for name in ("wmr_size_of_settings", "wmr_size_of_loop"):
@@ -47,7 +49,9 @@ def load(path: str) -> ct.CDLL:
     return library
 
 
-def run_native(kernels: Kernels, scenario: Scenario, seed: int) -> tuple[dict[str, Floats], Monitor]:
+def run_native(
+    kernels: Kernels, scenario: Scenario, seed: int
+) -> tuple[dict[str, Floats], Monitor]:
     """One run of the compiled loop: columns by signal name, (N,) or (N, size), and the monitor.
 
     The call releases Python's lock, so threads run in parallel.
@@ -79,16 +83,25 @@ def split_columns(signals: tuple[Signal, ...], rows: Floats) -> dict[str, Floats
     return columns
 
 
-def settings_of(manifest: Mapping[str, Any], scenario: Scenario, seed: int) -> tuple[Settings, list[Floats]]:
+def settings_of(
+    manifest: Mapping[str, Any], scenario: Scenario, seed: int
+) -> tuple[Settings, list[Floats]]:
     """``wmr_settings`` of a run, and the arrays that it points into (keep them alive)."""
     systems, phases, keep = manifest["systems"], manifest["phases"], []
 
     def pointer(numbers: Any, kind: Any = REAL) -> Any:
-        array = np.ascontiguousarray(numbers if np.size(numbers) else [0], dtype=np.float64 if kind is REAL else np.int64)
+        array = np.ascontiguousarray(
+            numbers if np.size(numbers) else [0], dtype=np.float64 if kind is REAL else np.int64
+        )
         keep.append(array)
         return array.ctypes.data_as(REALS if kind is REAL else LONGS)
 
-    clock, sensor, actuator, noise = scenario.clock, scenario.sensor, scenario.actuator, scenario.disturbance
+    clock, sensor, actuator, noise = (
+        scenario.clock,
+        scenario.sensor,
+        scenario.actuator,
+        scenario.disturbance,
+    )
     delay = round(actuator.delay / clock.plant)
     settings = Settings(
         control=clock.control, plant=clock.plant, samples=clock.samples, substeps=clock.substeps,
@@ -129,5 +142,10 @@ def _pose_every(scenario: Scenario) -> int:
 
 
 def _check_sizes(library: ct.CDLL, struct: type[ct.Structure]) -> None:
-    if (library.wmr_size_of_settings(), library.wmr_size_of_loop()) != (ct.sizeof(Settings), ct.sizeof(struct)):
-        raise CompilerError("the compiled library does not fit this version of wmr_ctrl; clear the build cache and run again.")
+    if (library.wmr_size_of_settings(), library.wmr_size_of_loop()) != (
+        ct.sizeof(Settings),
+        ct.sizeof(struct),
+    ):
+        raise CompilerError(
+            "the compiled library does not fit this version of wmr_ctrl; clear the build cache and run again."
+        )

@@ -1,0 +1,79 @@
+"""The project as users get it: built once, installed into an environment of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import site
+import subprocess
+import sys
+import venv
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.architecture.tree import ROOT
+
+NOT_COPIED = shutil.ignore_patterns(
+    ".git", ".venv", ".*_cache", ".hypothesis", "__pycache__", "dist", "build"
+)
+
+
+@dataclass(frozen=True)
+class Installed:
+    """An environment with the wheel in it, and an empty folder to work in."""
+
+    folder: Path
+    work: Path
+
+    @property
+    def programs(self) -> Path:
+        return self.folder / ("Scripts" if os.name == "nt" else "bin")
+
+    def run(
+        self, *arguments: str, program: str = "wmr-ctrl", timeout: float = 300.0, **environment: str
+    ) -> subprocess.CompletedProcess[str]:
+        """Run a program with no compiler on PATH and none of this process's Python settings."""
+        kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+        return subprocess.run(
+            [str(self.programs / program), *arguments],
+            cwd=self.work,
+            env={**kept, "PATH": str(self.programs), **environment},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+        )
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the source archive, and the wheel made from that archive."""
+    base = tmp_path_factory.mktemp("built")
+    shutil.copytree(ROOT, base / "tree", ignore=NOT_COPIED)
+    (base / "tree/fmu/runtime/left_over.o").write_bytes(b"a build product")
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(base / "dist")]
+    done = subprocess.run(
+        [*command, str(base / "tree")], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    shutil.rmtree(base / "tree")
+    return base / "dist"
+
+
+@pytest.fixture(scope="session")
+def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """The wheel alone in a fresh environment; dependencies come from where these tests run."""
+    base = tmp_path_factory.mktemp("installed")
+    venv.create(base / "venv", with_pip=False, symlinks=os.name != "nt")
+    target = Installed(base / "venv", base / "work")
+    target.work.mkdir()
+    python = next(target.programs.glob("python*"))
+    pip = [sys.executable, "-m", "pip", "--python", str(python)]
+    wheel = next(built.glob("*.whl"))
+    subprocess.run([*pip, "install", "--no-deps", "--no-index", "-q", str(wheel)], check=True)
+    packages = next(target.folder.rglob("site-packages"))
+    (packages / "dependencies.pth").write_text("\n".join(site.getsitepackages()) + "\n")
+    return target

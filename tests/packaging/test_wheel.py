@@ -1,0 +1,82 @@
+"""What is inside the archives, and that the wheel works where no source tree is near."""
+
+from __future__ import annotations
+
+import json
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+UNWANTED = (".so", ".dll", ".dylib", ".o", ".pyc", ".fmu")
+LAWS = {"pid", "smc", "mb", "nn"}
+
+
+def test_wheel_has_package_data_and_nothing_else(built):
+    with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
+        names = wheel.namelist()
+
+    tops = {name.split("/")[0] for name in names}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"wmr_ctrl"}
+    assert "wmr_ctrl/py.typed" in names
+    assert "wmr_ctrl/_fmu/runtime/loop.c" in names
+    assert any(name.startswith("wmr_ctrl/scenario/presets/") for name in names)
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert [name for name in names if name.endswith(UNWANTED)] == []
+
+
+def test_source_archive_has_tests_and_c_but_no_build_products(built):
+    with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
+        names = [name.partition("/")[2] for name in archive.getnames()]
+
+    for wanted in ("tests/conftest.py", "fmu/runtime/loop.c", "docs/architecture.md", "LICENSE"):
+        assert wanted in names
+    assert [name for name in names if name.endswith(UNWANTED)] == []
+
+
+def test_installed_package_is_used_not_the_tree(installed):
+    script = "import wmr_ctrl; print(wmr_ctrl.__version__, wmr_ctrl.__file__, sep='|')"
+    version, _, path = installed.run("-c", script, program="python").stdout.strip().partition("|")
+
+    assert Path(path).is_relative_to(installed.folder)
+    assert version in installed.run("--version").stdout
+
+
+def test_reproduce_quick_from_an_empty_folder_without_a_compiler_on_path(installed, tmp_path):
+    pytest.importorskip("ziglang")
+
+    done = installed.run(
+        "reproduce", "--quick", "--out", "out", timeout=600, WMR_CTRL_CACHE=str(tmp_path)
+    )
+
+    assert done.returncode == 0, done.stdout + done.stderr
+    out = installed.work / "out"
+    assert (out / "report.html").stat().st_size > 10_000
+    assert (out / "table.csv").read_text(encoding="utf-8").strip()
+    assert json.loads((out / "claims.json").read_text(encoding="utf-8"))
+    assert list(out.rglob("*.svg"))
+    assert list(out.rglob("*.png"))
+
+
+def test_without_any_compiler_the_message_helps_and_numpy_runs(installed, tmp_path):
+    broken = {"WMR_CTRL_CC": "no-such-compiler", "WMR_CTRL_CACHE": str(tmp_path)}
+    short = ("--law", "mb", "--set", "clock.duration=1", "--json")
+
+    native = installed.run("run", "paper-simulation", *short, **broken)
+    numpy = installed.run("run", "paper-simulation", *short, "--engine", "numpy", **broken)
+
+    assert native.returncode == 2
+    assert "pip install ziglang" in native.stderr
+    assert "Traceback" not in native.stderr
+    assert numpy.returncode == 0, numpy.stderr
+    assert json.loads(numpy.stdout)["engine"] == "numpy"
+
+
+def test_laws_are_listed_by_the_installed_command(installed):
+    done = installed.run("laws", "--json")
+
+    assert done.returncode == 0, done.stderr
+    assert {law["name"] for law in json.loads(done.stdout)} >= LAWS

@@ -1,0 +1,38 @@
+"""All checks in the order in which they are told: what ends a run first comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+from wmr_ctrl.checks.barrier import pushed_through
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.mismatch import wrong_model
+from wmr_ctrl.checks.network import unstable_width
+from wmr_ctrl.checks.not_covered import drives, noise
+from wmr_ctrl.checks.preconditions import preconditions
+from wmr_ctrl.checks.sample_time import sample_time
+from wmr_ctrl.checks.start import start
+from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.scenario import Scenario
+
+CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
+    start,
+    sample_time,
+    preconditions,
+    pushed_through,
+    wrong_model,
+    unstable_width,
+    drives,
+    noise,
+)
+
+
+@lru_cache(maxsize=256)
+def warnings_for(scenario: Scenario, law: str) -> tuple[Warning, ...]:
+    """What theory says against ``law`` on ``scenario``; empty where it has no objection.
+
+    Raises UnknownNameError for a law, ScenarioError for gains that do not exist.
+    """
+    loop = Loop(scenario, law)
+    return tuple(warning for check in CHECKS for warning in check(loop))

@@ -1,0 +1,124 @@
+"""Loop: a law's graph in error coordinates, evaluated where the checks ask for it."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.checks.start_point import StartPoint, start_point
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.auxiliary import auxiliary_rate
+from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.model.tracking import error_rotation
+from wmr_ctrl.scenario import Scenario
+
+Floats = NDArray[np.float64]
+
+PERIOD = "clock.control"
+
+
+@dataclass(frozen=True)
+class Loop:
+    """``law`` on ``scenario``.
+
+    Estimates and weights of an adaptive law keep their start values: its module says that its
+    memory is such by ``ADAPTIVE = True``.  Any other memory (a previous sample, a filter) is part
+    of the loop.
+    """
+
+    scenario: Scenario
+    law: str
+
+    @cached_property
+    def core(self) -> System:
+        """The law's System, whose output is the generalised force."""
+        return LAWS[self.law].build(self.scenario)
+
+    @cached_property
+    def adaptive(self) -> bool:
+        """Whether the law's memory holds estimates, which the checks keep at their start values."""
+        module = sys.modules.get(LAWS[self.law].build.__module__)
+        return bool(getattr(module, "ADAPTIVE", False))
+
+    @cached_property
+    def start(self) -> StartPoint:
+        """Where the run starts, seen from the reference."""
+        return start_point(self.scenario)
+
+    def uses(self, prefix: str) -> bool:
+        """Whether the force depends on a parameter whose key starts with ``prefix``."""
+        force = self.core.outputs[0].expr
+        named = (port for port in self.core.params if port.signal.name.startswith(prefix))
+        return any(ca.depends_on(force, port.sym) for port in named)
+
+    def feedback(self, v_d: Floats, period: float) -> Floats:
+        """Gradient of force and next memory at e = 0, v = v_d, sampled with ``period`` [s].
+
+        Rows: force (2), then the memory (n) unless the law is adaptive; columns: e (3), v (2), then
+        the memory.  ``v_d`` (2) in m/s, rad/s.
+        """
+        s = np.concatenate((np.zeros(3), v_d))
+        return np.asarray(self._gradient(s, v_d, self._memory(v_d), self._parameters(period)))
+
+    def force_towards(self, v: Floats, v_c0: Floats) -> Floats:
+        """Force (2) [N, N m] at velocity ``v`` (2) for an auxiliary velocity that stays ``v_c0``."""
+        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[0]).ravel()
+
+    def slope_towards(self, v: Floats, v_c0: Floats) -> Floats:
+        """Its derivative by the axis' own velocity (2) [N s/m, N m s/rad], from below at v_u2."""
+        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[1]).ravel()
+
+    @cached_property
+    def _gradient(self) -> ca.Function:
+        s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
+        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2))
+        x = self.core.x
+        answers, causes = (force, s) if self.adaptive else (ca.vertcat(force, following), ca.vertcat(s, x))
+        return ca.Function("gradient", [s, v_d, x, self.core.p], [ca.jacobian(answers, causes)])
+
+    @cached_property
+    def _towards(self) -> ca.Function:
+        """At e = 0 the auxiliary velocity is v_d, and v_d' can be chosen such that it stays."""
+        v, v_c0 = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2)
+        e, k = ca.SX.zeros(3), ca.SX(ca.DM(kinematic_gains(self.scenario).k))
+        moving = auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
+        force, _ = self._act(e, v, v_c0, -moving)
+        slope = ca.diag(ca.jacobian(force, v))
+        return ca.Function("towards", [v, v_c0, self.core.x, self.core.p], [force, slope])
+
+    def _act(self, e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Force and next memory with the robot at the origin and the reference placed to give e."""
+        pose_d = error_rotation(ca.SX(0)).T @ e
+        known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, v_d_dot, v)), strict=True))
+        u = ca.vertcat(*(known.get(port.signal.name, ca.SX.zeros(port.signal.size)) for port in self.core.inputs))
+        act = self.core.function("act", [self.core.outputs[0].expr, self.core.update])
+        force, following = act(u, self.core.x, self.core.p)
+        return force, following
+
+    @cached_property
+    def _next(self) -> ca.Function:
+        v_d, zero = ca.SX.sym("v_d", 2), ca.SX.zeros(3)
+        _, following = self._act(zero, v_d, v_d, ca.SX.zeros(2))
+        return ca.Function("next", [v_d, self.core.x, self.core.p], [following])
+
+    def _memory(self, v_d: Floats) -> Floats:
+        """The law's memory on the reference: its start value, or what one sample there leaves."""
+        start = np.array(self.core.x0)
+        return start if self.adaptive else np.asarray(self._next(v_d, start, self.core.p0)).ravel()
+
+    def _parameters(self, period: float) -> list[float]:
+        return [number for port in self.core.params for number in _with_period(port, period)]
+
+
+INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")
+"""Inputs of a law that are not zero when the robot stands at the origin along +Y."""
+
+
+def _with_period(port: Port, period: float) -> tuple[float, ...]:
+    return (period,) if port.signal.name == PERIOD else port.value

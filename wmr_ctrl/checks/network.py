@@ -1,0 +1,80 @@
+"""Width of the network: a wide one learns faster than its own loop can follow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.checks.loop import Floats, Loop
+from wmr_ctrl.checks.sampled_loop import operating_points
+from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.checks.wording import SPEEDS
+from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.laws.rbf import corner_basis
+
+LAW = "nn"
+
+
+def unstable_width(loop: Loop) -> Iterator[Warning]:
+    """Yield the axes on which learning with the regressor held still is unstable, in one line.
+
+    Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
+    Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
+    """
+    if loop.law != LAW:
+        return
+    gains, size = gains_of(loop.scenario, LAW), largest_square(loop, gains_of(loop.scenario, LAW).eta)
+    for axis in (1, 0):
+        bound = square_bound(loop, axis)
+        if size > bound:
+            widest = _widest(loop, bound, gains.eta)
+            needed = 2 * _masses(loop)[axis] * _kinematic(loop)[axis]
+            yield Warning(
+                "gains.nn.eta",
+                f"gains.nn.eta = {gains.eta:.4g} makes the network's |S|^2 = {size:.3g} on the "
+                f"reference, above {bound:.3g}: learning of {SPEEDS[axis]} is then unstable in small "
+                f"bursts. Choose eta below {widest:.4g} (eta^2 below {widest**2:.4g}), or "
+                f"gains.nn.rho1[{axis + 1}] above {needed:.3g}.",
+                "Eqs. (57), (58), linearised",
+            )
+            return
+
+
+def largest_square(loop: Loop, eta: float) -> float:
+    """Largest |S|^2 over the reference at Z = (0, 0, 1, 1, v_d): there the ratio A/(v - v_c1) is 1."""
+    return max(_square(loop, v_d, eta) for v_d in operating_points(loop.scenario))
+
+
+def square_bound(loop: Loop, axis: int) -> float:
+    """|S|^2 above which axis 0 or 1 is unstable; inf where rho1 is large enough for any network."""
+    gains, mass, kinematic = gains_of(loop.scenario, LAW), _masses(loop)[axis], _kinematic(loop)[axis]
+    a = gains.rho1[axis] / (2 * mass)
+    if a >= kinematic or gains.Gamma[axis] == 0:
+        return math.inf
+    return a * a * kinematic / (kinematic - a) * mass / gains.Gamma[axis]
+
+
+def _masses(loop: Loop) -> tuple[float, float]:
+    return loop.scenario.robot.m, loop.scenario.robot.I
+
+
+def _kinematic(loop: Loop) -> tuple[float, float]:
+    k1, _, k3 = kinematic_gains(loop.scenario).k
+    return k1, k3
+
+
+def _square(loop: Loop, v_d: Floats, eta: float) -> float:
+    z = ca.DM(np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d)))
+    return float(ca.sumsqr(corner_basis(z, ca.DM(eta), ca.DM(gains_of(loop.scenario, LAW).node))))
+
+
+def _widest(loop: Loop, bound: float, eta: float) -> float:
+    """Width below which |S|^2 stays under ``bound``: it grows with the width."""
+    below, above = 0.0, eta
+    for _ in range(40):
+        middle = (below + above) / 2
+        below, above = (middle, above) if largest_square(loop, middle) < bound else (below, middle)
+    return below

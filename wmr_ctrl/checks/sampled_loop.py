@@ -1,0 +1,126 @@
+"""The linear loop as it is sampled: exact zero-order hold, and its largest stable period.
+
+State: e (3) and v (2) of the robot, Eqs. (33)-(35) and (4), linearised on the reference with v_d
+held constant; the torque's lag where the drives have one; the law's memory where it is dynamic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.checks.loop import Floats, Loop
+from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.scenario import Scenario
+
+SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
+"""Periods that are tried [s], and the factor from one to the next."""
+
+MARGIN = 1e-9
+"""A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
+
+POINTS = 9
+INSIDE = 0.99
+
+
+def largest_stable_period(scenario: Scenario, law: str) -> float:
+    """Supremum of the periods [s] up to which the sampled linear loop is stable.
+
+    The smallest over points of the reference; 0.0 if no period is stable, inf if all that were
+    tried (up to 10 s) are.  Raises UnknownNameError for a law.
+    """
+    return largest_period(Loop(scenario, law))
+
+
+def largest_period(loop: Loop) -> float:
+    """The same for a Loop that is at hand."""
+    return min(_supremum(_radius_at(loop, v_d)) for v_d in operating_points(loop.scenario))
+
+
+def operating_points(scenario: Scenario) -> list[Floats]:
+    """Desired velocities (2) of some points of the reference, moved inside v_u2."""
+    end = min(scenario.clock.duration, scenario.reference.cycle)
+    found = sample(scenario.reference, np.linspace(0, end, POINTS))[:, 3:5]
+    bound = INSIDE * np.array(scenario.limits.v_u2)
+    return list(np.unique(np.clip(found, -bound, bound).round(9), axis=0))
+
+
+def closed_loop(loop: Loop, v_d: Floats, period: float) -> Floats:
+    """Matrix that takes the loop's state from one sample to the next."""
+    rates, push = _with_lag(*_plant(loop.scenario, v_d), loop.scenario.actuator.lag)
+    free, forced = zero_order_hold(rates, push, period)
+    gain = loop.feedback(v_d, period)
+    lag, memory = len(rates) - 5, gain.shape[1] - 5
+    by_state, by_memory = gain[:, :5], gain[:, 5:]
+    gains = np.hstack((by_state, np.zeros((len(gain), lag)), by_memory))
+    moved = np.hstack((free, np.zeros((len(free), memory)))) + forced @ gains[:2]
+    return np.vstack((moved, gains[2:]))
+
+
+def zero_order_hold(rates: Floats, push: Floats, period: float) -> tuple[Floats, Floats]:
+    """Exact matrices of x(t + period) = free x + forced u for x' = rates x + push u, u held."""
+    size, inputs = push.shape
+    block = np.zeros((size + inputs, size + inputs))
+    block[:size, :size], block[:size, size:] = rates, push
+    whole = exponential(block * period)
+    return whole[:size, :size], whole[:size, size:]
+
+
+def exponential(matrix: Floats) -> Floats:
+    """Matrix exponential by its series after halving the argument to a norm of at most 1/2."""
+    norm = float(np.linalg.norm(matrix, 1))
+    halvings = max(0, math.ceil(math.log2(norm)) + 1) if norm > 0 else 0
+    scaled, term = matrix / 2.0**halvings, np.eye(len(matrix))
+    total = term.copy()
+    for order in range(1, 16):
+        term = term @ scaled / order
+        total += term
+    for _ in range(halvings):
+        total = total @ total
+    return total
+
+
+def _plant(scenario: Scenario, v_d: Floats) -> tuple[Floats, Floats]:
+    """Gradients of (e', v') by (e, v) and by the force, on the reference, for the true robot."""
+    robot = scenario.robot
+    s, force = ca.SX.sym("s", 5), ca.SX.sym("force", 2)
+    drag = friction(ca.SX(robot.mu), ca.SX(robot.m), ca.SX(robot.g), ca.SX(robot.v_s), s[3:])
+    speeding = acceleration(reduced_mass(ca.SX(robot.m), ca.SX(robot.I)), force, drag)
+    rate = ca.vertcat(error_rate(s[:3], s[3:], ca.SX(ca.DM(v_d))), speeding)
+    gradient = ca.Function("plant", [s, force], [ca.jacobian(rate, s), ca.jacobian(rate, force)])
+    rates, push = gradient(np.concatenate((np.zeros(3), v_d)), 0)
+    return np.asarray(rates), np.asarray(push)
+
+
+def _with_lag(rates: Floats, push: Floats, lag: float) -> tuple[Floats, Floats]:
+    """The plant behind a first-order lag [s] of the force; itself where there is none."""
+    if lag == 0:
+        return rates, push
+    decay = np.eye(2) / lag
+    return np.block([[rates, push], [np.zeros((2, len(rates))), -decay]]), np.vstack((np.zeros_like(push), decay))
+
+
+def _radius_at(loop: Loop, v_d: Floats) -> Callable[[float], float]:
+    return lambda period: float(np.abs(np.linalg.eigvals(closed_loop(loop, v_d, period))).max())
+
+
+def _supremum(radius: Callable[[float], float]) -> float:
+    """Largest period below which none that was tried has a spectral radius above 1."""
+    below, period = 0.0, SHORTEST
+    while radius(period) <= 1 + MARGIN:
+        if period >= LONGEST:
+            return math.inf
+        below, period = period, period * RATIO
+    return _bisected(radius, below, period) if below else 0.0
+
+
+def _bisected(radius: Callable[[float], float], below: float, above: float) -> float:
+    while above - below > 1e-7 * above:
+        middle = (below + above) / 2
+        below, above = (middle, above) if radius(middle) <= 1 + MARGIN else (below, middle)
+    return below

@@ -1,0 +1,39 @@
+"""Where a run starts, seen from its reference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.laws.auxiliary import auxiliary_velocity
+from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.scenario import Scenario
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StartPoint:
+    """Reference (7) at t = 0, tracking error e (3) [m, m, rad], v and v_c0 (2) [m/s, rad/s]."""
+
+    reference: Floats
+    e: Floats
+    v: Floats
+    v_c0: Floats
+
+
+def start_point(scenario: Scenario) -> StartPoint:
+    """The scenario at t = 0: Eqs. (8) and (7) there."""
+    reference = sample(scenario.reference, np.zeros(1))[0]
+    e = tracking_error(ca.DM(reference[:3]), ca.DM(scenario.initial.pose))
+    v_c0 = auxiliary_velocity(e, ca.DM(reference[3:5]), ca.DM(kinematic_gains(scenario).k))
+    return StartPoint(reference, _flat(e), np.array(scenario.initial.velocity), _flat(v_c0))
+
+
+def _flat(column: ca.DM) -> Floats:
+    return np.asarray(column).ravel()

@@ -1,0 +1,117 @@
+"""One look for every figure: a colour and a dash per law, a paper's sizes, and the units' signs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+
+INK = "#222222"
+"""Axes, text and the robot."""
+
+MUTED = "#6b6b6b"
+"""Notes, the reference trajectory and whatever serves for comparison."""
+
+LIMIT = "#c62828"
+"""Edges and shade of the region beyond a velocity limit."""
+
+DASHED = (0, (5, 1.6))
+DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
+DOTTED = (0, (1.2, 1.4))
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a law is drawn: colour, dash pattern, marker, and its short name."""
+
+    label: str
+    colour: str
+    dash: Any = "-"
+    marker: str = "o"
+
+
+_LOOKS = {
+    "pid": Look("PID", "#E69F00", DASH_DOT, "^"),
+    "smc": Look("SMC", "#00956D", DASHED, "s"),
+    "mb": Look("MB", "#1F77C9", "-", "D"),
+    "nn": Look("NN", "#5B0E3B", "-", "o"),
+}
+"""The paper's laws, from light to dark, so that they stay apart without colour."""
+
+_SPARE = (("#7F7F7F", DOTTED, "v"), ("#B0408F", DASHED, "P"), ("#4C4C9D", DASH_DOT, "X"))
+
+
+def look(law: str) -> Look:
+    """The look of a law; laws of other origin get one of the spare looks, by their name."""
+    if law in _LOOKS:
+        return _LOOKS[law]
+    colour, dash, marker = _SPARE[sum(law.encode()) % len(_SPARE)]
+    return Look(law.replace("_", " "), colour, dash, marker)
+
+
+_SETTINGS = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 5.0,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.5,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "ytick.minor.size": 1.5,
+    "lines.linewidth": 1.1,
+    "lines.solid_joinstyle": "round",
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "legend.columnspacing": 1.4,
+    "legend.borderaxespad": 0.0,
+    "figure.dpi": 100,
+    "savefig.dpi": 160,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "wmr_ctrl",
+    "path.simplify": True,
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Matplotlib's defaults with ours on top, whatever a user has set; restored afterwards."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": ""}
+
+
+def unit_text(unit: str) -> str:
+    """A unit as readers write it (``N.m`` -> ``N m``, ``m2.s + rad2.s`` -> ``m² s + rad² s``)."""
+    return " + ".join(_SIGNS.get(part, part) for part in unit.split(" + "))
+
+
+def with_unit(text: str, unit: str) -> str:
+    """An axis label: the quantity, and its unit in brackets if it has one."""
+    shown = unit_text(unit)
+    return f"{text} [{shown}]" if shown else text
