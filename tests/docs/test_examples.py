@@ -1,0 +1,16 @@
+"""The examples in the documentation run and print what they say."""
+
+from __future__ import annotations
+
+import doctest
+from importlib import import_module
+
+import pytest
+
+
+@pytest.mark.parametrize("name", ["wmr_ctrl.api"])
+def test_examples_of_the_python_interface(name: str) -> None:
+    failed, tried = doctest.testmod(import_module(name))
+
+    assert failed == 0
+    assert tried > 0
