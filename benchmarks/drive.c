@@ -6,6 +6,8 @@ typedef void step_function(const double *in, double *state, double *out);
 typedef void kernel_function(const double *u, const double *x, const double *p, double *next,
                              double *y);
 
+typedef void update_function(const double *u, const double *x, const double *p, double *next);
+
 static double total(const double *values, int64_t count)
 {
     double sum = 0.0;
@@ -42,4 +44,18 @@ double drive_kernel(kernel_function *step, int64_t n, const double *rows, int64_
         row = row + 1 == count ? 0 : row + 1;
     }
     return sum;
+}
+
+/* The same for a system without outputs, such as one step of the plant. */
+double drive_update(update_function *step, int64_t n, const double *rows, int64_t count,
+                    int64_t width, double *x, double *next, const double *p)
+{
+    for (int64_t i = 0, row = 0; i < n; i++) {
+        step(rows + width * row, x, p, next);
+        double *const last = x;
+        x = next;
+        next = last;
+        row = row + 1 == count ? 0 : row + 1;
+    }
+    return x[0];
 }

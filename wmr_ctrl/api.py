@@ -15,14 +15,14 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
+from wmr_ctrl.results import Monitor, Run, Settings, first_beyond, outcome_of
 from wmr_ctrl.scenario import Scenario, load_scenario, override, to_toml
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
@@ -35,24 +35,29 @@ Progress = Callable[[float], None]
 
 
 def scenario_of(
-    given: str | Path | Scenario, overrides: Mapping[str, Any] | None = None
+    given: str | Path | Scenario,
+    overrides: Mapping[str, Any] | None = None,
+    guard: bool | None = None,
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
 
-    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``).  Gains are checked too.
-    Raises ScenarioError or UnknownNameError, each naming the key.
+    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches the
+    velocity guard on or off (None: as the scenario says).  Gains and guard are checked too.  Raises ScenarioError or UnknownNameError, each naming the key.
 
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
     from wmr_ctrl.laws.gains import check_gains
+    from wmr_ctrl.laws.guard_bounds import settled_guard
 
+    switch = {} if guard is None else {"guard.enabled": guard}
+    changed = {**(overrides or {}), **switch}
     loaded = (
-        override(given, overrides or {})
-        if isinstance(given, Scenario)
-        else load_scenario(given, overrides)
+        override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )
     check_gains(loaded)
+    if loaded.guard.enabled:
+        settled_guard(loaded, loaded.actuator.tau_max)
     return loaded
 
 
@@ -62,13 +67,14 @@ def simulate(
     *,
     seed: int = 0,
     engine: str = "native",
+    guard: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
 
-    ``engine`` is "native" (compiled C) or "numpy" (slow, needs no compiler).  Leaving the velocity
-    limit, diverging or turning non-finite is the Run's outcome, never an exception.  Raises
+    ``engine`` is "native" (compiled C) or "numpy" (slow, needs no compiler); ``guard`` switches the
+    velocity guard on or off (None: as the scenario says).  Leaving the velocity limit, diverging or turning non-finite is the Run's outcome, never an exception.  Raises
     UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
 
     >>> run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 5.0})
@@ -77,7 +83,7 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    settled = scenario_of(scenario, overrides)
+    settled = scenario_of(scenario, overrides, guard)
     _check_seed(seed)
     if engine == "native":
         return _prepared(settled, law)(seed)
@@ -91,6 +97,7 @@ def simulate_many(
     law: str = "nn",
     seeds: Iterable[int] = range(20),
     *,
+    guard: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
@@ -106,7 +113,7 @@ def simulate_many(
     """
     from concurrent.futures import ThreadPoolExecutor
 
-    settled, listed = scenario_of(scenario, overrides), list(seeds)
+    settled, listed = scenario_of(scenario, overrides, guard), list(seeds)
     for seed in listed:
         _check_seed(seed)
     engine = _prepared(settled, law)
@@ -218,12 +225,12 @@ def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
-    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.laws.controller import controller
     from wmr_ctrl.laws.gains import gains_of, kinematic_gains
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 
-    own = {signal.name: signal for signal in own_diagnostics(LAWS[law].build(scenario))}
+    own = {signal.name: signal for signal in own_diagnostics(controller(scenario, law))}
     gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
@@ -241,11 +248,26 @@ def run_of(
     facts: Mapping[str, str],
 ) -> Run:
     """The Run of what an engine found, with its provenance."""
-    signals, columns, monitor = found
+    signals, columns, seen = found
+    monitor = _with_bounds(scenario, law, columns, seen)
     return Run(
-        scenario.name, law, False, seed, engine, settings_of(scenario), signals, columns, monitor,
+        scenario.name, law, scenario.guard.enabled, seed, engine, settings_of(scenario), signals, columns, monitor,
         outcome_of(monitor), {**provenance(scenario), **facts},
     )  # fmt: skip
+
+
+def _with_bounds(
+    scenario: Scenario, law: str, columns: Mapping[str, np.ndarray], monitor: Monitor
+) -> Monitor:
+    """The monitor with the first motion that contradicts the guard's bounds, if the guard is on."""
+    if not scenario.guard.enabled:
+        return monitor
+    from wmr_ctrl.laws.guard_bounds import settled_guard, torque_limit
+
+    guard = settled_guard(scenario, torque_limit(scenario, law))
+    mass, u1, period = guard.M_max or (0.0, 0.0), scenario.limits.v_u1, scenario.clock.control
+    largest = (mass[0] * u1[0] / period, mass[1] * u1[1] / period)
+    return replace(monitor, bounds_left=first_beyond(columns, guard.dbar or (0.0, 0.0), largest))
 
 
 def settings_of(scenario: Scenario) -> Settings:

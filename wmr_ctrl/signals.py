@@ -83,6 +83,16 @@ DIAGNOSTICS = (
     ),
 )
 
+GUARD_DIAGNOSTICS = (
+    Signal("clip_active", "1", "1 where the guard changed the force, else 0", 2),
+    Signal(
+        "d_least", "N, N.m", "smallest disturbance that can explain the previous sample's motion", 2
+    ),
+    Signal("feasible", "1", "1 where the guard's bounds leave a safe force at every state, else 0"),
+)
+"""What a guarded controller publishes beside its law's diagnostics."""
+D_HAT = Signal("d_hat", "N, N.m", "disturbance as the observer estimates it", 2)
+
 LOG_HEAD = (
     TIME,
     *PLANT_STATE,

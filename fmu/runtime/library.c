@@ -28,6 +28,19 @@ WMR_EXPORT void wmr_sample(const wmr_settings *s, wmr_loop *w, double *row)
     wmr_loop_sample(s, w, row);
 }
 
+/* One sample of the law in place, for callers that keep one pointer. */
+typedef struct {
+    const double *u, *p;
+    double *x, *y;
+} wmr_call;
+
+WMR_EXPORT void wmr_law_step(const wmr_call *c)
+{
+    double next[WMR_CONTROLLER_NX + 1];
+    wmr_controller_step(c->u, c->x, c->p, next, c->y);
+    copy(c->x, next, WMR_CONTROLLER_NX);
+}
+
 /* Sizes of the structs above, for the check that both sides of the seam agree. */
 WMR_EXPORT int64_t wmr_size_of_settings(void)
 {

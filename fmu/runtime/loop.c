@@ -125,8 +125,9 @@ static void plant_steps(const wmr_settings *s, wmr_loop *w, const double *torque
     }
 }
 
-static void write_row(const wmr_loop *w, double t, const double *u, const double *x, const double *torque,
-                      const double *noise, const double *parameters, double *row)
+/* All of a row but the controller's diagnostics, which stand at its end. */
+static void write_row(const wmr_loop *w, double t, const double *u, const double *torque,
+                      const double *noise, double *row)
 {
     row[0] = t;
     copy(row + 1, w->plant, WMR_PLANT_NX);
@@ -135,7 +136,6 @@ static void write_row(const wmr_loop *w, double t, const double *u, const double
     copy(row + 14, torque, 2);
     copy(row + 16, noise, 2);
     wmr_tracking_error(u, w->plant, row + 18);
-    wmr_controller_diagnostics(u, x, parameters, row + 21);
 }
 
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, double *row)
@@ -145,12 +145,16 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, double *row)
     wmr_reference(&t, s->reference_parameters, u);
     measure_pose(s, w, u + 7);
     measure_velocity(s, w, u + 10);
-    wmr_controller_step(u, w->controller, s->controller_parameters, next, torque);
+    if (row) {
+        wmr_controller_logged(u, w->controller, s->controller_parameters, next, torque, row + 21);
+    } else {
+        wmr_controller_step(u, w->controller, s->controller_parameters, next, torque);
+    }
     if (s->torque_std > 0.0) {
         wmr_torque_noise(s->key, (uint64_t)w->sample, s->torque_std, s->torque_truncate, noise);
     }
     if (row) {
-        write_row(w, t, u, w->controller, torque, noise, s->controller_parameters, row);
+        write_row(w, t, u, torque, noise, row);
     }
     copy(w->controller, next, WMR_CONTROLLER_NX);
     plant_steps(s, w, torque, noise);

@@ -12,7 +12,7 @@ from wmr_ctrl.laws.controller import controller
 from wmr_ctrl.laws.gains import gains_of
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY
+from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
 
 SCENARIO = load_scenario("paper-simulation-nominal")
 NOMINAL = (0.0, 0.0, -np.pi / 2, 0.2, 0.1, 0.0, 0.0)
@@ -20,11 +20,13 @@ every_law = pytest.mark.parametrize("law", tuple(LAWS))
 
 
 def sample(
-    system: System, u: object, x: object = None
+    system: System, u: np.ndarray, x: object = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Next state, outputs and diagnostics for inputs u."""
+    """Next state, outputs and diagnostics for inputs u; no torque was applied before."""
     f = system.function("sample", [system.update, system.y, system.d])
-    return tuple(item.full().ravel() for item in f(u, system.x0 if x is None else x, system.p0))
+    given = np.zeros(system.u.numel())
+    given[: len(u)] = u
+    return tuple(item.full().ravel() for item in f(given, system.x0 if x is None else x, system.p0))
 
 
 def inputs(draw: np.random.Generator) -> np.ndarray:
@@ -38,7 +40,10 @@ def inputs(draw: np.random.Generator) -> np.ndarray:
 def test_ports_are_the_common_ones(law: str) -> None:
     system = LAWS[law].build(SCENARIO)
 
-    assert [item.signal for item in system.inputs] == [*REFERENCE, *POSE, *VELOCITY]
+    common, further = [*REFERENCE, *POSE, *VELOCITY], [item.signal for item in system.inputs][12:]
+    assert [item.signal for item in system.inputs][:12] == common
+    assert further in ([], [TAU_APPLIED])
+    assert [item.signal for item in controller(SCENARIO, law).inputs] == common
     assert [item.signal for item in system.outputs] == [FORCE]
     assert tuple(item.signal for item in system.diagnostics[: len(DIAGNOSTICS)]) == DIAGNOSTICS
     assert system.period == SCENARIO.clock.control
@@ -56,6 +61,7 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
         "gains",
         "clock",
         "actuator",
+        "guard",
     }
     assert all(
         item.signal.unit and item.signal.meaning for item in controller(SCENARIO, law).params

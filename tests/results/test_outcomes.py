@@ -13,8 +13,11 @@ BROKEN = Monitor((1.7, 1.2), 12, (0.0125, 1))
 DIVERGED = Monitor((2.0, 1000.0), 80, (0.01, 1), (0.375, 2), "diverged")
 LOST = Monitor((2.0, math.nan), 80, (0.01, 1), (0.375, 1), "non-finite")
 
+LEFT = Monitor((0.9, 1.2), bounds_left=(2.5, 2))
+
 CASES = [
     (KEPT, "completed"),
+    (LEFT, "bounds-left"),
     (BROKEN, "limit-violated"),
     (DIVERGED, "diverged"),
     (LOST, "non-finite"),
@@ -49,6 +52,14 @@ def test_extremes_alone_never_pass_as_completed(
     assert outcome.sentence(monitor).endswith(".")
 
 
+def test_a_guarded_violation_does_not_advise_the_guard() -> None:
+    unguarded, guarded = (Outcome.LIMIT_VIOLATED.sentence(BROKEN, on) for on in (False, True))
+
+    assert "Switch the guard on" in unguarded
+    assert "Switch the guard on" not in guarded
+    assert "guard.dbar" in guarded
+
+
 def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> None:
     assert outcome_of(Monitor((1.0, 1.5))) == Outcome.COMPLETED
 
@@ -57,6 +68,7 @@ def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> Non
     ("monitor", "parts"),
     [
         (KEPT, ["completed", "0.9 m/s", "1.2 rad/s"]),
+        (LEFT, ["angular velocity omega", "t = 2.5 s", "guard.dbar"]),
         (BROKEN, ["linear velocity v1", "t = 0.0125 s", "12 plant steps", "guard"]),
         (DIVERGED, ["angular velocity omega", "t = 0.375 s", "1000 rad/s", "clock.control"]),
         (LOST, ["linear velocity v1", "t = 0.375 s", "finite", "clock.plant"]),

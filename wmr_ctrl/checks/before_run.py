@@ -8,7 +8,7 @@ from functools import lru_cache
 from wmr_ctrl.checks.barrier import pushed_through
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.mismatch import wrong_model
-from wmr_ctrl.checks.network import unstable_width
+from wmr_ctrl.checks.network import network
 from wmr_ctrl.checks.not_covered import drives, noise
 from wmr_ctrl.checks.preconditions import preconditions
 from wmr_ctrl.checks.sample_time import sample_time
@@ -22,7 +22,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     preconditions,
     pushed_through,
     wrong_model,
-    unstable_width,
+    network,
     drives,
     noise,
 )

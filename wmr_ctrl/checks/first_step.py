@@ -1,4 +1,4 @@
-"""The first control period of a run without noise: does it already leave the limit?"""
+"""The first control period of a run without noise, which may already leave the limit."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def first_speeds(loop: Loop) -> Floats:
 def first_torque(loop: Loop) -> Floats:
     """Torques (right, left) [N m] of the first sample, within the wheels' limit."""
     law = controller(loop.scenario, loop.law)
-    return np.asarray(law.function("first", [law.y])(_first_inputs(loop, law), law.x0, law.p0)).ravel()
+    first = law.function("first", [law.y])
+    return np.asarray(first(_first_inputs(loop, law), law.x0, law.p0)).ravel()
 
 
 def _first_inputs(loop: Loop, law: System) -> list[float]:

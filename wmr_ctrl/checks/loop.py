@@ -67,19 +67,23 @@ class Loop:
         return np.asarray(self._gradient(s, v_d, self._memory(v_d), self._parameters(period)))
 
     def force_towards(self, v: Floats, v_c0: Floats) -> Floats:
-        """Force (2) [N, N m] at velocity ``v`` (2) for an auxiliary velocity that stays ``v_c0``."""
-        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[0]).ravel()
+        """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
+
+        ``v_c0`` (2) is that velocity; both in m/s, rad/s.
+        """
+        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[0])
 
     def slope_towards(self, v: Floats, v_c0: Floats) -> Floats:
-        """Its derivative by the axis' own velocity (2) [N s/m, N m s/rad], from below at v_u2."""
+        """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
         return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[1]).ravel()
 
     @cached_property
     def _gradient(self) -> ca.Function:
         s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
         force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2))
-        x = self.core.x
-        answers, causes = (force, s) if self.adaptive else (ca.vertcat(force, following), ca.vertcat(s, x))
+        x, answers, causes = self.core.x, force, s
+        if not self.adaptive:
+            answers, causes = ca.vertcat(force, following), ca.vertcat(s, x)
         return ca.Function("gradient", [s, v_d, x, self.core.p], [ca.jacobian(answers, causes)])
 
     @cached_property
@@ -96,7 +100,8 @@ class Loop:
         """Force and next memory with the robot at the origin and the reference placed to give e."""
         pose_d = error_rotation(ca.SX(0)).T @ e
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, v_d_dot, v)), strict=True))
-        u = ca.vertcat(*(known.get(port.signal.name, ca.SX.zeros(port.signal.size)) for port in self.core.inputs))
+        signals = (port.signal for port in self.core.inputs)
+        u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
         act = self.core.function("act", [self.core.outputs[0].expr, self.core.update])
         force, following = act(u, self.core.x, self.core.p)
         return force, following

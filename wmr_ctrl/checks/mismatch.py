@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from wmr_ctrl.checks.barrier import Phase, drag, phases
+from wmr_ctrl.checks.barrier import Phase, drag, phases, pushed_through
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
@@ -17,11 +15,14 @@ NOTABLE = 0.01
 
 
 def wrong_model(loop: Loop) -> Iterator[Warning]:
-    """Yield the largest steady error that a friction other than the believed one leaves."""
-    if not loop.uses("model."):
+    """Yield the largest steady error that a friction other than the believed one leaves.
+
+    Laws that estimate make up for it, and are not asked.
+    """
+    if not loop.uses("model.") or loop.adaptive or any(pushed_through(loop)):
         return
     offset, phase = max(
-        ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario.robot, loop.scenario.changes)),
+        ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario)),
         key=lambda pair: abs(pair[0]),
     )
     if abs(offset) >= NOTABLE:
@@ -32,7 +33,7 @@ def velocity_error(loop: Loop, phase: Phase) -> float:
     """Steady v1 - v_c0[1] [m/s] on the reference: surplus of force over the law's slope there."""
     v_d = max(operating_points(loop.scenario), key=lambda point: float(abs(point[0])))
     surplus = loop.force_towards(v_d, v_d) - drag(loop.scenario.robot, phase, v_d)
-    return float(-surplus[0] / loop.slope_towards(v_d, v_d)[0])
+    return float(-surplus[0, 0] / loop.slope_towards(v_d, v_d)[0])
 
 
 def _warning(loop: Loop, offset: float, phase: Phase) -> Warning:

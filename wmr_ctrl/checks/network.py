@@ -1,14 +1,15 @@
-"""Width of the network: a wide one learns faster than its own loop can follow."""
+"""Learning of the network: a wide one learns faster than its own loop can follow."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import Floats, Loop
+from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.wording import SPEEDS
@@ -18,15 +19,21 @@ from wmr_ctrl.laws.rbf import corner_basis
 LAW = "nn"
 
 
+def network(loop: Loop) -> Iterator[Warning]:
+    """Yield what the network's width and the control period do to learning."""
+    if loop.law == LAW:
+        yield from unstable_width(loop)
+        yield from learning_too_fast(loop)
+
+
 def unstable_width(loop: Loop) -> Iterator[Warning]:
     """Yield the axes on which learning with the regressor held still is unstable, in one line.
 
     Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
     Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
     """
-    if loop.law != LAW:
-        return
-    gains, size = gains_of(loop.scenario, LAW), largest_square(loop, gains_of(loop.scenario, LAW).eta)
+    gains = gains_of(loop.scenario, LAW)
+    size = largest_square(loop, gains.eta)
     for axis in (1, 0):
         bound = square_bound(loop, axis)
         if size > bound:
@@ -35,22 +42,54 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
             yield Warning(
                 "gains.nn.eta",
                 f"gains.nn.eta = {gains.eta:.4g} makes the network's |S|^2 = {size:.3g} on the "
-                f"reference, above {bound:.3g}: learning of {SPEEDS[axis]} is then unstable in small "
-                f"bursts. Choose eta below {widest:.4g} (eta^2 below {widest**2:.4g}), or "
+                f"reference, above {bound:.3g}: learning of {SPEEDS[axis]} is then unstable, in "
+                f"small bursts. Choose eta below {widest:.4g} (eta^2 below {widest**2:.4g}), or "
                 f"gains.nn.rho1[{axis + 1}] above {needed:.3g}.",
                 "Eqs. (57), (58), linearised",
             )
             return
 
 
+def learning_too_fast(loop: Loop) -> Iterator[Warning]:
+    """Yield the axis on which the weights' Euler step outruns the control period."""
+    size = largest_square(loop, gains_of(loop.scenario, LAW).eta)
+    limits = [learning_limit(loop, axis, size) for axis in (0, 1)]
+    axis, period = int(np.argmin(limits)), loop.scenario.clock.control
+    if period >= limits[axis]:
+        yield Warning(
+            PERIOD,
+            f"clock.control = {period:g} s is above {limits[axis]:.3g} s, where the steps of the "
+            f"weights of {SPEEDS[axis]} are unstable at |S|^2 = {size:.3g}: shorten clock.control, "
+            f"or lower gains.nn.Gamma[{axis + 1}] or gains.nn.eta.",
+            "Eq. (58), by Euler steps",
+        )
+
+
+def learning_limit(loop: Loop, axis: int, size: float) -> float:
+    """Longest period [s] that is stable for velocity and weights of axis 0 or 1.
+
+    ``size`` is |S|^2.
+
+    v' = -a v + W'S/M1 over a held torque, then W'S falls by T (Gamma |S|^2 v + leak W'S); the
+    product of both eigenvalues passes 1 at this T.  The kinematic loop is left out.
+    """
+    gains, mass = gains_of(loop.scenario, LAW), _masses(loop)[axis]
+    a, leak = gains.rho1[axis] / (2 * mass), gains.sigma[axis] * gains.Gamma[axis]
+    b = gains.Gamma[axis] * size / mass
+    if gains.integrator == "explicit":
+        b += a * leak
+    return (a + leak) / b if b > 0 else math.inf
+
+
 def largest_square(loop: Loop, eta: float) -> float:
-    """Largest |S|^2 over the reference at Z = (0, 0, 1, 1, v_d): there the ratio A/(v - v_c1) is 1."""
+    """Largest |S|^2 over the reference, at Z = (0, 0, 1, 1, v_d): A/(v - v_c1) is 1 there."""
     return max(_square(loop, v_d, eta) for v_d in operating_points(loop.scenario))
 
 
 def square_bound(loop: Loop, axis: int) -> float:
     """|S|^2 above which axis 0 or 1 is unstable; inf where rho1 is large enough for any network."""
-    gains, mass, kinematic = gains_of(loop.scenario, LAW), _masses(loop)[axis], _kinematic(loop)[axis]
+    gains = gains_of(loop.scenario, LAW)
+    mass, kinematic = _masses(loop)[axis], _kinematic(loop)[axis]
     a = gains.rho1[axis] / (2 * mass)
     if a >= kinematic or gains.Gamma[axis] == 0:
         return math.inf
@@ -67,8 +106,14 @@ def _kinematic(loop: Loop) -> tuple[float, float]:
 
 
 def _square(loop: Loop, v_d: Floats, eta: float) -> float:
-    z = ca.DM(np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d)))
-    return float(ca.sumsqr(corner_basis(z, ca.DM(eta), ca.DM(gains_of(loop.scenario, LAW).node))))
+    z = np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d))
+    return float(_square_of()(z, eta, gains_of(loop.scenario, LAW).node))
+
+
+@cache
+def _square_of() -> ca.Function:
+    z, eta, node = ca.SX.sym("z", 6), ca.SX.sym("eta"), ca.SX.sym("node")
+    return ca.Function("square", [z, eta, node], [ca.sumsqr(corner_basis(z, eta, node))])
 
 
 def _widest(loop: Loop, bound: float, eta: float) -> float:

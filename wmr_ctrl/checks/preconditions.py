@@ -10,19 +10,15 @@ from wmr_ctrl.laws.gains import kinematic_gains
 from wmr_ctrl.model.references import reference_bounds
 
 THEOREM = "Theorem 1, Eq. (7)"
+STANDSTILL = 1e-9
+"""Desired speed [m/s] that counts as none."""
 
 
 def preconditions(loop: Loop) -> Iterator[Warning]:
     """Yield what of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 does not hold."""
     slowest, fastest, turning = reference_bounds(loop.scenario)
-    if slowest <= 0:
-        yield Warning(
-            "reference",
-            f"v1_d of the reference falls to {_exact(slowest)} m/s; the theorems ask for v1_d > 0. "
-            "While it stands still nothing steers the sideways error e2, and driven backwards it is "
-            "not covered: convergence is not promised there. Ask for a reference that keeps moving.",
-            THEOREM,
-        )
+    if slowest <= STANDSTILL:
+        yield _not_moving(slowest)
     yield from _too_fast(loop, fastest)
     yield from _turning_too_fast(loop, turning)
     k2 = kinematic_gains(loop.scenario).k[1]
@@ -46,8 +42,9 @@ def _too_fast(loop: Loop, fastest: float) -> Iterator[Warning]:
         end = "the robot may not drive that fast and falls behind"
     yield Warning(
         "reference",
-        f"v1_d of the reference reaches {fastest:.4g} m/s, not below limits.v_u2[1] = {threshold:g} "
-        f"m/s (v_u1[1] = {limit:g}): {end}. Ask for a slower reference, or raise v_u2[1].",
+        f"v1_d of the reference reaches {fastest:.4g} m/s, not below limits.v_u2[1] = "
+        f"{threshold:g} m/s (v_u1[1] = {limit:g}): {end}. Ask for a slower reference, or raise "
+        "v_u2[1].",
         THEOREM,
     )
 
@@ -64,5 +61,15 @@ def _turning_too_fast(loop: Loop, turning: float) -> Iterator[Warning]:
         )
 
 
-def _exact(speed: float) -> str:
-    return "0" if abs(speed) < 1e-12 else f"{speed:.4g}"
+def _not_moving(slowest: float) -> Warning:
+    what = (
+        f"falls to {slowest:.4g} m/s, that is backwards"
+        if slowest < -STANDSTILL
+        else "falls to 0, and while it stands still nothing steers the sideways error e2"
+    )
+    return Warning(
+        "reference",
+        f"v1_d of the reference {what}: the theorems ask for v1_d > 0 and promise no convergence "
+        "otherwise. Ask for a reference that keeps moving forwards.",
+        THEOREM,
+    )

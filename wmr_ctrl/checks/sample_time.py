@@ -1,4 +1,4 @@
-"""Control period against what the law's gains allow: linear loop, kink of the barrier, first step."""
+"""Control period against what the gains allow: linear loop, the barrier's kink, first step."""
 
 from __future__ import annotations
 
@@ -40,10 +40,11 @@ def kink_limits(loop: Loop) -> Floats:
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, limit = loop.scenario.clock.control, largest_period(loop)
     if limit < SHORTEST:
+        lower = "the drives' lag or its gains" if loop.scenario.actuator.lag else "its gains"
         yield Warning(
             PERIOD,
-            f"{loop.law} is unstable around the reference at these gains, whatever clock.control is "
-            f"(tried from {SHORTEST:g} s up): lower its gains or the drives' lag.",
+            f"{loop.law} is unstable around the reference at these gains, whatever clock.control "
+            f"is (tried from {SHORTEST:g} s up): lower {lower}.",
             "Eqs. (4), (7), (33)-(35), linearised",
         )
     elif period >= limit:
@@ -59,18 +60,20 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 def _kink(loop: Loop) -> Iterator[Warning]:
     period, limits = loop.scenario.clock.control, kink_limits(loop)
     if (period >= limits).any():
-        named = joined(f"{limit:.4g} s for {name}" for name, limit in zip(SPEEDS, limits, strict=True))
+        pairs = zip(SPEEDS, limits, strict=True)
+        named = joined(f"{limit:.4g} s for {name}" for name, limit in pairs)
         yield Warning(
             PERIOD,
-            f"clock.control = {period:g} s is too long for {loop.law} where the barrier sets in, at "
-            f"v_u2 (the bounds are {named}): while the error is large the velocity will swing about "
+            f"clock.control = {period:g} s is too long for {loop.law} where the barrier sets in, "
+            f"at v_u2 (the bounds are {named}): while the error is large the velocity swings about "
             f"v_u2 and may leave the limit. Choose {SAFE * min(limits):.2g} s or less.",
             "Eqs. (9)-(15), kink at v_u2",
         )
 
 
 def _first_step(loop: Loop) -> Iterator[Warning]:
-    reached, limits = first_speeds(loop), np.array(loop.scenario.limits.v_u1)
+    period, limits = loop.scenario.clock.control, np.array(loop.scenario.limits.v_u1)
+    reached = first_speeds(loop)
     axes = np.flatnonzero(reached > limits)
     if axes.size:
         named = joined(
@@ -78,8 +81,8 @@ def _first_step(loop: Loop) -> Iterator[Warning]:
         )
         yield Warning(
             PERIOD,
-            f"The first torque of {loop.law}, held for clock.control = {loop.scenario.clock.control:g} "
-            f"s, takes {named}: the limit is broken before the second sample. Shorten clock.control, "
-            "or start nearer to the reference.",
+            f"The first torque of {loop.law}, held for clock.control = {period:g} s, takes "
+            f"{named}: the limit is broken before the second sample. Shorten clock.control, or "
+            "start nearer to the reference.",
             "Eqs. (4), (7), one held step",
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -52,7 +53,7 @@ def operating_points(scenario: Scenario) -> list[Floats]:
 
 def closed_loop(loop: Loop, v_d: Floats, period: float) -> Floats:
     """Matrix that takes the loop's state from one sample to the next."""
-    rates, push = _with_lag(*_plant(loop.scenario, v_d), loop.scenario.actuator.lag)
+    rates, push = linear_plant(loop.scenario, tuple(v_d))
     free, forced = zero_order_hold(rates, push, period)
     gain = loop.feedback(v_d, period)
     lag, memory = len(rates) - 5, gain.shape[1] - 5
@@ -85,24 +86,24 @@ def exponential(matrix: Floats) -> Floats:
     return total
 
 
-def _plant(scenario: Scenario, v_d: Floats) -> tuple[Floats, Floats]:
-    """Gradients of (e', v') by (e, v) and by the force, on the reference, for the true robot."""
-    robot = scenario.robot
+@lru_cache(maxsize=256)
+def linear_plant(scenario: Scenario, v_d: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Rates' gradients by (e, v) and, with a lag, by the acting force; and by the force."""
+    robot, lag = scenario.robot, scenario.actuator.lag
     s, force = ca.SX.sym("s", 5), ca.SX.sym("force", 2)
     drag = friction(ca.SX(robot.mu), ca.SX(robot.m), ca.SX(robot.g), ca.SX(robot.v_s), s[3:])
     speeding = acceleration(reduced_mass(ca.SX(robot.m), ca.SX(robot.I)), force, drag)
     rate = ca.vertcat(error_rate(s[:3], s[3:], ca.SX(ca.DM(v_d))), speeding)
     gradient = ca.Function("plant", [s, force], [ca.jacobian(rate, s), ca.jacobian(rate, force)])
-    rates, push = gradient(np.concatenate((np.zeros(3), v_d)), 0)
-    return np.asarray(rates), np.asarray(push)
+    rates, push = (np.asarray(item) for item in gradient(ca.DM([0, 0, 0, *v_d]), 0))
+    return _behind_lag(rates, push, lag) if lag > 0 else (rates, push)
 
 
-def _with_lag(rates: Floats, push: Floats, lag: float) -> tuple[Floats, Floats]:
-    """The plant behind a first-order lag [s] of the force; itself where there is none."""
-    if lag == 0:
-        return rates, push
+def _behind_lag(rates: Floats, push: Floats, lag: float) -> tuple[Floats, Floats]:
+    """The plant behind a first-order lag [s] of the force, which becomes part of the state."""
     decay = np.eye(2) / lag
-    return np.block([[rates, push], [np.zeros((2, len(rates))), -decay]]), np.vstack((np.zeros_like(push), decay))
+    whole = np.block([[rates, push], [np.zeros((2, len(rates))), -decay]])
+    return whole, np.vstack((np.zeros_like(push), decay))
 
 
 def _radius_at(loop: Loop, v_d: Floats) -> Callable[[float], float]:

@@ -15,7 +15,7 @@ def start(loop: Loop) -> Iterator[Warning]:
     """Yield where the run starts outside or at the limit, and a law that does not look at it."""
     limits = loop.scenario.limits
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
-        named = f"initial.velocity[{axis + 1}] = {v:g} {UNITS[axis]}"
+        named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
         if abs(v) > u1:
             yield Warning(
                 "initial.velocity",
@@ -39,10 +39,12 @@ def _blind(loop: Loop) -> Iterator[Warning]:
     limits, asked = np.array(loop.scenario.limits.v_u1), np.abs(loop.start.v_c0)
     axes = np.flatnonzero(asked > limits)
     if axes.size:
-        named = joined(f"|{SPEEDS[i]}| = {asked[i]:.3g} {UNITS[i]} (limit {limits[i]:g})" for i in axes)
+        named = joined(
+            f"|{SPEEDS[i]}| = {asked[i]:.3g} {UNITS[i]} (limit {limits[i]:g})" for i in axes
+        )
         yield Warning(
             "law",
-            f"{loop.law} does not know the velocity limit, and at the start the kinematic loop asks "
-            f"for {named}: expect violations. Choose a barrier law (mb, nn), or start nearer.",
+            f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
+            f"asks for {named}: expect violations. Choose a barrier law (mb, nn), or start nearer.",
             "Eq. (7)",
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -30,10 +31,14 @@ class StartPoint:
 def start_point(scenario: Scenario) -> StartPoint:
     """The scenario at t = 0: Eqs. (8) and (7) there."""
     reference = sample(scenario.reference, np.zeros(1))[0]
-    e = tracking_error(ca.DM(reference[:3]), ca.DM(scenario.initial.pose))
-    v_c0 = auxiliary_velocity(e, ca.DM(reference[3:5]), ca.DM(kinematic_gains(scenario).k))
+    e = tracking_error(_sx(reference[:3]), _sx(scenario.initial.pose))
+    v_c0 = auxiliary_velocity(e, _sx(reference[3:5]), _sx(kinematic_gains(scenario).k))
     return StartPoint(reference, _flat(e), np.array(scenario.initial.velocity), _flat(v_c0))
 
 
-def _flat(column: ca.DM) -> Floats:
-    return np.asarray(column).ravel()
+def _sx(numbers: Any) -> ca.SX:
+    return ca.SX(ca.DM(numbers))
+
+
+def _flat(column: ca.SX) -> Floats:
+    return np.asarray(ca.evalf(column)).ravel()

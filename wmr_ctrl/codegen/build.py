@@ -10,7 +10,8 @@ from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems, plant_phases
 from wmr_ctrl.codegen.manifest import Kernels, manifest
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
-from wmr_ctrl.codegen.toolchain import build_library
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.scenario import Scenario
 
@@ -30,8 +31,16 @@ def build_loop(scenario: Scenario, law: str) -> Kernels:
         law, systems.controller.title, roles, own, plant_phases(scenario, systems.plant)
     )
     generated = sources(roles, loop_kernels(systems))
-    library = build_library(unity(generated))
+    library = _built(unity(generated))
     return Kernels(str(library), described, digest(generated))
+
+
+def _built(files: dict[str, str | bytes]) -> Path:
+    """A library for this very processor; for any of its kind if the compiler cannot do that."""
+    try:
+        return build_library(files, find_toolchain(native=True))
+    except CompilerError:
+        return build_library(files)
 
 
 def unity(generated: dict[str, str]) -> dict[str, str | bytes]:

@@ -74,6 +74,12 @@ def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
             {"d": law.d},
         ),
         kernel(
+            "controller_logged",
+            "Both at once, which costs little more than the sample alone.",
+            {"u": law.u, "x": law.x, "p": law.p},
+            {"next": law.update, "y": law.y, "d": law.d},
+        ),
+        kernel(
             "estimator_step",
             f"{dead.title.capitalize()}.",
             {"u": dead.u, "x": dead.x, "p": dead.p},

@@ -1,24 +1,73 @@
-"""controller: a law's force mapped onto the wheels, as one sampled System."""
+"""controller: law, guard and map onto the wheels, as one sampled System."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import casadi as ca
 
+from wmr_ctrl.laws.applied import Applied
+from wmr_ctrl.laws.guard import guarded_torque
+from wmr_ctrl.laws.guard_bounds import wheel_limit
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.laws.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System
+from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import TORQUE
+from wmr_ctrl.signals import TAU_APPLIED, TORQUE, VELOCITY
 
 
 def controller(scenario: Scenario, law: str) -> System:
-    """The law, then the map onto the wheels' torque limit: outputs tau_right, tau_left [N m]."""
+    """The law, the guard if it is on, then the wheels' limit: tau_right, tau_left [N m].
+
+    A law's input tau_applied becomes state of this System, which remembers what it commanded and
+    what the drives made of it.  Raises ScenarioError where the guard's settings cannot be met.
+    """
     core = LAWS[law].build(scenario)
     p = Parameters(scenario, core.params)
-    r, half_track, tau_max = p.take("robot.r"), p.take("robot.l"), p.take("actuator.tau_max")
-    force = linear_first(core.outputs[0].expr, 2 * tau_max / r, half_track)
-    torque = force_to_wheel(r, half_track, force)
-    outputs = tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE))
-    return replace(core, params=p.ports, outputs=outputs)
+    asked = core.outputs[0].expr
+    known = next((item for item in core.inputs if item.signal == TAU_APPLIED), None)
+    if not (scenario.guard.enabled or known):
+        return _finished(core, p, limited_torque(scenario, p, asked, law))
+    applied = Applied(scenario, p, known)
+    if not scenario.guard.enabled:
+        torque = limited_torque(scenario, p, asked, law)
+        return _finished(core, p, torque, applied.state, applied.following(torque))
+    v = _velocity(core)
+    torque, monitor = guarded_torque(scenario, p, asked, v, applied.value, law)
+    update = [*applied.following(torque), monitor.update]
+    state = (*applied.state, *monitor.state)
+    return _finished(core, p, torque, state, update, monitor.diagnostics)
+
+
+def limited_torque(scenario: Scenario, p: Parameters, asked: ca.SX, law: str) -> ca.SX:
+    """Wheel torques (2,) [N m] of a force without guard, the thrust served first."""
+    r, half_track = p.take("robot.r"), p.take("robot.l")
+    phi = 2 * wheel_limit(scenario, p, law).sym / r
+    return force_to_wheel(r, half_track, linear_first(asked, phi, half_track))
+
+
+def _velocity(core: System) -> ca.SX:
+    names = [item.name for item in VELOCITY]
+    return stack(item.sym for item in core.inputs if item.signal.name in names)
+
+
+def _finished(
+    core: System,
+    p: Parameters,
+    torque: ca.SX,
+    state: tuple[Port, ...] = (),
+    update: list[ca.SX] | None = None,
+    diagnostics: tuple[Output, ...] = (),
+) -> System:
+    """The law's System with the torques as outputs, further state and further diagnostics."""
+    return System(
+        core.name,
+        core.title,
+        tuple(item for item in core.inputs if item.signal != TAU_APPLIED),
+        (*core.state, *state),
+        p.ports,
+        ca.vertcat(core.update, *(update or [])),
+        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
+        (*core.diagnostics, *diagnostics),
+        core.period,
+    )

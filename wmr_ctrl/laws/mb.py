@@ -2,8 +2,11 @@
 
 Source: Eq. (9), Theorem 1.  Differences from the paper: V1/A and q = (v - v_c1)/A are evaluated by
 cancellation-free forms and take their limits where A = 0 (the printed A^-1 := 0 drops the
-feed-forward there); rho is one gain per axis, as Section V uses it.  Choose it when mass, inertia
-and friction are known and the control period is well below the stable limit.
+feed-forward there); rho is one gain per axis, as Section V uses it.  Options that the paper does
+not have: decay = "exact" replaces rho by (1 - exp(-rho T))/T, one Newton step towards the decay
+exp(-rho T) of a whole period, which no period makes overshoot; barrier = "smooth" (`smooth_barrier`).
+Choose it when mass, inertia and friction are known and the control period is well below the stable
+limit.
 """
 
 from __future__ import annotations
@@ -11,7 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmr_ctrl.laws.sample import Sample
+import casadi as ca
+
+from wmr_ctrl.laws.gains import gains_of
+from wmr_ctrl.laws.sample import BARRIERS, Sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.fields import Section, quantity
@@ -26,12 +32,24 @@ class Gains(Section):
     rho: tuple[float, float] = quantity(
         (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis, Eq. (9)", above=0.0
     )
+    decay: str = quantity(
+        "rate", unit="1", doc="what rho means: a rate, or exact over T", options=("rate", "exact")
+    )
+    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
 def build(scenario: Scenario) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
     sample = Sample("mb", scenario)
     command = (
-        -sample.gain("rho") * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
+        -decay_rate(sample) * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
     )
     return sample.system("model-based (MB)", sample.mass * command + sample.friction)
+
+
+def decay_rate(sample: Sample) -> ca.SX:
+    """Rate (2,) [1/s] in front of V1/A: rho, or (1 - exp(-rho T))/T."""
+    rho = sample.gain("rho")
+    if gains_of(sample.scenario, "mb").decay == "rate":
+        return rho
+    return -ca.expm1(-rho * sample.period) / sample.period

@@ -3,7 +3,9 @@
 Source: Eqs. (57), (58), Theorem 2.  Differences from the paper: nodes, width and start weights are
 not given and are READ INTO it (64 nodes on the corners of [-1, 1]^6, shared by both axes, width
 sqrt 2, zero weights); the regressor A/(v - v_c1), unbounded on R2, is capped; V1/A and q by
-cancellation-free forms.  Choose it when mass and friction are unknown or change.
+cancellation-free forms.  Options that the paper does not have: regressor = "q" gives the network
+q = (v - v_c1)/A in (0, 1] instead of its unbounded inverse, barrier = "smooth" (`smooth_barrier`).
+Choose it when mass and friction are unknown or change.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import casadi as ca
 
 from wmr_ctrl.laws.gains import gains_of
 from wmr_ctrl.laws.rbf import corner_basis, dot
-from wmr_ctrl.laws.sample import AXES, Sample
+from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.fields import Section, quantity
@@ -57,6 +59,10 @@ class Gains(Section):
     integrator: str = quantity(
         "explicit", unit="1", doc="Euler step of the weights", options=("explicit", "semi-implicit")
     )
+    regressor: str = quantity(
+        "ratio", unit="1", doc="what the network sees of the barrier", options=("ratio", "q")
+    )
+    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
 def build(scenario: Scenario) -> System:
@@ -74,8 +80,11 @@ def build(scenario: Scenario) -> System:
 
 
 def regressor(sample: Sample) -> ca.SX:
-    """Z = (v_c0', min(A/(v - v_c1), cap), v), 6x1; the ratio is 1/q."""
-    q, cap = sample.per_axis("q"), sample.gain("ratio_cap")
+    """Z = (v_c0', min(A/(v - v_c1), cap), v), 6x1; the ratio is 1/q, or q itself if so chosen."""
+    q = sample.per_axis("q")
+    if gains_of(sample.scenario, "nn").regressor == "q":
+        return ca.vertcat(sample.v_c0_dot, q, sample.v)
+    cap = sample.gain("ratio_cap")
     ratio = [ca.if_else(q[i] * cap > 1, 1 / ca.if_else(q[i] * cap > 1, q[i], 1), cap) for i in AXES]
     return ca.vertcat(sample.v_c0_dot, *ratio, sample.v)
 

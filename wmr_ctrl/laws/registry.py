@@ -18,7 +18,7 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 
-NAMES = ("pid", "smc", "mb", "nn")
+NAMES = ("pid", "smc", "mb", "nn", "prox")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ import casadi as ca
 
 from wmr_ctrl.laws.auxiliary import auxiliary_rate, auxiliary_velocity
 from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.laws.smooth_barrier import smooth_barrier
 from wmr_ctrl.laws.stable_barrier import Barrier, stable_barrier
 from wmr_ctrl.model.dynamics import friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
@@ -19,6 +21,9 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
 
 AXES = (0, 1)
+
+BARRIERS = ("paper", "smooth")
+"""Forms of the barrier function: the paper's, and the one whose slope is continuous."""
 
 
 class Sample:
@@ -71,17 +76,36 @@ class Sample:
     @cached_property
     def friction(self) -> ca.SX:
         """Believed F1 at the measured velocity."""
+        return self.friction_at(self.v)
+
+    def friction_at(self, v: ca.SX) -> ca.SX:
+        """Believed F1 at velocity v (2,)."""
         take = self.parameters.take
-        return friction(
-            take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), self.v
-        )
+        return friction(take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), v)
+
+    @property
+    def u1(self) -> ca.SX:
+        """Limits v_u1 of both axes."""
+        return self.parameters.take("limits.v_u1")
+
+    @property
+    def u2(self) -> ca.SX:
+        """Thresholds v_u2 of both axes."""
+        return self.parameters.take("limits.v_u2")
+
+    @cached_property
+    def smooth(self) -> bool:
+        """Whether the law's gain ``barrier`` asks for the smooth form."""
+        known = self.law in LAWS
+        return known and getattr(gains_of(self.scenario, self.law), "barrier", "") == "smooth"
 
     @cached_property
     def barrier(self) -> tuple[Barrier, Barrier]:
         """Barrier quantities of both axes, Eqs. (10)-(20)."""
-        u1, u2, clip = (self.parameters.take(f"limits.{name}") for name in ("v_u1", "v_u2", "clip"))
+        form = smooth_barrier if self.smooth else stable_barrier
+        u1, u2, clip = self.u1, self.u2, self.parameters.take("limits.clip")
         inside = [ca.fmax(clip - u1[i], ca.fmin(u1[i] - clip, self.v[i])) for i in AXES]
-        first, second = (stable_barrier(self.v_c0[i], inside[i], u1[i], u2[i]) for i in AXES)
+        first, second = (form(self.v_c0[i], inside[i], u1[i], u2[i]) for i in AXES)
         return first, second
 
     def per_axis(self, name: str) -> ca.SX:
@@ -103,14 +127,18 @@ class Sample:
         state: Sequence[Port] = (),
         update: Any = None,
         diagnostics: Sequence[Output] = (),
+        further_inputs: Sequence[Port] = (),
     ) -> System:
-        """The law's System: state and next state, generalised force (N, N m), own diagnostics."""
+        """The law's System: state and next state, generalised force (N, N m), own diagnostics.
+
+        ``further_inputs`` may hold tau_applied; the composition in `controller` supplies it.
+        """
         following = ca.SX(0, 1) if update is None else update
         every = (*self.diagnostics(), *diagnostics)
         return System(
             self.law,
             title,
-            self.inputs,
+            (*self.inputs, *further_inputs),
             tuple(state),
             self.parameters.ports,
             following,

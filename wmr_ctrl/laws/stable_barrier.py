@@ -48,19 +48,29 @@ class Barrier:
 
 
 def stable_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
-    """Barrier quantities of Eqs. (10)-(20) for v_c0 = c and |v| < u1, to full double precision."""
+    """Barrier quantities of Eqs. (10)-(20) for v_c0 = c and |v| < u1, to full double precision.
+
+    Where both stay within u2 there is no barrier: the first operand of each choice.
+    """
+    free = ca.logic_and(ca.fabs(c) <= u2, ca.fabs(v) <= u2)
     s = ca.if_else(c >= 0, 1, -1)
-    axis = _Axis(s * c, s * v, u1, u2)
-    return Barrier(s * axis.x, s * axis.w, axis.lyapunov, s * axis.quotient, axis.q)
+    axis, w = Axis(s * c, s * v, u1, u2), v - c
+    return Barrier(
+        ca.if_else(free, c, s * axis.x),
+        ca.if_else(free, w, s * axis.w),
+        ca.if_else(free, 0.5 * w * w, axis.lyapunov),
+        ca.if_else(free, 0.5 * w, s * axis.quotient),
+        ca.if_else(free, 1, axis.q),
+    )
 
 
 def stable_minimiser(c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """v_c1 of Eqs. (17), (18), with the distance to the limit accurate also for large |c|."""
     s = ca.if_else(c >= 0, 1, -1)
-    return s * _Axis(s * c, c, u1, u2).x
+    return s * Axis(s * c, c, u1, u2).x
 
 
-class _Axis:
+class Axis:
     """One axis, mirrored to c >= 0.  Each property is one line of the table above."""
 
     def __init__(self, c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> None:

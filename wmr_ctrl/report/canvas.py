@@ -23,7 +23,7 @@ class Margins:
     left: float = 0.56
     right: float = 0.10
     bottom: float = 0.40
-    top: float = 0.46
+    top: float = 0.48
 
 
 def size_of(place: Place) -> tuple[float, float]:
@@ -67,11 +67,22 @@ def law_handles(laws: Iterable[str]) -> list[Line2D]:
     ]
 
 
+def switch_handle(time: float) -> Line2D:
+    """The legend's entry for :func:`mark_switch`."""
+    return Line2D([], [], color=MUTED, lw=0.9, ls=(0, (2, 2)), label=f"new parameters, {time:g} s")
+
+
 def legend_row(place: Place, handles: Sequence[Line2D], below: float = 0.24) -> None:
     """A legend in one row, its upper edge ``below`` inches under the place's; never over data."""
     width, height = size_of(place)
     place.legend(handles=handles, ncols=len(handles), loc="upper left",
                  bbox_to_anchor=(0.06 / width, 1 - below / height))  # fmt: skip
+
+
+def include(axes: Axes, levels: Iterable[float]) -> None:
+    """Widen the vertical view, if need be, so that it shows ``levels``."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, *levels), max(high, *levels))
 
 
 def shade_limits(axes: Axes, limit: float, *, both: bool = True) -> None:
@@ -85,17 +96,7 @@ def shade_limits(axes: Axes, limit: float, *, both: bool = True) -> None:
     axes.set_ylim(low, high)
 
 
-def mark_switch(axes: Axes, time: float | None, text: str = "") -> None:
+def mark_switch(axes: Axes, time: float | None) -> None:
     """A thin vertical line where the robot's parameters change, if they do."""
-    if time is None:
-        return
-    axes.axvline(time, color=MUTED, lw=0.8, ls=(0, (2, 2)), zorder=1.2)
-    if text:
-        axes.annotate(text, (time, 1), xycoords=("data", "axes fraction"), xytext=(2, -1),
-                      textcoords="offset points", size=6.5, color=MUTED, va="top")  # fmt: skip
-
-
-def corner_note(axes: Axes, text: str) -> None:
-    """A short note above the right end of the axes."""
-    axes.annotate(text, (1, 1), xycoords="axes fraction", xytext=(0, 2), ha="right", va="bottom",
-                  textcoords="offset points", size=6.5, color=MUTED)  # fmt: skip
+    if time is not None:
+        axes.axvline(time, color=MUTED, lw=0.8, ls=(0, (2, 2)), zorder=1.2)

@@ -19,13 +19,15 @@ def thin(t: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray
     stretches = points // 2
     if count <= points or stretches < 1:
         return t, y
-    edges = np.linspace(0, count, stretches + 1).astype(int)[:-1]
-    kept = {0, count - 1}
-    for first, last in zip(edges, [*edges[1:], count], strict=True):
-        part = y[first:last]
-        if not np.isnan(part).all():
-            kept |= {first + int(np.nanargmin(part)), first + int(np.nanargmax(part))}
-    rows = np.array(sorted(kept))
+    size = -(-count // stretches)
+    padded = np.full(size * -(-count // size), np.nan)
+    padded[:count] = y
+    parts = padded.reshape(-1, size)
+    start = size * np.arange(len(parts))
+    low = start + np.argmin(np.where(np.isnan(parts), np.inf, parts), axis=1)
+    high = start + np.argmax(np.where(np.isnan(parts), -np.inf, parts), axis=1)
+    rows = np.unique(np.concatenate(([0], low, high, [count - 1])))
+    rows = rows[rows < count]
     return t[rows], y[rows]
 
 

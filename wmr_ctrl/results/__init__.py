@@ -4,6 +4,7 @@ Everything here works on a finished :class:`Run`, whichever engine made it; noth
 a trajectory.
 """
 
+from wmr_ctrl.results.assumptions import first_beyond
 from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
 from wmr_ctrl.results.diagnostics import (
     Rises,
@@ -45,6 +46,7 @@ __all__ = [
     "covered",
     "distance",
     "e_rms",
+    "first_beyond",
     "ise",
     "ise_over",
     "json_safe",

@@ -23,7 +23,8 @@ class Monitor:
 
     ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``violations``: number of plant steps
     strictly beyond a limit; ``first_violation``: time [s] and axis of the first of them;
-    ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none).
+    ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
+    ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit.
     Raises ArgumentError where the fields contradict one another.
     """
 
@@ -32,12 +33,13 @@ class Monitor:
     first_violation: Event | None = None
     stopped: Event | None = None
     stop_reason: str = ""
+    bounds_left: Event | None = None
 
     def __post_init__(self) -> None:
         linear, angular = self.max_abs_v
         object.__setattr__(self, "max_abs_v", (float(linear), float(angular)))
         object.__setattr__(self, "violations", operator.index(self.violations))
-        for name in ("first_violation", "stopped"):
+        for name in ("first_violation", "stopped", "bounds_left"):
             object.__setattr__(self, name, _event(name, getattr(self, name)))
         self._check()
 

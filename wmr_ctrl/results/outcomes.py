@@ -14,15 +14,21 @@ class Outcome(StrEnum):
     """How a run ended.  The value is the word that files and ``--json`` show."""
 
     COMPLETED = "completed"
+    BOUNDS_LEFT = "bounds-left"
     LIMIT_VIOLATED = "limit-violated"
     DIVERGED = "diverged"
     NON_FINITE = "non-finite"
 
-    def sentence(self, monitor: Monitor) -> str:
-        """What happened, when [s], on which axis, and the remedy, for the run that was watched."""
-        return _SENTENCES[self].format(
+    def sentence(self, monitor: Monitor, guard: bool = False) -> str:
+        """What happened, when [s], on which axis, and the remedy, for the run that was watched.
+
+        ``guard`` tells whether the velocity guard was on.
+        """
+        text = _GUARDED if guard and self is Outcome.LIMIT_VIOLATED else _SENTENCES[self]
+        return text.format(
             violation=_place(monitor.first_violation),
             stop=_place(monitor.stopped),
+            left=_place(monitor.bounds_left),
             unit=_unit(monitor.stopped),
             bound=f"{DIVERGENCE:g}",
             steps=_steps(monitor.violations),
@@ -34,6 +40,11 @@ _SENTENCES = {
     Outcome.COMPLETED: (
         "The run completed and both velocities stayed within their limits ({extremes}); "
         "nothing needs to be done."
+    ),
+    Outcome.BOUNDS_LEFT: (
+        "The run completed within its limits ({extremes}), but the {left} moved in a way that the "
+        "guard's bounds do not admit, so its guarantee does not cover this run. Widen guard.dbar, "
+        "or guard.M_min and guard.M_max."
     ),
     Outcome.LIMIT_VIOLATED: (
         "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
@@ -50,14 +61,26 @@ _SENTENCES = {
     ),
 }
 
+_GUARDED = (
+    "The velocity limit was broken although the guard was on, first by the {violation}; {steps} "
+    "beyond a limit ({extremes}). The run started outside the limits, or left what the guard "
+    "assumes: compare guard.dbar, M_min, M_max and nbar with the robot, and give the drives neither "
+    "lag nor delay."
+)
+
 
 def outcome_of(monitor: Monitor) -> Outcome:
-    """The gravest thing that the monitor saw: non-finite, diverged, limit-violated, completed."""
+    """The gravest thing that the monitor saw.
+
+    In this order: non-finite, diverged, limit-violated, bounds-left, completed.
+    """
     if monitor.stop_reason == "non-finite" or not all(map(math.isfinite, monitor.max_abs_v)):
         return Outcome.NON_FINITE
     if monitor.stop_reason == "diverged" or max(monitor.max_abs_v) >= DIVERGENCE:
         return Outcome.DIVERGED
-    return Outcome.LIMIT_VIOLATED if monitor.violations else Outcome.COMPLETED
+    if monitor.violations:
+        return Outcome.LIMIT_VIOLATED
+    return Outcome.BOUNDS_LEFT if monitor.bounds_left else Outcome.COMPLETED
 
 
 def _place(event: Event | None) -> str:

@@ -86,7 +86,7 @@ class Run:
     @property
     def explanation(self) -> str:
         """The outcome as a sentence: what, when, which axis, and the remedy."""
-        return self.outcome.sentence(self.monitor)
+        return self.outcome.sentence(self.monitor, self.guard)
 
     @property
     def elements(self) -> tuple[Signal, ...]:

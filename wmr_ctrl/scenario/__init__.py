@@ -15,6 +15,7 @@ from wmr_ctrl.scenario.fields import build as build
 from wmr_ctrl.scenario.fields import quantities as quantities
 from wmr_ctrl.scenario.fields import quantity as quantity
 from wmr_ctrl.scenario.frozen import Frozen as Frozen
+from wmr_ctrl.scenario.guard import Guard as Guard
 from wmr_ctrl.scenario.initial import Initial as Initial
 from wmr_ctrl.scenario.limits import Limits as Limits
 from wmr_ctrl.scenario.metrics import Metrics as Metrics

@@ -35,18 +35,19 @@ def quantity(
     below: float | None = None,
     maximum: float | None = None,
     infinite: bool = False,
+    size: int = 0,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
     Type and size follow from ``default``: a float is a number, an int a whole number, a bool a
     flag, a str a text (one of ``options`` if given), a tuple of floats a vector of that length,
     ``None`` a number that may be left out, ``REQUIRED`` a number that must be given.  ``kind``
-    overrules this (``"points"`` is a list of pairs of any length).  Bounds hold for every
-    element, in ``unit``; ``infinite`` admits inf.
+    overrules this (``"points"`` is a list of pairs of any length); ``size`` makes a field that may
+    be left out a vector.  Bounds hold for every element, in ``unit``; ``infinite`` admits inf.
     """
     bounds = Bounds(above, minimum, below, maximum, infinite)
-    size = len(default) if isinstance(default, tuple) and kind is None else 0
-    what = Quantity(default, unit, doc, bounds, kind or _kind(default), size, options)
+    elements = len(default) if isinstance(default, tuple) and kind is None else size
+    what = Quantity(default, unit, doc, bounds, kind or _kind(default), elements, options)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
         return dataclasses.field(metadata=metadata)

@@ -13,6 +13,7 @@ from wmr_ctrl.scenario.clock import Clock
 from wmr_ctrl.scenario.disturbance import Disturbance
 from wmr_ctrl.scenario.frozen import Frozen
 from wmr_ctrl.scenario.gains import Gains, clean_gains
+from wmr_ctrl.scenario.guard import Guard
 from wmr_ctrl.scenario.initial import Initial
 from wmr_ctrl.scenario.limits import Limits
 from wmr_ctrl.scenario.metrics import Metrics
@@ -22,7 +23,7 @@ from wmr_ctrl.scenario.robot import Model, Robot
 from wmr_ctrl.scenario.sensor import Sensor
 
 Sections: TypeAlias = (
-    Robot | Model | Limits | Initial | Disturbance | Sensor | Actuator | Clock | Metrics
+    Robot | Model | Limits | Initial | Disturbance | Sensor | Actuator | Guard | Clock | Metrics
 )
 
 SECTIONS: dict[str, type[Sections]] = {
@@ -33,6 +34,7 @@ SECTIONS: dict[str, type[Sections]] = {
     "disturbance": Disturbance,
     "sensor": Sensor,
     "actuator": Actuator,
+    "guard": Guard,
     "clock": Clock,
     "metrics": Metrics,
 }
@@ -59,6 +61,7 @@ class Scenario:
     disturbance: Disturbance = field(default_factory=Disturbance)
     sensor: Sensor = field(default_factory=Sensor)
     actuator: Actuator = field(default_factory=Actuator)
+    guard: Guard = field(default_factory=Guard)
     changes: tuple[Change, ...] = ()
     clock: Clock = field(default_factory=Clock)
     metrics: Metrics = field(default_factory=Metrics)

@@ -113,7 +113,8 @@ class Quantity:
     def _vector(self, value: object, path: str) -> tuple[float, ...]:
         items = as_list(value)
         if items is None or len(items) != self.size:
-            rule = f"an array of {self.size} numbers, such as {show(list(self.default))}"
+            example = list(self.default or range(1, self.size + 1))
+            rule = f"an array of {self.size} numbers, such as {show(example)}"
             raise self.refuse(value, path, rule)
         return tuple(self._number(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
 

@@ -85,9 +85,10 @@ def split_columns(signals: tuple[Signal, ...], rows: Floats) -> dict[str, Floats
 
 def settings_of(
     manifest: Mapping[str, Any], scenario: Scenario, seed: int
-) -> tuple[Settings, list[Floats]]:
+) -> tuple[Settings, list[NDArray[Any]]]:
     """``wmr_settings`` of a run, and the arrays that it points into (keep them alive)."""
-    systems, phases, keep = manifest["systems"], manifest["phases"], []
+    systems, phases = manifest["systems"], manifest["phases"]
+    keep: list[NDArray[Any]] = []
 
     def pointer(numbers: Any, kind: Any = REAL) -> Any:
         array = np.ascontiguousarray(
@@ -110,7 +111,8 @@ def settings_of(
         estimator_parameters=pointer(systems["estimator"]["parameter_values"]),
         plant_parameters=pointer([phase["parameters"] for phase in phases]),
         phase_start=pointer([phase["step"] for phase in phases], LONG), phases=len(phases),
-        plant_start=pointer(systems["plant"]["start"]), controller_start=pointer(systems["controller"]["start"]),
+        plant_start=pointer(systems["plant"]["start"]),
+        controller_start=pointer(systems["controller"]["start"]),
         v_u1=scenario.limits.v_u1, pose_every=_pose_every(scenario), pose_noise=sensor.pose_noise,
         correction=sensor.correction, velocity_noise=sensor.velocity_noise,
         torque_std=noise.std, torque_truncate=noise.truncate, key=noise_key(seed),
@@ -147,5 +149,6 @@ def _check_sizes(library: ct.CDLL, struct: type[ct.Structure]) -> None:
         ct.sizeof(struct),
     ):
         raise CompilerError(
-            "the compiled library does not fit this version of wmr_ctrl; clear the build cache and run again."
+            "the compiled library does not fit this version of wmr_ctrl; clear the build cache "
+            "and run again."
         )

@@ -16,13 +16,21 @@ class Settings(ct.Structure):
 
     _fields_ = (
         ("control", REAL), ("plant", REAL), ("samples", LONG), ("substeps", LONG),
-        ("reference_parameters", REALS), ("controller_parameters", REALS), ("estimator_parameters", REALS),
+        ("reference_parameters", REALS), ("controller_parameters", REALS),
+        ("estimator_parameters", REALS),
         ("plant_parameters", REALS), ("phase_start", LONGS), ("phases", LONG),
         ("plant_start", REALS), ("controller_start", REALS), ("v_u1", REAL * 2),
-        ("pose_every", LONG), ("pose_noise", REAL), ("correction", REAL), ("velocity_noise", REAL * 2),
+        ("pose_every", LONG), ("pose_noise", REAL), ("correction", REAL),
+        ("velocity_noise", REAL * 2),
         ("torque_std", REAL), ("torque_truncate", REAL), ("key", WORD * 2),
         ("actuator_ideal", LONG), ("delay_steps", LONG), ("lag_decay", REAL), ("delay_line", REALS),
     )  # fmt: skip
+
+
+class Call(ct.Structure):
+    """``wmr_call``: addresses of a law's inputs, parameters, memory and outputs."""
+
+    _fields_ = tuple((name, ct.c_void_p) for name in ("u", "p", "x", "y"))
 
 
 def loop_struct(systems: Mapping[str, Any]) -> type[ct.Structure]:
@@ -38,9 +46,11 @@ def _loop_struct(plant: int, controller: int, estimator: int) -> type[ct.Structu
 
         _fields_ = (
             ("sample", LONG), ("step", LONG), ("phase", LONG),
-            ("plant", REAL * plant), ("controller", REAL * (controller + 1)), ("estimate", REAL * estimator),
+            ("plant", REAL * plant), ("controller", REAL * (controller + 1)),
+            ("estimate", REAL * estimator),
             ("applied", REAL * 2), ("speed_max", REAL * 2), ("violations", LONG),
-            ("first_step", LONG), ("first_axis", LONG), ("stop", LONG), ("stop_step", LONG), ("stop_axis", LONG),
+            ("first_step", LONG), ("first_axis", LONG),
+            ("stop", LONG), ("stop_step", LONG), ("stop_axis", LONG),
         )  # fmt: skip
 
     return Loop

@@ -22,6 +22,8 @@ class Sight:
     """Its rate [m/s2, rad/s2]."""
     barrier: tuple[Barrier, Barrier]
     """Barrier terms of both axes, on the clipped velocity."""
+    applied: Pair = (0.0, 0.0)
+    """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
 
 
 class Law(Protocol):

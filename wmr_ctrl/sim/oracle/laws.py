@@ -11,6 +11,7 @@ from wmr_ctrl.sim.oracle.law import Law
 from wmr_ctrl.sim.oracle.mb import ModelBased
 from wmr_ctrl.sim.oracle.nn import NeuralNetwork
 from wmr_ctrl.sim.oracle.pid import Pid
+from wmr_ctrl.sim.oracle.prox import Prox
 from wmr_ctrl.sim.oracle.smc import Smc
 
 TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], Law]] = {
@@ -18,6 +19,7 @@ TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], Law]] = {
     "smc": Smc,
     "mb": ModelBased,
     "nn": NeuralNetwork,
+    "prox": Prox,
 }
 
 

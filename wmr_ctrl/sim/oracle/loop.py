@@ -13,6 +13,7 @@ from wmr_ctrl.sim.oracle.actuator import Actuator
 from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
+from wmr_ctrl.sim.oracle.guard import VelocityGuard
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 from wmr_ctrl.sim.oracle.laws import build_law
 from wmr_ctrl.sim.oracle.monitor import Watch
@@ -21,6 +22,7 @@ from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torque
 from wmr_ctrl.sim.oracle.recorder import Recorder
 from wmr_ctrl.sim.oracle.references import reference_of
 from wmr_ctrl.sim.oracle.sensing import Sensor
+from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 from wmr_ctrl.sim.oracle.target import Target
 
 _ROWS_PER_REPORT = 100
@@ -65,9 +67,13 @@ class _Loop:
         self.reference = reference_of(scenario.reference)
         self.sensor = Sensor(scenario.sensor, clock, key)
         self.actuator = Actuator(scenario.actuator, clock.plant)
+        self.applied: Pair = (0.0, 0.0)
+        self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
+        self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
+        self.guard = VelocityGuard(scenario, self.tau_max) if scenario.guard.enabled else None
         self.noise = torque_noise(key, clock.samples, scenario.disturbance)
         self.plants = plants(scenario.robot, scenario.changes, clock)
-        self.log = Recorder(self.law.memory())
+        self.log = Recorder(self._memory())
         self.watch = Watch(scenario.limits.v_u1)
         self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
         self.ended = self.watch.see(0.0, self.state)
@@ -86,15 +92,25 @@ class _Loop:
         """One control step: look, act, log, and let the plant run until the next sample."""
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
-        force = limited_force(
-            self.law.act(sight), self.scenario.actuator.tau_max, self.scenario.robot
-        )
-        torque = wheel_torques(force, self.scenario.robot)
+        torque = wheel_torques(self._force(sight), self.scenario.robot)
         right, left = self.noise[k].tolist()
         self.log.write(self._row(k, target, sight, torque, (right, left)))
+        acted = []
         for j in range(self.clock.substeps):
             if not self.ended:
-                self._plant_step(k * self.clock.substeps + j, torque, (right, left))
+                acted.append(self._plant_step(k * self.clock.substeps + j, torque, (right, left)))
+        self.applied = _mean(acted)
+
+    def _force(self, sight: Sight) -> Pair:
+        """What the law asks for, as far as guard and wheels allow it."""
+        asked = self.law.act(sight)
+        if self.guard is not None:
+            return self.guard.act(asked, sight.v, sight.applied)
+        return limited_force(asked, self.tau_max, self.scenario.robot)
+
+    def _memory(self) -> dict[str, Any]:
+        """Further columns: the law's, then the guard's."""
+        return {**self.law.memory(), **(self.guard.seen if self.guard else {})}
 
     def _look(self, k: int, target: Target) -> Sight:
         pose, v = self.sensor.look(k, self.state)
@@ -102,19 +118,24 @@ class _Loop:
         v_c0 = auxiliary_velocity(e, target, self.k)
         limits = self.scenario.limits
         first, second = (
-            barrier(clip(v[i], u1 - limits.clip), v_c0[i], u1, limits.v_u2[i])
+            self.barrier(clip(v[i], u1 - limits.clip), v_c0[i], u1, limits.v_u2[i])
             for i, u1 in enumerate(limits.v_u1)
         )
-        return Sight(v, v_c0, auxiliary_rate(e, v, target, self.k), (first, second))
+        rate = auxiliary_rate(e, v, target, self.k)
+        return Sight(v, v_c0, rate, (first, second), self.applied)
 
-    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> None:
-        """The plant's step number ``n`` with the parameters of the time at which it starts."""
+    def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
+        """The plant's step number ``n`` with the parameters of the time at which it starts.
+
+        Returns the torque that acted, without noise.
+        """
         while len(self.plants) > 1 and self.plants[1][0] <= n:
             self.plants.pop(0)
         acting = self.actuator.advance(torque)
         total = (acting[0] + noise[0], acting[1] + noise[1])
         self.state = self.plants[0][1].step(self.state, total, self.clock.plant)
         self.ended = self.watch.see((n + 1) * self.clock.plant, self.state)
+        return acting
 
     def _row(
         self, k: int, target: Target, sight: Sight, torque: Pair, noise: Pair
@@ -126,7 +147,7 @@ class _Loop:
         row |= target.columns()
         row |= {"tau_right": torque[0], "tau_left": torque[1]}
         row |= {"noise_right": noise[0], "noise_left": noise[1]}
-        return row | self._diagnostics(target, sight) | self.law.memory()
+        return row | self._diagnostics(target, sight) | self._memory()
 
     def _diagnostics(self, target: Target, sight: Sight) -> dict[str, Any]:
         """Error of the true pose; margin and the rest as the law saw them."""
@@ -140,3 +161,8 @@ class _Loop:
             "q": (first.q, second.q),
             "margin": min(1.0 - abs(v) / u1 for v, u1 in speeds),
         }
+
+
+def _mean(pairs: list[Pair]) -> Pair:
+    count = max(1, len(pairs))
+    return sum(pair[0] for pair in pairs) / count, sum(pair[1] for pair in pairs) / count

@@ -14,7 +14,7 @@ class ModelBased:
     """F = M1 (-rho V1/A + q v_c0') + F1, with the robot as the law believes it to be."""
 
     def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
-        self.rho = gains["rho"]
+        self.rho = [_rate(rho, gains, scenario.clock.control) for rho in gains["rho"]]
         self.believed = scenario.believed
 
     def act(self, sight: Sight) -> Pair:
@@ -33,3 +33,9 @@ class ModelBased:
     def memory(self) -> dict[str, Pair]:
         """Nothing to log."""
         return {}
+
+
+def _rate(rho: float, gains: Mapping[str, Any], T: float) -> float:
+    """rho, or the rate of one Newton step towards exp(-rho T) V1."""
+    exact = gains.get("decay") == "exact"
+    return -math.expm1(-rho * T) / T if exact else rho

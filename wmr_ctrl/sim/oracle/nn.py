@@ -36,13 +36,15 @@ class NeuralNetwork:
 
     def _basis(self, sight: Sight) -> FloatArray:
         """S(Z) (64,) at Z = (v_c0', 1/q, v)."""
-        Z = np.array((*sight.v_c0_dot, *map(self._ratio, sight.barrier), *sight.v))
+        Z = np.array((*sight.v_c0_dot, *map(self._regressor, sight.barrier), *sight.v))
         squares: FloatArray = ((Z - self.nodes) ** 2).sum(axis=1)
         S: FloatArray = np.exp(-squares / self.gains["eta"] ** 2)
         return S
 
-    def _ratio(self, b: Barrier) -> float:
-        """A/(v - v_c1) = 1/q, capped."""
+    def _regressor(self, b: Barrier) -> float:
+        """q, or A/(v - v_c1) = 1/q, capped."""
+        if self.gains.get("regressor") == "q":
+            return b.q
         cap = float(self.gains["ratio_cap"])
         return cap if b.q <= 1.0 / cap else 1.0 / b.q
 

@@ -16,7 +16,9 @@ class Recorder:
 
     def __init__(self, further: Mapping[str, Any]) -> None:
         self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
-        self.sizes.update({name: len(value) for name, value in further.items()})
+        self.sizes.update(
+            {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
+        )
         self.rows: dict[str, list[Any]] = {name: [] for name in self.sizes}
 
     def write(self, row: Mapping[str, Any]) -> None:

@@ -1,0 +1,32 @@
+/* In which states of an instance a function of the standard may be called, as data. */
+#ifndef WMR_CALLS_H
+#define WMR_CALLS_H
+
+#include "instance.h"
+
+#define WMR_ANY_MODE                                                                                \
+    (WMR_IN_START | WMR_IN_INIT | WMR_IN_STEP | WMR_IN_EVENT | WMR_IN_CONTINUOUS | WMR_IN_STOPPED)
+#define WMR_RUNNING_MODES (WMR_IN_STEP | WMR_IN_EVENT | WMR_IN_CONTINUOUS)
+#define WMR_SOLVING_MODES (WMR_IN_INIT | WMR_IN_EVENT | WMR_IN_CONTINUOUS | WMR_IN_STOPPED)
+
+/* A function, and the modes in which it is legal. */
+typedef struct {
+    const char *name;
+    int modes;
+} wmr_call;
+
+/* The instance behind a handle if `call` is legal now; else NULL, and the importer was told. */
+static inline wmr_instance *wmr_legal(void *handle, const wmr_call *call)
+{
+    wmr_instance *s = handle;
+    if (!wmr_is_instance(s)) {
+        return NULL;
+    }
+    if (!(call->modes & s->state.mode)) {
+        wmr_say(s, WMR_ERROR, "%s is not allowed in this state.", call->name);
+        return NULL;
+    }
+    return s;
+}
+
+#endif

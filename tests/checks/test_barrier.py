@@ -1,0 +1,94 @@
+"""How hard the barrier pulls, and whom it cannot hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.checks.barrier import largest_pull, phases
+from wmr_ctrl.checks.mismatch import velocity_error
+
+MODEL = "model"
+
+
+@pytest.mark.parametrize(
+    ("v_c0", "thrust", "moment"),
+    [
+        (0.2, 225.0, 171.0),
+        (0.8, 55.11, 77.76),
+        (2, 51.31, 21.97),
+        (5.8, 32.67, 14.85),
+        (7.17, 25.74, 11.57),
+        (20, 8.52, 3.63),
+        (100, 1.64, 0.68),
+    ],
+)
+def test_largest_resisted_push_of_the_model_based_law(loop, v_c0, thrust, moment):
+    speeds = np.linspace(0, 1, 40001)[1:-1] * np.array([[1.0], [1.5]])
+    force = loop("mb", {"robot.mu": 0}).force_towards(speeds, np.array([v_c0, v_c0]))
+
+    assert -force.min(axis=1) == pytest.approx([thrust, moment], rel=4e-3)
+
+
+@pytest.mark.parametrize(
+    ("v_c0", "thrust", "moment"), [(0.2, 405, None), (0.8, 99.2, None), (1.3, None, 11.9 / 7.5)]
+)
+def test_largest_resisted_push_of_the_network_law(loop, v_c0, thrust, moment):
+    speeds = np.linspace(0, 1, 40001)[1:-1] * np.array([[1.0], [1.5]])
+    force = loop("nn").force_towards(speeds, np.array([v_c0, v_c0]))
+    found = -force.min(axis=1)
+
+    assert thrust is None or found[0] == pytest.approx(thrust, rel=4e-3)
+    assert moment is None or found[1] == pytest.approx(moment, rel=1e-2)
+
+
+def test_pull_at_the_papers_start_is_that_of_its_auxiliary_velocity(loop):
+    at = loop("mb")
+    pull = largest_pull(at, next(phases(at.scenario)))
+
+    assert at.start.v_c0 == pytest.approx([7.174, -3.020], abs=1e-3)
+    assert pull[0] == pytest.approx(25.74, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "when"),
+    [("far-start-friction-overestimated", "at the start"), ("far-start-drop", "from 3 s on")],
+)
+def test_stress_cases_that_break_the_model_based_law_are_foreseen(told, scenario, when):
+    (warning,) = told("mb", scenario=scenario, key=MODEL)
+
+    assert f"cannot hold |v1| below 1 m/s {when}" in warning.sentence
+
+
+@pytest.mark.parametrize("law", ["mb", "nn"])
+@pytest.mark.parametrize("scenario", ["far-start", "paper-experiment", "paper-simulation-nominal"])
+def test_exact_models_are_not_objected_to(told, law, scenario):
+    assert told(law, scenario=scenario, key=MODEL) == []
+
+
+def test_network_law_does_not_depend_on_the_model(told):
+    assert told("nn", scenario="far-start-drop", key=MODEL) == []
+
+
+def test_change_after_the_approach_cannot_push_through(told):
+    late = {"changes": [{"t": 30.0, "mu": 0.0}], "clock.duration": 80}
+    sentences = [w.sentence for w in told("mb", late, scenario="far-start", key=MODEL)]
+
+    assert sentences
+    assert not any("cannot hold" in sentence for sentence in sentences)
+
+
+def test_switch_of_the_paper_leaves_the_model_based_law_behind(loop, told):
+    at = loop("mb", scenario="paper-simulation")
+    *_, heavy = phases(at.scenario)
+    (warning,) = told("mb", scenario="paper-simulation", key=MODEL)
+
+    assert velocity_error(at, heavy) == pytest.approx(-0.150, rel=4e-3)
+    assert "95.6 N from 40 s on where mb believes 39.2 N" in warning.sentence
+    assert "0.015 m behind" in warning.sentence
+
+
+def test_believing_too_much_friction_runs_ahead(told):
+    (warning,) = told("mb", {"model.mu": 0.12}, key=MODEL)
+
+    assert "ahead of the reference" in warning.sentence

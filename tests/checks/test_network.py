@@ -1,0 +1,68 @@
+"""When learning is unstable."""
+
+from __future__ import annotations
+
+import pytest
+
+from wmr_ctrl.checks.network import largest_square, learning_limit, square_bound
+
+ETA, PERIOD = "gains.nn.eta", "clock.control"
+
+
+@pytest.mark.parametrize(("eta2", "square"), [(1, 0.0070), (2, 0.319), (4, 2.79), (10, 15.0)])
+def test_size_of_the_regressor_by_width(loop, eta2, square):
+    assert largest_square(loop("nn"), eta2**0.5) == pytest.approx(square, rel=1e-2)
+
+
+def test_bound_on_the_regressor(loop):
+    assert square_bound(loop("nn"), 1) == pytest.approx(0.054)
+    assert square_bound(loop("nn"), 0) == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("eta2", "node", "warned"),
+    [(1.37, 1, False), (1.376, 1, True), (0.512, 0.5, False), (0.515, 0.5, True)],
+)
+def test_warns_from_the_audited_width_on(told, eta2, node, warned):
+    network = {ETA: eta2**0.5, "gains.nn.node": node}
+
+    assert bool(told("nn", network, key=ETA)) is warned
+
+
+def test_paper_reading_is_told_of_with_both_remedies(told):
+    (warning,) = told("nn", scenario="paper-simulation", key=ETA)
+
+    assert "|S|^2 = 0.319" in warning.sentence
+    assert "above 0.054" in warning.sentence
+    assert "eta^2 below 1.373" in warning.sentence
+    assert "gains.nn.rho1[2] above 43.2" in warning.sentence
+
+
+@pytest.mark.parametrize(("rho1", "warned"), [(43.0, True), (43.3, False)])
+def test_larger_gain_makes_any_width_safe(told, rho1, warned):
+    assert bool(told("nn", {ETA: 50.0, "gains.nn.rho1": (1350, rho1)}, key=ETA)) is warned
+
+
+def test_no_learning_no_warning(told):
+    assert told("nn", {"gains.nn.Gamma": (0, 0)}, key=ETA) == []
+
+
+@pytest.mark.parametrize(
+    ("size", "linear", "angular"),
+    [(1, 0.0362, 0.0140), (4, 0.0095, 0.0035), (16, 0.0024, 0.00087), (64, 0.00060, 0.00022)],
+)
+def test_longest_period_for_the_steps_of_the_weights(loop, size, linear, angular):
+    limits = [learning_limit(loop("nn"), axis, size) for axis in (0, 1)]
+
+    assert limits == pytest.approx([linear, angular], rel=2e-2)
+
+
+def test_wide_network_is_too_much_for_the_papers_period(told):
+    (warning,) = told("nn", {ETA: 2.0}, key=PERIOD)
+
+    assert "steps of the weights of omega are unstable" in warning.sentence
+
+
+@pytest.mark.parametrize("law", ["pid", "smc", "mb"])
+def test_other_laws_have_no_network(told, law):
+    assert told(law, key=ETA) == []

@@ -1,0 +1,52 @@
+"""Noise and drives, which the theorems leave out."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.mark.parametrize("law", ["mb", "nn"])
+def test_noise_leaves_no_guarantee(told, law):
+    (warning,) = told(law, scenario="paper-simulation", key="disturbance.std")
+
+    assert "unbounded" in warning.sentence
+
+
+def test_noise_is_measured_against_the_barriers_pull(told):
+    (warning,) = told("mb", scenario="far-start", key="disturbance.std")
+
+    assert "pushes v1 with 14.1 N rms" in warning.sentence
+    assert "at most 2.33 N" in warning.sentence
+
+
+def test_bounded_noise_is_named_so(told):
+    noise = {"disturbance.std": 0.5, "disturbance.truncate": 3}
+    (warning,) = told("mb", noise, key="disturbance.std")
+
+    assert "0.5 N m rms, cut at 3 times that" in warning.sentence
+
+
+@pytest.mark.parametrize(
+    ("law", "scenario"), [("mb", "paper-simulation-nominal"), ("pid", "far-start")]
+)
+def test_silent_without_noise_and_for_laws_that_promise_nothing(told, law, scenario):
+    assert told(law, scenario=scenario, key="disturbance.std") == []
+
+
+@pytest.mark.parametrize(("tau_max", "warned"), [(1.95, True), (1.97, False)])
+def test_torque_that_friction_uses_up(told, tau_max, warned):
+    limited = {"actuator.tau_max": tau_max}
+
+    assert bool(told("mb", limited, key="actuator.tau_max")) is warned
+
+
+def test_friction_after_a_change_counts_too(told):
+    limited = {"actuator.tau_max": 3.0}
+    (warning,) = told("pid", limited, scenario="paper-simulation", key="actuator.tau_max")
+
+    assert "friction takes 95.6 N" in warning.sentence
+
+
+@pytest.mark.parametrize(("delay", "warned"), [(0.009, False), (0.01, True)])
+def test_delay_of_a_control_period(told, delay, warned):
+    assert bool(told("mb", {"actuator.delay": delay}, key="actuator.delay")) is warned

@@ -1,0 +1,77 @@
+"""Warnings about the control period: linear limit, kink, first step."""
+
+from __future__ import annotations
+
+import pytest
+
+from wmr_ctrl.checks.first_step import first_speeds
+from wmr_ctrl.checks.sample_time import kink_limits
+
+PERIOD = "clock.control"
+
+
+def test_kink_of_the_model_based_law_needs_two_over_rho(loop):
+    assert kink_limits(loop("mb")) == pytest.approx([0.13333, 0.03472], rel=1e-4)
+
+
+def test_kink_of_the_network_law_needs_two_masses_over_rho1(loop):
+    assert kink_limits(loop("nn")) == pytest.approx([2 * 50 / 1350, 2 * 5.4 / 21.6])
+
+
+@pytest.mark.parametrize(
+    ("period", "omega"), [(0.1, 5.87), (0.04, 2.35), (0.03, 1.76), (0.025, 1.468)]
+)
+def test_first_step_of_the_model_based_law(loop, period, omega):
+    held = {PERIOD: period, "clock.duration": 100 * period}
+
+    assert first_speeds(loop("mb", held))[1] == pytest.approx(omega, rel=2e-3)
+
+
+@pytest.mark.parametrize(("law", "v1"), [("mb", 1.155), ("nn", 2.05)])
+def test_first_step_without_coulomb_friction(loop, law, v1):
+    held = {PERIOD: 0.1, "robot.mu": 0}
+
+    assert first_speeds(loop(law, held))[0] == pytest.approx(v1, rel=2e-3)
+
+
+@pytest.mark.parametrize(("period", "told_of"), [(0.03, True), (0.025, False)])
+def test_warns_of_the_first_step_exactly_where_it_leaves_the_limit(told, period, told_of):
+    held = {PERIOD: period, "clock.duration": 100 * period}
+    sentences = [warning.sentence for warning in told("mb", held, key=PERIOD)]
+
+    assert any(sentence.startswith("The first torque") for sentence in sentences) is told_of
+
+
+def test_literal_experiment_is_above_every_bound(told):
+    linear, kink, first = told("mb", scenario="paper-experiment-literal", key=PERIOD)
+
+    assert "0.1 s is above 0.06098 s" in linear.sentence
+    assert "0.1333 s for v1 and 0.03472 s for omega" in kink.sentence
+    assert "takes v1 to" in first.sentence
+    assert "omega to 5.87 rad/s (limit 1.5)" in first.sentence
+
+
+@pytest.mark.parametrize("law", ["pid", "smc", "nn"])
+def test_literal_experiment_breaks_the_limit_with_every_law(told, law):
+    sentences = [w.sentence for w in told(law, scenario="paper-experiment-literal", key=PERIOD)]
+
+    assert any(sentence.startswith("The first torque") for sentence in sentences)
+
+
+@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
+def test_papers_period_is_not_objected_to(told, law):
+    assert told(law, scenario="paper-simulation", key=PERIOD) == []
+
+
+def test_unstable_at_any_period_is_said_so(told):
+    (warning,) = told("mb", {"actuator.lag": 0.3}, key=PERIOD)
+
+    assert "whatever clock.control is" in warning.sentence
+    assert "lower the drives' lag or its gains" in warning.sentence
+
+
+def test_first_step_is_not_judged_outside_the_limit_or_with_slow_drives(told):
+    for overrides in ({"initial.velocity": (1.3, 0)}, {"actuator.lag": 0.01}):
+        sentences = [w.sentence for w in told("mb", {PERIOD: 0.05, **overrides})]
+
+        assert not any(sentence.startswith("The first torque") for sentence in sentences)

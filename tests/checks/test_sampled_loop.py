@@ -1,0 +1,135 @@
+"""The sampled linear loop against known limits, known poles and simulated runs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.checks import largest_stable_period
+from wmr_ctrl.checks.sampled_loop import (
+    closed_loop,
+    exponential,
+    largest_period,
+    operating_points,
+    zero_order_hold,
+)
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.scenario import load_scenario
+
+CIRCLE = np.array([0.2, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("law", "overrides", "known"),
+    [
+        ("mb", {}, 0.06089),
+        ("nn", {}, 0.1480),
+        ("nn", {"robot.m": 65, "robot.I": 7}, 0.1924),
+        ("nn", {"robot.m": 80}, 0.1996),
+    ],
+)
+def test_largest_stable_periods_are_the_audited_ones(loop, law, overrides, known):
+    assert largest_period(loop(law, overrides)) == pytest.approx(known, rel=4e-3)
+
+
+@pytest.mark.parametrize(("period", "radius"), [(0.06, 0.99691), (0.07, 1.3366), (0.1, 2.530)])
+def test_spectral_radii_of_the_model_based_loop(loop, period, radius):
+    eigenvalues = np.linalg.eigvals(closed_loop(loop("mb"), CIRCLE, period))
+
+    assert np.abs(eigenvalues).max() == pytest.approx(radius, rel=2e-4)
+
+
+def test_fast_sampling_shows_the_poles_of_kinematics_and_velocity_loop(loop):
+    eigenvalues = np.linalg.eigvals(closed_loop(loop("mb"), CIRCLE, 1e-4))
+    poles = np.sort(np.log(eigenvalues.astype(complex)).real / 1e-4)
+
+    assert poles == pytest.approx([-28.8, -9.999, -7.5, -3.94934, -0.05166], rel=5e-3)
+
+
+@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
+def test_limit_separates_stable_from_unstable_matrices(loop, law):
+    at = loop(law)
+    limit = largest_period(at)
+
+    def radius(period):
+        return np.abs(np.linalg.eigvals(closed_loop(at, CIRCLE, period))).max()
+
+    assert 0.02 < limit < 1
+    assert radius(0.999 * limit) < 1 < radius(1.001 * limit)
+
+
+@pytest.mark.parametrize(("period", "stays"), [(0.06, True), (0.064, False)])
+def test_simulation_agrees_on_which_side_of_the_limit_it_is(period, stays):
+    near = {
+        "initial.pose": (0.001, 0.001, 0.001 - math.pi / 2),
+        "initial.velocity": (0.2, 0.1),
+        "clock.control": period,
+        "clock.plant": period / 4,
+        "clock.duration": 500 * period,
+    }
+    run = simulate("paper-simulation-nominal", "mb", engine="numpy", overrides=near)
+
+    assert bool(np.abs(run["e"][-50:]).max() < 0.002) is stays
+
+
+def test_lag_beyond_the_loop_leaves_no_stable_period(loop):
+    assert largest_period(loop("mb", {"actuator.lag": 0.3})) == 0
+
+
+def test_small_lag_shortens_the_stable_period_of_a_law_without_feed_forward(loop):
+    periods = [largest_period(loop("pid", {"actuator.lag": lag})) for lag in (0, 0.02, 0.05)]
+
+    assert periods == sorted(periods, reverse=True)
+
+
+def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
+    sizes = {law: closed_loop(loop(law), CIRCLE, 0.01).shape[0] for law in ("smc", "mb", "nn")}
+
+    assert sizes == {"smc": 5, "mb": 5, "nn": 5}
+    assert closed_loop(loop("pid"), CIRCLE, 0.01).shape == (8, 8)
+
+
+def test_constant_references_have_one_operating_point():
+    assert len(operating_points(load_scenario("paper-simulation"))) == 1
+
+
+def test_operating_points_stay_inside_the_thresholds():
+    fast = load_scenario("fast-reference")
+
+    assert all((np.abs(v_d) < fast.limits.v_u2).all() for v_d in operating_points(fast))
+
+
+def test_standing_still_counts_as_stable():
+    stopping = load_scenario("paper-simulation-nominal", {"reference.kind": "stop-and-go"})
+
+    assert largest_stable_period(stopping, "mb") > 0.01
+
+
+def test_unknown_law_is_refused_with_near_names():
+    with pytest.raises(UnknownNameError, match="near: mb"):
+        largest_stable_period(load_scenario("paper-simulation"), "mbb")
+
+
+entries = st.lists(st.floats(-50, 50), min_size=16, max_size=16)
+
+
+@given(entries)
+def test_exponential_is_the_matrix_exponential(numbers):
+    matrix = np.array(numbers).reshape(4, 4)
+    expected = scipy.linalg.expm(matrix)
+
+    scale = math.exp(np.linalg.norm(matrix, 2))
+    assert np.abs(exponential(matrix) - expected).max() <= 1e-10 * scale
+
+
+def test_zero_order_hold_of_a_double_integrator():
+    free, forced = zero_order_hold(np.array([[0.0, 1], [0, 0]]), np.array([[0.0], [1]]), 0.3)
+
+    assert free == pytest.approx(np.array([[1, 0.3], [0, 1]]))
+    assert forced == pytest.approx(np.array([[0.045], [0.3]]))

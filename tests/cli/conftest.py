@@ -1,0 +1,67 @@
+"""The command line, called in this process and as a program of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import wmr_ctrl
+from wmr_ctrl.cli import root
+
+PROGRAM = (sys.executable, "-c", "from wmr_ctrl.cli import main; main()")
+SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
+"""Options of a run that needs neither a compiler nor time."""
+
+
+@pytest.fixture
+def wmr(monkeypatch) -> Callable[..., Result]:
+    """Call `wmr-ctrl` in a terminal of 80 columns; the result has exit_code, stdout, stderr."""
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def call(*args: object) -> Result:
+        return CliRunner().invoke(root, [str(arg) for arg in args])
+
+    return call
+
+
+@pytest.fixture
+def short_run(wmr) -> Callable[..., Result]:
+    """Call `wmr-ctrl run` on a fifth of a second of a scenario."""
+
+    def call(*args: object) -> Result:
+        return wmr("run", *(args or ("paper-simulation",)), *SHORT)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def environment() -> dict[str, str]:
+    """Environment in which a Python process finds this package, installed or not."""
+    found = str(Path(wmr_ctrl.__file__).parents[1])
+    paths = [found, os.environ.get("PYTHONPATH", "")]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths)), "COLUMNS": "80"}
+
+
+@pytest.fixture(scope="session")
+def program_line() -> tuple[str, ...]:
+    """Words that start `wmr-ctrl` as a process of its own."""
+    return PROGRAM
+
+
+@pytest.fixture
+def program(environment, tmp_path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run `wmr-ctrl` as a process in an empty folder."""
+
+    def call(*args: object) -> subprocess.CompletedProcess[str]:
+        command = (*PROGRAM, *(str(arg) for arg in args))
+        return subprocess.run(
+            command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120
+        )
+
+    return call

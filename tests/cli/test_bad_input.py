@@ -1,0 +1,182 @@
+"""Bad input: exit code 2, one paragraph that names the culprit and the remedy, nothing written."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import pytest
+
+RUN = ("run", "paper-simulation", "--engine", "numpy")
+
+CASES = {
+    "command": (("rnu",), "no command is named 'rnu' (near: run"),
+    "law": (("run", "--law", "mbb"), "no law is named 'mbb' (near: mb"),
+    "scenario": (("run", "papersimulation"), "near: paper-simulation"),
+    "engine": (("run", "--engine", "numpi"), "no engine is named 'numpi' (near: numpy"),
+    "option": (("run", "--sed", "1"), "No such option '--sed'"),
+    "option's value": (("run", "--seed", "one"), "'one' is not a whole number from 0 up"),
+    "negative seed": (("run", "--seed", "-1"), "'-1' is not a whole number from 0 up"),
+    "huge seed": ((*RUN, "--seed", str(2**70)), "is not a whole number from 0 up"),
+    "key": ((*RUN, "--set", "robot.mass=1"), "robot.mass is not a key in robot"),
+    "section": ((*RUN, "--set", "robto.m=1"), "near: robot"),
+    "gain": ((*RUN, "--set", "gains.mb.rhoo=1"), "near: rho"),
+    "gains of no law": ((*RUN, "--set", "gains.mbb.rho=1"), "near: mb"),
+    "assignment": ((*RUN, "--set", "robot.m"), "is not KEY=VALUE"),
+    "type": ((*RUN, "--set", "robot.m=heavy"), 'robot.m = "heavy" must be a number'),
+    "NaN": ((*RUN, "--set", "robot.m=nan"), "robot.m = nan must be a finite number"),
+    "negative mass": ((*RUN, "--set", "robot.m=-1"), "robot.m = -1 must be above 0"),
+    "thresholds": ((*RUN, "--set", "limits.v_u2[1]=1.6"), "limits.v_u2[1] = 1.6 must be below"),
+    "periods": ((*RUN, "--set", "clock.control=0.0105"), "whole multiple of clock.plant"),
+    "missing file": (("run", "missing.toml"), "missing.toml"),
+    "no seeds": (("reproduce", "--seeds", "0"), "0 is not in the range"),
+    "no jobs": (("reproduce", "--jobs", "0"), "0 is not in the range"),
+    "one run to compare": (("compare", "a.npz"), "Missing argument 'RUN_B'"),
+    "runs to compare": (("compare", "a.npz", "b.npz"), "cannot read 'a.npz'"),
+    "suffix to compare": (("compare", "a.txt", "b.txt"), ".npz or .csv"),
+    "tolerance": (("compare", "--tolerance", "x", "a.npz", "b.npz"), "'x' is not a valid float"),
+    "scenario to print": (("scenarios", "far"), "near: far-start"),
+    "nothing to print": (("scenarios", "--toml"), "need the NAME of a scenario"),
+    "two forms": (("scenarios", "far-start", "--toml", "--json"), "exclude each other"),
+    "law to check": (("check", "far-start", "--law", "nm"), "near: nn"),
+    "nothing to check": (("check",), "Missing argument 'SCENARIO'"),
+    "suffix of measurements": (("bench", "--json", "a.txt"), "must end in .json"),
+    "suffix of the run": ((*RUN, "--out", "a.txt"), "--out 'a.txt' must end in .npz or .csv"),
+    "suffix of the plot": ((*RUN, "--plot", "a.npz"), "--plot 'a.npz' must end in .png"),
+    "suffix of the film": ((*RUN, "--animate", "a.avi"), "--animate 'a.avi' must end in .gif"),
+    "no suffix": ((*RUN, "--out", "a"), "must end in .npz or .csv"),
+    "folder of the run": ((*RUN, "--out", "no/a.npz"), "Create the folder first"),
+    "folder of the plot": ((*RUN, "--plot", "no/a.png"), "Create the folder first"),
+    "folder of the measurements": (("bench", "--json", "no/a.json"), "Create the folder first"),
+}
+
+
+def assert_one_paragraph(found, words, code=2):
+    assert found.exit_code == code, found.stderr
+    assert found.stdout == ""
+    text = found.stderr.removesuffix("\n")
+    assert text.startswith("error: ")
+    assert "\n\n" not in text
+    assert "Traceback" not in text
+    assert max(map(len, text.splitlines())) <= 80
+    flat = " ".join(text.split())
+    assert words in flat
+    assert re.search(r"[.)]$", flat)
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_bad_input_is_explained_in_one_paragraph(wmr, name, empty_folder):
+    arguments, words = CASES[name]
+
+    assert_one_paragraph(wmr(*arguments), words)
+    assert list(empty_folder.iterdir()) == []
+
+
+def random_bytes():
+    return bytes(range(256)) * 4
+
+
+FILES = {
+    "random bytes": (random_bytes(), "not UTF-8"),
+    "half a table": (b"[robot\nm = 1", "is not valid TOML"),
+    "control characters": (b"[robot]\nm = \x1b[31m1", "is not valid TOML"),
+    "an unknown section": (b"[robbot]\nm = 1", "near: robot"),
+    "a list for a table": (b"robot = [1]", "must be a table"),
+    "a missing base": (b'extends = "papr-simulation"', "near: paper-simulation"),
+    "a missing list of points": (
+        b'[reference]\nkind = "waypoints"\nfile = "points.csv"', "points.csv"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", ["run", "check", "scenarios"])
+@pytest.mark.parametrize("name", FILES)
+def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, command):
+    content, words = FILES[name]
+    (empty_folder / "bad.toml").write_bytes(content)
+
+    found = wmr(command, "./bad.toml")
+
+    assert_one_paragraph(found, words)
+    assert all(c.isprintable() or c == "\n" for c in found.stderr)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"), [("1,2\n", "at least 2"), ("", "at least 2"), ("1,2\n1,x\n", "row 2")]
+)
+def test_bad_waypoints_are_explained(wmr, empty_folder, points, words):
+    (empty_folder / "points.csv").write_text(points)
+    (empty_folder / "path.toml").write_text('[reference]\nkind = "waypoints"\nfile = "points.csv"')
+
+    assert_one_paragraph(wmr("run", "path.toml"), words)
+
+
+def test_foreign_file_is_no_run(wmr, empty_folder):
+    (empty_folder / "a.npz").write_bytes(random_bytes())
+
+    assert_one_paragraph(wmr("compare", "a.npz", "a.npz"), "is not a run")
+
+
+def test_outputs_are_checked_before_anything_runs(wmr, monkeypatch):
+    def never(*_args, **_options):
+        raise AssertionError("ran")
+
+    monkeypatch.setattr("wmr_ctrl.api.simulate", never)
+
+    assert_one_paragraph(wmr(*RUN, "--out", "no/a.npz"), "Create the folder first")
+
+
+def test_results_folder_must_be_a_folder(wmr, empty_folder):
+    (empty_folder / "taken").write_text("")
+
+    assert_one_paragraph(wmr("reproduce", "--out", "taken"), "is a file. Name a folder.")
+    assert_one_paragraph(wmr("reproduce", "--out", "taken/deep"), "is a file. Name a folder.")
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs a user who can be refused")
+def test_protected_folder_is_refused(wmr, empty_folder):
+    protected = empty_folder / "protected"
+    protected.mkdir(mode=0o500)
+
+    assert_one_paragraph(wmr("reproduce", "--out", protected / "a"), "may not be written to")
+
+
+def test_system_errors_name_the_file(wmr, monkeypatch):
+    def full(*_args, **_options):
+        raise OSError(28, "No space left on device", "a.npz")
+
+    monkeypatch.setattr("wmr_ctrl.api.simulate", full)
+
+    assert_one_paragraph(wmr(*RUN, "--set", "disturbance.std=0", "--law", "mb", "--set",
+                             "changes=[]"), "a.npz: No space left on device.")  # fmt: skip
+
+
+def test_faults_ask_for_a_rerun_with_debug(wmr, monkeypatch):
+    def broken(*_args, **_options):
+        raise ZeroDivisionError("oh\ndear")
+
+    monkeypatch.setattr("wmr_ctrl.api.law_table", broken)
+
+    assert_one_paragraph(wmr("laws"), "ZeroDivisionError: oh dear. This should not", code=70)
+
+
+@pytest.mark.parametrize("place", ["before", "after"])
+def test_debug_shows_the_traceback_too(wmr, place):
+    arguments = ("check", "far-start", "--law", "nm")
+    found = wmr(*(("--debug", *arguments) if place == "before" else (*arguments, "--debug")))
+
+    assert found.exit_code == 2
+    assert found.stderr.startswith("Traceback")
+    assert "\nerror: no law is named 'nm'" in found.stderr
+
+
+def test_debug_does_not_outlive_its_command(wmr):
+    wmr("--debug", "laws")
+
+    assert "Traceback" not in wmr("check", "far-start", "--law", "nm").stderr

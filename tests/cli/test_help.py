@@ -1,0 +1,64 @@
+"""Help texts: complete, narrow, quick."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import click
+import pytest
+
+from wmr_ctrl import __version__
+from wmr_ctrl.cli import root
+
+COMMANDS = ("reproduce", "run", "compare", "scenarios", "laws", "check", "bench")
+
+
+def test_commands_are_listed_with_the_main_job_first(wmr):
+    found = wmr("--help")
+
+    assert found.exit_code == 0
+    listed = re.findall(r"^  ([a-z]+) +[A-Z]", found.stdout.partition("Commands:")[2], re.M)
+    assert tuple(listed) == COMMANDS
+
+
+def test_no_command_shows_the_help(wmr):
+    assert wmr().stdout == wmr("--help").stdout
+
+
+@pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])
+def test_help_fits_eighty_columns_and_explains_every_option(wmr, command):
+    lines = wmr(*command, "--help").stdout.splitlines()
+
+    assert max(map(len, lines)) <= 80
+    assert wmr(*command, "-h").stdout.splitlines() == lines
+    for parameter in (root.commands[command[0]] if command else root).params:
+        assert isinstance(parameter, click.Argument) or parameter.help
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_a_short_help_of_one_line(name):
+    short = root.commands[name].short_help
+
+    assert short.endswith(".")
+    assert len(short) < 66
+
+
+def test_version(wmr):
+    assert wmr("--version").stdout == f"wmr-ctrl {__version__}\n"
+
+
+def test_help_imports_nothing_heavy(environment):
+    code = (
+        "import sys\n"
+        "from wmr_ctrl.cli import root\n"
+        "try: root.main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'casadi', 'control', 'matplotlib', 'numpy', 'scipy', 'rich'}\n"
+        "sys.exit(', '.join(sorted(heavy & set(sys.modules))) or 0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True)
+
+    assert done.stderr.decode() == ""
+    assert done.returncode == 0

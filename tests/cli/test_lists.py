@@ -1,0 +1,126 @@
+"""`wmr-ctrl scenarios`, `laws` and `check`."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import pytest
+
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario import preset_names
+
+
+def test_every_scenario_is_listed_with_its_title(wmr):
+    found = wmr("scenarios").stdout
+
+    assert all(f"{name} " in found for name in preset_names())
+    assert max(map(len, found.splitlines())) <= 80
+
+
+def test_list_of_scenarios_as_json(wmr):
+    listed = json.loads(wmr("scenarios", "--json").stdout)
+
+    assert [entry["name"] for entry in listed] == list(preset_names())
+    assert all(entry["title"] for entry in listed)
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_printed_scenario_is_the_scenario(wmr, tmp_path, name):
+    found = wmr("scenarios", name, "--toml")
+    file = tmp_path / f"{name}.toml"
+    file.write_text(found.stdout)
+    printed, preset = scenario_of(file), scenario_of(name)
+
+    assert found.exit_code == 0
+    assert printed.gains.keys() == {"kinematics", *LAWS}
+    for part in vars(preset):
+        assert part == "gains" or getattr(printed, part) == getattr(preset, part)
+
+
+def test_printed_scenario_explains_every_number(wmr):
+    lines = wmr("scenarios", "paper-simulation").stdout.splitlines()
+    numbers = [line for line in lines if " = " in line and not line.startswith(("#", "title"))]
+
+    assert len(numbers) > 40
+    assert all("# " in line for line in numbers)
+
+
+def test_printed_gains_give_the_same_run(wmr, short_run, tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(wmr("scenarios", "paper-simulation", "--toml").stdout)
+    mine, preset = (json.loads(short_run(s, "--json").stdout) for s in (file, "paper-simulation"))
+
+    assert mine["scenario"] == "my"
+    assert mine["ise"] == preset["ise"]
+
+
+def test_overrides_reach_the_printed_scenario(wmr):
+    found = wmr("scenarios", "far-start", "--set", "robot.m=77").stdout
+
+    assert tomllib.loads(found)["robot"]["m"] == 77
+
+
+def test_scenario_as_json(wmr):
+    document = json.loads(wmr("scenarios", "far-start", "--json").stdout)
+
+    assert document["name"] == "far-start"
+    assert document["initial"]["pose"] == [-5.0, -5.0, -0.7]
+    assert document["disturbance"]["truncate"] is None
+
+
+def test_laws(wmr):
+    lines = wmr("laws").stdout.splitlines()
+
+    assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(LAWS)
+
+
+def test_laws_as_json(wmr):
+    listed = json.loads(wmr("laws", "--json").stdout)
+
+    assert [entry["name"] for entry in listed] == list(LAWS)
+
+
+def test_check_tells_theory_for_every_law(wmr):
+    found = wmr("check", "paper-experiment-literal")
+
+    assert found.exit_code == 0
+    assert found.stdout.startswith("paper-experiment-literal is valid")
+    assert all(f"\n{law}, stable around the reference" in found.stdout for law in LAWS)
+    assert "mb, stable around the reference up to clock.control = 0.06098 s" in found.stdout
+    assert max(map(len, found.stdout.splitlines())) <= 80
+
+
+def test_check_says_what_concerns_all_laws_once(wmr):
+    found = wmr("check", "outside-start").stdout
+
+    assert found.count("initial.velocity[1] = 1.3 m/s is outside") == 1
+    assert found.index("all laws") < found.index("initial.velocity[1]") < found.index("\npid,")
+
+
+def test_check_of_one_law_without_objection(wmr):
+    found = wmr("check", "paper-simulation-nominal", "--law", "mb").stdout
+
+    assert found.splitlines()[-1] == "  - no objection"
+    assert "nn," not in found
+
+
+def test_check_as_json(wmr):
+    document = json.loads(wmr("check", "fast-reference", "--law", "mb", "--json").stdout)
+    law = document["laws"]["mb"]
+
+    assert document["valid"] is True
+    assert law["largest_stable_period"] == pytest.approx(0.061, rel=1e-2)
+    assert {"key", "sentence", "equation"} == set(law["warnings"][0])
+    assert "reference" in {warning["key"] for warning in law["warnings"]}
+
+
+def test_check_takes_overrides(wmr):
+    document = json.loads(
+        wmr(
+            "check", "paper-simulation", "--law", "mb", "--set", "clock.control=0.1", "--json"
+        ).stdout
+    )
+
+    assert "clock.control" in {w["key"] for w in document["laws"]["mb"]["warnings"]}

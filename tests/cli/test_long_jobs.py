@@ -1,0 +1,83 @@
+"""`wmr-ctrl reproduce` and `bench`: what they are asked for, and what they answer."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from wmr_ctrl import api
+
+
+class Verdicts(SimpleNamespace):
+    """What the job hands back."""
+
+    def __init__(self, out, agrees):
+        super().__init__(report=Path(out) / "report.html", as_expected=agrees)
+
+    def __str__(self):
+        return "8 claims" if self.as_expected else "8 claims\nCHANGED: claim 2"
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Replace the job by one that agrees, and remember its arguments."""
+    calls = []
+
+    def job(out, **options):
+        options["progress"].start(2, "runs")
+        options["progress"].advance()
+        options["progress"].done()
+        calls.append({"out": str(out), **options})
+        return Verdicts(out, len(calls) == 1)
+
+    monkeypatch.setattr(api, "reproduce", job, raising=False)
+    return calls
+
+
+@pytest.mark.parametrize(
+    ("options", "seeds"),
+    [((), 20), (("--quick",), "quick"), (("--seeds", 7), 7), (("--quick", "--seeds", 1), 1)],
+)
+def test_number_of_seeds(wmr, asked, tmp_path, options, seeds):
+    assert wmr("reproduce", "--out", tmp_path / "r", *options).exit_code == 0
+    assert seeds == ("quick" if asked[0]["quick"] else asked[0]["seeds"])
+    assert asked[0]["jobs"] is None
+
+
+def test_agreement_is_exit_code_0_and_a_difference_1(wmr, asked, tmp_path):
+    same, other = (wmr("reproduce", "--out", tmp_path, "--jobs", 2) for _ in range(2))
+
+    assert same.exit_code == 0
+    assert "report.html" in same.stderr
+    assert other.exit_code == 1
+    assert same.stdout == "8 claims\n"
+    assert other.stdout == "8 claims\nCHANGED: claim 2\n"
+    assert asked[0]["jobs"] == 2
+
+
+@pytest.fixture
+def measured(monkeypatch):
+    found = {"ratios": {"step": {"nn": 1.2345678}, "loop": 2.0}, "times": {"nn": float("nan")}}
+    monkeypatch.setattr(api, "bench", lambda progress: found, raising=False)
+
+
+@pytest.mark.usefixtures("measured")
+def test_bench_prints_ratios(wmr):
+    found = wmr("bench")
+
+    assert found.exit_code == 0, found.stderr
+    assert [line.split() for line in found.stdout.splitlines()[-2:]] == [
+        ["step.nn", "1.235"],
+        ["loop", "2"],
+    ]
+
+
+@pytest.mark.usefixtures("measured")
+def test_bench_writes_all_measurements_as_strict_json(wmr, tmp_path):
+    wmr("bench", "--json", tmp_path / "b.json")
+    document = json.loads((tmp_path / "b.json").read_text(), parse_constant=pytest.fail)
+
+    assert document["times"] == {"nn": None}

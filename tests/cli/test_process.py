@@ -1,0 +1,76 @@
+"""The program as a shell sees it: exit codes, streams, signals, pipes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+
+import pytest
+
+PIPE = subprocess.PIPE
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+
+
+@pytest.fixture
+def started(environment, program_line, tmp_path):
+    """Start `wmr-ctrl` and leave it running."""
+
+    def start(*args, **options):
+        command = (*program_line, *args)
+        return subprocess.Popen(
+            command, stderr=PIPE, text=True, env=environment, cwd=tmp_path, **options
+        )
+
+    return start
+
+
+def test_result_goes_to_stdout_and_talk_to_stderr(program):
+    done = program("run", "--engine", "numpy", "--set", "clock.duration=0.2", "--json")
+
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["outcome"] == "completed"
+    assert done.stderr.startswith("warning: ")
+
+
+@pytest.mark.parametrize("args", [("run", "--law", "mbb"), ("--bogus",), ("run", "no.toml")])
+def test_errors_are_exit_code_2_without_traceback(program, args):
+    done = program(*args)
+
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: ")
+    assert "Traceback" not in done.stderr
+
+
+def test_printed_scenario_runs(program, tmp_path):
+    (tmp_path / "my.toml").write_text(program("scenarios", "far-start", "--toml").stdout)
+    done = program("run", "my.toml", "--engine", "numpy", "--set", "clock.duration=0.1", "--json")
+
+    assert json.loads(done.stdout)["scenario"] == "my"
+
+
+@posix
+@pytest.mark.parametrize("args", [("scenarios", "far-start"), ("laws",), ("check", "far-start")])
+def test_reader_that_leaves_early_is_no_error(started, args):
+    process = started(*args, stdout=PIPE)
+    process.stdout.close()
+
+    _, stderr = process.communicate(timeout=60)
+    assert stderr == ""
+    assert process.returncode == 141
+
+
+@posix
+def test_interruption_is_exit_code_130_and_leaves_nothing(started, tmp_path):
+    args = ("run", "--engine", "numpy", "--set", "clock.duration=4000", "--out", "a.npz")
+    process = started(*args, stdout=PIPE)
+    assert process.stderr.readline().startswith("warning: ")
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+
+    assert process.returncode == 130
+    assert stdout == ""
+    assert stderr.strip().endswith("error: Interrupted.")
+    assert list(tmp_path.iterdir()) == []

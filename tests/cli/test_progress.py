@@ -1,0 +1,80 @@
+"""Progress: lines now and then where there is no terminal, a bar where there is one."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from wmr_ctrl.cli import progress as module
+from wmr_ctrl.cli.progress import Progress
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that goes on by hand."""
+    now = [0.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_short_jobs_are_silent(capsys, clock):
+    with Progress("run") as progress:
+        for i in range(10):
+            clock[0] += 0.9
+            progress(i / 10)
+
+    assert capsys.readouterr() == ("", "")
+
+
+def test_long_jobs_say_now_and_then_how_long_they_still_take(capsys, clock):
+    with Progress("run") as progress:
+        for i in range(1, 41):
+            clock[0] = float(i)
+            progress(i / 40)
+
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines() == [
+        "run: 25 %, about 30 s left",
+        "run: 50 %, about 20 s left",
+        "run: 75 %, about 10 s left",
+        "run: 100 %, about 0 s left",
+    ]
+
+
+def test_phases_count_for_themselves(capsys, clock):
+    with Progress("reproduce") as progress:
+        progress.start(4, "compiling")
+        progress.done()
+        clock[0] = 100.0
+        progress.start(10, "runs")
+        clock[0] = 120.0
+        progress.advance(5)
+
+    assert capsys.readouterr().err == "runs: 50 %, about 20 s left\n"
+
+
+def test_phase_without_steps_is_no_division_by_zero():
+    with Progress("reproduce") as progress:
+        progress.start(0, "nothing")
+        progress.done()
+
+
+def test_terminal_gets_a_bar_that_goes_away(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    with Progress("run", measured=False) as progress:
+        progress(0.5)
+        progress.start(2, "film")
+        progress.advance()
+
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "film" in err
+
+
+def test_error_passes_and_the_bar_is_closed(monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with pytest.raises(ValueError, match="inside"), Progress("run"):
+        raise ValueError("inside")

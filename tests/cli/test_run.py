@@ -1,0 +1,113 @@
+"""`wmr-ctrl run`."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from wmr_ctrl.results import load_run, summary
+
+KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise", "max_abs_v", "violations",
+        "tau_peak", "tau_rms", "e_rms", "provenance"]  # fmt: skip
+
+
+def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):
+    found = short_run("paper-simulation", "--json", "--seed", 3, "--out", tmp_path / "a.npz")
+
+    assert found.exit_code == 0
+    document = json.loads(found.stdout)
+    assert list(document) == KEYS
+    assert document == summary(load_run(tmp_path / "a.npz"))
+    assert (document["law"], document["seed"], document["engine"]) == ("nn", 3, "numpy")
+
+
+def test_native_and_numpy_engines_print_the_same_figures(wmr):
+    common = ("run", "--set", "clock.duration=0.2", "--json", "--law", "mb")
+    native, numpy = (json.loads(wmr(*common, "--engine", e).stdout) for e in ("native", "numpy"))
+
+    assert native["engine"] == "native"
+    assert native["max_abs_v"] == pytest.approx(numpy["max_abs_v"], abs=1e-9)
+
+
+def test_table_tells_outcome_and_limits(short_run):
+    found = short_run("paper-simulation", "--law", "pid")
+
+    assert found.exit_code == 0
+    assert found.stdout.startswith("pid on paper-simulation, seed 0, numpy engine\n")
+    assert "The velocity limit was broken" in found.stdout
+    assert "limit 1 m/s: BROKEN" in found.stdout
+    assert "limit 1.5 rad/s: kept" in found.stdout
+    assert max(map(len, found.stdout.splitlines())) <= 80
+
+
+def test_paper_law_and_scenario_are_the_defaults(wmr):
+    found = wmr("run", "--engine", "numpy", "--set", "clock.duration=0.1", "--json")
+
+    assert json.loads(found.stdout)["scenario"] == "paper-simulation"
+    assert json.loads(found.stdout)["law"] == "nn"
+
+
+def test_warnings_precede_the_run_on_stderr(short_run):
+    found = short_run("paper-experiment-literal", "--law", "mb", "--json")
+
+    assert json.loads(found.stdout)["scenario"] == "paper-experiment-literal"
+    assert found.stderr.count("warning: ") >= 3
+    assert "0.06098 s" in found.stderr
+    assert max(map(len, found.stderr.splitlines())) <= 80
+
+
+def test_outcome_never_decides_the_exit_code(short_run):
+    found = short_run("outside-start", "--json")
+
+    assert json.loads(found.stdout)["outcome"] == "limit-violated"
+    assert found.exit_code == 0
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".NPZ"])
+def test_saved_run_loads(short_run, tmp_path, suffix):
+    found = short_run("paper-simulation", "--out", tmp_path / f"a{suffix}")
+
+    assert "wrote: " in found.stderr
+    assert load_run(tmp_path / f"a{suffix}").rows == 20
+
+
+def test_overrides_reach_the_run(short_run, tmp_path):
+    short_run("paper-simulation", "--set", "clock.control=0.02", "--set", "robot.m = 60",
+              "--out", tmp_path / "a.npz")  # fmt: skip
+    run = load_run(tmp_path / "a.npz")
+
+    assert run.settings.control == 0.02
+    assert "m = 60.0" in run.provenance["scenario_toml"]
+
+
+def test_scenario_of_a_file(short_run, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text("[robot]\nm = 70.0\n")
+
+    assert json.loads(short_run(file, "--json").stdout)["scenario"] == "mine"
+
+
+def test_seed_changes_the_noise_only(short_run):
+    def first(seed):
+        return json.loads(short_run("paper-simulation", "--json", "--seed", seed).stdout)
+
+    assert first(1) == first(1)
+    assert first(1)["ise"] != first(2)["ise"]
+    assert first(1)["provenance"] == first(2)["provenance"]
+
+
+@pytest.mark.parametrize(("option", "name"), [("--plot", "a.svg"), ("--animate", "a.gif")])
+def test_pictures_are_drawn_after_the_run(short_run, tmp_path, monkeypatch, option, name):
+    calls = []
+    plot = pytest.importorskip("wmr_ctrl.report.plot_run")
+    film = pytest.importorskip("wmr_ctrl.report.animate")
+    monkeypatch.setattr(plot, "plot_run", lambda run, path: calls.append((run.law, path)))
+    monkeypatch.setattr(
+        film, "animate_run", lambda run, path, progress: calls.append((run.law, path))
+    )
+    path = str(tmp_path / name)
+    found = short_run("paper-simulation", option, path)
+
+    assert found.exit_code == 0, found.stderr
+    assert calls == [("nn", path)]

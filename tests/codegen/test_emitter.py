@@ -1,0 +1,189 @@
+"""The emitter on graphs of its own: random ones, loops, branches; bit by bit against the VM."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.codegen.compiled import compiled, machine
+from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+
+INPUTS = 6
+
+
+def random_graph(name: str, seed: int) -> Kernel:
+    """A few hundred operations: arithmetic, calls, comparisons, choices inside choices."""
+    draw = np.random.default_rng(seed)
+    x = ca.SX.sym("x", INPUTS)
+    pool = [x[i] for i in range(INPUTS)] + [ca.SX(0.5), ca.SX(-2.0)]
+
+    def pick() -> ca.SX:
+        return pool[-1 - min(int(draw.geometric(0.08)), len(pool)) + 1]
+
+    def guarded(value: ca.SX) -> ca.SX:
+        return 1 + value * value
+
+    def condition() -> ca.SX:
+        first = pick() < pick()
+        kind = draw.integers(4)
+        return (first, ca.logic_not(first), ca.logic_and(first, pick() <= pick()),
+                ca.logic_or(first, pick() > 0))[kind]  # fmt: skip
+
+    makers = (
+        lambda: pick() + pick(),
+        lambda: pick() - pick(),
+        lambda: 0.5 * pick() * ca.cos(pick()),
+        lambda: pick() / guarded(pick()),
+        lambda: ca.sqrt(guarded(pick())) - ca.log(guarded(pick())),
+        lambda: ca.exp(-guarded(pick())),
+        lambda: ca.fmin(pick(), pick()) + ca.fmax(pick(), 0.25),
+        lambda: ca.fabs(pick()) - ca.sign(pick()),
+        lambda: ca.if_else(condition(), ca.sin(pick()), pick() / guarded(pick())),
+        lambda: ca.if_else(condition(), ca.if_else(condition(), ca.exp(-guarded(pick())), 1), 0),
+        lambda: ca.if_else(condition(), condition(), condition()) * pick(),
+    )
+    for _ in range(160):
+        pool.append(makers[draw.integers(len(makers))]() / 2)
+    return kernel(name, "A random graph.", {"x": x}, {"y": ca.vertcat(*pool[-12:])})
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_random_graphs_equal_the_virtual_machine_to_the_bit(native: bool) -> None:
+    kernels = [random_graph(f"random{seed}", seed) for seed in range(25)]
+    draw = np.random.default_rng(1)
+    branches = 0
+    for item, step in zip(kernels, compiled(kernels, native=native), strict=True):
+        branches += definition(item).count("if (")
+        for _ in range(40):
+            x = draw.normal(size=INPUTS) * 10.0 ** draw.integers(-3, 3)
+            assert (step(x) == machine(item)(x)).all(), item.name
+    assert branches > 50
+
+
+def network(lanes: int = 8) -> Kernel:
+    """Tensor product, product with weights in lanes, update: the shape of the network law."""
+    W, z = ca.SX.sym("x", 128), ca.SX.sym("u", 5)
+    basis = [ca.exp(-z[4])]
+    for i in range(6):
+        low, high = ca.exp(-z[i % 4] * (i + 1)), ca.exp(z[i % 4] / (i + 1))
+        basis = [b * low for b in basis] + [b * high for b in basis]
+    outputs = []
+    for axis in range(2):
+        w = W[64 * axis : 64 * axis + 64]
+        sums = [sum(w[j] * basis[j] for j in range(lane, 64, lanes)) for lane in range(lanes)]
+        outputs.append(sum(sums))
+    following = [0.99 * W[j] - z[j // 64] * basis[j % 64] for j in range(128)]
+    return kernel(
+        "network", "A network.", {"u": z, "x": W}, {"y": ca.vertcat(*outputs, *following)}
+    )
+
+
+@pytest.mark.parametrize("lanes", [8, 16])
+def test_loops_equal_the_virtual_machine_to_the_bit(lanes: int) -> None:
+    item = network(lanes)
+    step = compiled([item])[0]
+    draw = np.random.default_rng(0)
+    for _ in range(50):
+        z, W = draw.normal(size=5), draw.normal(size=128)
+        assert (step(z, W) == machine(item)(z, W)).all()
+
+
+def test_networks_become_short_loops() -> None:
+    text = definition(network())
+
+    assert text.count("for (int j = 0; j < 64; ++j)") == 2
+    assert text.count("for (int j = 0; j < 8; ++j)") >= 2
+    assert len(text.splitlines()) < 120
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_runs_of_any_shape_keep_their_values(seed: int) -> None:
+    """Shuffled, shifted and reversed operands; runs that read results of other runs."""
+    draw = np.random.default_rng(seed)
+    x = ca.SX.sym("x", 40)
+    rows = [[x[i] for i in range(40)]]
+    for _ in range(8):
+        before, width = rows[-1], int(draw.integers(8, 24))
+        first, second = draw.integers(0, max(1, len(before) - width), 2)
+        order = draw.permutation(width) if draw.uniform() < 0.3 else np.arange(width)
+        other = before if draw.uniform() < 0.6 else rows[0]
+        row = []
+        for j in range(min(width, len(before) - max(first, second))):
+            left, right = before[first + j], other[(second + order[j % width]) % len(other)]
+            row.append((left + right, left * right, left - right)[seed % 3] / 2)
+        rows.append(row if len(row) > 3 else before)
+    item = kernel(f"runs{seed}", "Runs.", {"x": x}, {"y": ca.vertcat(*rows[-1], *rows[3])})
+    step = compiled([item])[0]
+    for _ in range(20):
+        given = draw.normal(size=40)
+        assert (step(given) == machine(item)(given)).all()
+
+
+def test_a_loop_read_once_needs_no_array() -> None:
+    x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
+    text = definition(
+        kernel("axpy", "A sum.", {"x": x, "k": k}, {"y": ca.vertcat(*((k * x[j] + 1) for j in range(16)))})  # noqa: E501
+    )  # fmt: skip
+
+    assert "double a" not in text
+    assert "y[j] = (k[0] * x[j]) + 1.0" in text.replace("((", "(").replace("));", ");")
+
+
+def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen() -> None:
+    x = ca.SX.sym("x")
+    text = definition(
+        kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, ca.exp(x), ca.log(-x))})
+    )
+    branch = text.index("if (")
+
+    assert text.index("exp(") > branch
+    assert text.index("log(") > text.index("} else {")
+
+
+def test_choices_on_one_condition_share_a_branch() -> None:
+    x = ca.SX.sym("x", 2)
+    free = x[0] > 0
+    outputs = [ca.if_else(free, x[1], ca.exp(x[1]) + k) for k in range(5)]
+    text = definition(kernel("many", "Choices.", {"x": x}, {"y": ca.vertcat(*outputs)}))
+
+    assert text.count("if (") == 1
+    assert text.count("exp(") == 1
+
+
+def test_repeated_division_by_a_parameter_is_multiplication() -> None:
+    u, p = ca.SX.sym("u", 3), ca.SX.sym("p")
+    item = kernel("scaled", "Scaled.", {"u": u, "p": p}, {"y": u / (2 * p)})
+    draw = np.random.default_rng(0)
+
+    assert definition(item).count(" / ") == 1
+    step = compiled([item])[0]
+    for _ in range(20):
+        given = draw.normal(size=3), draw.uniform(0.1, 3, 1)
+        assert step(*given) == pytest.approx(machine(item)(*given), rel=4e-16)
+
+
+def test_results_stand_last() -> None:
+    x = ca.SX.sym("x", 4)
+    text = definition(kernel("two", "Two.", {"x": x}, {"y": ca.vertcat(x[0] * 2, ca.sin(x[1]))}))
+    lines = [line.strip() for line in text.splitlines()]
+
+    assert [line[:4] for line in lines[-3:-1]] == ["y[0]", "y[1]"]
+
+
+def test_tanh_is_right_to_2_ulp_and_odd() -> None:
+    mp = pytest.importorskip("mpmath")
+    x = ca.SX.sym("x")
+    step = compiled([kernel("tanh_of", "tanh.", {"x": x}, {"y": ca.tanh(x)})])[0]
+    draw = np.random.default_rng(0)
+    worst = 0.0
+    with mp.workdps(40):
+        for exponent in draw.uniform(-12, 1.6, 4000):
+            value = 10.0**exponent
+            found, wanted = step(np.array([value]))[0], mp.tanh(mp.mpf(value))
+            worst = max(worst, float(abs(found - wanted) / np.spacing(float(wanted))))
+            assert step(np.array([-value]))[0] == -found
+    assert worst < 2.0
+    assert step(np.array([1e308]))[0] == 1.0
+    assert step(np.array([5e-324]))[0] == 5e-324
+    assert np.isnan(step(np.array([np.nan]))[0])

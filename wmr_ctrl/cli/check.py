@@ -1,0 +1,90 @@
+"""``wmr-ctrl check``: a scenario's validity, and what theory says against running it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wmr_ctrl.cli.console import print_json, wrapped
+from wmr_ctrl.cli.options import debug_option, json_option, load, set_option
+
+if TYPE_CHECKING:
+    from wmr_ctrl.checks import Warning
+    from wmr_ctrl.scenario import Scenario
+
+    Found = Mapping[str, Sequence[Warning]]
+
+
+@click.command(short_help="Validate a scenario without running it.")
+@click.argument("scenario")
+@click.option(
+    "--law",
+    "chosen",
+    metavar="NAME",
+    multiple=True,
+    help="Ask about this law only. May be given several times.  [default: all]",
+)
+@set_option
+@json_option("Print validity, longest stable periods and warnings as one JSON document.")
+@debug_option
+def check(
+    scenario: str, chosen: tuple[str, ...], assignments: tuple[str, ...], as_json: bool
+) -> None:
+    """Validate a scenario without running it, and say what theory has against it.
+
+    SCENARIO is the name of a preset or a TOML file. The exit code is 0 if it is valid, whatever
+    the warnings, and 2 if it is not.
+    """
+    from wmr_ctrl.checks import largest_stable_period, warnings_for
+    from wmr_ctrl.laws import LAWS
+
+    settled = load(scenario, assignments)
+    found = {law: warnings_for(settled, law) for law in chosen or LAWS}
+    periods = {law: largest_stable_period(settled, law) for law in found}
+    if as_json:
+        print_json(_document(settled, found, periods))
+    else:
+        click.echo("\n".join(_lines(settled, found, periods)))
+
+
+def _document(scenario: Scenario, found: Found, periods: Mapping[str, float]) -> dict[str, Any]:
+    laws = {
+        law: {
+            "largest_stable_period": periods[law],
+            "warnings": [asdict(warning) for warning in warnings],
+        }
+        for law, warnings in found.items()
+    }
+    return {"scenario": scenario.name, "valid": True, "laws": laws}
+
+
+def _lines(scenario: Scenario, found: Found, periods: Mapping[str, float]) -> list[str]:
+    title = f" ({scenario.title})" if scenario.title else ""
+    lines = [wrapped(f"{scenario.name} is valid{title}.")]
+    shared = [warning for warning in next(iter(found.values())) if _in_all(warning, found)]
+    if len(found) > 1 and shared:
+        lines += ["", "all laws", *(_item(warning) for warning in shared)]
+    for law, warnings in found.items():
+        own = [warning for warning in warnings if len(found) == 1 or warning not in shared]
+        lines += ["", f"{law}, {_stable(periods[law])}"]
+        lines += [_item(warning) for warning in own] or ["  - no objection"]
+    return lines
+
+
+def _in_all(warning: Warning, found: Found) -> bool:
+    return all(warning in warnings for warnings in found.values())
+
+
+def _item(warning: Warning) -> str:
+    return wrapped(f"- {warning}", indent="  ", hang="  ")
+
+
+def _stable(period: float) -> str:
+    if period == 0:
+        return "stable around the reference at no control period"
+    if period == float("inf"):
+        return "stable around the reference at every control period that was tried"
+    return f"stable around the reference up to clock.control = {period:.4g} s"

@@ -1,0 +1,50 @@
+"""Errors as one paragraph on stderr and an exit code."""
+
+from __future__ import annotations
+
+import traceback
+
+import click
+
+from wmr_ctrl.cli.console import say
+from wmr_ctrl.errors import WmrError
+
+DIFFERENCE, WRONG_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 70, 130, 141
+
+
+def explain(error: Exception, *, debug: bool) -> int:
+    """Tell the user about ``error``, with its traceback if ``debug``; returns the exit code."""
+    if debug:
+        click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
+    text, code = _told(error)
+    say("error", text)
+    return code
+
+
+def _told(error: Exception) -> tuple[str, int]:
+    match error:
+        case click.Abort():
+            return "Interrupted.", INTERRUPTED
+        case click.UsageError(ctx=click.Context() as ctx):
+            return f"{error.format_message()} See '{ctx.command_path} --help'.", WRONG_INPUT
+        case click.ClickException():
+            return error.format_message(), WRONG_INPUT
+        case WmrError():
+            return str(error), WRONG_INPUT
+        case OSError():
+            return _system(error), WRONG_INPUT
+        case _:
+            return _fault(error), FAULT
+
+
+def _system(error: OSError) -> str:
+    reason = error.strerror or str(error) or type(error).__name__
+    where = f"{error.filename}: " if error.filename else ""
+    return f"{where}{reason}. Check that the file exists, may be accessed and fits on the disk."
+
+
+def _fault(error: Exception) -> str:
+    return (
+        f"{type(error).__name__}: {error or 'no message'}. This should not happen: rerun with "
+        "--debug to see where it comes from, and report it together with the command."
+    )

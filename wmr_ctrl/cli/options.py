@@ -1,0 +1,100 @@
+"""Options and arguments that several commands share, and how they are read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wmr_ctrl.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+SCENARIO = "paper-simulation"
+
+
+def _remember_debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if value:
+        ctx.find_root().command.debug = True  # type: ignore[attr-defined]
+
+
+debug_option = click.option(
+    "--debug",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_remember_debug,
+    help="Show the traceback of an error.",
+)
+set_option = click.option(
+    "--set",
+    "assignments",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Override a field of the scenario, such as robot.m=60, limits.v_u2[1]=0.7 or "
+    "gains.mb.rho=15,57.6. May be given several times.",
+)
+scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
+
+
+class Seed(click.ParamType):
+    """A whole number that the noise generator takes."""
+
+    name = "seed"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The number, or click's refusal of anything else."""
+        try:
+            seed = int(value)
+        except ValueError:
+            seed = -1
+        if not 0 <= seed < 2**63:
+            self.fail(f"{value!r} is not a whole number from 0 up to 2^63 - 1.", param, ctx)
+        return seed
+
+
+def json_option(text: str = "Print one JSON document instead.") -> Any:
+    """The option ``--json`` with its own help text."""
+    return click.option("--json", "as_json", is_flag=True, help=text)
+
+
+def examples(*lines: str) -> str:
+    """An epilog that shows command lines as they are."""
+    return "\n".join(("\b", "Examples:", *(f"  {line}" for line in lines)))
+
+
+def load(scenario: str, assignments: Sequence[str] = ()) -> Scenario:
+    """The checked scenario of a preset's name or a file, with ``KEY=VALUE`` texts put on it."""
+    from wmr_ctrl.api import scenario_of
+    from wmr_ctrl.scenario import parse_assignments
+
+    return scenario_of(scenario, parse_assignments(assignments))
+
+
+def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:
+    """Raise, before anything is computed, where a file cannot be written or has another suffix."""
+    from wmr_ctrl.results import check_writable
+
+    if path is None:
+        return
+    if Path(path).suffix.lower() not in suffixes:
+        raise ArgumentError(
+            f"{option} {path!r} must end in {' or '.join(suffixes)}: the suffix chooses the format."
+        )
+    check_writable(path)
+
+
+def check_folder(path: str, option: str) -> None:
+    """Raise where a folder cannot be made or written to; nothing is touched."""
+    folder = Path(path)
+    nearest = next(item for item in (folder, *folder.absolute().parents) if item.exists())
+    if not nearest.is_dir():
+        raise ArgumentError(f"{option} {path!r}: {nearest} is a file. Name a folder.")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ArgumentError(
+            f"{option} {path!r}: {nearest} may not be written to. Name another folder."
+        )

@@ -1,0 +1,123 @@
+"""Progress on stderr: a bar with the time left in a terminal, now and then a line elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Any, Protocol, Self
+
+import click
+
+INTERVAL = 10.0
+"""Seconds between two lines where stderr is no terminal; shorter jobs say nothing."""
+
+
+class Display(Protocol):
+    """Where progress is shown."""
+
+    def phase(self, text: str, measured: bool) -> None:
+        """A phase begins; ``measured`` if its share will be known."""
+
+    def share(self, share: float) -> None:
+        """Share of the phase that is done, 0 to 1."""
+
+    def close(self) -> None:
+        """Nothing is shown any more."""
+
+
+class Progress:
+    """Context in which a job tells of its progress, in either of two ways.
+
+    Called with the share that is done; or by ``start(total, text)``, ``advance(count)`` and
+    ``done()`` for each phase.
+    """
+
+    def __init__(self, text: str, *, measured: bool = True) -> None:
+        """Begin with a phase called ``text``; not ``measured``: only that something is going on."""
+        self._text, self._measured = text, measured
+        self._total, self._count = 1, 0
+
+    def __enter__(self) -> Self:
+        """Begin to show."""
+        self._display: Display = Bar() if sys.stderr.isatty() else Lines()
+        self._display.phase(self._text, self._measured)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Clear what was shown, also after an error."""
+        self._display.close()
+
+    def __call__(self, share: float) -> None:
+        """``share`` (0 to 1) of the present phase is done."""
+        self._display.share(share)
+
+    def start(self, total: int, text: str) -> None:
+        """A phase of ``total`` steps begins."""
+        self._total, self._count = max(1, total), 0
+        self._display.phase(text, measured=True)
+
+    def advance(self, count: int = 1) -> None:
+        """``count`` further steps of the phase are done."""
+        self._count += count
+        self(self._count / self._total)
+
+    def done(self) -> None:
+        """The phase is over."""
+        self(1.0)
+
+
+class Bar:
+    """A bar that rich draws, and that vanishes at the end."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Rich
+
+        text, share, left = "{task.description}", TaskProgressColumn(), TimeRemainingColumn()
+        columns = (TextColumn(text), BarColumn(), share, left, TextColumn("left"))
+        self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
+        self._task: Any = None
+        self._rich.start()
+
+    def phase(self, text: str, measured: bool) -> None:
+        """Replace the bar."""
+        if self._task is not None:
+            self._rich.remove_task(self._task)
+        self._task = self._rich.add_task(text, total=1.0 if measured else None)
+
+    def share(self, share: float) -> None:
+        """Move the bar."""
+        self._rich.update(self._task, completed=share, total=1.0)
+
+    def close(self) -> None:
+        """Clear the bar."""
+        self._rich.stop()
+
+
+class Lines:
+    """A line every ten seconds: for logs."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def phase(self, text: str, measured: bool) -> None:
+        """Remember what is going on and since when."""
+        self._text, self._begin = text, time.monotonic()
+
+    def share(self, share: float) -> None:
+        """Say so if the last line is long enough ago."""
+        now = time.monotonic()
+        if now - self._last >= INTERVAL and share > 0:
+            self._last = now
+            left = (now - self._begin) * (1 - share) / share
+            click.echo(f"{self._text}: {100 * share:.0f} %, about {left:.0f} s left", err=True)
+
+    def close(self) -> None:
+        """Nothing to clear."""

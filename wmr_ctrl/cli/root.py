@@ -1,0 +1,117 @@
+"""The group of all commands, and what becomes of their errors."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, NoReturn
+
+import click
+
+from wmr_ctrl import __version__
+from wmr_ctrl.cli.bench import bench
+from wmr_ctrl.cli.check import check
+from wmr_ctrl.cli.compare import compare
+from wmr_ctrl.cli.failures import BROKEN_PIPE, explain
+from wmr_ctrl.cli.laws import laws
+from wmr_ctrl.cli.options import debug_option
+from wmr_ctrl.cli.reproduce import reproduce
+from wmr_ctrl.cli.run import run
+from wmr_ctrl.cli.scenarios import scenarios
+from wmr_ctrl.errors import UnknownNameError
+
+PROGRAM = "wmr-ctrl"
+
+EPILOG = """\b
+Examples:
+  wmr-ctrl reproduce --quick        the paper's Sections V and VI, 3 seeds
+  wmr-ctrl run far-start --law mb   one run
+  wmr-ctrl run --help               options and examples of a command
+
+\b
+Exit codes:
+  0    done
+  1    `reproduce` found other verdicts, `compare` found a difference
+  2    wrong input, explained in one paragraph on stderr
+  70   a fault of wmr-ctrl itself
+  130  interrupted
+"""
+
+
+class Root(click.Group):
+    """Commands in the order in which they are listed; every error ends as one paragraph."""
+
+    debug = False
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names in the order of definition."""
+        return list(self.commands)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is meant; UnknownNameError, with near names, for others."""
+        if args[0] not in self.commands and not args[0].startswith("-"):
+            raise UnknownNameError("command", args[0], self.commands)
+        return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; a reader that went away (``| head``) ends it quietly."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            _drop_stdout()
+            raise click.exceptions.Exit(BROKEN_PIPE) from None
+        return result
+
+    def main(  # type: ignore[override]  # never returns
+        self, args: Sequence[str] | None = None, prog_name: str | None = None, **extra: Any
+    ) -> NoReturn:
+        """Parse, run and exit; every exception becomes a message and an exit code."""
+        self.debug = False
+        extra["standalone_mode"] = False
+        try:
+            code = super().main(args, prog_name or PROGRAM, **extra)
+        except Exception as error:  # whatever it is, the user gets a paragraph
+            code = explain(error, debug=self.debug)
+        sys.exit(code if isinstance(code, int) else 0)
+
+
+def _drop_stdout() -> None:
+    """Let the interpreter's last flush go nowhere."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@click.group(
+    PROGRAM,
+    cls=Root,
+    invoke_without_command=True,
+    epilog=EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"], "show_default": True},
+)
+@click.version_option(__version__, prog_name=PROGRAM, message="%(prog)s %(version)s")
+@debug_option
+@click.pass_context
+def root(ctx: click.Context) -> None:
+    """Velocity-constrained control of wheeled mobile robots.
+
+    Reruns the experiments of Z. Chen, Y. Liu, W. He, H. Qiao and H. Ji,
+    "Adaptive-Neural-Network-Based Trajectory Tracking Control for a Nonholonomic Wheeled Mobile
+    Robot With Velocity Constraints" (IEEE Transactions on Industrial Electronics, 2021), judges
+    its claims, and runs the control laws on scenarios of your own.
+    """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+for _command in (reproduce, run, compare, scenarios, laws, check, bench):
+    root.add_command(_command)
+
+
+def main() -> NoReturn:
+    """Entry point of ``wmr-ctrl``."""
+    root.main()

@@ -1,0 +1,118 @@
+"""``wmr-ctrl run``: one law on one scenario."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.options import (
+    Seed,
+    check_output,
+    debug_option,
+    examples,
+    json_option,
+    load,
+    scenario_argument,
+    set_option,
+)
+from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results import Run
+    from wmr_ctrl.scenario import Scenario
+
+RUNS, PLOTS, ANIMATIONS = (".npz", ".csv"), (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
+
+
+@click.command(
+    short_help="Run one law on one scenario.",
+    epilog=examples(
+        "wmr-ctrl run                          # law and scenario of the paper",
+        "wmr-ctrl run far-start --law mb --plot mb.png",
+        "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
+    ),
+)
+@scenario_argument
+@click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
+@click.option(
+    "--engine",
+    default="native",
+    metavar="native|numpy",
+    help="Compiled C, or NumPy: slow, needs no compiler.",
+)
+@set_option
+@click.option("--out", metavar="FILE", help="Save the run: .npz or .csv.")
+@click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
+@click.option("--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html.")
+@json_option("Print outcome and figures as one JSON document.")
+@debug_option
+def run(
+    scenario: str,
+    law: str,
+    seed: int,
+    engine: str,
+    assignments: tuple[str, ...],
+    out: str | None,
+    plot: str | None,
+    animate: str | None,
+    as_json: bool,
+) -> None:
+    """Run one law on one scenario, and print how it went.
+
+    SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What theory says
+    against the run is printed on stderr before it. A run that breaks the velocity limit or
+    diverges is a result like any other: the exit code is 0, and the outcome says so.
+    """
+    check_output(out, RUNS, "--out")
+    check_output(plot, PLOTS, "--plot")
+    check_output(animate, ANIMATIONS, "--animate")
+    settled = load(scenario, assignments)
+    finished = _simulated(settled, law, seed, engine)
+    _write(finished, out, plot, animate)
+    _show(finished, as_json)
+
+
+def _simulated(scenario: Scenario, law: str, seed: int, engine: str) -> Run:
+    from wmr_ctrl import api
+    from wmr_ctrl.checks import warnings_for
+
+    if engine not in api.ENGINES:
+        raise UnknownNameError("engine", engine, api.ENGINES)
+    for warning in warnings_for(scenario, law):
+        say("warning", str(warning))
+    with Progress(f"{law} on {scenario.name}", measured=engine == "numpy") as progress:
+        return api.simulate(scenario, law, seed=seed, engine=engine, progress=progress)
+
+
+def _write(run: Run, out: str | None, plot: str | None, animate: str | None) -> None:
+    if out:
+        from wmr_ctrl.results import save_run
+
+        save_run(run, out)
+        say("wrote", out)
+    if plot:
+        from wmr_ctrl.report.plot_run import plot_run
+
+        plot_run(run, plot)
+        say("wrote", plot)
+    if animate:
+        from wmr_ctrl.report.animate import animate_run
+
+        with Progress("animation") as progress:
+            animate_run(run, animate, progress=progress)
+        say("wrote", animate)
+
+
+def _show(run: Run, as_json: bool) -> None:
+    from wmr_ctrl.results import summary
+
+    if as_json:
+        print_json(summary(run))
+    else:
+        from wmr_ctrl.cli.summary import summary_text
+
+        click.echo(summary_text(run))

@@ -1,0 +1,59 @@
+"""A run's figures for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from wmr_ctrl.cli.console import table, wrapped
+from wmr_ctrl.results import Run, summary
+
+MISSING = "- (not reached)"
+Row = tuple[str, str, str]
+
+
+def summary_text(run: Run) -> str:
+    """What was run, how it ended, and its figures as a table."""
+    guarded = ", guarded" if run.guard else ""
+    head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
+    parts = (head, wrapped(run.explanation), table(_rows(run, summary(run))))
+    return "\n\n".join(parts)
+
+
+def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    yield from _errors(run, figures)
+    yield from _velocities(run, figures)
+    yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
+    since = f"from {run.settings.rms_from:g} s on"
+    yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
+
+
+def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    ise, split = figures["ise"], run.settings.split
+    yield "ISE", _number(ise["total"]), "m2 s + rad2 s"
+    yield f"ISE before {split:g} s", _number(ise["before"]), ""
+    yield f"ISE from {split:g} s on", _number(ise["after"]), ""
+    yield "ISE of the position", _number(ise["position"], "m2 s"), ""
+    for window, values in figures["e_rms"].items():
+        if values:
+            yield f"RMS of e, {window} s", _vector(values), "Eq. (8)"
+
+
+def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    named = (("|v1|", "m/s"), ("|omega|", "rad/s"))
+    limits = run.settings.v_u1
+    for (name, unit), value, limit in zip(named, figures["max_abs_v"], limits, strict=True):
+        verdict = "kept" if value is not None and value <= limit else "BROKEN"
+        yield f"largest {name}", _number(value, unit), f"limit {limit:g} {unit}: {verdict}"
+    if figures["violations"]:
+        steps = f"{figures['violations']} plant steps"
+        yield "beyond a limit", steps, f"of {run.settings.plant:g} s"
+
+
+def _number(value: float | None, unit: str = "") -> str:
+    return MISSING if value is None else f"{value:.4g} {unit}".strip()
+
+
+def _vector(values: Sequence[float]) -> str:
+    e1, e2, e3 = values
+    return f"{e1:.3g} m, {e2:.3g} m, {e3:.3g} rad"

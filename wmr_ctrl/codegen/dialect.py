@@ -1,0 +1,115 @@
+"""How an operation is written in C: for one robot in doubles, or for lanes of robots in vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import casadi as ca
+
+_SHARED = {
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}",
+    ca.OP_EQ: "{0} == {1}",
+    ca.OP_NE: "{0} != {1}",
+    ca.OP_FMIN: "wmr_min({0}, {1})",
+    ca.OP_FMAX: "wmr_max({0}, {1})",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_SIGN: "wmr_sign({0})",
+    ca.OP_TANH: "wmr_tanh({0})",
+}
+_SCALAR = {
+    **_SHARED,
+    ca.OP_AND: "{0} && {1}",
+    ca.OP_OR: "{0} || {1}",
+    ca.OP_NOT: "!{0}",
+    ca.OP_TWICE: "2.0 * {0}",
+    ca.OP_INV: "1.0 / {0}",
+    ca.OP_FABS: "fabs({0})",
+    ca.OP_SQRT: "sqrt({0})",
+    ca.OP_EXP: "exp({0})",
+    ca.OP_LOG: "log({0})",
+    ca.OP_LOG1P: "log1p({0})",
+    ca.OP_EXPM1: "expm1({0})",
+    ca.OP_SIN: "sin({0})",
+    ca.OP_COS: "cos({0})",
+    ca.OP_TAN: "tan({0})",
+    ca.OP_ASIN: "asin({0})",
+    ca.OP_ACOS: "acos({0})",
+    ca.OP_ATAN: "atan({0})",
+    ca.OP_ATAN2: "atan2({0}, {1})",
+    ca.OP_SINH: "sinh({0})",
+    ca.OP_COSH: "cosh({0})",
+    ca.OP_HYPOT: "hypot({0}, {1})",
+    ca.OP_POW: "pow({0}, {1})",
+    ca.OP_CONSTPOW: "pow({0}, {1})",
+    ca.OP_COPYSIGN: "copysign({0}, {1})",
+    ca.OP_FLOOR: "floor({0})",
+    ca.OP_CEIL: "ceil({0})",
+}
+_VECTOR = {
+    **_SHARED,
+    ca.OP_AND: "{0} & {1}",
+    ca.OP_OR: "{0} | {1}",
+    ca.OP_NOT: "~{0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "wmr_all(1.0) / {0}",
+    ca.OP_FABS: "wmr_abs({0})",
+    ca.OP_SQRT: "wmr_sqrt({0})",
+    ca.OP_EXP: "wmr_exp({0})",
+    ca.OP_LOG: "wmr_log({0})",
+    ca.OP_SIN: "wmr_sin({0})",
+    ca.OP_COS: "wmr_cos({0})",
+}
+TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
+"""Operations whose operands are truth values."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Types and patterns of one way to write C; ``prefix`` starts the functions' names."""
+
+    prefix: str
+    real: str
+    truth: str
+    patterns: Mapping[int, str]
+    lanes: bool
+
+    def pattern(self, op: int) -> str:
+        """The expression of an operation, with {0} and {1} for its operands."""
+        if op not in self.patterns:
+            raise NotImplementedError(
+                f"CasADi operation {op} has no C form in wmr_ctrl.codegen.dialect"
+            )
+        return self.patterns[op]
+
+    def number(self, value: float) -> str:
+        """A constant."""
+        text = repr(float(value))
+        named = {"inf": "WMR_INF", "-inf": "(-WMR_INF)", "nan": "WMR_NAN"}
+        text = named.get(text, f"({text})" if text.startswith("-") else text)
+        return f"wmr_all({text})" if self.lanes else text
+
+    def choice(self, condition: str, yes: str, no: str) -> str:
+        """A choice between two values."""
+        if self.lanes:
+            return f"wmr_choose({condition}, {yes}, {no})"
+        return f"{condition} ? {yes} : {no}"
+
+    def as_real(self, truth: str) -> str:
+        """A truth value as the number 1 or 0."""
+        return f"wmr_number({truth})" if self.lanes else truth
+
+    def as_truth(self, real: str) -> str:
+        """A number as a truth value: whether it is not 0."""
+        return f"wmr_truth({real})" if self.lanes else real
+
+
+SCALAR = Dialect("wmr_", "double", "int", MappingProxyType(_SCALAR), lanes=False)
+LANES = Dialect("wmr_", "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)

@@ -1,0 +1,199 @@
+"""A CasADi function read into single assignments: what the emitter works on.
+
+CasADi lists instructions on reused work slots and writes a choice as (c ? a : 0) + (!c ? b : 0).
+Here every value has one number, equal expressions share it, and a choice is one operation.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import casadi as ca
+
+PARAMETERS = "p"
+"""Name of the input vector that stays the same during a run."""
+
+SELECT = -1
+"""Operation (condition, value if true, value if false); all others are CasADi's."""
+
+LOGICAL = frozenset(
+    {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_NOT}
+)  # fmt: skip
+_CALLS = frozenset(
+    {
+        ca.OP_EXP, ca.OP_LOG, ca.OP_LOG1P, ca.OP_EXPM1, ca.OP_SIN, ca.OP_COS, ca.OP_TAN,
+        ca.OP_TANH, ca.OP_SINH, ca.OP_COSH, ca.OP_ASIN, ca.OP_ACOS, ca.OP_ATAN, ca.OP_ATAN2,
+        ca.OP_POW, ca.OP_CONSTPOW, ca.OP_HYPOT,
+    }
+)  # fmt: skip
+_SLOW = frozenset({ca.OP_DIV, ca.OP_INV, ca.OP_SQRT})
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One value: operation and operands, a constant's number, or an input's vector and index."""
+
+    op: int
+    operands: tuple[int, ...] = ()
+    number: float = 0.0
+    place: tuple[str, int] | None = None
+
+    @property
+    def leaf(self) -> bool:
+        """Whether it is a constant or an input, which take no statement."""
+        return self.op in (ca.OP_CONST, ca.OP_INPUT)
+
+
+@dataclass(frozen=True)
+class Store:
+    """A result: element ``index`` of vector ``vector`` takes the value ``node``."""
+
+    vector: str
+    index: int
+    node: int
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Values in an order of execution, and the results among them."""
+
+    nodes: tuple[Node, ...]
+    stores: tuple[Store, ...]
+
+    def is_logical(self, number: int) -> bool:
+        """Whether a value is a truth value: a comparison, or a choice between such."""
+        node = self.nodes[number]
+        if node.op != SELECT:
+            return node.op in LOGICAL
+        arms = [arm for arm in node.operands[1:] if not self._is_bit(arm)]
+        return bool(arms) and all(self.is_logical(arm) for arm in arms)
+
+    def cost(self, number: int) -> int:
+        """Rough price of one operation: 20 for a call, 5 for a division or root, else 1."""
+        op = self.nodes[number].op
+        return 20 if op in _CALLS else 5 if op in _SLOW else 1
+
+    def _is_bit(self, number: int) -> bool:
+        node = self.nodes[number]
+        return node.op == ca.OP_CONST and node.number in (0.0, 1.0)
+
+
+def read(function: ca.Function, inputs: Iterable[str], outputs: Iterable[str]) -> Graph:
+    """The graph of an SX function whose vectors have these names; values unused are left out."""
+    reader = _Reader(function, tuple(inputs), tuple(outputs))
+    return _without_unused(*_with_reciprocals(reader.nodes, reader.stores))
+
+
+class _Reader:
+    """Walks the instruction list once."""
+
+    def __init__(
+        self, function: ca.Function, inputs: tuple[str, ...], outputs: tuple[str, ...]
+    ) -> None:
+        self.nodes: list[Node] = []
+        self.stores: list[Store] = []
+        self._function, self._inputs, self._outputs = function, inputs, outputs
+        self._slots: dict[int, int] = {}
+        self._known: dict[tuple[object, ...], int] = {}
+        for k in range(function.n_instructions()):
+            self._instruction(k)
+
+    def _instruction(self, k: int) -> None:
+        f = self._function
+        op, into, operands = f.instruction_id(k), f.instruction_output(k), f.instruction_input(k)
+        if op == ca.OP_OUTPUT:
+            self.stores.append(Store(self._outputs[into[0]], into[1], self._slots[operands[0]]))
+        elif op == ca.OP_INPUT:
+            place = (self._inputs[operands[0]], operands[1])
+            self._slots[into[0]] = self._number_of(Node(op, place=place))
+        elif op == ca.OP_CONST:
+            self._slots[into[0]] = self._number_of(Node(op, number=f.instruction_constant(k)))
+        else:
+            self._slots[into[0]] = self._value(op, tuple(self._slots[i] for i in operands))
+
+    def _value(self, op: int, operands: tuple[int, ...]) -> int:
+        if op == ca.OP_ASSIGN:
+            return operands[0]
+        if op == ca.OP_IF_ELSE_ZERO:
+            zero = self._number_of(Node(ca.OP_CONST, number=0.0))
+            return self._number_of(Node(SELECT, (*operands, zero)))
+        if op == ca.OP_ADD:
+            return self._number_of(self._choice(*operands) or Node(op, operands))
+        return self._number_of(Node(op, operands))
+
+    def _choice(self, left: int, right: int) -> Node | None:
+        """(c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
+        for first, second in ((left, right), (right, left)):
+            one, other = self.nodes[first], self.nodes[second]
+            if not (self._zero_else(one) and self._zero_else(other)):
+                continue
+            negated = self.nodes[other.operands[0]]
+            if negated.op == ca.OP_NOT and negated.operands[0] == one.operands[0]:
+                return Node(SELECT, (*one.operands[:2], other.operands[1]))
+        return None
+
+    def _zero_else(self, node: Node) -> bool:
+        if node.op != SELECT:
+            return False
+        last = self.nodes[node.operands[2]]
+        return last.op == ca.OP_CONST and last.number == 0.0
+
+    def _number_of(self, node: Node) -> int:
+        key = (node.op, node.operands, repr(node.number), node.place)
+        if key not in self._known:
+            self._known[key] = len(self.nodes)
+            self.nodes.append(node)
+        return self._known[key]
+
+
+def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node], list[Store]]:
+    """Several divisions by one parameter, or by an expression of parameters, as multiplications.
+
+    A division takes as long as three multiplications, and these stand in chains.
+    """
+    fixed: list[bool] = []
+    for node in nodes:
+        parameter = node.place is not None and node.place[0] == PARAMETERS
+        constant = node.op == ca.OP_CONST
+        fixed.append(
+            parameter or constant or (not node.leaf and all(fixed[k] for k in node.operands))
+        )
+    divided = Counter(node.operands[1] for node in nodes if node.op == ca.OP_DIV)
+    often = {k for k, times in divided.items() if times > 1 and fixed[k] and not nodes[k].number}
+    made, new = _divided(nodes, often)
+    return made, [Store(item.vector, item.index, new[item.node]) for item in stores]
+
+
+def _divided(nodes: list[Node], often: set[int]) -> tuple[list[Node], list[int]]:
+    """The nodes with ``a / b`` as a * (1 / b) for each b in ``often``, and their new numbers."""
+    made: list[Node] = []
+    new: list[int] = []
+    inverse: dict[int, int] = {}
+    for number, node in enumerate(nodes):
+        operands = tuple(new[k] for k in node.operands)
+        if node.op == ca.OP_DIV and node.operands[1] in often:
+            node = Node(ca.OP_MUL, (operands[0], inverse[node.operands[1]]))
+        else:
+            node = Node(node.op, operands, node.number, node.place)
+        new.append(len(made))
+        made.append(node)
+        if number in often:
+            inverse[number] = len(made)
+            made.append(Node(ca.OP_INV, (new[number],)))
+    return made, new
+
+
+def _without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
+    live = {item.node for item in stores}
+    for number in range(len(nodes) - 1, -1, -1):
+        if number in live:
+            live.update(nodes[number].operands)
+    new = {old: place for place, old in enumerate(sorted(live))}
+    kept = tuple(_renumbered(nodes[old], new) for old in sorted(live))
+    return Graph(kept, tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
+
+
+def _renumbered(node: Node, new: dict[int, int]) -> Node:
+    return Node(node.op, tuple(new[old] for old in node.operands), node.number, node.place)

@@ -1,0 +1,251 @@
+"""Runs of like operations as loops over arrays, so that compilers vectorise them.
+
+A graph of SX knows no arrays: 64 products are 64 statements.  Operations of one kind and one depth
+whose operands lie side by side in a vector become one loop; what they read besides is either the
+same for all of them or is laid side by side in a local array, backwards through the graph.
+Values of one depth never depend on each other, so any grouping of them can be put in order.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import casadi as ca
+
+from wmr_ctrl.codegen.graph import Graph
+from wmr_ctrl.codegen.items import Item, Line, Roll, Slice, Writing, ordered, values
+
+SHORTEST = 8
+"""Fewest elements that a loop is begun with."""
+SHORTEST_PART = 4
+"""Fewest elements of a loop that fills part of an array which a longer loop reads."""
+
+_ROLLED = frozenset(
+    {ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE}
+)  # fmt: skip
+
+Place = tuple[str, int]
+Operands = tuple[Slice | int, ...]
+Sharing = tuple[object, ...]
+
+
+def rolled(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, Place]]:
+    """The items with loops for runs of lines, and the array element of every value in an array."""
+    rolling = _Rolling(graph, items)
+    rolling.find()
+    gone = {number for roll in rolling.rolls for number in roll.defines}
+    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    local = {
+        number: place for number, place in rolling.place.items() if number not in rolling.given
+    }
+    results = [item for item in kept if isinstance(item, Writing)]
+    others = [item for item in kept if not isinstance(item, Writing)]
+    return ordered([*rolling.rolls, *others, *_rolled_results(results, local)]), local
+
+
+class _Rolling:
+    """Grows arrays over the lines of one scope."""
+
+    def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
+        self.graph, self.rolls = graph, list[Roll]()
+        self.depth = _depths(items)
+        self.lines = {item.node for item in items if isinstance(item, Line)}
+        self.place = {k: node.place for k, node in enumerate(graph.nodes) if node.place}
+        self.given = frozenset(self.place)
+        self.arrays = 0
+
+    def find(self) -> None:
+        """Roll every run, from the inputs on."""
+        by_depth: dict[int, list[int]] = {}
+        for number in sorted(self.lines):
+            if self.graph.nodes[number].op in _ROLLED:
+                by_depth.setdefault(self.depth[number], []).append(number)
+        for depth in sorted(by_depth):
+            made = -1
+            while made != len(self.rolls):  # what was laid out may let others of this depth follow
+                made = len(self.rolls)
+                for run in self._runs(by_depth[depth]):
+                    self._roll(run)
+
+    def _runs(self, numbers: Iterable[int]) -> list[list[int]]:
+        """Lines of one depth whose located operands are consecutive."""
+        free = [number for number in numbers if number not in self.place]
+        common = self._common(free)
+        groups: dict[tuple[object, ...], list[tuple[int, int]]] = {}
+        for number in free:
+            key, start = self._key(number, common)
+            if start is not None:
+                groups.setdefault(key, []).append((start, number))
+        return [run for group in groups.values() for run in self._split(sorted(group))]
+
+    def _common(self, numbers: list[int]) -> set[Sharing]:
+        """Operands that many of the lines share, each with how those lines look otherwise."""
+        count: Counter[Sharing] = Counter()
+        for number in numbers:
+            count.update(self._sharings(number))
+        return {key for key, often in count.items() if often >= SHORTEST}
+
+    def _sharings(self, number: int) -> list[Sharing]:
+        """For each operand: operation, position, operand, and the array of the other one."""
+        node = self.graph.nodes[number]
+        arrays = [self.place.get(operand, ("",))[0] for operand in node.operands]
+        return [
+            (node.op, position, operand, *(arrays[:position] + arrays[position + 1 :]))
+            for position, operand in enumerate(node.operands)
+        ]
+
+    def _key(self, number: int, common: set[Sharing]) -> tuple[tuple[object, ...], int | None]:
+        """What lines of one run have in common, and where this line stands in it."""
+        node, start = self.graph.nodes[number], None
+        parts: list[object] = [node.op]
+        for operand, sharing in zip(node.operands, self._sharings(number), strict=True):
+            place = self.place.get(operand)
+            if sharing in common:
+                parts.append(operand)
+            elif place is None:
+                parts.append(None)
+            else:
+                start = place[1] if start is None else start
+                parts.append((place[0], place[1] - start))
+        return tuple(parts), start
+
+    def _split(self, group: list[tuple[int, int]]) -> list[list[int]]:
+        """Longest runs of consecutive starts in which each operand is one value or all differ."""
+        runs: list[list[int]] = []
+        last = None
+        for start, number in group:
+            if last is None or start != last + 1 or not self._fits(runs[-1], number):
+                runs.append([])
+            runs[-1].append(number)
+            last = start
+        return [run for run in runs if len(run) >= SHORTEST]
+
+    def _fits(self, run: list[int], number: int) -> bool:
+        nodes = [self.graph.nodes[k].operands for k in run]
+        return all(
+            _alike([operands[position] for operands in nodes], operand)
+            for position, operand in enumerate(self.graph.nodes[number].operands)
+        )
+
+    def _roll(self, run: list[int]) -> None:
+        """Make an array of the run, unless an operand cannot be laid out."""
+        count, place, arrays = len(self.rolls), dict(self.place), self.arrays
+        if any(number in place for number in run):  # moved by another run meanwhile
+            return
+        if not self._laid_out(run, self._new_array(), 0):
+            del self.rolls[count:]
+            self.place, self.arrays = place, arrays
+
+    def _laid_out(self, run: Sequence[int], array: str, start: int) -> bool:
+        operands = self._operands(run)
+        if operands is None:
+            return False
+        numbers = [operand for k in run for operand in self.graph.nodes[k].operands]
+        op, target = self.graph.nodes[run[0]].op, Slice(array, start)
+        reads = values(self.graph, numbers)
+        self.rolls.append(Roll(tuple(run), reads, len(run), target, len(run), op, operands))
+        self.place.update((number, (array, start + j)) for j, number in enumerate(run))
+        return True
+
+    def _operands(self, run: Sequence[int]) -> Operands | None:
+        nodes, found = [self.graph.nodes[number] for number in run], list[Slice | int]()
+        for position in range(len(nodes[0].operands)):
+            wanted = [node.operands[position] for node in nodes]
+            place = wanted[0] if len(set(wanted)) == 1 else self._slice(wanted)
+            if place is None:
+                return None
+            found.append(place)
+        return tuple(found)
+
+    def _slice(self, wanted: list[int]) -> Slice | None:
+        """Where these values lie side by side, laying them out if they are free to move."""
+        places = [self.place.get(number) for number in wanted]
+        first = places[0]
+        if first is not None:
+            array, start = first
+            beside = all(place == (array, start + j) for j, place in enumerate(places))
+            return Slice(array, start) if beside else None
+        if any(place is not None for place in places) or not self._movable(wanted):
+            return None
+        return self._array_of(wanted)
+
+    def _movable(self, wanted: list[int]) -> bool:
+        nodes = [self.graph.nodes[number] for number in wanted]
+        depths = {self.depth.get(number) for number in wanted}
+        return (
+            set(wanted) <= self.lines
+            and len(set(wanted)) == len(wanted)
+            and len(depths) == 1
+            and {node.op for node in nodes} <= _ROLLED
+            and len({node.op for node in nodes}) == 1
+        )
+
+    def _array_of(self, wanted: list[int]) -> Slice | None:
+        """A new array of these values: loops where they are long enough, else single lines."""
+        array, start = self._new_array(), 0
+        for part in self._segments(wanted):
+            if len(part) >= SHORTEST_PART and not self._laid_out(part, array, start):
+                return None
+            self.place.update((number, (array, start + j)) for j, number in enumerate(part))
+            start += len(part)
+        return Slice(array, 0)
+
+    def _segments(self, wanted: list[int]) -> list[list[int]]:
+        parts: list[list[int]] = [[]]
+        for number in wanted:
+            if parts[-1] and not self._fits(parts[-1], number):
+                parts.append([])
+            parts[-1].append(number)
+        return parts
+
+    def _new_array(self) -> str:
+        self.arrays += 1
+        return f"a{self.arrays}"
+
+
+def _alike(before: list[int], operand: int) -> bool:
+    """Whether ``operand`` continues a list of one repeated value, or of values that all differ."""
+    if len(before) == 1:
+        return True
+    return operand == before[0] if before[0] == before[1] else operand not in before
+
+
+def _depths(items: Iterable[Item]) -> dict[int, int]:
+    """Longest way from the scope's inputs to each value."""
+    depth: dict[int, int] = {}
+    for item in items:
+        level = 1 + max((depth.get(number, 0) for number in item.reads), default=0)
+        depth.update(dict.fromkeys(item.defines, level))
+    return depth
+
+
+def _rolled_results(results: Iterable[Writing], local: dict[int, Place]) -> list[Item]:
+    """Results that copy a stretch of an array, as loops; the others as they were."""
+    runs: list[list[Writing]] = []
+    for item in results:
+        if not (runs and _follows(runs[-1][-1], item, local)):
+            runs.append([])
+        runs[-1].append(item)
+    found: list[Item] = []
+    for run in runs:
+        found.extend([_copy(run, local)] if len(run) >= SHORTEST_PART else run)
+    return found
+
+
+def _follows(last: Writing, item: Writing, local: dict[int, Place]) -> bool:
+    if last.store.node not in local:
+        return False
+    array, index = local[last.store.node]
+    beside = local.get(item.store.node) == (array, index + 1)
+    return beside and (item.store.vector, item.store.index) == (
+        last.store.vector,
+        last.store.index + 1,
+    )
+
+
+def _copy(run: list[Writing], local: dict[int, Place]) -> Roll:
+    first = run[0].store
+    reads = frozenset().union(*(item.reads for item in run))
+    source = Slice(*local[first.node])
+    return Roll((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))

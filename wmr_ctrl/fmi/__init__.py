@@ -1,0 +1,1 @@
+"""FMUs of plant, laws, reference and closed loop: variable tables, packages, co-simulation, SSP."""

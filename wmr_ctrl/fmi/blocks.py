@@ -1,0 +1,118 @@
+"""Models of single blocks: plant, laws, reference."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from wmr_ctrl.codegen.block import Block, law_block, plant_block, reference_block
+from wmr_ctrl.fmi.bounds import ranges_of
+from wmr_ctrl.fmi.model import Dependency, Model
+from wmr_ctrl.fmi.variables import (
+    TIME,
+    Role,
+    Variable,
+    input_rows,
+    output_rows,
+    parameter_rows,
+    rate_rows,
+    state_rows,
+)
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
+from wmr_ctrl.signals import TIME as SECONDS
+
+CHANGED = ("robot.m", "robot.I", "robot.mu")
+"""The plant's parameters that may be changed while it runs, as the paper does at 40 s."""
+
+
+def plant_model(scenario: Scenario) -> Model:
+    """The robot: torques in, pose, velocity and heading out."""
+    return _model("plant", "Wheeled robot, Eqs. (1)-(6)", scenario, plant_block(scenario), CHANGED)
+
+
+def law_model(scenario: Scenario, law: str) -> Model:
+    """One control law: reference, pose and velocity in, torques and diagnostics out."""
+    return _model(law, f"Control law: {LAWS[law].title}", scenario, law_block(scenario, law))
+
+
+def reference_model(scenario: Scenario) -> Model:
+    """The desired trajectory."""
+    return _model("reference", "Desired trajectory", scenario, reference_block(scenario))
+
+
+def start_of_inputs(scenario: Scenario) -> dict[str, float]:
+    """Start values of pose, velocity and reference inputs: those of t = 0."""
+    desired = sample(scenario.reference, np.zeros(1))[0].tolist()
+    names = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
+    return dict(zip(names, (*desired, *scenario.initial.pose, *scenario.initial.velocity), strict=True))
+
+
+def _model(what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()) -> Model:
+    system = block.system
+    sections = _sections(scenario, block, tunable)
+    rows = tuple(row for section in sections.values() for row in section)
+    layout = _layout(sections, system)
+    clock = "clock.control" if system.period else "clock.plant"
+    at = next(i for i, row in enumerate(rows) if row.name == clock)
+    layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
+    return Model(
+        what, title, "sampled" if system.period else "continuous", scenario, rows, {"block": system}, block.kernels,
+        layout, {}, _dependencies(block, layout), bool(layout["HAS_ME"]), scenario.clock.control, block.graph,
+    )  # fmt: skip
+
+
+def _sections(scenario: Scenario, block: Block, tunable: tuple[str, ...]) -> Mapping[str, list[Variable]]:
+    """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
+    system, discrete = block.system, block.system.period is not None
+    inputs = [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
+    ranges = ranges_of(scenario, (port.signal.name for port in system.params))
+    published = {item.signal.name for item in system.outputs} - {item.signal.name for item in block.results}
+    taken = {port.signal.name for port in (*system.inputs, *system.params)} | {r.signal.name for r in block.results}
+    states = list(state_rows(system.state, published, taken, discrete=discrete))
+    return {
+        "time": [TIME],
+        "U": inputs,
+        "P": list(parameter_rows(system.params, ranges, tunable)),
+        "X": states,
+        "rates": [] if discrete else list(rate_rows(states)),
+        "results": list(output_rows((item.signal for item in block.results), discrete=discrete)),
+    }
+
+
+def _follows_time(system: System) -> bool:
+    """Whether the only input is time, which every FMU has anyway."""
+    return [port.signal.name for port in system.inputs] == [SECONDS.name]
+
+
+def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str, int]:
+    """Where each section begins and how long it is."""
+    count = {name: len(rows) for name, rows in sections.items()}
+    first_input = 0 if _follows_time(system) else 1
+    parameters = 1 + count["U"]
+    states = parameters + count["P"]
+    found = states + count["X"]
+    continuous = system.period is None
+    return {
+        "ROWS": found + count["rates"] + count["results"],
+        "Z": first_input, "NZ": found - first_input, "U": first_input, "P": parameters, "NP": count["P"],
+        "X": states, "NX": count["X"], "W": found, "NW": count["rates"] + count["results"],
+        "CONTINUOUS_STATES": count["X"] if continuous else 0,
+        "HAS_ME": int(continuous or _follows_time(system)),
+    }  # fmt: skip
+
+
+def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, ...]:
+    found: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
+    for row, column, constant in sorted(block.jacobian):
+        found[layout["W"] + row].append((layout["Z"] + column, constant))
+    return tuple(Dependency(row, tuple(on)) for row, on in found.items())
+
+
+def is_known(variable: Variable) -> bool:
+    """Whether outputs at a communication point may depend on it: time, inputs, states."""
+    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (variable.role is Role.START and not variable.discrete)

@@ -1,0 +1,117 @@
+"""Model of the closed loop: the native loop in one FMU, with its noise and its changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+
+from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems
+from wmr_ctrl.fmi.bounds import LARGEST, Range, ranges_of
+from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.signals import LOG_HEAD, Signal
+
+KEYS = (
+    "initial.pose", "initial.velocity", "clock.control", "clock.plant", "limits.v_u1", "sensor.pose_period",
+    "sensor.pose_noise", "sensor.correction", "sensor.velocity_noise", "disturbance.std", "disturbance.truncate",
+    "actuator.lag", "actuator.delay",
+)  # fmt: skip
+"""What the loop reads from its parameters besides those of its Systems."""
+MAX_ABS_V = Signal("max_abs_v", "m/s, rad/s", "largest |v1| and |omega| so far, over all plant steps", 2)
+VIOLATIONS = Signal("violations", "1", "plant steps beyond a velocity limit so far")
+SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
+MOST = 2147483647
+SPARE_DELAY = 64
+
+
+def closed_loop_model(scenario: Scenario, law: str) -> Model:
+    """Reference, sensors, law, actuator, noise and plant of ``scenario`` in one model."""
+    systems = loop_systems(scenario, law)
+    ports = _ports(scenario, systems.by_role())
+    ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
+    ranges["actuator.delay"] = (0.0, _delay_room(scenario) * scenario.clock.plant)
+    parameters = [TIME, *parameter_rows(ports, ranges), _seed(), *_changes(scenario)]
+    columns = (*LOG_HEAD[1:], *own_diagnostics(systems.controller))
+    outputs = [*output_rows((*columns, MAX_ABS_V), discrete=True),
+               *output_rows((VIOLATIONS,), discrete=True, integer=True)]
+    rows = tuple([*parameters, *outputs])
+    return Model(
+        "closed-loop", f"Closed loop: {LAWS[law].title}", "loop", scenario, rows, systems.by_role(),
+        loop_kernels(systems), _layout(rows, len(parameters), scenario), _tables(rows, systems, scenario), None, False,
+        scenario.clock.control, "",
+    )  # fmt: skip
+
+
+def _ports(scenario: Scenario, roles: Mapping[str, System]) -> tuple[Port, ...]:
+    """Parameters of all Systems, each once, the start's first and side by side."""
+    first = Parameters(scenario)
+    for key in KEYS[:2]:
+        first.take(key)
+    known = {port.signal.name: port for port in first.ports}
+    for system in roles.values():
+        known |= {port.signal.name: port for port in system.params}
+    every = Parameters(scenario, known.values())
+    for key in KEYS:
+        every.take(key)
+    return every.ports
+
+
+def _seed() -> Variable:
+    return Variable(SEED.name, SEED.unit, SEED.meaning, Role.FIXED, 0.0, 0.0, MOST, integer=True)
+
+
+def _changes(scenario: Scenario) -> Iterable[Variable]:
+    """Parameters ``changes[1].t`` and so on: what the scenario changes, and when."""
+    for k, change in enumerate(scenario.changes, start=1):
+        for item in fields(Change):
+            value = getattr(change, item.name)
+            if value is not None:
+                low, high = _change_range(item.name)
+                yield Variable(f"changes[{k}].{item.name}", item.metadata["unit"], item.metadata["doc"],
+                               Role.FIXED, float(value), low, high)  # fmt: skip
+
+
+def _change_range(name: str) -> Range:
+    bounds = next(item.metadata["bounds"] for item in fields(Change) if item.name == name)
+    low = bounds.minimum if bounds.minimum is not None else bounds.above + 1e-12
+    return float(low), LARGEST
+
+
+def _delay_room(scenario: Scenario) -> int:
+    return max(SPARE_DELAY, round(scenario.actuator.delay / scenario.clock.plant))
+
+
+def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -> dict[str, int]:
+    at = {row.name: i for i, row in enumerate(rows)}
+    named = {f"AT_{key.replace('.', '_').upper()}": at.get(key, at.get(f"{key}[1]", 0)) for key in KEYS[2:]}
+    return {
+        "ROWS": len(rows), "Z": 1, "NZ": first_output - 1, "U": 1, "P": 1, "NP": first_output - 1,
+        "X": first_output, "NX": 0, "W": first_output, "Y": first_output, "NW": len(rows) - first_output,
+        "CONTINUOUS_STATES": 0, "HAS_ME": 0, "CHANGES": len(scenario.changes), "DELAY_MAX": _delay_room(scenario),
+        "AT_INITIAL": at["initial.pose[1]"], "AT_SEED": at["seed"], "AT_MAX_ABS_V": at["max_abs_v[1]"],
+        "AT_VIOLATIONS": at["violations"], **named,
+    }  # fmt: skip
+
+
+def _tables(rows: tuple[Variable, ...], systems: LoopSystems, scenario: Scenario) -> dict[str, list[list[float]]]:
+    """Rows that each System's parameters are read from, and what each change puts in their place."""
+    at = {row.name: i for i, row in enumerate(rows)}
+    names = {role: _names(system) for role, system in systems.by_role().items()}
+    changed = [[at.get(f"changes[{k}].{name.removeprefix('robot.')}", 0) if name.startswith("robot.") else 0
+                for name in names["plant"]] for k in range(1, len(scenario.changes) + 1)]
+    times = [at[f"changes[{k}].t"] for k in range(1, len(scenario.changes) + 1)]
+    return {
+        **{f"{role.upper()}_ROWS": [[at[name] for name in listed]] for role, listed in names.items()},
+        "CHANGE_ROWS": [*changed, [0] * len(names["plant"])],
+        "CHANGE_TIME_ROWS": [[*times, 0]],
+        "CONTROLLER_START": [systems.controller.x0],
+    }
+
+
+def _names(system: System) -> list[str]:
+    return [name for port in system.params for name in port.signal.elements]

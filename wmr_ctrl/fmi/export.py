@@ -1,0 +1,134 @@
+"""Export: from a scenario to FMU files that need nothing else to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from wmr_ctrl import __version__
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.fmi import xml
+from wmr_ctrl.fmi.blocks import law_model, plant_model, reference_model
+from wmr_ctrl.fmi.closed_loop import closed_loop_model
+from wmr_ctrl.fmi.fat import joined
+from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.package import write_archive
+from wmr_ctrl.fmi.provenance import EXTRA, reference_result
+from wmr_ctrl.fmi.sources import Sources, sources_of
+from wmr_ctrl.fmi.targets import Target, compile_for, host, targets_of
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.gains import check_gains
+from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
+
+TOOL = f"wmr_ctrl {__version__}"
+VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}
+FIXED = ("plant", "reference", "closed-loop")
+
+Progress = Callable[[str], None]
+
+
+def export_fmu(
+    what: str,
+    *,
+    law: str = "nn",
+    scenario: str | Path | Scenario = "paper-simulation",
+    fmi: str | int = "both",
+    target: str = "host",
+    out: str | Path = ".",
+    arrays: bool = True,
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Write ``wmr_<what>.fmi2.fmu`` and ``wmr_<what>.fmi3.fmu`` into the folder ``out``.
+
+    Parameters
+    ----------
+    what
+        "plant", "reference", "closed-loop" (of ``law``), or a law's name.
+    fmi
+        "2", "3" or "both".
+    target
+        "host", "all", or a platform such as "aarch64-linux".
+    arrays
+        Whether long vectors are arrays in FMI 3; False gives flat names there too.
+    progress
+        Called with a line for each file.
+
+    Returns
+    -------
+    Paths of the files.  Raises UnknownNameError, ScenarioError or CompilerError.
+    """
+    model = model_of(what, law, settled(scenario))
+    paths = []
+    for version in versions_of(fmi):
+        path = Path(out) / f"wmr_{what}.fmi{version}.fmu"
+        paths.append(write_fmu(model, version, targets_of(target), path, arrays=arrays))
+        if progress:
+            progress(f"{path}: {model.title}, FMI {version}.0, {target}")
+    return paths
+
+
+def settled(scenario: str | Path | Scenario) -> Scenario:
+    """The scenario itself, loaded if a name or path was given, with its gains checked."""
+    found = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+    check_gains(found)
+    return found
+
+
+def versions_of(fmi: str | int) -> tuple[int, ...]:
+    """Versions behind "2", "3" or "both"; raises UnknownNameError otherwise."""
+    if str(fmi) not in VERSIONS:
+        raise UnknownNameError("version of FMI", str(fmi), VERSIONS)
+    return VERSIONS[str(fmi)]
+
+
+def model_of(what: str, law: str, scenario: Scenario) -> Model:
+    """The model called ``what``; raises UnknownNameError with the near names."""
+    if what == "plant":
+        return plant_model(scenario)
+    if what == "reference":
+        return reference_model(scenario)
+    if what == "closed-loop":
+        return closed_loop_model(scenario, LAWS[law].name)
+    if what in LAWS:
+        return law_model(scenario, what)
+    raise UnknownNameError("FMU", what, (*FIXED, *LAWS))
+
+
+def write_fmu(model: Model, version: int, targets: tuple[Target, ...], path: Path, *, arrays: bool = True) -> Path:
+    """Build and pack one file."""
+    sources = sources_of(model, version, arrays=arrays)
+    files = {"modelDescription.xml": xml.description(model, sources, version, TOOL, arrays=arrays)}
+    files |= dict(_texts(model, sources, version))
+    packed = {name: text.encode() for name, text in files.items()}
+    packed |= binaries(model, sources, version, targets)
+    if any(target.name == host() for target in targets):
+        packed[f"{EXTRA}/reference.csv"] = reference_result(model, packed)
+    return write_archive(path, packed)
+
+
+def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
+    """Every file but description and binaries."""
+    if version == 3:
+        yield "terminalsAndIcons/terminalsAndIcons.xml", xml.terminals(model)
+        yield "sources/buildDescription.xml", xml.build_description(model, sources)
+    yield "documentation/index.html", xml.documentation(model, TOOL)
+    yield f"{EXTRA}/scenario.toml", to_toml(model.scenario)
+    if model.graph:
+        yield f"{EXTRA}/evaluate.casadi", model.graph
+    for name, text in sources.files.items():
+        yield f"sources/{name}", text
+
+
+def binaries(model: Model, sources: Sources, version: int, targets: tuple[Target, ...]) -> dict[str, bytes]:
+    """Libraries by their place in the FMU."""
+    built = {t.name: (t, compile_for(t, sources, model.identifier).read_bytes()) for t in targets}
+    packed = {_place(model, version, target): library for target, library in built.values()}
+    both = [built[name][1] for name in ("x86_64-darwin", "aarch64-darwin") if name in built]
+    if version == 2 and both:
+        packed[f"binaries/darwin64/{model.identifier}.dylib"] = joined(both)
+    return packed
+
+
+def _place(model: Model, version: int, target: Target) -> str:
+    folder = target.fmi2 if version == 2 else target.name
+    return f"binaries/{folder}/{model.identifier}{target.suffix}"

@@ -1,0 +1,95 @@
+"""C sources of one FMU: the generated tables and kernels with the hand-written files they need."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
+from wmr_ctrl.codegen.source import sources as kernel_sources
+from wmr_ctrl.fmi.model import KINDS, RUNTIME, Model
+from wmr_ctrl.fmi.templates import render
+from wmr_ctrl.fmi.variables import Variable
+
+COMMON = ("instance.c", "instance.h", "kind.h", "calls.h", "variables.h", "values.c", "values.h", "snapshot.c",
+          "snapshot.h", "derivatives.c", "derivatives.h")  # fmt: skip
+NAMESPACE = uuid.UUID("a2f3b9a0-6d0c-5b58-9a53-0d5f5c3f8f5e")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files by name, flat, and the token that tells this model from any other."""
+
+    files: dict[str, str]
+    token: str
+
+    @property
+    def units(self) -> list[str]:
+        """The files to compile."""
+        return [name for name in self.files if name.endswith(".c")]
+
+
+def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
+    """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
+    generated = kernel_sources(model.systems, model.kernels)
+    files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
+    files |= {name: _read(fmu_dir() / "fmi" / name) for name in (*COMMON, f"kind_{model.kind}.c")}
+    files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi").glob(f"fmi{version}*.c"))}
+    files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))}
+    files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], "wmr_math.h")}
+    files["model.c"] = render("model.c", identifier=model.identifier, variables=_rows(model, arrays and version == 3))
+    if model.tables:
+        files["loop_tables.h"] = render("loop_tables.h", tables=_tables(model))
+    token = _token(model, files)
+    layout = list(model.layout.items())
+    files["model.h"] = render("model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout)
+    return Sources(files, token)
+
+
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def _token(model: Model, files: dict[str, str]) -> str:
+    """A GUID made of the content: equal content, equal token, and nothing else."""
+    text = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
+    return f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(text.encode()).hexdigest())}}}"
+
+
+def _rows(model: Model, arrays: bool) -> list[dict[str, str]]:
+    return [
+        {
+            "name": v.name, "type": "WMR_INTEGER" if v.integer else "WMR_REAL", "role": v.role.value,
+            "size": str(row_size(v, arrays)), "start": _number(v.start), "low": _number(v.low), "high": _number(v.high),
+        }
+        for v in model.variables
+    ]  # fmt: skip
+
+
+def row_size(variable: Variable, arrays: bool) -> int:
+    """Elements behind the row's value reference: 0 inside an array, its length at its head."""
+    if not (arrays and variable.array):
+        return 1
+    return 0 if variable.index else variable.size
+
+
+def _number(value: float) -> str:
+    return repr(float(value)) if math.isfinite(value) else f"{'-' if value < 0 else ''}DBL_MAX"
+
+
+def _tables(model: Model) -> list[dict[str, str]]:
+    return [_table(model, name, rows) for name, rows in model.tables.items()]
+
+
+def _table(model: Model, name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
+    """One constant array; an empty one still has an element, as C wants it."""
+    bodies = ["{" + ", ".join(repr(number) for number in row or [0]) + "}" for row in rows]
+    if name == "CHANGE_ROWS":
+        return {"type": "int", "name": name, "shape": f"[{len(rows)}][{len(rows[0])}]", "body": f"{{{', '.join(bodies)}}}"}
+    kind, shape = ("double", "[WMR_CONTROLLER_NX + 1]") if name == "CONTROLLER_START" else ("int", "[]")
+    return {"type": kind, "name": name, "shape": shape, "body": bodies[0]}

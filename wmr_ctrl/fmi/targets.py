@@ -1,0 +1,92 @@
+"""Platforms that FMUs are built for, and the compilers that build for them."""
+
+from __future__ import annotations
+
+import importlib.util
+import platform
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from wmr_ctrl.codegen.compiler import Toolchain, default_flags
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.errors import CompilerError, UnknownNameError
+from wmr_ctrl.fmi.sources import Sources
+
+
+@dataclass(frozen=True)
+class Target:
+    """A platform: its name in FMI 2 and FMI 3, zig's triple, and the suffix of its libraries."""
+
+    name: str
+    fmi2: str
+    triple: str
+    suffix: str
+
+
+TARGETS = (
+    Target("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
+    Target("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll"),
+    Target("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
+    Target("x86_64-darwin", "darwin64", "x86_64-macos", ".dylib"),
+    Target("aarch64-darwin", "aarch64-darwin", "aarch64-macos", ".dylib"),
+)
+"""Linux binaries need glibc 2.17 or later."""
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+
+
+def host() -> str:
+    """Name of this machine's platform, as FMI 3 has it."""
+    machine = platform.machine().lower()
+    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+    return f"{_MACHINES.get(machine, machine)}-{system}"
+
+
+def targets_of(name: str) -> tuple[Target, ...]:
+    """The platforms behind ``host``, ``all`` or a platform's name."""
+    if name == "all":
+        return TARGETS
+    wanted = host() if name == "host" else name
+    found = tuple(target for target in TARGETS if target.name == wanted)
+    if not found:
+        raise UnknownNameError("target", wanted, ("host", "all", *(t.name for t in TARGETS)))
+    return found
+
+
+def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
+    """The library for ``target``, from the cache if it was built before.
+
+    Raises CompilerError where nothing builds for that platform.
+    """
+    files = {name: text for name, text in sources.files.items()}
+    return build_library(files, _toolchain(target), name=identifier)
+
+
+def _toolchain(target: Target) -> Toolchain:
+    """zig cc, which builds for every platform from every other; else this machine's compiler."""
+    if importlib.util.find_spec("ziglang") is not None:
+        return _zig(target)
+    if target.name != host():
+        raise CompilerError(
+            f"building for {target.name} needs zig: `pip install ziglang`, or export with --target host."
+        )
+    return find_toolchain()
+
+
+def _zig(target: Target) -> Toolchain:
+    command = (sys.executable, "-P", "-m", "ziglang", "cc")
+    base = Toolchain(command, "zig cc", _zig_version(), default_flags(command))
+    windows = target.suffix == ".dll"
+    kept = tuple(flag for flag in base.flags if not (windows and flag == "-fPIC"))
+    return replace(base, flags=(*kept, *_stripped(target), "-target", target.triple))
+
+
+def _stripped(target: Target) -> Sequence[str]:
+    return () if target.suffix == ".dylib" else ("-s",)
+
+
+def _zig_version() -> str:
+    from importlib.metadata import version
+
+    return f"zig {version('ziglang')}"

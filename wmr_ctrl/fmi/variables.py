@@ -1,0 +1,119 @@
+"""Variables: one row per scalar, the table from which C and both XML dialects are written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from wmr_ctrl.fmi.bounds import LARGEST, Range
+from wmr_ctrl.model.system import Port
+from wmr_ctrl.signals import Signal
+
+ARRAY_FROM = 8
+"""Vectors of one unit with at least so many elements are arrays in FMI 3."""
+
+
+class Role(Enum):
+    """What may be done with a variable; the values are the names that C uses."""
+
+    INDEPENDENT = "WMR_INDEPENDENT"
+    INPUT = "WMR_INPUT"
+    FIXED = "WMR_FIXED"
+    TUNABLE = "WMR_TUNABLE"
+    START = "WMR_START"
+    CALCULATED = "WMR_CALCULATED"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar: name, unit, meaning, role, start value and range.
+
+    ``output``: published as an output (else local); ``discrete``: changes at samples only;
+    ``rate_of``: name of the state that this is the rate of; ``array``, ``index``, ``size``: the
+    vector that it is an element of.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    role: Role
+    start: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    integer: bool = False
+    discrete: bool = False
+    output: bool = False
+    rate_of: str = ""
+    array: str = ""
+    index: int = 0
+    size: int = 1
+
+    @property
+    def parameter(self) -> bool:
+        """Whether it is a parameter, fixed or tunable."""
+        return self.role in (Role.FIXED, Role.TUNABLE)
+
+
+TIME = Variable("time", "s", "time", Role.INDEPENDENT)
+
+
+def finite(value: float) -> float:
+    """A number that XML and solvers accept; what is unlimited becomes the largest quantity."""
+    return math.copysign(LARGEST, value) if math.isinf(value) else float(value)
+
+
+def parameter_rows(ports: Iterable[Port], ranges: Mapping[str, Range], tunable: Iterable[str] = ()) -> Iterator[Variable]:
+    """Rows of parameters, with the ranges that their scenario fields have."""
+    changing = set(tunable)
+    for port in ports:
+        role = Role.TUNABLE if port.signal.name in changing else Role.FIXED
+        low, high = ranges.get(port.signal.name, (-LARGEST, LARGEST))
+        yield from _rows(port.signal, role, map(finite, port.value), low=low, high=high)
+
+
+def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[Variable]:
+    """Rows of inputs; start values by the elements' names."""
+    for port in ports:
+        values = (starts.get(name, value) for name, value in zip(port.signal.elements, port.value, strict=True))
+        yield from _rows(port.signal, Role.INPUT, values)
+
+
+def state_rows(ports: Iterable[Port], outputs: set[str], taken: set[str], *, discrete: bool) -> Iterator[Variable]:
+    """Rows of states: outputs where the System publishes them under their own names."""
+    for port in ports:
+        name = port.signal.name
+        clash = name in taken and name not in outputs
+        signal = Signal(f"state.{name}" if clash else name, port.signal.unit, port.signal.meaning, port.signal.size)
+        yield from _rows(signal, Role.START, port.value, output=name in outputs, discrete=discrete)
+
+
+def rate_rows(states: Iterable[Variable]) -> Iterator[Variable]:
+    """Rows of the states' rates, der(x)."""
+    for state in states:
+        unit = f"{state.unit}/s" if "/" not in state.unit else f"{state.unit.split('/')[0]}/s2"
+        yield Variable(f"der({state.name})", unit, f"rate of {state.name}", Role.CALCULATED, rate_of=state.name)
+
+
+def output_rows(signals: Iterable[Signal], *, discrete: bool, integer: bool = False) -> Iterator[Variable]:
+    """Rows of calculated outputs."""
+    for signal in signals:
+        zeros = (0.0,) * signal.size
+        yield from _rows(signal, Role.CALCULATED, zeros, output=True, discrete=discrete, integer=integer)
+
+
+def _rows(
+    signal: Signal, role: Role, values: Iterable[float], *, low: float = -math.inf, high: float = math.inf,
+    output: bool = False, discrete: bool = False, integer: bool = False,
+) -> Iterator[Variable]:
+    array = signal.size >= ARRAY_FROM and len(set(signal.units)) == 1
+    for i, value in enumerate(values):
+        yield Variable(
+            signal.elements[i], signal.units[i], _meaning(signal, i), role, float(value), low, high, integer,
+            discrete, output, array=signal.name if array else "", index=i, size=signal.size if array else 1,
+        )  # fmt: skip
+
+
+def _meaning(signal: Signal, i: int) -> str:
+    return signal.meaning if signal.size == 1 else f"{signal.meaning}, element {i + 1} of {signal.size}"

@@ -1,0 +1,96 @@
+"""Sampled-data barrier law (prox): an exact step of V1's gradient flow.
+
+Source: the backward Euler step of v' = -(rho/2) dV1/dv, which has a closed form since the barrier's
+proximal map has one (`resolvent`).  With E = exp(-rho T/2), c = v_c0 and c+ = c + T c':
+
+    v*   = v + X_1(c+) - X_1(c),      v+ = X_(1-E)(E v* + (1-E) c+)
+    F    = M1 (v+ - v)/T + F1(v) + observer
+
+Differences from the paper: not in it.  Law (9) divides V1 by its slope and loses its authority at
+the limit; this one follows the slope, so bounded disturbances leave V1 bounded.  V1 falls by at
+least exp(-rho T) in a sample for every control period, |v+| < v_u1 for every measured v, inside the
+limit or not.  The observer (wo = 0 switches it off) makes up for friction and mass that differ from
+the model.  The first samples ask for much torque, so the law brings a limit of its own, tau_max,
+which counts where it is below actuator.tau_max.  Choose it for slow control periods, for unknown
+friction, and behind the guard.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.laws.observer import Observer
+from wmr_ctrl.laws.resolvent import resolvent
+from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.fields import Section, quantity
+
+ADAPTIVE = True
+"""The memory holds an estimate, which checks of a run's start keep at its start value."""
+
+
+@dataclass(frozen=True)
+class Gains(Section):
+    """Gains of the prox law, per axis (linear, angular) where there are two."""
+
+    KEY: ClassVar[str] = "gains.prox"
+
+    rho: tuple[float, float] = quantity(
+        (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis", above=0.0
+    )
+    wo: float = quantity(
+        10.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
+    )
+    tau_max: float = quantity(
+        20.0, unit="N.m", doc="torque limit of the law's own; inf: none", above=0.0, infinite=True
+    )
+    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
+
+
+def build(scenario: Scenario) -> System:
+    """F = M1 (v+ - v)/T + F1 + observer, with the step v+ above."""
+    sample = Sample("prox", scenario)
+    observer = Observer(sample, sample.gain("wo"), sample.friction_at)
+    step = ca.vertcat(*(next_velocity(sample, i) for i in AXES))
+    asked = sample.mass * (step - sample.v) / sample.period + sample.friction
+    return sample.system(
+        "sampled-data barrier law (prox)",
+        asked + observer.force,
+        observer.state,
+        observer.update,
+        observer.diagnostics,
+        (observer.input,),
+    )
+
+
+def next_velocity(sample: Sample, i: int) -> ca.SX:
+    """v+ of axis ``i`` [m/s or rad/s]: where the law wants the velocity after one period."""
+    half = -0.5 * sample.gain("rho")[i] * sample.period
+    target = sample.v_c0[i]
+    return prox_step(
+        sample.v[i],
+        target,
+        target + sample.period * sample.v_c0_dot[i],
+        (ca.exp(half), -ca.expm1(half)),
+        (sample.u1[i], sample.u2[i]),
+        sample.smooth,
+    )
+
+
+def prox_step(
+    v: ca.SX,
+    c: ca.SX,
+    c_next: ca.SX,
+    shares: tuple[ca.SX, ca.SX],
+    limits: tuple[ca.SX, ca.SX],
+    smooth: bool,
+) -> ca.SX:
+    """v+ = X_(1-E)(E (v + X_1(c+) - X_1(c)) + (1-E) c+) for shares (E, 1-E), limits (u1, u2)."""
+    one = ca.SX(1)
+    moved = v + resolvent(c_next, one, *limits, smooth) - resolvent(c, one, *limits, smooth)
+    keep, rest = shares
+    return resolvent(keep * moved + rest * c_next, rest, *limits, smooth)

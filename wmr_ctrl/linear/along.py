@@ -1,0 +1,65 @@
+"""The closed loop along its reference: time-invariant on circle and line, else a function of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import control as ct
+import numpy as np
+
+from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.point import on_reference
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.scenario import Scenario
+
+STILL = 1e-12
+"""Variation of the desired velocity [m/s, rad/s] that counts as none."""
+
+
+@dataclass(frozen=True)
+class TimeInvariant:
+    """One StateSpace for the whole reference: in error coordinates nothing depends on time."""
+
+    system: ct.StateSpace
+
+    def __call__(self, t: float) -> ct.StateSpace:
+        """The same system at every time ``t`` [s]."""
+        return self.system
+
+
+@dataclass(frozen=True)
+class TimeVarying:
+    """The linear loop as a function of time; every call is one exact linearisation.
+
+    Poles of frozen instants are no proof of stability, only a picture.
+    """
+
+    scenario: Scenario
+    law: str
+    period: float | None = None
+
+    def __call__(self, t: float) -> ct.StateSpace:
+        """The loop near the reference's point at time ``t`` [s]."""
+        return _at(self.scenario, self.law, self.period, float(t))
+
+
+@lru_cache(maxsize=512)
+def _at(scenario: Scenario, law: str, period: float | None, t: float) -> ct.StateSpace:
+    return closed_loop(scenario, law, on_reference(scenario, law, t), period)
+
+
+def along_reference(
+    scenario: Scenario, law: str, period: float | None = None
+) -> TimeInvariant | TimeVarying:
+    """The linear loop of ``law`` along the reference, e = 0 and v = v_d(t), continuous or sampled."""
+    if constant_speed(scenario):
+        return TimeInvariant(closed_loop(scenario, law, period=period))
+    return TimeVarying(scenario, law, period)
+
+
+def constant_speed(scenario: Scenario) -> bool:
+    """Whether the desired velocity is the same all along the reference."""
+    end = min(scenario.clock.duration, scenario.reference.cycle)
+    found = sample(scenario.reference, np.linspace(0.0, end, 257))[:, 3:7]
+    return bool(np.ptp(found[:, :2], axis=0).max() < STILL and np.abs(found[:, 2:]).max() < STILL)

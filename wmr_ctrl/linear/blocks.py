@@ -1,0 +1,133 @@
+"""The robot and its law in error coordinates, as Systems whose names fit together.
+
+In the robot's own frame the pose itself drops out: only the tracking error e, the velocity v and
+the desired velocity matter, Eqs. (7), (33)-(35).  Where the desired velocity is constant (circle,
+line) the closed loop is therefore time-invariant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import replace
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.linear.names import APPLIED, DISTURBANCE, ERROR_STATE, V_D, V_D_DOT
+from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
+from wmr_ctrl.model.tracking import error_rate, error_rotation
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import FORCE, POSE, REFERENCE, VELOCITY
+
+PERIOD = "clock.control"
+
+
+def error_plant(scenario: Scenario) -> System:
+    """Continuous: force, disturbance and v_d to e (3), v1, omega, Eqs. (4), (33)-(35).
+
+    Behind the drives' lag if the scenario has one; its delay and torque limit are not in here.
+    """
+    force, disturbance, v_d = port(FORCE), port(DISTURBANCE), port(V_D)
+    state = (port(ERROR_STATE[0]), *ports(VELOCITY))
+    p = Parameters(scenario)
+    m, inertia, mu, g, v_s = (p.take(f"robot.{name}") for name in ("m", "I", "mu", "g", "v_s"))
+    s = stack(item.sym for item in state)
+    applied, lagging, lag_rate = _drives(scenario, p, force)
+    drag = friction(mu, m, g, v_s, s[3:5])
+    v_dot = acceleration(reduced_mass(m, inertia), applied + disturbance.sym, drag)
+    rate = ca.vertcat(error_rate(s[:3], s[3:5], v_d.sym), v_dot, lag_rate)
+    outputs = tuple(Output(item.signal, item.sym) for item in state)
+    inputs = (force, disturbance, v_d)
+    return System(
+        "plant", "robot seen from its reference", inputs, (*state, *lagging), p.ports, rate, outputs
+    )
+
+
+def _drives(scenario: Scenario, p: Parameters, force: Port) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
+    """Applied force, the drives' state and its rate."""
+    if scenario.actuator.lag == 0:
+        return force.sym, (), ca.SX(0, 1)
+    applied = port(APPLIED)
+    return applied.sym, (applied,), (force.sym - applied.sym) / p.take("actuator.lag")
+
+
+def error_law(scenario: Scenario, law: str) -> System:
+    """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
+
+    The law's own graph, with the robot at the origin and the reference placed to give e.
+    """
+    core = LAWS[law].build(scenario)
+    e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
+    pose_d = error_rotation(ca.SX(0)).T @ e.sym
+    known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))
+    named = dict(zip(_SAMPLED, ca.vertsplit(known), strict=True))
+    zeros = {item.signal.name: ca.SX.zeros(item.signal.size) for item in core.inputs}
+    u = stack((zeros | named)[item.signal.name] for item in core.inputs)
+    update, force = core.function("act", [core.update, core.outputs[0].expr])(u, core.x, core.p)
+    inputs = (e, *v, v_d, v_d_dot)
+    return System(
+        "law", core.title, inputs, core.state, core.params, update, (Output(FORCE, force),),
+        period=core.period,
+    )  # fmt: skip
+
+
+_SAMPLED = tuple(signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))
+
+
+def with_memory(system: System, memory: Floats) -> System:
+    """The System starting from ``memory`` (n)."""
+    parts = iter(memory)
+    state = tuple(
+        replace(item, value=tuple(float(next(parts)) for _ in item.value)) for item in system.state
+    )
+    return replace(system, state=state)
+
+
+def holding(system: System, held: Container[str]) -> System:
+    """The System with the memory of the ports named in ``held`` kept at its present value."""
+    moving = tuple(item for item in system.state if item.signal.name not in held)
+    fixed = tuple(item for item in system.state if item.signal.name in held)
+    rows = dict(zip((item.signal.name for item in system.state), _updates(system), strict=True))
+    update = stack(rows[item.signal.name] for item in moving)
+    return replace(system, state=moving, params=(*system.params, *fixed), update=update)
+
+
+def constants(system: System) -> list[str]:
+    """Names of memory that every sample sets to the same value, such as a flag."""
+    causes = ca.vertcat(system.u, system.x)
+    named = zip(system.state, _updates(system), strict=True)
+    return [item.signal.name for item, update in named if not ca.depends_on(update, causes)]
+
+
+def _updates(system: System) -> list[ca.SX]:
+    """The update, port by port."""
+    ends = np.cumsum([0, *(item.signal.size for item in system.state)])
+    return [system.update[a:b] for a, b in pairwise(ends)]
+
+
+def continuous_reading(system: System) -> System:
+    """A sampled System as a continuous one: each memory's rate is its change over one period.
+
+    For explicit Euler steps (weights, estimates) that is the law as published; a remembered sample
+    (PID) becomes a first-order lag of one period.
+    """
+    period = _period_symbol(system)
+    return replace(system, update=(system.update - system.x) / period, period=None)
+
+
+def _period_symbol(system: System) -> ca.SX:
+    return next(item.sym for item in system.params if item.signal.name == PERIOD)
+
+
+def with_period(system: System, period: float) -> System:
+    """A sampled System with another control period [s]."""
+    params = tuple(
+        replace(item, value=(period,)) if item.signal.name == PERIOD else item
+        for item in system.params
+    )
+    return replace(system, params=params, period=period)

@@ -1,0 +1,87 @@
+"""The network's own loop: one axis, velocity only, regressor S held still.
+
+With w = v - v_c1 and y = W'S, Eqs. (57), (58) give
+
+    w' = -a w + y/M1,    y' = -Gamma |S|^2 w - Gamma sigma y,    a = rho1/(2 M1).
+
+In continuous time that is always stable.  Sampled, it is not; and closed around the kinematics
+(v_c0' = -K w - ..., which Eq. (57) does not feed forward) it is unstable even in continuous time
+where a < K and |S|^2 is large enough: see `square_bound`.
+"""
+
+from __future__ import annotations
+
+import control as ct
+import numpy as np
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.network import largest_square, square_bound
+from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.linear.loop import hold
+from wmr_ctrl.linear.numbers import Floats, radius
+from wmr_ctrl.linear.sampled import supremum
+from wmr_ctrl.scenario import Scenario
+
+LAW = "nn"
+AXES = (0, 1)
+
+
+def regressor_square(scenario: Scenario) -> float:
+    """|S|^2 on the reference, where the ratio A/(v - v_c1) is 1."""
+    return largest_square(Loop(scenario, LAW), gains_of(scenario, LAW).eta)
+
+
+def learning_periods(scenario: Scenario, square: float | None = None) -> Floats:
+    """Largest stable period (2) [s] of the velocity loop with explicit-Euler weights, |S|^2 held.
+
+    ``square`` is |S|^2; by default that of the reference.
+    """
+    size = regressor_square(scenario) if square is None else square
+    return np.array([supremum(_radius_of(scenario, axis, size)) for axis in AXES])
+
+
+def learning_step(scenario: Scenario, axis: int, square: float, period: float) -> Floats:
+    """Matrix of (w, y) over one sample: the held force, then the weights' explicit Euler step."""
+    a, mass, gamma, leak = _numbers(scenario, axis)
+    integrator = ct.ss([[0.0]], [[1.0]], [[1.0]], [[0.0]], name="velocity")
+    push = float(hold(integrator, period).B[0, 0])
+    return np.array(
+        [[1 - a * push, push / mass], [-period * gamma * square, 1 - period * gamma * leak]]
+    )
+
+
+def frozen_regressor(scenario: Scenario, axis: int, square: float) -> ct.StateSpace:
+    """Velocity loop, weights and kinematics of one axis, continuous, with |S|^2 held and v_d = 0.
+
+    States: the kinematic error (e1 or e3), w, y.  v_c0 = K e and e' = -v = -(w + K e).
+    """
+    a, mass, gamma, leak = _numbers(scenario, axis)
+    k = kinematic_gains(scenario).k[0 if axis == 0 else 2]
+    matrix = np.array(
+        [
+            [-k, -1.0, 0.0],
+            [k * k, k - a, 1 / mass],
+            [0.0, -gamma * square, -gamma * leak],
+        ]
+    )
+    push = np.array([[0.0], [1 / mass], [0.0]])
+    return ct.ss(
+        matrix, push, np.eye(3), np.zeros((3, 1)), name="frozen regressor",
+        states=["error", "w", "y"], inputs=["disturbance"], outputs=["error", "w", "y"],
+    )  # fmt: skip
+
+
+def largest_stable_square(scenario: Scenario, axis: int) -> float:
+    """|S|^2 above which learning is unstable in continuous time, leak left out; inf if never."""
+    return square_bound(Loop(scenario, LAW), axis)
+
+
+def _radius_of(scenario: Scenario, axis: int, square: float):  # type: ignore[no-untyped-def]
+    return lambda period: radius(learning_step(scenario, axis, square, period))
+
+
+def _numbers(scenario: Scenario, axis: int) -> tuple[float, float, float, float]:
+    """a [1/s], M1ii, Gamma and sigma of an axis."""
+    gains, robot = gains_of(scenario, LAW), scenario.robot
+    mass = (robot.m, robot.I)[axis]
+    return gains.rho1[axis] / (2 * mass), mass, gains.Gamma[axis], gains.sigma[axis]

@@ -1,0 +1,129 @@
+"""Margins: how much gain, phase, delay and model error the loop stands at each generalised force.
+
+The loop is cut at one force at a time, the other axis closed, at the point where the robot is on
+its reference.  Margins are statements about that point: they do not see the barrier at all.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+
+import control as ct
+import numpy as np
+
+from wmr_ctrl.linear.crossings import crossings
+from wmr_ctrl.linear.loop import law_at, plant_at, with_inputs
+from wmr_ctrl.linear.names import FORCES, STATES
+from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.scenario import Model, Scenario
+
+LOWEST, POINTS = 1e-3, 3000
+HIGHEST = 1e5
+"""Frequencies of the search [rad/s]; sampled loops end at the Nyquist frequency."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins at one generalised force; None where there is no such margin.
+
+    ``gain`` upwards and ``gain_down`` downwards [ratio], ``phase`` [degrees], ``delay`` [s],
+    ``disk`` (alpha of the balanced disk), ``disk_gain`` [ratio], ``disk_phase`` [degrees].
+    """
+
+    gain: float | None
+    gain_down: float | None
+    phase: float | None
+    delay: float | None
+    disk: float | None
+    disk_gain: float | None
+    disk_phase: float | None
+
+    def as_dict(self) -> dict[str, float | None]:
+        """All of them by name."""
+        return asdict(self)
+
+
+def open_loop(
+    scenario: Scenario,
+    law: str,
+    axis: int,
+    point: Point | None = None,
+    period: float | None = None,
+    memory: str = "frozen",
+) -> ct.StateSpace:
+    """The loop cut at force ``axis`` (0 thrust, 1 moment) as a negative-feedback loop L.
+
+    L goes from the force that acts on the robot to minus the force that the law then asks for; the
+    other axis stays closed.  Continuous, or sampled with ``period`` [s].
+    """
+    at = on_reference(scenario, law) if point is None else point
+    plant = with_inputs(plant_at(scenario, at, period), FORCES)
+    controller = law_at(scenario, law, at, period, memory)
+    cut, asked = FORCES[axis], f"asked[{axis + 1}]"
+    renamed = [asked if name == cut else name for name in FORCES]
+    controller = ct.ss(controller, name="law", inputs=STATES, outputs=renamed)
+    loop = ct.interconnect([plant, controller], inputs=[cut], outputs=[asked], name=f"L{axis + 1}")
+    return ct.ss(-loop, name=f"L{axis + 1}", inputs=[cut], outputs=[asked])
+
+
+def margins_at(
+    scenario: Scenario,
+    law: str,
+    axis: int,
+    point: Point | None = None,
+    period: float | None = None,
+    memory: str = "frozen",
+) -> Margins | None:
+    """Margins at force ``axis``; None where the closed loop is unstable."""
+    loop = open_loop(scenario, law, axis, point, period, memory)
+    if not is_stable(ct.feedback(loop, 1)):
+        return None
+    found = crossings(loop, frequencies(loop))
+    alpha, disk_gain, disk_phase = ct.disk_margins(loop, frequencies(loop), skew=0.0)
+    up, down = found.gains[found.gains > 1], found.gains[found.gains < 1]
+    return Margins(
+        _finite(up.min(initial=math.inf)), _finite(1 / (1 / down).min(initial=math.inf) or math.inf),
+        _finite(np.abs(found.phases).min(initial=math.inf)),
+        _finite(found.delays.min(initial=math.inf)),
+        _finite(alpha), _finite(10 ** (disk_gain / 20)), _finite(disk_phase),
+    )  # fmt: skip
+
+
+def frequencies(loop: ct.StateSpace) -> Floats:
+    """Frequencies [rad/s] at which the disk margin is searched."""
+    top = math.pi / loop.dt if loop.dt else HIGHEST
+    return np.geomspace(LOWEST, top * (1 - 1e-9), POINTS)
+
+
+def is_stable(loop: ct.StateSpace) -> bool:
+    """Whether every pole is strictly inside the stable region."""
+    poles = np.asarray(loop.poles())
+    return bool((np.abs(poles) < 1).all() if loop.dt else (poles.real < 0).all())
+
+
+def worst(found: list[Margins | None]) -> Margins | None:
+    """The smallest margin of each kind over the axes; None if one axis is unstable."""
+    if any(item is None for item in found):
+        return None
+    rows = [item.as_dict() for item in found if item is not None]
+    return Margins(**{key: _extreme(key, [row[key] for row in rows]) for key in rows[0]})
+
+
+def _extreme(key: str, given: list[float | None]) -> float | None:
+    known = [value for value in given if value is not None]
+    if not known:
+        return None
+    return max(known) if key == "gain_down" else min(known)
+
+
+def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
+    """The robot's mass, inertia and friction times these factors; the laws believe what they did."""
+    robot, believed = scenario.robot, scenario.believed
+    other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
+    return replace(scenario, robot=other, model=Model(believed.m, believed.I, believed.mu))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

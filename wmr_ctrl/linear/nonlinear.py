@@ -1,0 +1,116 @@
+"""The nonlinear loop as python-control objects: plant, law and reference as `control.nlsys`.
+
+Continuous time (the law read continuously) or sampled with the scenario's clock, where the law is
+exactly what the compiled code computes.  All signals have their names from the catalogue.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import control as ct
+import numpy as np
+
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.linear.blocks import continuous_reading, holding
+from wmr_ctrl.linear.loop import MEMORY
+from wmr_ctrl.linear.names import element_names
+from wmr_ctrl.linear.numbers import Floats, column
+from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.reference import reference
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import TORQUE_NOISE
+
+
+def to_nlsys(system: System) -> ct.NonlinearIOSystem:
+    """Any System as a nonlinear system of python-control, with its ports' names."""
+    graph = system.function("graph", [system.update, system.y])
+    numbers = ca.DM(system.p0)
+
+    def update(t: float, x: Any, u: Any, params: Any) -> Floats:
+        return column(graph(np.atleast_1d(u), np.atleast_1d(x), numbers)[0])
+
+    def output(t: float, x: Any, u: Any, params: Any) -> Floats:
+        return column(graph(np.atleast_1d(u), np.atleast_1d(x), numbers)[1])
+
+    states = element_names(port.signal for port in system.state)
+    return ct.nlsys(
+        update if states else None, output, name=system.name, states=states or None,
+        inputs=element_names(port.signal for port in system.inputs),
+        outputs=element_names(item.signal for item in system.outputs),
+        dt=0 if system.period is None else system.period,
+    )  # fmt: skip
+
+
+def plant_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
+    """The robot: wheel torques and their disturbance [N m] to pose and velocity, Eqs. (1)-(6).
+
+    ``sampled``: over one control period with its inputs held, by the clock's Runge-Kutta steps.
+    """
+    return to_nlsys(_over_period(scenario) if sampled else plant(scenario))
+
+
+def law_nlsys(
+    scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
+) -> ct.NonlinearIOSystem:
+    """The law: reference, pose and velocity to wheel torques, sampled or read continuously.
+
+    ``memory="frozen"`` keeps all its memory at its start values.
+    """
+    if memory not in MEMORY:
+        raise UnknownNameError("reading of the memory", memory, MEMORY)
+    block = controller(scenario, law)
+    if memory == "frozen":
+        block = holding(block, [item.signal.name for item in block.state])
+    return to_nlsys(block if sampled else continuous_reading(block))
+
+
+def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
+    """The desired trajectory: no input, a function of time."""
+    block = reference(scenario)
+    graph = block.function("reference", [block.y])
+    numbers = ca.DM(block.p0)
+
+    def output(t: float, x: Any, u: Any, params: Any) -> Floats:
+        return column(graph(float(t), [], numbers))
+
+    names = element_names(item.signal for item in block.outputs)
+    dt = scenario.clock.control if sampled else 0
+    return ct.nlsys(None, output, name=block.name, inputs=0, outputs=names, dt=dt)
+
+
+def loop_nlsys(
+    scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
+) -> ct.InterconnectedSystem:
+    """The whole nonlinear loop: disturbing wheel torques [N m] to pose, velocity and torques.
+
+    Its start is `start_of`.  The sampled loop steps at the control period.
+    """
+    moving, acting = plant_nlsys(scenario, sampled), law_nlsys(scenario, law, sampled, memory)
+    shown = [*moving.output_labels, *acting.output_labels]
+    return ct.interconnect(
+        [reference_nlsys(scenario, sampled), acting, moving],
+        inputs=element_names(TORQUE_NOISE), outputs=shown, name=f"{law} loop",
+    )  # fmt: skip
+
+
+def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
+    """Start of `loop_nlsys`: the law's memory, then pose and velocity."""
+    own = controller(scenario, law).x0 if memory == "learning" else []
+    return np.array([*own, *scenario.initial.pose, *scenario.initial.velocity])
+
+
+def _over_period(scenario: Scenario) -> System:
+    """The plant over one control period."""
+    moving, clock = plant(scenario), scenario.clock
+    step = moving.function("step", [rk4_step(moving, ca.SX(clock.plant))])
+    state = moving.x
+    for _ in range(clock.substeps):
+        state = step(moving.u, state, moving.p)
+    return System(
+        moving.name, moving.title, moving.inputs, moving.state, moving.params, state,
+        moving.outputs, period=clock.control,
+    )  # fmt: skip

@@ -1,0 +1,67 @@
+"""Regions of attraction: what is certified, against where runs really go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.laws.analysis import position_lyapunov
+from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.linear.batch import Ending
+from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.point import reference_velocity
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.model.tracking import error_rotation
+from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Levels of V2, Eq. (31), below which convergence is certified while |e3| < pi [m^2].
+
+    ``ideal``: velocity loop at rest, v = v_c0.  ``saturated``: v = v_c1, limits and all.
+    """
+
+    ideal: float
+    saturated: float
+
+
+def certified(scenario: Scenario) -> Levels:
+    """Both levels: 2/k2, the value at the saddle, and min(2/k2, ((v_u2 - |v2_d|)/(k2 v1_d))^2/2).
+
+    The second keeps |v2_d + k2 v1_d e2| <= v_u2[2], where saturation cannot turn V2' positive; it
+    is 0 where v1_d > v_u2[1] or |v2_d| > v_u2[2].
+    """
+    k2 = kinematic_gains(scenario).k[1]
+    v_d, _ = reference_velocity(scenario, 0.0)
+    spare = np.array(scenario.limits.v_u2) - np.abs(v_d)
+    ideal = 2 / k2
+    if (spare < 0).any():
+        return Levels(ideal, 0.0)
+    return Levels(ideal, min(ideal, 0.5 * (float(spare[1]) / (k2 * abs(float(v_d[0])))) ** 2))
+
+
+def level(scenario: Scenario, e: Floats) -> Floats:
+    """V2 of Eq. (31) [m^2] at errors ``e`` (..., 3)."""
+    symbol = ca.SX.sym("e", 3)
+    k2 = kinematic_gains(scenario).k[1]
+    graph = ca.Function("V2", [symbol], [position_lyapunov(symbol, ca.SX(k2))])
+    flat = np.asarray(e, dtype=float).reshape(-1, 3)
+    return np.asarray(graph(flat.T)).reshape(np.shape(e)[:-1])
+
+
+def start_at(scenario: Scenario, e: Floats, v: Floats | None = None) -> Floats:
+    """Pose and velocity (5) at t = 0 with tracking error ``e`` (3); v defaults to v_d."""
+    wanted = np.asarray(e, dtype=float)
+    pose_d = sample(scenario.reference, np.zeros(1))[0, :3]
+    theta = pose_d[2] - wanted[2]
+    back = np.asarray(ca.DM(error_rotation(ca.DM(theta)))).T @ wanted
+    velocity = reference_velocity(scenario, 0.0)[0] if v is None else np.asarray(v, dtype=float)
+    return np.concatenate((pose_d[:2] - back[:2], [theta], velocity))
+
+
+def converged(endings: list[Ending], within: float = 0.05) -> np.ndarray:
+    """Which runs end within ``within`` [m] of the reference, (N,) of bool."""
+    return np.array([ending.distance < within for ending in endings])

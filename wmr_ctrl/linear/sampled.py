@@ -1,0 +1,73 @@
+"""Sampled data: spectral radius against the control period, and the largest stable one.
+
+The limits without learning are those of the warnings before a run (`wmr_ctrl.checks`); this module
+adds the loops whose weights move, and the barrier's one-step limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sample_time import kink_limits
+from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST, closed_loop as sampled_matrix
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import error_law, error_plant, with_period
+from wmr_ctrl.linear.linearise import linearise
+from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.numbers import Floats, bisect, radius
+from wmr_ctrl.linear.point import Point, reference_velocity
+from wmr_ctrl.scenario import Scenario
+
+MARGIN, RATIO = 1e-9, 1.15
+
+
+def spectral_radius(
+    scenario: Scenario,
+    law: str,
+    periods: Iterable[float],
+    point: Point | None = None,
+    memory: str = "frozen",
+) -> Floats:
+    """Spectral radius of the sampled closed loop for each control period [s]: stable below 1."""
+    return np.array([_radius(scenario, law, period, point, memory) for period in periods])
+
+
+def _radius(
+    scenario: Scenario, law: str, period: float, point: Point | None, memory: str
+) -> float:
+    if point is None and memory == "frozen":
+        v_d, _ = reference_velocity(scenario, 0.0)
+        return radius(sampled_matrix(Loop(scenario, law), v_d, period))
+    return radius(closed_loop(scenario, law, point, period, memory).A)
+
+
+def largest_learning_period(scenario: Scenario, law: str, point: Point | None = None) -> float:
+    """Supremum of the stable periods [s] with weights and estimates moving; 0.0 if there is none.
+
+    Linearised at ``point`` (default: on the reference with the start's weights); inf if every
+    period up to 10 s is stable.
+    """
+    return supremum(lambda period: _radius(scenario, law, period, point, "learning"))
+
+
+def supremum(of: Callable[[float], float]) -> float:
+    """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
+    below, period = 0.0, SHORTEST
+    while of(period) <= 1 + MARGIN:
+        if period >= LONGEST:
+            return math.inf
+        below, period = period, period * RATIO
+    return bisect(lambda t: of(t) <= 1 + MARGIN, below, period, 1e-7) if below else 0.0
+
+
+def kink_periods(scenario: Scenario, law: str) -> Floats | None:
+    """Longest stable period (2) [s] where v sits at v_u2 with v_c0 beyond; None without a barrier.
+
+    At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.
+    """
+    loop = Loop(scenario, law)
+    return kink_limits(loop) if loop.uses("limits.") else None

@@ -1,0 +1,107 @@
+"""One claim to one entry: the statement, its mutation, and whether its hypotheses can be met."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from importlib.util import find_spec
+from time import perf_counter
+from typing import Any
+
+from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.finding import NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
+from wmr_ctrl.proofs.ledger import Entry
+from wmr_ctrl.proofs.methods.spec import Both, Method, Ring, named, needs, trusted
+
+
+def missing(method: Method | None) -> tuple[str, ...]:
+    """Packages that the method needs and that are not installed."""
+    return tuple(name for name in needs(method) if find_spec(name) is None) if method else ()
+
+
+def check(claim: Claim) -> Entry:
+    """The claim's entry; NOT_CHECKED where a package is missing."""
+    if claim.statement is None or claim.method is None:
+        return _entry(claim, claim.verdict)
+    absent = missing(claim.method)
+    if absent:
+        return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
+    started = perf_counter()
+    statement = claim.statement(1.0)
+    finding = claim.method.decide(statement)
+    mutated = _mutated(claim, claim.method) if finding.verdict == PROVED else None
+    verdict, reason = _guarded(finding, mutated)
+    return _entry(
+        claim,
+        verdict,
+        method=_described(claim.method, finding),
+        trusted=trusted(claim.method),
+        mutation_refuted=mutated,
+        counterexample=_text(finding.point) if verdict == REFUTED else None,
+        satisfied_at=_text(finding.point) if verdict == PROVED else None,
+        seconds=round(perf_counter() - started, 2),
+        graph_hash=statement.graph.digest,
+        evidence={**finding.evidence, **reason},
+    )
+
+
+def graph_hash(claim: Claim) -> str:
+    """Hash of the graph that the claim is about now."""
+    return claim.statement(1.0).graph.digest if claim.statement else ""
+
+
+def recheck(claim: Claim, entry: Entry) -> bool:
+    """Whether the entry's stored counterexample still refutes the claim on the graph."""
+    from wmr_ctrl.proofs.methods.point import judge
+
+    if claim.statement is None or entry.counterexample is None:
+        return False
+    given, goal = judge(claim.statement(1.0), read_point(entry.counterexample))
+    return given and not goal
+
+
+def read_point(text: Mapping[str, str]) -> dict[str, Any]:
+    """An exact point from its text."""
+    from wmr_ctrl.proofs.methods.point import Pi
+
+    return {n: Pi(Fraction(v.split()[0])) if v.endswith("pi") else Fraction(v) for n, v in text.items()}
+
+
+def _mutated(claim: Claim, method: Method) -> bool:
+    assert claim.statement is not None
+    return _quick(method).decide(claim.statement(-1.0)).verdict == REFUTED
+
+
+def _quick(method: Method) -> Method:
+    """For the mutation, the first case that fails is enough; of two methods each must refute."""
+    if isinstance(method, Both):
+        return replace(method, first=_quick(method.first), second=_quick(method.second), all_refute=True)
+    return replace(method, quick=True) if isinstance(method, Ring) else method
+
+
+def _guarded(finding: Finding, mutated: bool | None) -> tuple[str, dict[str, str]]:
+    """PROVED only with a refuted mutation and hypotheses that some point satisfies."""
+    if finding.verdict != PROVED:
+        return finding.verdict, {}
+    if not mutated:
+        return OPEN, {"held back": "the altered claim was not refuted"}
+    if finding.point is None:
+        return OPEN, {"held back": "no point was found that satisfies the hypotheses"}
+    return PROVED, {}
+
+
+def _described(method: Method, finding: Finding) -> str:
+    counts = [f"{finding.evidence[key]} {key}" for key in ("cases", "boxes") if key in finding.evidence]
+    return ", ".join([named(method), *counts])
+
+
+def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
+    return None if point is None else written(point)
+
+
+def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:
+    return Entry(
+        claim.id, claim.equations, claim.claim, claim.form, verdict, **found,
+        meaning=claim.meaning, hypotheses=claim.hypotheses, uses=claim.uses, theme=claim.theme,
+    )

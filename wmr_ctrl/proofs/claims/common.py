@@ -1,0 +1,118 @@
+"""What the claims share: one axis of the barrier, and a law's System with free inner quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.laws import LAWS, barrier
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.laws.stable_barrier import SERIES_BELOW, Barrier, stable_barrier
+from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.proofs.statement import Relation, above, symbols
+from wmr_ctrl.scenario import Scenario, load_scenario
+
+PRESET = "paper-simulation"
+CLOSED_FORM = {SERIES_BELOW: False}
+ALL_LIMITS = "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0, either sign"
+OFF_EDGES = ALL_LIMITS + "; off |v| = v_u2, |v_c0| = v_u2 and |v_c0| = v_u2 + 1/(v_u1 - v_u2)"
+NO_SERIES = "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
+
+
+@dataclass(frozen=True)
+class BarrierAxis:
+    """Symbols v, c, u1, u2 of one axis with the paper's functions of them."""
+
+    suffix: str = ""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """v, c, u1, u2 with the suffix."""
+        return symbols(" ".join(f"{name}{self.suffix}" for name in ("v", "c", "u1", "u2")))
+
+    @property
+    def all(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """(v, c, u1, u2)."""
+        v, c, u1, u2 = self.symbols.values()
+        return v, c, u1, u2
+
+    @cached_property
+    def x(self) -> ca.SX:
+        """v_c1, Eq. (18)."""
+        _, c, u1, u2 = self.all
+        return barrier.minimiser(c, u1, u2)
+
+    @property
+    def w(self) -> ca.SX:
+        """v - v_c1."""
+        return self.all[0] - self.x
+
+    @cached_property
+    def A(self) -> ca.SX:
+        """A of Eq. (10)."""
+        return barrier.a_term(*self.all)
+
+    @cached_property
+    def V(self) -> ca.SX:
+        """V1i of Eq. (20)."""
+        return barrier.lyapunov(*self.all)
+
+    @cached_property
+    def stable(self) -> Barrier:
+        """What C evaluates."""
+        v, c, u1, u2 = self.all
+        return stable_barrier(c, v, u1, u2)
+
+    @property
+    def inside(self) -> tuple[Relation, ...]:
+        """0 < u2 < u1 and |v| < u1, as hypotheses."""
+        v, _, u1, u2 = self.all
+        return above(u2), above(u1, u2), above(u1, v), above(v, -u1)
+
+
+def scalars(ports: Iterable[Port]) -> dict[str, ca.SX]:
+    """Every element of the ports by its name, counted from 1."""
+    return {name: port.sym[i] for port in ports for i, name in enumerate(port.signal.elements)}
+
+
+@dataclass(frozen=True)
+class LawGraph:
+    """A law's System and, in the same symbols, the inner quantities that all laws share."""
+
+    name: str
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The preset whose structure the graph has; its numbers stay symbols."""
+        return load_scenario(PRESET)
+
+    @cached_property
+    def system(self) -> System:
+        """The System that code generation is given."""
+        return LAWS[self.name].build(self.scenario)
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """All ports' elements by name."""
+        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
+
+    @cached_property
+    def sample(self) -> Sample:
+        """The shared quantities, in symbols of their own (see `own`)."""
+        return Sample(self.name, self.scenario)
+
+    @property
+    def force(self) -> ca.SX:
+        """Generalised force, (2,)."""
+        return self.system.outputs[0].expr
+
+    def own(self, expr: ca.SX) -> ca.SX:
+        """An expression of `sample` in the System's symbols."""
+        named = {port.signal.name: port.sym for port in (*self.system.inputs, *self.system.params)}
+        ports = [p for p in (*self.sample.inputs, *self.sample.parameters.ports) if p.signal.name in named]
+        old = ca.vertcat(*(port.sym for port in ports))
+        new = ca.vertcat(*(named[port.signal.name] for port in ports))
+        return ca.substitute(expr, old, new)

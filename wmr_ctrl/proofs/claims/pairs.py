@@ -1,0 +1,48 @@
+"""Cases of two axes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from wmr_ctrl.proofs.case import Case
+from wmr_ctrl.proofs.regions import Axis, open_cases
+
+
+def joined(one: Case, two: Case) -> Case:
+    """Both cases together; their inputs and numbers must have different names."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        return {**one.values(n), **two.values(n)}
+
+    return Case(f"{one.label}; {two.label}", {**one.numbers, **two.numbers}, values, {**one.declared, **two.declared})
+
+
+def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
+    """Case k of the first axis with case k of the second."""
+    return tuple(joined(a, b) for a, b in zip(one, two, strict=True))
+
+
+def paired_cases(one: Axis, two: Axis) -> tuple[Case, ...]:
+    """Every open region of each axis once, against a different one of the other.
+
+    Enough where the statement is a sum of one term per axis: a term that is constant on each region,
+    0 in the sum on every pair, is 0.
+    """
+    return paired(open_cases(one), open_cases(two)[::-1])
+
+
+def renamed(case: Case, names: Mapping[str, str], declared: Mapping[str, str] | None = None) -> Case:
+    """The case with its inputs under other names."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        return {names.get(key, key): value for key, value in case.values(n).items()}
+
+    return Case(case.label, case.numbers, values, {**case.declared, **(declared or {})})
+
+
+def law_cases(cases: Iterable[Case], axis: int) -> tuple[Case, ...]:
+    """Cases of one axis under the names of a law's ports; the gain rho is positive."""
+    k = axis + 1
+    names = {"v": ("v1", "omega")[axis], "u1": f"limits.v_u1[{k}]", "u2": f"limits.v_u2[{k}]", "clip": "limits.clip"}
+    return tuple(renamed(case, names) for case in cases)

@@ -1,0 +1,130 @@
+"""The ledger: entries with verdicts, their JSON, and how a run compares with the committed one.
+
+Standard library only, so that reports and documentation can show the committed ledger anywhere.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+COMMITTED = Path(__file__).with_name("ledger.json")
+VERDICTS = ("PROVED", "REFUTED", "DEFINITION", "HAND", "OPEN", "NOT_CHECKED")
+PUBLIC_KEYS = (
+    "id", "equations", "claim", "form", "verdict", "method", "trusted",
+    "mutation_refuted", "counterexample", "seconds", "graph_hash",
+)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One checked claim.
+
+    ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours; ``counterexample``
+    maps inputs of the graph to exact rationals as text (or multiples of pi) and is None unless the
+    verdict is REFUTED; ``mutation_refuted`` tells whether the same method refuted the altered claim;
+    ``graph_hash`` is empty where no graph is behind the entry.
+    """
+
+    id: str
+    equations: tuple[int, ...]
+    claim: str
+    form: str
+    verdict: str
+    method: str = ""
+    trusted: tuple[str, ...] = ()
+    mutation_refuted: bool | None = None
+    counterexample: Mapping[str, str] | None = None
+    seconds: float = 0.0
+    graph_hash: str = ""
+    meaning: str = ""
+    hypotheses: str = ""
+    evidence: Mapping[str, Any] = field(default_factory=dict)
+    satisfied_at: Mapping[str, str] | None = None
+    uses: tuple[str, ...] = ()
+    theme: str = ""
+
+    def public(self) -> dict[str, Any]:
+        """The entry as `wmr-ctrl prove --json` writes it."""
+        every = asdict(self)
+        return {key: every[key] for key in PUBLIC_KEYS}
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """All entries of one run, in the order of the claims."""
+
+    entries: tuple[Entry, ...]
+
+    def tally(self) -> dict[str, int]:
+        """Number of entries per verdict."""
+        counted = Counter(entry.verdict for entry in self.entries)
+        return {verdict: counted[verdict] for verdict in VERDICTS if counted[verdict]}
+
+    def by_id(self) -> dict[str, Entry]:
+        """Entries by id."""
+        return {entry.id: entry for entry in self.entries}
+
+    def to_json(self) -> str:
+        """``{"entries": [...]}`` with the public keys."""
+        return json.dumps({"entries": [entry.public() for entry in self.entries]}, indent=1)
+
+    def save(self, path: Path) -> None:
+        """Write everything, for `load` (this is how the committed ledger is made)."""
+        text = json.dumps({"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False)
+        path.write_text(text + "\n", encoding="utf-8")
+
+
+def load(path: Path = COMMITTED) -> Ledger:
+    """A saved ledger; the committed one by default."""
+    rows = json.loads(path.read_text(encoding="utf-8"))["entries"]
+    return Ledger(tuple(_entry(row) for row in rows))
+
+
+def _entry(row: Mapping[str, Any]) -> Entry:
+    lists = ("equations", "trusted", "uses")
+    return Entry(**{key: tuple(value) if key in lists else value for key, value in row.items()})
+
+
+@dataclass(frozen=True)
+class Difference:
+    """An entry whose verdict or graph is not the committed one."""
+
+    id: str
+    what: str
+    committed: str
+    now: str
+
+
+def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> list[Difference]:
+    """Where verdicts differ; with ``complete``, also entries that only one of the two has."""
+    known, found = committed.by_id(), ledger.by_id()
+    ids = [*known, *(i for i in found if i not in known)] if complete else list(found)
+    pairs = ((i, _verdict(known, i), _verdict(found, i)) for i in ids)
+    return [Difference(i, "verdict", old, new) for i, old, new in pairs if old != new]
+
+
+def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
+    """Ids whose graph is no longer the one that the committed verdict is about."""
+    return [e.id for e in committed.entries if e.graph_hash and hashes.get(e.id, e.graph_hash) != e.graph_hash]
+
+
+def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:
+    """0 as committed; 1 where a verdict differs; 3 where entries could not be checked."""
+    changed = [d for d in differences(ledger, committed, complete) if d.now != "NOT_CHECKED"]
+    if changed:
+        return 1
+    return 3 if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries) else 0
+
+
+def _verdict(entries: Mapping[str, Entry], key: str) -> str:
+    return entries[key].verdict if key in entries else "(no entry)"
+
+
+def of_equation(entries: Iterable[Entry], number: int) -> list[Entry]:
+    """Entries that speak about one equation."""
+    return [entry for entry in entries if number in entry.equations]

@@ -1,0 +1,127 @@
+"""Elements of a fraction field over the rationals, with roots, sines and logarithms as atoms.
+
+Every generator has a domain (positive, nonnegative, any), so that the sign of a polynomial follows
+from the signs of its coefficients.  Atoms are spare generators, taken on demand, one per argument;
+roots and sine-cosine pairs bring the relation S^2 = argument or s^2 = 1 - c^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from sympy import QQ
+from sympy.polys.fields import field
+
+from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE
+
+
+class Algebra:
+    """The field of one case: generators by name, atoms by (function, argument)."""
+
+    def __init__(self, domains: Mapping[str, str], spare: int) -> None:
+        self.domains = [*domains.values()]
+        self.count, self.spare = len(self.domains), spare
+        names = [f"x{k}" for k in range(self.count)] + [f"atom{k}" for k in range(spare)]
+        self.field, *gens = field(names or ["x0"], QQ)
+        self.generators = gens
+        self.by_name = dict(zip(domains, gens, strict=False))
+        self.atoms: dict[tuple[str, Any], Any] = {}
+        self.squares: dict[int, Any] = {}
+        self.arguments: dict[int, tuple[str, Any]] = {}
+
+    def number(self, value: Fraction | float) -> Any:
+        """A rational, exactly."""
+        exact = Fraction(value)
+        return self.field(QQ(exact.numerator, exact.denominator))
+
+    def atom(self, function: str, argument: Any, domain: str) -> Any:
+        """Generator that stands for ``function(argument)``."""
+        key = (function, argument)
+        if key not in self.atoms:
+            index = len(self.domains)
+            if index >= len(self.generators):
+                raise RuntimeError("more atoms than the field has room for")
+            self.domains.append(domain)
+            self.atoms[key] = self.generators[index]
+            self.arguments[index] = key
+        return self.atoms[key]
+
+    def index(self, generator: Any) -> int:
+        """Position of a generator."""
+        return self.generators.index(generator)
+
+    def relate(self, generator: Any, square: Any) -> None:
+        """State generator^2 = square."""
+        self.squares[self.index(generator)] = square
+
+    def reduced(self, element: Any) -> Any:
+        """Element with every square of a root or a sine replaced."""
+        for index, square in self.squares.items():
+            element = self._lower(element.numer, index, square) / self._lower(element.denom, index, square)
+        return element
+
+    def _lower(self, poly: Any, index: int, square: Any) -> Any:
+        if all(monomial[index] < 2 for monomial in poly):
+            return self.field(poly)
+        parts: dict[int, Any] = {}
+        for monomial, coefficient in poly.items():
+            power, rest = monomial[index], list(monomial)
+            rest[index] = power % 2
+            part = parts.setdefault(power // 2, poly.ring.zero)
+            part[tuple(rest)] = part.get(tuple(rest), poly.ring.domain.zero) + coefficient
+        total = self.field(0)
+        for power, part in parts.items():
+            part.strip_zero()
+            total += self.field(part) * square**power
+        return total
+
+    def polynomial_sign(self, poly: Any) -> str | None:
+        """``+ - 0 +0 -0`` (the latter two: or zero), None where coefficients do not tell."""
+        if not poly:
+            return "0"
+        positive = negative = strict = False
+        for monomial, coefficient in poly.items():
+            kind = self._monomial(monomial)
+            if kind is None:
+                return None
+            positive, negative = positive or coefficient > 0, negative or coefficient < 0
+            strict = strict or kind == POSITIVE
+        if positive and negative:
+            return None
+        return ("+" if positive else "-") + ("" if strict else "0")
+
+    def _monomial(self, monomial: tuple[int, ...]) -> str | None:
+        kind = POSITIVE
+        for power, domain in zip(monomial, self.domains, strict=False):
+            if power and domain == FREE and power % 2:
+                return None
+            if power and domain != POSITIVE:
+                kind = NONNEGATIVE
+        return kind
+
+    def sign(self, element: Any) -> str | None:
+        """Sign of an element, by its coefficients or by its factors."""
+        element = self.reduced(element)
+        if not element.numer:
+            return "0"
+        top, bottom = self._factored_sign(element.numer), self._factored_sign(element.denom)
+        if top is None or bottom is None:
+            return None
+        flipped = top[0] != bottom[0]
+        return ("-" if flipped else "+") + top[1:]
+
+    def _factored_sign(self, poly: Any) -> str | None:
+        direct = self.polynomial_sign(poly)
+        if direct is not None:
+            return direct
+        content, factors = poly.factor_list()
+        negative, weak = content < 0, False
+        for factor, times in factors:
+            found = self.polynomial_sign(factor)
+            if found is None and times % 2:
+                return None
+            weak = weak or found is None or found.endswith("0")
+            negative ^= bool(found and found[0] == "-" and times % 2)
+        return ("-" if negative else "+") + ("0" if weak else "")

@@ -1,0 +1,187 @@
+"""POINT: a graph at one exact point, in rationals where it can be and in 300-bit balls elsewhere.
+
+This is what a counterexample must survive: hypotheses certain, goal certainly violated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from fractions import Fraction
+from math import isqrt
+from typing import Any
+
+from flint import arb, ctx, fmpq
+
+from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.walk import Walk
+
+BITS = 300
+
+
+class UndecidedError(ArithmeticError):
+    """A comparison whose sides cannot be told apart, or an operation outside its domain."""
+
+
+class Pi:
+    """A rational multiple of pi, so that its sine and cosine stay exact."""
+
+    def __init__(self, times: Fraction) -> None:
+        self.times = times
+
+    def ball(self) -> arb:
+        """Enclosure."""
+        return arb.pi() * _ball(self.times)
+
+
+class PointArithmetic:
+    """Exact rationals; balls after an irrational operation."""
+
+    def __init__(self, point: Mapping[str, Any]) -> None:
+        self.point = point
+
+    def constant(self, value: float) -> Any:
+        """The double, exactly."""
+        return Fraction(value) if abs(value) < float("inf") else arb(value)
+
+    def variable(self, name: str) -> Any:
+        """Coordinate of the point."""
+        return self.point[name]
+
+    def apply(self, op: str, args: list[Any]) -> Any:
+        """Exact where every operand is rational and the operation keeps it so."""
+        if any(isinstance(a, Pi) for a in args):
+            args = [_unwrap(op, a) for a in args]
+        if all(isinstance(a, Fraction) for a in args):
+            exact = _rational(op, args)
+            if exact is not None:
+                return exact
+        return _in_balls(op, [a if op in ("sin", "cos") else _ball(a) for a in args])
+
+    def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> bool:
+        """Certain truth; UndecidedError otherwise."""
+        s = sign_of(self.apply("sub", [left, right]))
+        return {"lt": s < 0, "le": s <= 0, "eq": s == 0, "ne": s != 0}[op]
+
+    def logic(self, op: str, args: list[bool]) -> bool:
+        """Plain logic."""
+        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """A condition that is a number: nonzero means true."""
+        return yes if sign_of(condition) != 0 else no
+
+    def number(self, condition: bool) -> Fraction:
+        """1 or 0."""
+        return Fraction(int(condition))
+
+
+def evaluate(statement: Statement, point: Mapping[str, Any]) -> list[Any]:
+    """Values of the goals, then of the hypotheses, at ``point`` (rationals or `Pi`)."""
+    ctx.prec = BITS
+    return Walk(statement.graph, PointArithmetic(point), lambda _: False).outputs()
+
+
+def holds(kind: str, value: Any) -> bool:
+    """Whether ``value`` certainly stands in relation ``kind`` to 0; UndecidedError if unsure."""
+    s = sign_of(value)
+    return s == 0 if kind == EQUAL else (s > 0 if kind == ABOVE else s >= 0)
+
+
+def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
+    """(all hypotheses hold, all goals hold) at ``point``; unsure hypotheses count as not holding.
+
+    A goal that cannot be told from its bound counts as holding: no refutation rests on it.
+    """
+    try:
+        values = evaluate(statement, point)
+    except (UndecidedError, ZeroDivisionError):
+        return False, True
+    goals = len(statement.goals)
+    given = all(_certain(kind, v, False) for kind, v in zip(statement.given_kinds, values[goals:], strict=True))
+    good = all(_certain(kind, v, True) for kind, v in zip(statement.goal_kinds, values[:goals], strict=True))
+    return given, good
+
+
+def _certain(kind: str, value: Any, default: bool) -> bool:
+    try:
+        return holds(kind, value)
+    except UndecidedError:
+        return default
+
+
+def sign_of(value: Any) -> int:
+    """-1, 0 or 1, certain."""
+    if isinstance(value, Pi):
+        value = value.times
+    if isinstance(value, Fraction):
+        return (value > 0) - (value < 0)
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    raise UndecidedError("sign not certain")
+
+
+def _ball(value: Any) -> arb:
+    if isinstance(value, Pi):
+        return value.ball()
+    return arb(fmpq(value.numerator, value.denominator)) if isinstance(value, Fraction) else value
+
+
+def _unwrap(op: str, value: Any) -> Any:
+    """pi into what the operation can use: quarter turns keep sine and cosine rational."""
+    if not isinstance(value, Pi):
+        return value
+    if op in ("sin", "cos") and (2 * value.times).denominator == 1:
+        return value
+    return value.ball()
+
+
+def _rational(op: str, args: list[Any]) -> Fraction | None:
+    if op == "div" and args[1] == 0 or op == "inv" and args[0] == 0:
+        raise UndecidedError("division by zero")
+    table: dict[str, Callable[..., Any]] = {
+        "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b, "inv": lambda a: 1 / a, "neg": lambda a: -a, "sq": lambda a: a * a,
+        "twice": lambda a: 2 * a, "fabs": abs, "fmin": min, "fmax": max, "assign": lambda a: a,
+        "sign": lambda a: Fraction((a > 0) - (a < 0)), "sqrt": _exact_root,
+        "sin": lambda a: a if a == 0 else None, "cos": lambda a: Fraction(1) if a == 0 else None,
+        "exp": lambda a: Fraction(1) if a == 0 else None, "log": lambda a: Fraction(0) if a == 1 else None,
+        "tanh": lambda a: a if a == 0 else None, "log1p": lambda a: a if a == 0 else None,
+        "constpow": _power, "pow": _power,
+    }
+    found: Fraction | None = table[op](*args) if op in table else None
+    return found
+
+
+def _power(a: Fraction, b: Fraction) -> Fraction | None:
+    return a ** int(b) if b.denominator == 1 and (a != 0 or b > 0) else None
+
+
+def _exact_root(a: Fraction) -> Fraction | None:
+    if a < 0:
+        raise UndecidedError("root of a negative number")
+    top, bottom = isqrt(a.numerator), isqrt(a.denominator)
+    return Fraction(top, bottom) if top * top == a.numerator and bottom * bottom == a.denominator else None
+
+
+def _in_balls(op: str, args: list[Any]) -> Any:
+    if op in ("sin", "cos") and isinstance(args[0], Pi):
+        quarter = int(2 * args[0].times) + (1 if op == "cos" else 0)
+        return Fraction((0, 1, 0, -1)[quarter % 4])
+    args = [_ball(a) for a in args]
+    table: dict[str, Callable[..., Any]] = {
+        "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b, "inv": lambda a: 1 / a, "neg": lambda a: -a, "sq": lambda a: a * a,
+        "twice": lambda a: 2 * a, "fabs": abs, "fmin": lambda a, b: a.min(b), "fmax": lambda a, b: a.max(b),
+        "sqrt": lambda a: a.sqrt(), "sin": lambda a: a.sin(), "cos": lambda a: a.cos(),
+        "exp": lambda a: a.exp(), "log": lambda a: a.log(), "tanh": lambda a: a.tanh(),
+        "log1p": lambda a: a.log1p(), "assign": lambda a: a, "sign": lambda a: Fraction(sign_of(a)),
+        "constpow": lambda a, b: a ** int(b), "pow": lambda a, b: a**b,
+    }
+    if op not in table:
+        raise NotImplementedError(f"operation {op} has no exact evaluation")
+    found = table[op](*args)
+    if isinstance(found, arb) and not found.is_finite():
+        raise UndecidedError(f"{op} outside its domain")
+    return found

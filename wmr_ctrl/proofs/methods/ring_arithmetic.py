@@ -1,0 +1,210 @@
+"""Arithmetic of exact algebra: every value is an element of a fraction field, or undefined (None)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from math import isqrt
+from typing import Any
+
+from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.methods.field import Algebra
+
+HUGE = 1e100
+"""A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""
+
+
+class RingArithmetic:
+    """Values of one case; conditions decided by signs, else by ``ask``."""
+
+    def __init__(self, case: Case, names: tuple[str, ...], fixed: Mapping[float, bool], spare: int) -> None:
+        free = {n: case.declared.get(n, FREE) for n in names}
+        self.algebra = Algebra({**case.numbers, **free}, spare)
+        chart = {name: self.algebra.by_name[name] for name in case.numbers}
+        self.inputs = {**{n: self.algebra.by_name[n] for n in names}, **case.values(chart)}
+        self.fixed = fixed
+        self.ask: Callable[[Hashable], bool] = lambda _: True
+
+    def constant(self, value: float) -> Any:
+        """The double, exactly."""
+        return self.algebra.number(value)
+
+    def variable(self, name: str) -> Any:
+        """Element of an input."""
+        value = self.inputs[name]
+        return self.algebra.number(value) if isinstance(value, int | float) else self.algebra.field(value)
+
+    def apply(self, op: str, args: list[Any]) -> Any:
+        """Element of an operation; None where it is undefined."""
+        if any(arg is None for arg in args):
+            return None
+        if op in ("div", "inv"):
+            below = self.algebra.reduced(args[-1])
+            return None if not below else (args[0] / below if op == "div" else 1 / below)
+        return _OPERATIONS[op](self, *args)
+
+    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
+        """Truth by the sign of right - left."""
+        if left is None or right is None:
+            return ask((op, left, right))
+        gap = self.algebra.reduced(right - left)
+        known = _TRUTH[op].get(self.algebra.sign(gap) or "?")
+        if known is None:
+            known = self._stated(op, right)
+        return ask((op, gap)) if known is None else known
+
+    def _stated(self, op: str, right: Any) -> bool | None:
+        if op != "lt" or not right.numer.is_ground or not right.denom.is_ground:
+            return None
+        for value, truth in self.fixed.items():
+            if right == self.algebra.number(value):
+                return truth
+        return None
+
+    def logic(self, op: str, args: list[bool]) -> bool:
+        """Plain logic."""
+        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """A number used as a condition: decided where it is 0 or 1."""
+        return yes if condition == 1 else no
+
+    def number(self, condition: bool) -> Any:
+        """1 or 0."""
+        return self.algebra.number(int(condition))
+
+    def smaller(self, left: Any, right: Any) -> Any:
+        """Minimum of two elements, where the sign of their difference is known."""
+        if right.numer.is_ground and right.denom.is_ground and right > self.algebra.number(HUGE):
+            return left
+        return self._pick(right - left, left, right)
+
+    def larger(self, left: Any, right: Any) -> Any:
+        """Maximum of two elements, where the sign of their difference is known."""
+        return self._pick(right - left, right, left)
+
+    def _pick(self, gap: Any, if_positive: Any, if_negative: Any) -> Any:
+        return if_positive if self._upward(gap) else if_negative
+
+    def _upward(self, value: Any) -> bool:
+        found = self.algebra.sign(value)
+        return self.ask(("upward", value)) if found is None else found[0] != "-"
+
+    def magnitude(self, value: Any) -> Any:
+        """|value|."""
+        return value if self._upward(value) else -value
+
+    def signum(self, value: Any) -> Any:
+        """sgn(value)."""
+        found = self.algebra.sign(value)
+        if found not in ("+", "-", "0"):
+            return None
+        return self.algebra.number({"+": 1, "-": -1, "0": 0}[found])
+
+    def root(self, value: Any) -> Any:
+        """Square root: exact for squares, else an atom with its relation."""
+        value = self.algebra.reduced(value)
+        top, bottom = _polynomial_root(value.numer), _polynomial_root(value.denom)
+        if top is not None and bottom is not None:
+            return self.magnitude(self.algebra.field(top) / self.algebra.field(bottom))
+        atom = self.algebra.atom("sqrt", value, NONNEGATIVE)
+        self.algebra.relate(atom, value)
+        return atom
+
+    def logarithm(self, value: Any) -> Any:
+        """log as a sum over the factors of its argument, each an atom."""
+        total = self.algebra.number(0)
+        for poly, side in ((value.numer, 1), (value.denom, -1)):
+            content, factors = poly.factor_list()
+            signs = 0
+            for factor, times in factors:
+                found = self.algebra.polynomial_sign(factor)
+                if found not in ("+", "-"):
+                    return self.algebra.atom("log of", value, FREE)
+                signs += times * (found == "-")
+                factor = factor if found == "+" else -factor
+                content_part = self.algebra.field(factor)
+                total += side * times * self.algebra.atom("log", content_part, FREE)
+            content = content * (-1) ** signs
+            if content < 0:
+                return None
+            if content != 1:
+                total += side * self.algebra.atom("log", self.algebra.field(content), FREE)
+        return total
+
+    def sine_cosine(self, angle: Any) -> tuple[Any, Any]:
+        """(sin, cos) of a sum of generators, by angle addition; else of one opaque atom."""
+        terms = _integer_terms(angle)
+        if terms is None:
+            return self._pair(angle)
+        sine, cosine = self.algebra.number(0), self.algebra.number(1)
+        for generator, times in terms:
+            s, c = self._pair(self.algebra.field(generator))
+            for _ in range(abs(times)):
+                step = s if times > 0 else -s
+                sine, cosine = sine * c + cosine * step, cosine * c - sine * step
+        return self.algebra.reduced(sine), self.algebra.reduced(cosine)
+
+    def _pair(self, angle: Any) -> tuple[Any, Any]:
+        s, c = self.algebra.atom("sin", angle, FREE), self.algebra.atom("cos", angle, FREE)
+        self.algebra.relate(s, 1 - c**2)
+        return s, c
+
+
+_TRUTH = {
+    "lt": {"+": True, "-": False, "0": False, "-0": False},
+    "le": {"+": True, "-": False, "0": True, "+0": True},
+    "eq": {"+": False, "-": False, "0": True},
+    "ne": {"+": True, "-": True, "0": False},
+}
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "add": lambda _, a, b: a + b,
+    "sub": lambda _, a, b: a - b,
+    "mul": lambda _, a, b: a * b,
+    "neg": lambda _, a: -a,
+    "sq": lambda _, a: a * a,
+    "twice": lambda _, a: 2 * a,
+    "assign": lambda _, a: a,
+    "fabs": RingArithmetic.magnitude,
+    "sign": RingArithmetic.signum,
+    "fmin": RingArithmetic.smaller,
+    "fmax": RingArithmetic.larger,
+    "sqrt": RingArithmetic.root,
+    "log": RingArithmetic.logarithm,
+    "sin": lambda me, a: me.sine_cosine(a)[0],
+    "cos": lambda me, a: me.sine_cosine(a)[1],
+    "exp": lambda me, a: me.algebra.atom("exp", a, POSITIVE),
+    "tanh": lambda me, a: me.algebra.atom("tanh", a, FREE),
+    "constpow": lambda _, a, b: a ** int(b.numer.coeff(1)),
+}
+
+
+def _polynomial_root(poly: Any) -> Any:
+    content, factors = poly.sqf_list()
+    root = _rational_root(content)
+    if root is None or any(times % 2 for _, times in factors):
+        return None
+    found = poly.ring.ground_new(root)
+    for factor, times in factors:
+        found = found * factor ** (times // 2)
+    return found
+
+
+def _rational_root(value: Any) -> Any:
+    top, bottom = int(value.numerator), int(value.denominator)
+    if top < 0 or isqrt(top) ** 2 != top or isqrt(bottom) ** 2 != bottom:
+        return None
+    return type(value)(isqrt(top), isqrt(bottom))
+
+
+def _integer_terms(angle: Any) -> list[tuple[Any, int]] | None:
+    """(generator, integer) of a linear form, or None."""
+    if not angle.denom.is_ground:
+        return None
+    scale = angle.denom.coeff(1)
+    terms = []
+    for monomial, coefficient in angle.numer.items():
+        times = coefficient / scale
+        if sum(monomial) != 1 or times.denominator != 1:
+            return None
+        terms.append((angle.numer.ring.gens[monomial.index(1)], int(times)))
+    return terms

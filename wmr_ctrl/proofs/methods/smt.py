@@ -1,0 +1,169 @@
+"""Z3: the graph as terms over the reals, roots and sines by their relations, the rest opaque."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from fractions import Fraction
+from math import atan2
+from typing import Any
+
+import z3
+
+from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
+from wmr_ctrl.proofs.methods.point import judge
+from wmr_ctrl.proofs.methods.refute import first_violation
+from wmr_ctrl.proofs.methods.spec import Z3, Point
+from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
+from wmr_ctrl.proofs.walk import Walk
+
+
+class TermArithmetic:
+    """z3 terms; ``facts`` collects what is known about roots, sines and exponentials."""
+
+    def __init__(self) -> None:
+        self.inputs: dict[str, Any] = {}
+        self.facts: list[Any] = []
+        self.atoms: dict[tuple[str, Any], Any] = {}
+
+    def constant(self, value: float) -> Any:
+        """The double, exactly."""
+        exact = Fraction(value)
+        return z3.RealVal(f"{exact.numerator}/{exact.denominator}")
+
+    def variable(self, name: str) -> Any:
+        """One real variable per input."""
+        return self.inputs.setdefault(name, z3.Real(name))
+
+    def apply(self, op: str, args: list[Any]) -> Any:
+        """Term of an operation."""
+        if op in _OPERATIONS:
+            return _OPERATIONS[op](*args)
+        return getattr(self, f"_{op}")(*args)
+
+    def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
+        """Term of a comparison."""
+        return {"lt": left < right, "le": left <= right, "eq": left == right, "ne": left != right}[op]
+
+    def logic(self, op: str, args: list[Any]) -> Any:
+        """Term of a connective."""
+        return z3.Not(args[0]) if op == "not" else (z3.And(*args) if op == "and" else z3.Or(*args))
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """If-then-else."""
+        return z3.If(condition if z3.is_bool(condition) else condition != 0, yes, no)
+
+    def number(self, condition: Any) -> Any:
+        """1 or 0."""
+        return z3.If(condition, z3.RealVal(1), z3.RealVal(0))
+
+    def _sqrt(self, a: Any) -> Any:
+        root = self._atom("sqrt", a)
+        self.facts.append(z3.Implies(a >= 0, z3.And(root >= 0, root * root == a)))
+        return root
+
+    def _sin(self, a: Any) -> Any:
+        return self._pair(a)[0]
+
+    def _cos(self, a: Any) -> Any:
+        return self._pair(a)[1]
+
+    def _pair(self, a: Any) -> tuple[Any, Any]:
+        s, c = self._atom("sin", a), self._atom("cos", a)
+        self.facts.append(s * s + c * c == 1)
+        return s, c
+
+    def _log(self, a: Any) -> Any:
+        return self._atom("log", a)
+
+    def _tanh(self, a: Any) -> Any:
+        return self._atom("tanh", a)
+
+    def _exp(self, a: Any) -> Any:
+        found = self._atom("exp", a)
+        self.facts.append(found > 0)
+        return found
+
+    def _atom(self, function: str, a: Any) -> Any:
+        term = z3.simplify(a)
+        return self.atoms.setdefault((function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}"))
+
+    def angles(self) -> Mapping[str, tuple[Any, Any]]:
+        """(sine, cosine) of every input that is used as an angle by itself."""
+        return {
+            name: (self.atoms["sin", name], self.atoms["cos", name])
+            for name in self.inputs
+            if ("sin", name) in self.atoms and ("cos", name) in self.atoms
+        }
+
+
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "inv": lambda a: 1 / a,
+    "neg": lambda a: -a,
+    "sq": lambda a: a * a,
+    "twice": lambda a: 2 * a,
+    "assign": lambda a: a,
+    "fabs": lambda a: z3.If(a >= 0, a, -a),
+    "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
+    "fmin": lambda a, b: z3.If(a <= b, a, b),
+    "fmax": lambda a, b: z3.If(a >= b, a, b),
+    "constpow": lambda a, b: a ** b,
+}
+
+
+def decide(statement: Statement, method: Z3) -> Finding:
+    """PROVED if no goal can fail and the hypotheses can be met; REFUTED by an exact point."""
+    arithmetic = TermArithmetic()
+    values = Walk(statement.graph, arithmetic, lambda _: False).outputs()
+    goals = len(statement.goals)
+    given = [_relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
+    base = given + arithmetic.facts
+    answers = [_ask(base, z3.Not(_relation(k, v)), method) for k, v in zip(statement.goal_kinds, values, strict=False)]
+    evidence = {"queries": goals, "z3": " ".join(sorted({str(answer) for answer, _ in answers}))}
+    if all(answer == z3.unsat for answer, _ in answers):
+        return _unless_vacuous(statement, arithmetic, base, method, evidence)
+    models = [model for _, model in answers if model is not None]
+    tried = [*method.points, *(p for m in models for p in _points(statement, arithmetic, m))]
+    point = first_violation(statement, tried)
+    return Finding(OPEN if point is None else REFUTED, evidence, point)
+
+
+def _unless_vacuous(
+    statement: Statement, arithmetic: TermArithmetic, base: list[Any], method: Z3, evidence: Mapping[str, Any]
+) -> Finding:
+    answer, model = _ask(base, z3.BoolVal(True), method)
+    if answer != z3.sat:
+        return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
+    exact = (p for p in _points(statement, arithmetic, model) if judge(statement, p)[0])
+    return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
+
+
+def _ask(base: list[Any], extra: Any, method: Z3) -> tuple[Any, Any]:
+    solver = z3.Solver()
+    solver.set("timeout", int(1000 * method.timeout))
+    solver.add(*base, extra)
+    answer = solver.check()
+    return answer, solver.model() if answer == z3.sat else None
+
+
+def _relation(kind: str, value: Any) -> Any:
+    return value == 0 if kind == EQUAL else (value > 0 if kind == ABOVE else value >= 0)
+
+
+def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
+    """A model as rational points; angles from their sine and cosine."""
+    term = {name: model.eval(variable, model_completion=True) for name, variable in arithmetic.inputs.items()}
+    point = {name: _rational(value) for name, value in term.items()}
+    for name, (s, c) in arithmetic.angles().items():
+        s_value, c_value = (_rational(model.eval(x, model_completion=True)) for x in (s, c))
+        point[name] = Fraction(atan2(float(s_value), float(c_value)))
+    yield {name: point.get(name, Fraction(0)) for name in statement.graph.input_names}
+
+
+def _rational(value: Any) -> Fraction:
+    if z3.is_algebraic_value(value):
+        value = value.approx(40)
+    return Fraction(value.numerator_as_long(), value.denominator_as_long())

@@ -1,0 +1,129 @@
+"""How a claim names its method: light values, so that claims load without the proving packages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from importlib import import_module
+from typing import Any, ClassVar
+
+from wmr_ctrl.proofs.case import Case
+from wmr_ctrl.proofs.finding import Finding
+from wmr_ctrl.proofs.statement import Statement
+
+Point = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Method:
+    """Base: ``decide`` loads the engine when it is first needed."""
+
+    ENGINE: ClassVar[str] = ""
+    NAME: ClassVar[str] = ""
+    TRUSTED: ClassVar[tuple[str, ...]] = ()
+    NEEDS: ClassVar[tuple[str, ...]] = ()
+
+    def decide(self, statement: Statement) -> Finding:
+        """PROVED, REFUTED with an exact counterexample, or OPEN."""
+        module = import_module(f"wmr_ctrl.proofs.methods.{self.ENGINE}")
+        found: Finding = module.decide(statement, self)
+        return found
+
+
+@dataclass(frozen=True)
+class Ring(Method):
+    """Exact algebra over all cases.
+
+    ``fixed`` decides conditions ``... < constant`` by hypothesis; ``log_lemma`` allows
+    ln t <= t - 1 as the only fact about the logarithm; ``spare`` is the room for atoms; ``quick``
+    stops at the first case that an exact point refutes.
+    """
+
+    ENGINE: ClassVar[str] = "ring"
+    NAME: ClassVar[str] = "RING"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("sympy",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("sympy", "flint")
+
+    cases: Sequence[Case] = (Case("all"),)
+    fixed: Mapping[float, bool] = field(default_factory=dict)
+    log_lemma: bool = False
+    spare: int = 8
+    quick: bool = False
+
+
+@dataclass(frozen=True)
+class Z3(Method):
+    """z3's default solver on the graph; ``timeout`` in seconds per query."""
+
+    ENGINE: ClassVar[str] = "smt"
+    NAME: ClassVar[str] = "Z3"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("z3",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
+
+    timeout: float = 20.0
+    points: Sequence[Point] = ()
+
+
+@dataclass(frozen=True)
+class Ball(Method):
+    """Interval and ball arithmetic with branch and bound over ``box`` (exact rational bounds per input).
+
+    ``float_mode`` encloses what IEEE double arithmetic computes for the same instructions;
+    ``cuts_at`` are coordinates where boxes are cut first; ``budget`` bounds the number of boxes.
+    """
+
+    ENGINE: ClassVar[str] = "ball"
+    NAME: ClassVar[str] = "INTERVAL"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
+
+    box: Mapping[str, tuple[Fraction, Fraction]] = field(default_factory=dict)
+    float_mode: bool = False
+    cuts_at: Mapping[str, Sequence[Fraction]] = field(default_factory=dict)
+    budget: int = 20000
+    split: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Refute(Method):
+    """Nothing but exact points: REFUTED by one of them, else OPEN."""
+
+    ENGINE: ClassVar[str] = "refute"
+    NAME: ClassVar[str] = "POINT"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
+
+    points: Sequence[Point] = ()
+
+
+@dataclass(frozen=True)
+class Both(Method):
+    """Two methods that must agree; with ``all_refute`` also on a refutation."""
+
+    ENGINE: ClassVar[str] = "both"
+
+    first: Method = Ring()
+    second: Method = Z3()
+    all_refute: bool = False
+
+
+def named(method: Method) -> str:
+    """Name of a method in the ledger."""
+    if isinstance(method, Both):
+        return f"{named(method.first)} and {named(method.second)}"
+    return method.NAME + (", rounding included" if isinstance(method, Ball) and method.float_mode else "")
+
+
+def trusted(method: Method) -> tuple[str, ...]:
+    """Packages whose correctness a verdict of this method rests on."""
+    if isinstance(method, Both):
+        return tuple(dict.fromkeys(trusted(method.first) + trusted(method.second)))
+    return (*method.TRUSTED, *(("libm",) if isinstance(method, Ball) and method.float_mode else ()))
+
+
+def needs(method: Method) -> tuple[str, ...]:
+    """Packages that a method imports."""
+    if isinstance(method, Both):
+        return tuple(dict.fromkeys(needs(method.first) + needs(method.second)))
+    return method.NEEDS

@@ -1,0 +1,103 @@
+"""Charts of one axis of the barrier: where v_c0 lies (7 or 11 ways) times where v lies (5 or 7).
+
+u2 > 0 and the width b = u1 - u2 > 0 are free, so every case holds for all 0 < v_u2 < v_u1.  Each
+interval is the image of a positive number n under n/(1 + n); beyond u2 + 1/b the target is written
+by the gap d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from wmr_ctrl.proofs.case import POSITIVE, Case
+
+TARGETS = ("far-", "middle-", "near-", "zero", "near+", "middle+", "far+")
+TARGET_EDGES = ("edge-", "corner-", "corner+", "edge+")
+SIDES = ("out-", "in-", "zero", "in+", "out+")
+SIDE_EDGES = ("kink-", "kink+")
+CHARTED = ("far", "middle", "near", "out", "in")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Suffix of the inputs of one axis: v<suffix>, c<suffix>, u1<suffix>, u2<suffix>."""
+
+    suffix: str = ""
+    clip: bool = False
+
+    def case(self, target: str, side: str, order: str = "") -> Case:
+        """One region; ``order`` (``<``, ``=``, ``>``) relates |v| and |target| in a shared interval."""
+        names = [f"u2{self.suffix}", f"b{self.suffix}"]
+        names += [f"j{self.suffix}"] if target[:-1] in CHARTED else []
+        names += [f"i{self.suffix}"] if side[:-1] in CHARTED and order != "=" else []
+        names += [f"k{self.suffix}"] if self.clip else []
+        label = f"v_c0 {target}, v {side}" + (f", |v| {order} |v_c1|" if order else "")
+        return Case(label, dict.fromkeys(names, POSITIVE), _Chart(self, target, side, order))
+
+
+@dataclass(frozen=True)
+class _Chart:
+    axis: Axis
+    target: str
+    side: str
+    order: str
+
+    def __call__(self, n: Mapping[str, Any]) -> dict[str, Any]:
+        s = self.axis.suffix
+        u2, b, j = n[f"u2{s}"], n[f"b{s}"], n[f"j{s}"] if self.target[:-1] in CHARTED else 0
+        i = self._place(n, j)
+        found = {f"u1{s}": u2 + b, f"u2{s}": u2, f"c{s}": target_value(self.target, u2, b, j),
+                 f"v{s}": side_value(self.side, u2, b, i)}
+        if self.axis.clip:
+            k = n[f"k{s}"]
+            found[f"clip{s}"] = (b / (1 + i) if self.side.startswith("out") else b) * k / (1 + k)
+        return found
+
+    def _place(self, n: Mapping[str, Any], j: Any) -> Any:
+        name = f"i{self.axis.suffix}"
+        if self.side[:-1] not in CHARTED or self.order == "=":
+            return j
+        if self.order == ">":
+            return j + n[name]
+        return j * n[name] / (1 + n[name]) if self.order == "<" else n[name]
+
+
+def target_value(target: str, u2: Any, b: Any, j: Any) -> Any:
+    """v_c0 of a region."""
+    d = b / (1 + j)
+    size = {"zero": u2 - u2, "near": u2 * j / (1 + j), "corner": u2, "middle": u2 + j / (1 + j) / b,
+            "edge": u2 + 1 / b, "far": u2 + b - d + 1 / d}[target.rstrip("+-")]
+    return -size if target.endswith("-") else size
+
+
+def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
+    """v of a region."""
+    size = {"zero": u2 - u2, "in": u2 * i / (1 + i), "kink": u2, "out": u2 + b * i / (1 + i)}[side.rstrip("+-")]
+    return -size if side.endswith("-") else size
+
+
+def open_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+    """The 35 open regions, where everything is differentiable."""
+    return tuple(axis.case(t, s) for t in TARGETS for s in SIDES)
+
+
+def all_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+    """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
+    return tuple(
+        axis.case(t, s, order)
+        for t in (*TARGETS, *TARGET_EDGES)
+        for s in (*SIDES, *SIDE_EDGES)
+        for order in (("<", "=", ">") if _shared(t, s) else ("",))
+    )
+
+
+def target_cases(axis: Axis = Axis(), edges: bool = True) -> tuple[Case, ...]:
+    """Regions of v_c0 alone (v at 0)."""
+    return tuple(axis.case(t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS))
+
+
+def _shared(target: str, side: str) -> bool:
+    pairs = {("near", "in"), ("far", "out")}
+    return target[-1] == side[-1] and (target[:-1], side[:-1]) in pairs

@@ -1,0 +1,86 @@
+"""Statement: what a claim says, as relations between expressions of the product's own graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.proofs.graph import Graph, graph_of
+
+EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
+
+
+@dataclass(frozen=True)
+class Relation:
+    """``expr`` compared with 0: ``=``, ``>=`` or ``>``."""
+
+    expr: ca.SX
+    kind: str
+
+
+def equal(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+    """left = right."""
+    return Relation(ca.SX(left - right), EQUAL)
+
+
+def at_least(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+    """left >= right."""
+    return Relation(ca.SX(left - right), AT_LEAST)
+
+
+def above(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+    """left > right."""
+    return Relation(ca.SX(left - right), ABOVE)
+
+
+def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
+    """Element-wise equality of two columns."""
+    both = ca.vec(left - right)
+    return tuple(equal(both[i]) for i in range(both.numel()))
+
+
+@dataclass(frozen=True)
+class Statement:
+    """For all ``symbols`` with ``given``: every goal holds.
+
+    ``cuts`` names inner expressions that stand as free inputs: the statement is then shown for
+    whatever value they have.
+    """
+
+    symbols: Mapping[str, ca.SX]
+    goals: tuple[Relation, ...]
+    given: tuple[Relation, ...] = ()
+    cuts: Mapping[str, ca.SX] = field(default_factory=dict)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """Outputs: the goals' expressions, then those of ``given``."""
+        return graph_of(self.symbols, [r.expr for r in (*self.goals, *self.given)], self.cuts)
+
+    @property
+    def goal_kinds(self) -> tuple[str, ...]:
+        """Relation of each goal to 0."""
+        return tuple(r.kind for r in self.goals)
+
+    @property
+    def given_kinds(self) -> tuple[str, ...]:
+        """Relation of each hypothesis to 0."""
+        return tuple(r.kind for r in self.given)
+
+
+def symbols(names: str) -> dict[str, ca.SX]:
+    """Fresh scalar symbols by name."""
+    return {name: ca.SX.sym(name) for name in names.split()}
+
+
+def column(name: str, size: int) -> dict[str, ca.SX]:
+    """Fresh scalar symbols name1 to name<size>."""
+    return {f"{name}{i}": ca.SX.sym(f"{name}{i}") for i in range(1, size + 1)}
+
+
+def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:
+    """Column of name1 to name<size> out of a table."""
+    return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

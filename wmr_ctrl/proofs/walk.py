@@ -1,0 +1,118 @@
+"""The one walker: it evaluates a graph in whatever arithmetic a method brings.
+
+A method is an `Arithmetic`: constants, inputs, operations and, for conditions, either a decision or
+a merge.  Where a condition cannot be decided the walk takes both ways, one after the other, and
+what is to be shown must hold on each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from typing import Any, Protocol
+
+from wmr_ctrl.proofs.graph import LOGICAL, Graph
+
+
+class Arithmetic(Protocol):
+    """What a method of proof brings."""
+
+    def constant(self, value: float) -> Any:
+        """Value of a constant of the graph."""
+
+    def variable(self, name: str) -> Any:
+        """Value of an input."""
+
+    def apply(self, op: str, args: list[Any]) -> Any:
+        """Value of an arithmetic operation."""
+
+    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> Any:
+        """Truth of ``lt``, ``le``, ``eq`` or ``ne``; ``ask`` decides what the arithmetic cannot."""
+
+    def logic(self, op: str, args: list[Any]) -> Any:
+        """Truth of ``and``, ``or`` or ``not``."""
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """Value of a choice whose condition is no plain bool."""
+
+    def number(self, condition: Any) -> Any:
+        """A truth value used as the number 1 or 0."""
+
+
+class Walk:
+    """One evaluation of a graph along decided conditions, only of what is needed."""
+
+    def __init__(self, graph: Graph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]) -> None:
+        self.graph, self.arithmetic, self.ask = graph, arithmetic, ask
+        self.values: dict[int, Any] = {}
+
+    def outputs(self) -> list[Any]:
+        """Values of all outputs."""
+        for k in self.graph.outputs:
+            self._evaluate(k)
+        return [self._numeric(k) for k in self.graph.outputs]
+
+    def _evaluate(self, root: int) -> None:
+        stack = [root]
+        while stack:
+            k = stack[-1]
+            missing = [arg for arg in self._wanted(k) if arg not in self.values]
+            if missing:
+                stack.extend(missing)
+                continue
+            stack.pop()
+            if k not in self.values:
+                self.values[k] = self._compute(k)
+
+    def _wanted(self, k: int) -> tuple[int, ...]:
+        """Operands that are needed now: of a choice first the condition, then the branch taken."""
+        node = self.graph.nodes[k]
+        if node.op != "choose" or node.args[0] not in self.values:
+            return node.args[:1] if node.op == "choose" else node.args
+        truth = self.values[node.args[0]]
+        return node.args if not isinstance(truth, bool) else (node.args[1 if truth else 2],)
+
+    def _compute(self, k: int) -> Any:
+        node = self.graph.nodes[k]
+        if node.op == "const":
+            return self.arithmetic.constant(node.value)
+        if node.op == "input":
+            return self.arithmetic.variable(node.name)
+        if node.op == "choose":
+            return self._choose(node.args)
+        if node.op in ("lt", "le", "eq", "ne"):
+            return self.arithmetic.compare(node.op, *(self._numeric(arg) for arg in node.args), self.ask)
+        if node.op in LOGICAL:
+            return self.arithmetic.logic(node.op, [self.values[arg] for arg in node.args])
+        return self.arithmetic.apply(node.op, [self._numeric(arg) for arg in node.args])
+
+    def _choose(self, args: tuple[int, ...]) -> Any:
+        truth = self.values[args[0]]
+        if isinstance(truth, bool):
+            return self._numeric(args[1 if truth else 2])
+        return self.arithmetic.merge(truth, self._numeric(args[1]), self._numeric(args[2]))
+
+    def _numeric(self, k: int) -> Any:
+        value = self.values[k]
+        return self.arithmetic.number(value) if self.graph.nodes[k].op in LOGICAL else value
+
+
+def paths(run: Callable[[Callable[[Hashable], bool]], Any], limit: int = 64) -> Iterator[tuple[dict[Hashable, bool], Any]]:
+    """Results of ``run(ask)`` on every way through the undecided conditions.
+
+    RuntimeError where there are more than ``limit`` ways.
+    """
+    pending: list[dict[Hashable, bool]] = [{}]
+    done = 0
+    while pending:
+        taken = dict(pending.pop())
+
+        def ask(key: Hashable, taken: dict[Hashable, bool] = taken) -> bool:
+            if key not in taken:
+                pending.append({**taken, key: False})
+                taken[key] = True
+            return taken[key]
+
+        done += 1
+        if done > limit:
+            raise RuntimeError(f"more than {limit} ways through undecided conditions")
+        yield taken, run(ask)

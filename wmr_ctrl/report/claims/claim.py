@@ -1,0 +1,123 @@
+"""What a claim is, what a test of it is, and what judging leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from wmr_ctrl.campaign import Spread, spread
+
+
+class Verdict(StrEnum):
+    """What became of a claim; the value is the phrase that files and pages show."""
+
+    HOLDS = "HOLDS"
+    IN_PART = "HOLDS IN PART"
+    FAILS = "DOES NOT HOLD"
+
+
+@dataclass(frozen=True, slots=True)
+class Other:
+    """What a test divides by; a name that is empty is the test's own."""
+
+    figure: str = ""
+    scenario: str = ""
+    law: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TestSpec:
+    """How one number is taken from the runs, and the bound that it must keep in every seed.
+
+    The worst of all pairs of ``scenarios`` and ``laws`` counts.  Without ``at_least`` and
+    ``at_most`` the number is reported and decides nothing.  ``unit`` is for readers.
+    """
+
+    __test__ = False  # not a test of pytest's
+
+    key: str
+    text: str
+    figure: str
+    scenarios: tuple[str, ...] = ("paper-simulation",)
+    laws: tuple[str, ...] = ()
+    over: Other | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+    unit: str = ""
+
+    @property
+    def decides(self) -> bool:
+        """Whether the test has a bound."""
+        return self.at_least is not None or self.at_most is not None
+
+    @property
+    def bound(self) -> str:
+        """The bound as readers write it, empty if there is none."""
+        if self.at_least is not None:
+            return f"≥ {self.at_least:g}"
+        return f"≤ {self.at_most:g}" if self.at_most is not None else ""
+
+    def keeps(self, value: float | None) -> bool:
+        """Whether a value keeps the bound; a missing one never does."""
+        if value is None:
+            return False
+        low, high = self.at_least, self.at_most
+        return (low is None or value >= low) and (high is None or value <= high)
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A claim of the paper and how it is judged; every text is a plain sentence or two.
+
+    ``explanation`` may quote medians by ``{key}`` and is written for the verdict ``expected``.
+    """
+
+    id: str
+    section: str
+    title: str
+    quote: str
+    threshold: str
+    explanation: str
+    tests: tuple[TestSpec, ...]
+    expected: Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Tested:
+    """A test with the value that it found in each seed."""
+
+    spec: TestSpec
+    values: Mapping[int, float | None]
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the bound is kept in every seed; None for a test without a bound."""
+        if not self.spec.decides:
+            return None
+        return bool(self.values) and all(map(self.spec.keeps, self.values.values()))
+
+    @property
+    def keeping(self) -> int:
+        """Number of seeds that keep the bound."""
+        return sum(map(self.spec.keeps, self.values.values()))
+
+    @property
+    def found(self) -> Spread:
+        """The spread of the values over the seeds."""
+        return spread(self.values.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A claim, its tests with what they found, and the verdict that follows from them."""
+
+    claim: Claim
+    tests: tuple[Tested, ...]
+    verdict: Verdict
+    explanation: str = field(default="")
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether the verdict is the committed one."""
+        return self.verdict == self.claim.expected

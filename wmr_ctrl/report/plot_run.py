@@ -1,0 +1,163 @@
+"""One run on one page: path, velocities with their limits, errors, torques, V1, and its figures."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from pathlib import Path
+from textwrap import wrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+
+from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.report.canvas import (
+    Margins,
+    include,
+    mark_switch,
+    one_axes,
+    shade_limits,
+)
+from wmr_ctrl.report.decimate import thin
+from wmr_ctrl.report.drawing import Drawing, save_figure
+from wmr_ctrl.report.panels.base import switch_time
+from wmr_ctrl.report.panels.trajectory import draw_paths
+from wmr_ctrl.report.style import DASHED, MUTED, house_style, look
+from wmr_ctrl.report.wording import shown
+from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
+
+SUFFIXES = (".png", ".svg", ".pdf")
+_SIZE = (8.3, 11.0)
+_HEAD = 0.75
+_MARGINS = Margins(left=0.62, right=0.18, bottom=0.46, top=0.30)
+
+
+def plot_run(run: Run, path: str | os.PathLike[str]) -> None:
+    """Draw an overview of ``run`` into a .png, .svg or .pdf file, whole or not at all.
+
+    Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
+    for a run without any sample.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        raise ResultFileError(
+            f"{str(target)!r} has the suffix {target.suffix!r}; a run is drawn as "
+            f"{', '.join(SUFFIXES)}. Give the file one of these suffixes."
+        )
+    check_writable(target)
+    with house_style():
+        save_figure(overview(run).figure(), target)
+
+
+def overview(run: Run) -> Drawing:
+    """The page as a drawing; raises ArgumentError for a run without any sample."""
+    if not run.rows:
+        raise ArgumentError("the run has no sample to draw: it ended before the first one.")
+    return Drawing("run", f"{run.scenario}, {run.law}", "", _SIZE, partial(_draw, run=run))
+
+
+def _draw(figure: Figure, run: Run) -> None:
+    _header(figure, run)
+    rest = (_SIZE[1] - _HEAD) / 4.4
+    heights = (_HEAD, 1.4 * rest, rest, rest, rest)
+    grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
+    parts = [figure.add_subfigure(grid[row, column]) for row in range(1, 5) for column in (0, 1)]
+    _path(parts[0], run)
+    _facts(parts[1], run)
+    _velocity(parts[2], run, 0)
+    _velocity(parts[3], run, 1)
+    _lines(parts[4], run, "Position errors, Eq. (8) [m]", {"e₁": "e[1]", "e₂": "e[2]"})
+    _lines(parts[5], run, "Orientation error e₃ [rad]", {"e₃": "e[3]"})
+    _lines(parts[6], run, "Wheel torques [N m]", {"right": "tau_right", "left": "tau_left"})
+    _barrier(parts[7], run)
+
+
+def _header(figure: Figure, run: Run) -> None:
+    guard = ", guarded" if run.guard else ""
+    figure.text(0.02, 1 - 0.14 / _SIZE[1], f"{run.scenario}: {look(run.law).label}{guard}",
+                size=13, weight="bold", va="top")  # fmt: skip
+    note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
+    figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
+
+
+def _path(part: SubFigure, run: Run) -> None:
+    axes = one_axes(part, _MARGINS)
+    draw_paths(axes, {run.law: run}, 3000)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="Path (dotted: reference)")
+
+
+def _facts(part: SubFigure, run: Run) -> None:
+    """What the run came to, in words and figures."""
+    lines = [*wrap(run.explanation, 58), "", *_figures(run)]
+    part.text(0.06, 0.93, "\n".join(lines), va="top", size=8.2, linespacing=1.55)
+
+
+def _figures(run: Run) -> list[str]:
+    found = ise(run)
+    (v1, omega), (limit_v, limit_w) = run.monitor.max_abs_v, run.settings.v_u1
+    end = run.settings.duration
+    errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
+    return [
+        f"ISE {shown(found['total'])} (before {run.settings.split:g} s {shown(found['before'])}, "
+        f"after {shown(found['after'])})",
+        f"largest |v₁| {shown(v1)} of {limit_v:g} m/s, |ω| {shown(omega)} of {limit_w:g} rad/s",
+        f"plant steps beyond a limit: {run.monitor.violations}",
+        f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
+        f"RMS errors of the last 10 s: {shown(errors[0])} m, {shown(errors[1])} m, "
+        f"{shown(errors[2])} rad",
+    ]
+
+
+def _velocity(part: SubFigure, run: Run, axis: int) -> None:
+    name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
+    symbol = ("v₁", "ω")[axis]
+    axes = _time_axes(part, run, f"{symbol} [{unit}], dashed: desired; shaded: beyond the limit")
+    axes.plot(*thin(run.time, run[desired]), color=MUTED, ls=DASHED, lw=1.0)
+    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.0)
+    limit = run.settings.v_u1[axis]
+    include(axes, (-1.15 * limit, 1.15 * limit))
+    shade_limits(axes, limit)
+
+
+def _lines(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> None:
+    """Scalar columns over time, the first in the law's colour; a focus on what follows the start.
+
+    The view spans what the samples after the first 2 s need, unless the start needs little more.
+    """
+    axes = _time_axes(part, run, title)
+    colours = (look(run.law).colour, MUTED)
+    for (label, name), colour in zip(columns.items(), colours, strict=False):
+        axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, label=label)
+    if len(columns) > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
+    _focus(axes, run, [run[name] for name in columns.values()])
+
+
+def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
+    tail = np.concatenate([column[run.settings.index(2.0) :] for column in columns])
+    if not tail.size or not np.isfinite(tail).all():
+        return
+    low, high = float(tail.min()), float(tail.max())
+    margin = 0.6 * (high - low)
+    bottom, top = axes.get_ylim()
+    if margin and top - bottom > 6 * (high - low):
+        axes.set_ylim(max(bottom, low - margin), min(top, high + margin))
+        axes.annotate("the start leaves the view", (0, 1), xycoords="axes fraction", size=6.5,
+                      xytext=(4, -3), textcoords="offset points", va="top", color=MUTED)  # fmt: skip
+
+
+def _barrier(part: SubFigure, run: Run) -> None:
+    axes = _time_axes(part, run, "Barrier function V₁")
+    values = np.maximum(run["V1"], 1e-12)
+    axes.plot(*thin(run.time, values), color=look(run.law).colour, lw=0.8)
+    axes.set_yscale("log")
+
+
+def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
+    axes = one_axes(part, _MARGINS)
+    axes.set(xlabel="t [s]", title=title, xlim=(0, run.settings.duration))
+    axes.title.set_fontweight("normal")
+    mark_switch(axes, switch_time(run))
+    return axes

@@ -1,0 +1,51 @@
+"""What the main job hands back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmr_ctrl.campaign import Table
+from wmr_ctrl.report.claims import Judged, Verdict
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """The verdict on every claim, the table behind them, and the files that were written."""
+
+    judged: tuple[Judged, ...]
+    table: Table
+    folder: Path
+    files: tuple[Path, ...]
+
+    @property
+    def changed(self) -> tuple[Judged, ...]:
+        """Claims whose verdict is not the committed one."""
+        return tuple(one for one in self.judged if not one.as_expected)
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether every verdict is the committed one."""
+        return not self.changed
+
+    @property
+    def report(self) -> Path:
+        """The page to open."""
+        return self.folder / "report.html"
+
+    def count(self, verdict: Verdict) -> int:
+        """Number of claims with this verdict."""
+        return sum(1 for one in self.judged if one.verdict == verdict)
+
+    def __str__(self) -> str:
+        """One line per claim, then a summary; lines on changed verdicts if there are any."""
+        lines = [
+            f"{one.verdict.value:<14} {one.claim.section:<18} {one.claim.title}"
+            for one in self.judged
+        ]
+        counts = ", ".join(f"{self.count(v)} {v.value}" for v in Verdict)
+        changed = [
+            f"CHANGED: {one.claim.id} is {one.verdict.value}, committed is {one.claim.expected}."
+            for one in self.changed
+        ]
+        return "\n".join((*lines, "", f"{len(self.judged)} claims: {counts}.", *changed))

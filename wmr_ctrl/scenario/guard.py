@@ -1,0 +1,75 @@
+"""What the velocity guard assumes about robot and disturbances, and how it is set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario.fields import Section, quantity
+
+MAPS = ("linear-first", "rotation-first")
+
+
+@dataclass(frozen=True)
+class Guard(Section):
+    """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
+
+    What is left out follows from the rest of the scenario: masses from the robot and its changes,
+    dbar from the noise, nbar from the sensor, alpha from the control period, brake from the torque
+    limit.  Whether the settings can be met is checked where the guard is built.
+    """
+
+    KEY: ClassVar[str] = "guard"
+
+    enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
+    map: str = quantity(
+        "linear-first",
+        unit="1",
+        doc="which axis the wheels serve first behind the guard",
+        options=MAPS,
+    )
+    mass_margin: float = quantity(
+        0.1, unit="1", doc="share by which M_min, M_max go beyond the robot's", minimum=0, below=1
+    )
+    M_min: tuple[float, float] | None = quantity(
+        None, unit="kg, kg.m2", doc="smallest mass and inertia possible", above=0, size=2
+    )
+    M_max: tuple[float, float] | None = quantity(
+        None, unit="kg, kg.m2", doc="largest mass and inertia possible", above=0, size=2
+    )
+    dbar: tuple[float, float] | None = quantity(
+        None, unit="N, N.m", doc="bound of the disturbance force", minimum=0, size=2
+    )
+    d_model: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="what a derived dbar gets beside the noise", minimum=0
+    )
+    nbar: tuple[float, float] | None = quantity(
+        None, unit="m/s, rad/s", doc="bound of the velocity's error", minimum=0, size=2
+    )
+    alpha: float | None = quantity(
+        None, unit="1/s", doc="rate at which the limit may be approached, at most 1/T", above=0
+    )
+    brake: tuple[float, float] | None = quantity(
+        None, unit="N, N.m", doc="largest force with which the guard brakes", minimum=0, size=2
+    )
+    brake_share: float = quantity(
+        0.5, unit="1", doc="share of spare wheel torque for linear braking", minimum=0, maximum=1
+    )
+    f_min: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="friction that is sure to act above f_speed", minimum=0
+    )
+    f_speed: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m/s, rad/s", doc="speed above which f_min acts", minimum=0
+    )
+
+    def relate(self) -> None:
+        """M_min <= M_max where both are given."""
+        if self.M_min is None or self.M_max is None:
+            return
+        for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
+            if low > high:
+                raise ScenarioError(
+                    f"guard.M_min[{axis}] = {low!r} must be at most guard.M_max[{axis}] = "
+                    f"{high!r}: they bound the same mass. Exchange them, or leave both out."
+                )

@@ -1,0 +1,59 @@
+"""Barrier function whose slope is continuous: f = -ln((u1 - |v|)/delta) - (|v| - u2)/delta.
+
+For c = v_c0 >= 0 the minimiser is c up to u2 and u2 + p beyond, without a dead zone at u2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.sim.oracle.barrier import Barrier, _distance, _mirror, _psi, _region3_above
+
+
+def smooth_barrier(v: float, c: float, u1: float, u2: float) -> Barrier:
+    """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
+    mirrored = c < 0.0
+    result = _smooth_right(-v if mirrored else v, abs(c), u1, u2)
+    return _mirror(result) if mirrored else result
+
+
+def _smooth_right(v: float, c: float, u1: float, u2: float) -> Barrier:
+    if c <= u2:
+        return _free_target(v, c, u1, u2)
+    delta = u1 - u2
+    d = _distance(c - u1 + 1.0 / delta)
+    if v > u2:
+        return _region3_above(v, d, u1)
+    return _bound_target(v, d, (c - u2) / (1.0 + 1.0 / (d * delta)), u1, u2)
+
+
+def _free_target(v: float, c: float, u1: float, u2: float) -> Barrier:
+    w = v - c
+    if abs(v) <= u2:
+        return Barrier(c, w, 0.5 * w * w, 0.5 * w, 1.0)
+    V1 = 0.5 * w * w + _f(v, u1, u2)
+    A = w + math.copysign(_slope(v, u1, u2), v)
+    return Barrier(c, w, V1, V1 / A, w / A)
+
+
+def _bound_target(v: float, d: float, p: float, u1: float, u2: float) -> Barrier:
+    """v up to u2, the target ``p`` above u2 and ``d`` below u1."""
+    m, y, a = u2 - v, -p / d, p / (d * (u1 - u2))
+    n = p + m
+    V1 = 0.5 * n * n + m * a + y * y * _psi(y, 1.0 - y) + _f(v, u1, u2)
+    A = n + a + _slope(v, u1, u2)
+    return Barrier(u2 + p, -n, V1, -V1 / A, n / A)
+
+
+def _f(v: float, u1: float, u2: float) -> float:
+    if abs(v) <= u2:
+        return 0.0
+    y = (abs(v) - u2) / (u1 - u2)
+    return y * y * _psi(y, (u1 - abs(v)) / (u1 - u2))
+
+
+def _slope(v: float, u1: float, u2: float) -> float:
+    """|f'(v)|."""
+    if abs(v) <= u2:
+        return 0.0
+    return (abs(v) - u2) / ((u1 - u2) * (u1 - abs(v)))
