@@ -19,6 +19,7 @@ wmr_status wmr_reverse(wmr_instance *s, const uint32_t *unknowns, size_t nu, con
 }
 
 #else
+#include "jacobian.h"
 
 /* Rows that may be seeded: time and inputs, parameters, states, which lie side by side. */
 static int is_known(uint32_t ref)

@@ -34,10 +34,11 @@ typedef struct {
 typedef struct {
     int64_t count;           /* samples taken */
     double used[WMR_NX + 1]; /* memory that the last sample started from */
+    double first[WMR_NU + 1]; /* inputs of initialisation */
 } wmr_memory;
 
 typedef struct {
-    double known[WMR_NZ], found[WMR_NX + WMR_NW + 1];
+    double known[WMR_NZ]; /* where the model is linearised */
 } wmr_scratch;
 #endif
 

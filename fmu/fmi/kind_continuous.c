@@ -62,5 +62,6 @@ double kind_advance(struct wmr_instance *s, double t, double h)
 
 void kind_refresh(struct wmr_instance *s)
 {
-    wmr_evaluate(s->state.values + WMR_Z, s->state.values + WMR_W);
+    double *v = s->state.values, *w = v + WMR_W;
+    wmr_evaluate(v + WMR_U, v + WMR_X, v + WMR_P, w, w + WMR_NX, w + WMR_NX + WMR_NY);
 }

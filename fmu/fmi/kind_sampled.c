@@ -1,7 +1,7 @@
 /* Sampled models: evaluated at the start of each of their periods with the inputs of that moment,
    held until the next.  Before the first step, outputs are those of sample 0 with the inputs so
-   far, and no memory moves.  A model without memory whose only input is time follows the time
-   instead where the importer integrates. */
+   far, and no memory moves.  With clock.parallel = 1 sample 0 keeps the inputs of initialisation.
+   A model without inputs follows the time where the importer integrates, and with clock.parallel. */
 #include <math.h>
 #include <string.h>
 
@@ -12,6 +12,7 @@
 int kind_start(struct wmr_instance *s)
 {
     s->state.memory.count = 0;
+    memcpy(s->state.memory.first, s->state.values + WMR_U, WMR_NU * sizeof(double));
     return 1;
 }
 
@@ -31,20 +32,26 @@ static double sample_time(const struct wmr_instance *s)
     return s->state.start_time + (double)s->state.memory.count * s->state.values[WMR_AT_PERIOD];
 }
 
-/* Results from known values; what follows the next memory are outputs and diagnostics. */
-static void evaluate(struct wmr_instance *s, const double *known)
+static int parallel(const struct wmr_instance *s)
 {
-    wmr_evaluate(known, s->scratch.found);
-    memcpy(s->state.values + WMR_W, s->scratch.found + WMR_NX, WMR_NW * sizeof(double));
+    return s->state.values[WMR_AT_PARALLEL] > 0.5;
+}
+
+/* Outputs and diagnostics from inputs, memory and parameters; `next` takes the next memory. */
+static void evaluate(struct wmr_instance *s, const double *inputs, double *next)
+{
+    double *v = s->state.values, *w = v + WMR_W;
+    wmr_evaluate(inputs, v + WMR_X, v + WMR_P, next, w, w + WMR_NY);
 }
 
 static void sample(struct wmr_instance *s, double t)
 {
-    double *values = s->state.values;
+    double *values = s->state.values, next[WMR_NX + 1];
+    const int kept = WMR_NU && s->state.memory.count == 0 && parallel(s);
     values[0] = t;
+    evaluate(s, kept ? s->state.memory.first : values + WMR_U, next);
     memcpy(s->state.memory.used, values + WMR_X, WMR_NX * sizeof(double));
-    evaluate(s, values + WMR_Z);
-    memcpy(values + WMR_X, s->scratch.found, WMR_NX * sizeof(double));
+    memcpy(values + WMR_X, next, WMR_NX * sizeof(double));
     s->state.memory.count += 1;
 }
 
@@ -61,9 +68,21 @@ double kind_advance(struct wmr_instance *s, double t, double h)
     return end;
 }
 
+/* The time that was reached; on the grid of samples where only rounding keeps it off. */
+static double reached(const struct wmr_instance *s)
+{
+    const double t = s->state.values[0], period = s->state.values[WMR_AT_PERIOD];
+    const double near = s->state.start_time + rint((t - s->state.start_time) / period) * period;
+    return fabs(t - near) <= PERIOD_TOLERANCE * period ? near : t;
+}
+
 void kind_refresh(struct wmr_instance *s)
 {
-    if (s->state.memory.count == 0) {
-        evaluate(s, s->state.values + WMR_Z);
+    double next[WMR_NX + 1];
+    if (WMR_NU == 0 && s->state.interface == WMR_CO_SIMULATION && parallel(s)) {
+        const double t = reached(s);
+        evaluate(s, &t, next);
+    } else if (s->state.memory.count == 0) {
+        evaluate(s, s->state.values + WMR_U, next);
     }
 }

@@ -138,6 +138,15 @@ static void write_row(const wmr_loop *w, double t, const double *u, const double
     wmr_tracking_error(u, w->plant, row + 18);
 }
 
+/* An adversary: more torque in the direction in which each axis moves, forward at rest. */
+static void push(const wmr_settings *s, const wmr_loop *w, double *noise)
+{
+    const double along = w->plant[3] < 0.0 ? -s->push_torque[0] : s->push_torque[0];
+    const double around = w->plant[4] < 0.0 ? -s->push_torque[1] : s->push_torque[1];
+    noise[0] += along + around;
+    noise[1] += along - around;
+}
+
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, double *row)
 {
     double u[WMR_CONTROLLER_NU], next[WMR_CONTROLLER_NX + 1], torque[2], noise[2] = {0.0, 0.0};
@@ -153,6 +162,7 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, double *row)
     if (s->torque_std > 0.0) {
         wmr_torque_noise(s->key, (uint64_t)w->sample, s->torque_std, s->torque_truncate, noise);
     }
+    push(s, w, noise);
     if (row) {
         write_row(w, t, u, torque, noise, row);
     }

@@ -32,6 +32,7 @@ typedef struct {
     double pose_noise, correction;        /* half-width [m], gain */
     double velocity_noise[2];             /* half-widths [m/s, rad/s] */
     double torque_std, torque_truncate;   /* [N m], [standard deviations] */
+    double push_torque[2];                /* along v1 on both wheels, along omega on right - left [N m] */
     uint64_t key[2];                      /* of the noise */
     int64_t actuator_ideal;               /* 1: torque acts at once */
     int64_t delay_steps;                  /* plant steps */

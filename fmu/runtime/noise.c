@@ -7,7 +7,17 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-/* High and low half of a 64 by 64 bit product, from 32-bit pieces. */
+/* High and low half of a 64 by 64 bit product; from 32-bit pieces where there is no wider type. */
+#ifdef __SIZEOF_INT128__
+__extension__ typedef unsigned __int128 wide;
+
+static uint64_t multiply(uint64_t a, uint64_t b, uint64_t *high)
+{
+    const wide product = (wide)a * b;
+    *high = (uint64_t)(product >> 64);
+    return (uint64_t)product;
+}
+#else
 static uint64_t multiply(uint64_t a, uint64_t b, uint64_t *high)
 {
     const uint64_t mask = 0xffffffffu;
@@ -16,6 +26,7 @@ static uint64_t multiply(uint64_t a, uint64_t b, uint64_t *high)
     *high = a1 * b1 + (middle >> 32) + (cross >> 32);
     return a * b;
 }
+#endif
 
 void wmr_philox(const uint64_t counter[4], const uint64_t key[2], uint64_t out[4])
 {

@@ -92,3 +92,9 @@ def test_believing_too_much_friction_runs_ahead(told):
     (warning,) = told("mb", {"model.mu": 0.12}, key=MODEL)
 
     assert "ahead of the reference" in warning.sentence
+
+
+def test_guard_holds_what_the_barrier_cannot(told):
+    found = told("mb", {"guard.enabled": True}, scenario="far-start-friction-overestimated")
+
+    assert not any("cannot hold" in warning.sentence for warning in found)

@@ -50,3 +50,17 @@ def test_friction_after_a_change_counts_too(told):
 @pytest.mark.parametrize(("delay", "warned"), [(0.009, False), (0.01, True)])
 def test_delay_of_a_control_period(told, delay, warned):
     assert bool(told("mb", {"actuator.delay": delay}, key="actuator.delay")) is warned
+
+
+@pytest.mark.parametrize("law", ["pid", "mb"])
+def test_guard_counts_on_bounded_noise(told, law):
+    (warning,) = told(law, {"guard.enabled": True}, scenario="far-start")
+
+    assert warning.key == "disturbance.truncate"
+    assert "with that probability only" in warning.sentence
+
+
+def test_guard_and_bounded_noise_leave_nothing_to_say(told):
+    bounded = {"guard.enabled": True, "disturbance.truncate": 3}
+
+    assert told("pid", bounded, scenario="far-start") == []

@@ -75,3 +75,10 @@ def test_first_step_is_not_judged_outside_the_limit_or_with_slow_drives(told):
         sentences = [w.sentence for w in told("mb", {PERIOD: 0.05, **overrides})]
 
         assert not any(sentence.startswith("The first torque") for sentence in sentences)
+
+
+def test_guarded_first_step_stays_inside(loop, told):
+    held = {PERIOD: 0.1, "guard.enabled": True}
+
+    assert (first_speeds(loop("mb", held)) <= (1, 1.5)).all()
+    assert [w.sentence.split()[0] for w in told("mb", held, key=PERIOD)] == [PERIOD]

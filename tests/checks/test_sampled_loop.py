@@ -95,6 +95,13 @@ def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
     assert closed_loop(loop("pid"), CIRCLE, 0.01).shape == (8, 8)
 
 
+@pytest.mark.parametrize(("declared", "states"), [(True, 5), (False, 9)])
+def test_module_of_a_law_has_the_last_word_on_its_memory(loop, monkeypatch, declared, states):
+    monkeypatch.setattr("wmr_ctrl.laws.smc.ADAPTIVE", declared, raising=False)
+
+    assert closed_loop(loop("smc"), CIRCLE, 0.01).shape == (states, states)
+
+
 def test_constant_references_have_one_operating_point():
     assert len(operating_points(load_scenario("paper-simulation"))) == 1
 

@@ -45,3 +45,14 @@ def test_laws_that_ignore_the_limit_are_fine_near_the_reference(told):
     near = {"initial.pose": (0.0, 0.0, -1.57)}
 
     assert told("pid", near, key="law") == []
+
+
+def test_guard_brings_back_what_starts_outside(told):
+    guarded = {"guard.enabled": True}
+    first, _ = told("mb", guarded, scenario="outside-start", key="initial.velocity")
+
+    assert "only the guard brings it back" in first.sentence
+
+
+def test_guard_makes_up_for_a_law_that_ignores_the_limit(told):
+    assert told("pid", {"guard.enabled": True}, key="law") == []

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 
 import pytest
 
+from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.report import animate, plot_run
 from wmr_ctrl.results import load_run, summary
+
+module = import_module("wmr_ctrl.cli.run")
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise", "max_abs_v", "violations",
         "tau_peak", "tau_rms", "e_rms", "provenance"]  # fmt: skip
@@ -97,17 +102,36 @@ def test_seed_changes_the_noise_only(short_run):
     assert first(1)["provenance"] == first(2)["provenance"]
 
 
-@pytest.mark.parametrize(("option", "name"), [("--plot", "a.svg"), ("--animate", "a.gif")])
-def test_pictures_are_drawn_after_the_run(short_run, tmp_path, monkeypatch, option, name):
-    calls = []
-    plot = pytest.importorskip("wmr_ctrl.report.plot_run")
-    film = pytest.importorskip("wmr_ctrl.report.animate")
-    monkeypatch.setattr(plot, "plot_run", lambda run, path: calls.append((run.law, path)))
-    monkeypatch.setattr(
-        film, "animate_run", lambda run, path, progress: calls.append((run.law, path))
+def test_pictures_are_drawn_after_the_run(short_run, tmp_path):
+    names = ("a.svg", "a.html")
+    found = short_run(
+        "paper-simulation", "--plot", tmp_path / names[0], "--animate", tmp_path / names[1]
     )
-    path = str(tmp_path / name)
-    found = short_run("paper-simulation", option, path)
 
     assert found.exit_code == 0, found.stderr
-    assert calls == [("nn", path)]
+    assert all((tmp_path / name).stat().st_size > 1000 for name in names)
+    assert all(f"{name}\n" in found.stderr.replace("\n  ", " ") for name in names)
+
+
+def test_suffixes_are_those_of_plots_and_animations():
+    assert module.PLOTS == plot_run.SUFFIXES
+    assert module.ANIMATIONS == animate.SUFFIXES
+
+
+def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_path):
+    def missing():
+        raise MissingExtraError("no ffmpeg. Install it, or choose .gif.")
+
+    monkeypatch.setattr("wmr_ctrl.report.animation.film.find_ffmpeg", missing)
+    monkeypatch.setattr("wmr_ctrl.api.simulate", pytest.fail)
+    found = short_run("paper-simulation", "--animate", tmp_path / "a.mp4")
+
+    assert found.exit_code == 2
+    assert found.stderr == "error: no ffmpeg. Install it, or choose .gif.\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "guard"), [((), False), (("--guard",), True), (("--no-guard",), False)]
+)
+def test_guard_is_switched_by_an_option(short_run, options, guard):
+    assert json.loads(short_run("far-start", "--json", *options).stdout)["guard"] is guard

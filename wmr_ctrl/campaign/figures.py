@@ -39,6 +39,12 @@ def figure_named(name: str) -> Figure:
     raise UnknownNameError("figure", name, (figure.name for figure in FIGURES))
 
 
+def _ise_orientation(run: Run) -> float | None:
+    found = ise(run)
+    total, position = found["total"], found["position"]
+    return None if total is None or position is None else total - position
+
+
 def _ise(key: str, run: Run) -> float | None:
     return ise(run)[key]
 
@@ -58,6 +64,7 @@ _ISE = (
     Figure("ise_before", _MIXED, "ISE up to the change at 40 s", partial(_ise, "before")),
     Figure("ise_after", _MIXED, "ISE from 40 s on", partial(_ise, "after")),
     Figure("ise_position", "m2.s", "ISE of the whole run without theta", partial(_ise, "position")),
+    Figure("ise_orientation", "rad2.s", "ISE of the whole run of theta alone", _ise_orientation),
 )
 _ERRORS = tuple(
     Figure(f"e{axis + 1}_rms_{a}_{b}", unit, f"RMS of e{axis + 1} over {a}-{b} s",

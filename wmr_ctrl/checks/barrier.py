@@ -29,7 +29,8 @@ class Phase:
 
 def pushed_through(loop: Loop) -> Iterator[Warning]:
     """Yield the first phase in which the barrier is too weak at the start's v_c0."""
-    if not loop.uses("limits.") or (np.abs(loop.start.v) > loop.scenario.limits.v_u1).any():
+    outside = (np.abs(loop.start.v) > loop.scenario.limits.v_u1).any()
+    if loop.guarded or outside or not loop.uses("limits."):
         return
     for phase in phases(loop.scenario):
         axes = np.flatnonzero(largest_pull(loop, phase) <= 0)

@@ -27,9 +27,9 @@ PERIOD = "clock.control"
 class Loop:
     """``law`` on ``scenario``.
 
-    Estimates and weights of an adaptive law keep their start values: its module says that its
-    memory is such by ``ADAPTIVE = True``.  Any other memory (a previous sample, a filter) is part
-    of the loop.
+    Estimates and weights of an adaptive law keep their start values.  Memory is taken for such
+    where it is named so (``W_hat``), or where the law's module says ``ADAPTIVE = True``; any other
+    memory (a previous sample, a filter) is part of the loop.
     """
 
     scenario: Scenario
@@ -44,12 +44,18 @@ class Loop:
     def adaptive(self) -> bool:
         """Whether the law's memory holds estimates, which the checks keep at their start values."""
         module = sys.modules.get(LAWS[self.law].build.__module__)
-        return bool(getattr(module, "ADAPTIVE", False))
+        named = any("_hat" in port.signal.name for port in self.core.state)
+        return bool(getattr(module, "ADAPTIVE", named))
 
     @cached_property
     def start(self) -> StartPoint:
         """Where the run starts, seen from the reference."""
         return start_point(self.scenario)
+
+    @property
+    def guarded(self) -> bool:
+        """Whether the guard stands between the law and the wheels."""
+        return self.scenario.guard.enabled
 
     def uses(self, prefix: str) -> bool:
         """Whether the force depends on a parameter whose key starts with ``prefix``."""

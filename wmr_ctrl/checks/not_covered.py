@@ -39,20 +39,38 @@ def drives(loop: Loop) -> Iterator[Warning]:
 
 
 def noise(loop: Loop) -> Iterator[Warning]:
-    """Yield that a barrier law's limit is not guaranteed under noise, on the weakest axis."""
-    disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
-    if disturbance.std == 0 or not loop.uses("limits."):
+    """Yield that the limit is not guaranteed under noise: on the weakest axis, or by the guard."""
+    if loop.scenario.disturbance.std == 0:
         return
+    if loop.guarded:
+        yield from _guarded_noise(loop)
+    elif loop.uses("limits."):
+        yield _unguarded_noise(loop)
+
+
+def _guarded_noise(loop: Loop) -> Iterator[Warning]:
+    if math.isinf(loop.scenario.disturbance.truncate):
+        yield Warning(
+            "disturbance.truncate",
+            "The torque noise is unbounded (disturbance.truncate = inf), and the guard counts on a "
+            "bounded one, of 3 std unless guard.dbar says otherwise: it keeps the limit with that "
+            "probability only. Set disturbance.truncate = 3 for a guarantee.",
+            "guard, bound dbar",
+        )
+
+
+def _unguarded_noise(loop: Loop) -> Warning:
+    disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
     push = math.sqrt(2) * disturbance.std / robot.r * np.array((1.0, robot.l))
     pull = np.maximum(largest_pull(loop, next(phases(loop.scenario))), 0)
     axis = int(np.argmin(pull / push))
     truncate, unit = disturbance.truncate, FORCE_UNITS[axis]
     bound = "unbounded" if math.isinf(truncate) else f"cut at {truncate:g} times that"
-    yield Warning(
+    return Warning(
         "disturbance.std",
         f"The torque noise ({disturbance.std:g} N m rms, {bound}) is covered by no theorem: at the "
         f"start it pushes {SPEEDS[axis]} with {push[axis]:.3g} {unit} rms, and the barrier of "
         f"{loop.law} pulls back with at most {pull[axis]:.3g} {unit}. That the limit is kept is "
-        "not certain: try several seeds, or start nearer.",
+        "not certain: try several seeds, start nearer, or switch the guard on.",
         THEOREMS,
     )

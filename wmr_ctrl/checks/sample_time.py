@@ -19,7 +19,7 @@ SAFE = 0.5
 def sample_time(loop: Loop) -> Iterator[Warning]:
     """Yield what the control period breaks, each with its number."""
     yield from _linear(loop)
-    if loop.uses("limits."):
+    if loop.uses("limits.") and not loop.guarded:
         yield from _kink(loop)
     if loop.scenario.actuator.ideal and (np.abs(loop.start.v) <= loop.scenario.limits.v_u1).all():
         yield from _first_step(loop)

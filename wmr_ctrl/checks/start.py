@@ -14,14 +14,15 @@ from wmr_ctrl.checks.wording import SPEEDS, UNITS, joined
 def start(loop: Loop) -> Iterator[Warning]:
     """Yield where the run starts outside or at the limit, and a law that does not look at it."""
     limits = loop.scenario.limits
+    promise = "only the guard brings it back" if loop.guarded else "no theorem promises a return"
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
         named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
         if abs(v) > u1:
             yield Warning(
                 "initial.velocity",
                 f"{named} is outside limits.v_u1[{axis + 1}] = {u1:g}: the run begins with a "
-                "violation, the barrier is not defined there, and no theorem promises a return. "
-                "Start inside the limit.",
+                f"violation, the barrier is not defined there, and {promise}. Start inside the "
+                "limit.",
                 "Eq. (15)",
             )
         elif abs(v) > u1 - limits.clip:
@@ -31,7 +32,7 @@ def start(loop: Loop) -> Iterator[Warning]:
                 f"{u1:g}, where the barrier is cut off and nearly powerless. Start further inside.",
                 "Eq. (15)",
             )
-    if not loop.uses("limits."):
+    if not (loop.guarded or loop.uses("limits.")):
         yield from _blind(loop)
 
 
@@ -45,6 +46,7 @@ def _blind(loop: Loop) -> Iterator[Warning]:
         yield Warning(
             "law",
             f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
-            f"asks for {named}: expect violations. Choose a barrier law (mb, nn), or start nearer.",
+            f"asks for {named}: expect violations. Choose a barrier law such as mb or nn, switch "
+            "the guard on, or start nearer.",
             "Eq. (7)",
         )

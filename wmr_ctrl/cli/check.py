@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmr_ctrl.cli.console import print_json, wrapped
-from wmr_ctrl.cli.options import debug_option, json_option, load, set_option
+from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Warning
@@ -27,11 +27,16 @@ if TYPE_CHECKING:
     multiple=True,
     help="Ask about this law only. May be given several times.  [default: all]",
 )
+@guard_option
 @set_option
 @json_option("Print validity, longest stable periods and warnings as one JSON document.")
 @debug_option
 def check(
-    scenario: str, chosen: tuple[str, ...], assignments: tuple[str, ...], as_json: bool
+    scenario: str,
+    chosen: tuple[str, ...],
+    guard: bool | None,
+    assignments: tuple[str, ...],
+    as_json: bool,
 ) -> None:
     """Validate a scenario without running it, and say what theory has against it.
 
@@ -41,7 +46,7 @@ def check(
     from wmr_ctrl.checks import largest_stable_period, warnings_for
     from wmr_ctrl.laws import LAWS
 
-    settled = load(scenario, assignments)
+    settled = load(scenario, assignments, guard)
     found = {law: warnings_for(settled, law) for law in chosen or LAWS}
     periods = {law: largest_stable_period(settled, law) for law in found}
     if as_json:

@@ -38,6 +38,11 @@ set_option = click.option(
     help="Override a field of the scenario, such as robot.m=60, limits.v_u2[1]=0.7 or "
     "gains.mb.rho=15,57.6. May be given several times.",
 )
+guard_option = click.option(
+    "--guard/--no-guard",
+    default=None,
+    help="Switch the velocity guard on or off.  [default: as the scenario says]",
+)
 scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
 
 
@@ -67,12 +72,15 @@ def examples(*lines: str) -> str:
     return "\n".join(("\b", "Examples:", *(f"  {line}" for line in lines)))
 
 
-def load(scenario: str, assignments: Sequence[str] = ()) -> Scenario:
-    """The checked scenario of a preset's name or a file, with ``KEY=VALUE`` texts put on it."""
+def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = None) -> Scenario:
+    """The checked scenario of a preset's name or a file, with ``KEY=VALUE`` texts put on it.
+
+    ``guard`` switches the velocity guard on or off; None leaves it as it is.
+    """
     from wmr_ctrl.api import scenario_of
     from wmr_ctrl.scenario import parse_assignments
 
-    return scenario_of(scenario, parse_assignments(assignments))
+    return scenario_of(scenario, parse_assignments(assignments), guard)
 
 
 def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -113,5 +114,8 @@ for _command in (reproduce, run, compare, scenarios, laws, check, bench):
 
 
 def main() -> NoReturn:
-    """Entry point of ``wmr-ctrl``."""
+    """Entry point of ``wmr-ctrl``; what a terminal cannot show is replaced, not refused."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     root.main()

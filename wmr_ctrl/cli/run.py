@@ -12,6 +12,7 @@ from wmr_ctrl.cli.options import (
     check_output,
     debug_option,
     examples,
+    guard_option,
     json_option,
     load,
     scenario_argument,
@@ -37,6 +38,7 @@ RUNS, PLOTS, ANIMATIONS = (".npz", ".csv"), (".png", ".svg", ".pdf"), (".gif", "
 )
 @scenario_argument
 @click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@guard_option
 @click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
 @click.option(
     "--engine",
@@ -53,6 +55,7 @@ RUNS, PLOTS, ANIMATIONS = (".npz", ".csv"), (".png", ".svg", ".pdf"), (".gif", "
 def run(
     scenario: str,
     law: str,
+    guard: bool | None,
     seed: int,
     engine: str,
     assignments: tuple[str, ...],
@@ -67,13 +70,21 @@ def run(
     against the run is printed on stderr before it. A run that breaks the velocity limit or
     diverges is a result like any other: the exit code is 0, and the outcome says so.
     """
-    check_output(out, RUNS, "--out")
-    check_output(plot, PLOTS, "--plot")
-    check_output(animate, ANIMATIONS, "--animate")
-    settled = load(scenario, assignments)
+    _check_outputs(out, plot, animate)
+    settled = load(scenario, assignments, guard)
     finished = _simulated(settled, law, seed, engine)
     _write(finished, out, plot, animate)
     _show(finished, as_json)
+
+
+def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
+    check_output(out, RUNS, "--out")
+    check_output(plot, PLOTS, "--plot")
+    check_output(animate, ANIMATIONS, "--animate")
+    if animate and animate.lower().endswith(".mp4"):
+        from wmr_ctrl.report.animation.film import find_ffmpeg
+
+        find_ffmpeg()
 
 
 def _simulated(scenario: Scenario, law: str, seed: int, engine: str) -> Run:

@@ -15,8 +15,16 @@ from wmr_ctrl.laws.controller import controller
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.reference import reference
-from wmr_ctrl.model.system import Output, System, stack
+from wmr_ctrl.model.system import Output, System, port, stack
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import Signal
+
+PARALLEL = Signal(
+    "clock.parallel", "1",
+    "1: for masters that step all parts at once; a law's first sample uses the inputs of initialisation, "
+    "a reference follows the time that was reached",
+)  # fmt: skip
+"""Parameter of sampled blocks that their kernels do not read; the stepping does."""
 
 Entry = tuple[int, int, bool]
 """Row of w, row of z, and whether the derivative there is a constant."""
@@ -24,11 +32,16 @@ Entry = tuple[int, int, bool]
 
 @dataclass(frozen=True)
 class Block:
-    """A System, its results beyond the states, its C kernels and the serialised graph."""
+    """A System and its results beyond continuous states, with its kernels and serialised graph.
+
+    ``kernels`` are those of the native loop, from the same graphs and under the same names of
+    vectors, so that both compute the same bits; ``derivatives`` need not be fast.
+    """
 
     system: System
     results: tuple[Output, ...]
     kernels: tuple[Kernel, ...]
+    derivatives: tuple[Kernel, ...]
     jacobian: tuple[Entry, ...]
     graph: str
 
@@ -50,20 +63,22 @@ def plant_block(scenario: Scenario) -> Block:
 
 def law_block(scenario: Scenario, law: str) -> Block:
     """The controller of ``law``: one sample with its memory."""
-    return _block(controller(scenario, law))
+    system = controller(scenario, law)
+    return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 
 def reference_block(scenario: Scenario) -> Block:
-    """The desired trajectory, sampled with the control period, which is its last parameter."""
+    """The desired trajectory, sampled with the control period."""
     system = reference(scenario)
     p = Parameters(scenario, system.params)
     p.take("clock.control")
-    return _block(replace(system, params=p.ports, period=scenario.clock.control))
+    sampled = (*p.ports, port(PARALLEL))
+    return _block(replace(system, params=sampled, period=scenario.clock.control))
 
 
 def results_of(system: System) -> tuple[Output, ...]:
-    """Outputs that are not states themselves, then the diagnostics."""
-    states = {item.signal.name: item.sym for item in system.state}
+    """Outputs that are no continuous states themselves, then the diagnostics."""
+    states = {} if system.period else {item.signal.name: item.sym for item in system.state}
     own = (item for item in system.outputs if not _is_state(item, states))
     return (*own, *system.diagnostics)
 
@@ -77,16 +92,17 @@ def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
     z, results = ca.vertcat(system.u, system.p, system.x), results_of(system)
     y = stack(item.expr for item in results)
     w = y if system.period else ca.vertcat(system.update, y)
-    evaluate = kernel(
-        "evaluate", f"Results of the {system.title}.", {"z": z}, {"w": ca.vertcat(system.update, y)}
-    )
-    return Block(
-        system,
-        results,
-        (evaluate, *_derivatives(z, w), *more),
-        _entries(z, w),
-        evaluate.function.serialize(),
-    )
+    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
+    return Block(system, results, (_evaluate(system, results), *more), _derivatives(z, w), _entries(z, w),
+                 whole.serialize())
+
+
+def _evaluate(system: System, results: tuple[Output, ...]) -> Kernel:
+    """Next state or rates, outputs, diagnostics."""
+    count = len(results) - len(system.diagnostics)
+    own = stack(item.expr for item in results[:count])
+    return kernel("evaluate", f"Results of the {system.title}.", {"u": system.u, "x": system.x, "p": system.p},
+                  {"next": system.update, "y": own, "d": system.d})
 
 
 def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:

@@ -70,9 +70,10 @@ class _Writer:
     def _expression(self, number: int) -> str:
         node = self.graph.nodes[number]
         if node.op == SELECT:
-            arm = self._truth if self.graph.is_logical(number) else self._real
+            truths = self.graph.is_logical(number)
+            arm = self._truth if truths else self._real
             condition, yes, no = node.operands
-            return self.dialect.choice(self._truth(condition), arm(yes), arm(no))
+            return self.dialect.choice(self._truth(condition), arm(yes), arm(no), truths=truths)
         given = self._truth if node.op in TRUTHS else self._real
         return self.dialect.pattern(node.op).format(*(given(k) for k in node.operands))
 
@@ -153,7 +154,9 @@ class _Writer:
         found.append(f"{indent}if (wmr_some(~{condition})) {{")
         found += self._lines(block.other, inner)
         for k in block.defines:
-            chosen = self.dialect.choice(condition, self._name(k), self._chosen(k, 2))
+            truths = self.graph.is_logical(k)
+            given = (condition, self._name(k), self._chosen(k, 2))
+            chosen = self.dialect.choice(*given, truths=truths)
             found.append(f"{inner}{self._name(k)} = {chosen};")
         return [*found, f"{indent}}}"]
 

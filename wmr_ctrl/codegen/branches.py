@@ -18,13 +18,27 @@ WORTH = 15
 
 def branched(graph: Graph, items: Sequence[Item], needed: Iterable[int] = ()) -> list[Item]:
     """The items of one scope with branches where they pay; ``needed`` is read outside of it."""
-    outside, scope = frozenset(needed), list(items)
+    outside, items = frozenset(needed), list(items)
     while True:
-        candidates = [_Branch(graph, scope, outside, c) for c in _conditions(graph, scope)]
+        scope = _Scope(items, outside)
+        candidates = [_Branch(graph, scope, c) for c in _conditions(graph, items)]
         best = max(candidates, key=lambda item: item.cost, default=None)
         if best is None or best.cost < WORTH:
-            return scope
-        scope = ordered(best.contracted())
+            return items
+        items = ordered(best.contracted())
+
+
+class _Scope:
+    """Items in order, who makes and who reads each value, and what is read outside."""
+
+    def __init__(self, items: list[Item], outside: frozenset[int]) -> None:
+        self.items, self.outside = items, outside
+        self.position = {item: place for place, item in enumerate(items)}
+        self.maker = {number: item for item in items for number in item.defines}
+        self.users: dict[int, list[Item]] = {}
+        for item in items:
+            for number in item.reads:
+                self.users.setdefault(number, []).append(item)
 
 
 def _conditions(graph: Graph, items: Sequence[Item]) -> list[int]:
@@ -40,11 +54,8 @@ def _conditions(graph: Graph, items: Sequence[Item]) -> list[int]:
 class _Branch:
     """The choices of one scope on one condition, and what only one side of them needs."""
 
-    def __init__(
-        self, graph: Graph, scope: Sequence[Item], outside: frozenset[int], condition: int
-    ) -> None:
-        self.graph, self.scope, self.outside, self.condition = graph, scope, outside, condition
-        self.users = _users(scope)
+    def __init__(self, graph: Graph, scope: _Scope, condition: int) -> None:
+        self.graph, self.scope, self.condition = graph, scope, condition
         self.choices = self._independent_choices()
         self.then, self.other = self._cone(1), self._cone(2)
         self.cost = max(_cost(self.then), _cost(self.other))
@@ -52,7 +63,7 @@ class _Branch:
     def contracted(self) -> list[Item]:
         """The scope with choices and cones replaced by one block."""
         gone = {*self.choices, *self.then, *self.other}
-        return [*(item for item in self.scope if item not in gone), self._block()]
+        return [*(item for item in self.scope.items if item not in gone), self._block()]
 
     def _block(self) -> Block:
         defines = tuple(item.node for item in self.choices)
@@ -72,9 +83,13 @@ class _Branch:
 
     def _independent_choices(self) -> list[Line]:
         """Choices on the condition none of which depends on another."""
+        lines = (item for item in self.scope.items if isinstance(item, Line))
+        listed = [item for item in lines if self._is_choice(item)]
+        if len(listed) == 1:
+            return listed
         chosen: list[Line] = []
         tainted: set[int] = set()
-        for item in self.scope:
+        for item in self.scope.items:
             if not item.reads.isdisjoint(tainted):
                 tainted.update(item.defines)
             elif isinstance(item, Line) and self._is_choice(item):
@@ -90,33 +105,25 @@ class _Branch:
         """Items that nothing needs but this side of the choices, in order."""
         inside: set[Item] = set()
         choices = set(self.choices)
-        for item in reversed(self.scope):
-            if item in choices or not item.defines:
+        waiting = self._arms(side)
+        while waiting:
+            item = self.scope.maker.get(waiting.pop())
+            if item is None or item in inside or item in choices:
                 continue
             if all(self._only(number, side, inside, choices) for number in item.defines):
                 inside.add(item)
-        return [item for item in self.scope if item in inside]
+                waiting.extend(item.reads)
+        return sorted(inside, key=self.scope.position.__getitem__)
 
     def _only(self, number: int, side: int, inside: set[Item], choices: set[Line]) -> bool:
-        users = self.users.get(number, [])
-        if number in self.outside or not users:
-            return False
-        return all(
+        return number not in self.scope.outside and all(
             user in inside or (user in choices and self._on_side(user, number, side))
-            for user in users
+            for user in self.scope.users.get(number, ())
         )
 
     def _on_side(self, choice: Item, number: int, side: int) -> bool:
         operands = self.graph.nodes[choice.defines[0]].operands
         return all((operand == number) <= (place == side) for place, operand in enumerate(operands))
-
-
-def _users(items: Iterable[Item]) -> dict[int, list[Item]]:
-    users: dict[int, list[Item]] = {}
-    for item in items:
-        for number in item.reads:
-            users.setdefault(number, []).append(item)
-    return users
 
 
 def _cost(items: Iterable[Item]) -> int:

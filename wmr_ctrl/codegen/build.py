@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
-from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems, plant_phases
+from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems, plant_phases
 from wmr_ctrl.codegen.manifest import Kernels, manifest
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
@@ -25,14 +26,16 @@ def build_loop(scenario: Scenario, law: str) -> Kernels:
     CompilerError without a working compiler.
     """
     systems = loop_systems(scenario, law)
-    roles = systems.by_role()
-    own = own_diagnostics(systems.controller)
-    described = manifest(
-        law, systems.controller.title, roles, own, plant_phases(scenario, systems.plant)
-    )
-    generated = sources(roles, loop_kernels(systems))
+    generated = sources(systems.by_role(), loop_kernels(systems))
     library = _built(unity(generated))
-    return Kernels(str(library), described, digest(generated))
+    return Kernels(str(library), described(scenario, law, systems), digest(generated))
+
+
+def described(scenario: Scenario, law: str, systems: LoopSystems) -> dict[str, Any]:
+    """The manifest of a loop."""
+    own = own_diagnostics(systems.controller)
+    phases = plant_phases(scenario, systems.plant)
+    return manifest(law, systems.controller.title, systems.by_role(), own, phases)
 
 
 def _built(files: dict[str, str | bytes]) -> Path:
@@ -43,12 +46,14 @@ def _built(files: dict[str, str | bytes]) -> Path:
         return build_library(files)
 
 
-def unity(generated: dict[str, str]) -> dict[str, str | bytes]:
-    """Generated and hand-written sources with library.c as the only unit to compile."""
-    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in RUNTIME}
+def unity(
+    generated: dict[str, str], files: tuple[str, ...] = RUNTIME
+) -> dict[str, str | bytes]:
+    """Generated and hand-written sources with the first of ``files`` as the only unit to compile."""
+    runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
     included = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
-    unit = included.pop("library.inc").replace('.c"', '.inc"')
-    return {**included, "library.c": unit}
+    unit = included.pop(_as_header(files[0])).replace('.c"', '.inc"')
+    return {**included, files[0]: unit}
 
 
 def digest(generated: dict[str, str]) -> str:

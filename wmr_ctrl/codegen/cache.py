@@ -95,7 +95,7 @@ def cache_info() -> CacheInfo:
 def clear_cache() -> CacheInfo:
     """Remove everything that the cache holds and return what was there."""
     info = cache_info()
-    for name in ("kernels", "zig"):
+    for name in ("kernels", "text", "zig"):
         shutil.rmtree(info.folder / name, ignore_errors=True)
     _checked.clear()
     return info

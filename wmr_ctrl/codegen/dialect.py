@@ -73,9 +73,9 @@ TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 
 @dataclass(frozen=True)
 class Dialect:
-    """Types and patterns of one way to write C; ``prefix`` starts the functions' names."""
+    """Types and patterns of one way to write C, and the header that has its functions."""
 
-    prefix: str
+    header: str
     real: str
     truth: str
     patterns: Mapping[int, str]
@@ -96,10 +96,10 @@ class Dialect:
         text = named.get(text, f"({text})" if text.startswith("-") else text)
         return f"wmr_all({text})" if self.lanes else text
 
-    def choice(self, condition: str, yes: str, no: str) -> str:
-        """A choice between two values."""
+    def choice(self, condition: str, yes: str, no: str, *, truths: bool = False) -> str:
+        """A choice between two numbers, or between two truth values."""
         if self.lanes:
-            return f"wmr_choose({condition}, {yes}, {no})"
+            return f"wmr_{'pick' if truths else 'choose'}({condition}, {yes}, {no})"
         return f"{condition} ? {yes} : {no}"
 
     def as_real(self, truth: str) -> str:
@@ -111,5 +111,5 @@ class Dialect:
         return f"wmr_truth({real})" if self.lanes else real
 
 
-SCALAR = Dialect("wmr_", "double", "int", MappingProxyType(_SCALAR), lanes=False)
-LANES = Dialect("wmr_", "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)
+SCALAR = Dialect("wmr_math.h", "double", "int", MappingProxyType(_SCALAR), lanes=False)
+LANES = Dialect("lanes.h", "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)

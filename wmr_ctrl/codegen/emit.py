@@ -57,7 +57,7 @@ def prototype(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """C signature: inputs, then outputs, all pointers to numbers."""
     given = [f"const {dialect.real} *restrict {name}" for name in item.inputs]
     wanted = [f"{dialect.real} *restrict {name}" for name in item.outputs]
-    return f"WMR_KERNEL void {dialect.prefix}{item.name}({', '.join(given + wanted)})"
+    return f"WMR_KERNEL void wmr_{item.name}({', '.join(given + wanted)})"
 
 
 def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:

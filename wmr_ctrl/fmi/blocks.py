@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from wmr_ctrl.codegen.block import Block, law_block, plant_block, reference_block
+from wmr_ctrl.codegen.block import PARALLEL, Block, law_block, plant_block, reference_block
 from wmr_ctrl.fmi.bounds import ranges_of
 from wmr_ctrl.fmi.model import Dependency, Model
 from wmr_ctrl.fmi.variables import (
@@ -45,6 +46,12 @@ def reference_model(scenario: Scenario) -> Model:
     return _model("reference", "Desired trajectory", scenario, reference_block(scenario))
 
 
+def parallel(model: Model) -> Model:
+    """The same model for masters that step all parts at once."""
+    rows = (replace(v, start=1.0) if v.name == PARALLEL.name else v for v in model.variables)
+    return replace(model, variables=tuple(rows))
+
+
 def start_of_inputs(scenario: Scenario) -> dict[str, float]:
     """Start values of pose, velocity and reference inputs: those of t = 0."""
     desired = sample(scenario.reference, np.zeros(1))[0].tolist()
@@ -60,9 +67,11 @@ def _model(what: str, title: str, scenario: Scenario, block: Block, tunable: tup
     clock = "clock.control" if system.period else "clock.plant"
     at = next(i for i, row in enumerate(rows) if row.name == clock)
     layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
+    if system.period:
+        layout["AT_PARALLEL"] = next(i for i, row in enumerate(rows) if row.name == PARALLEL.name)
     return Model(
         what, title, "sampled" if system.period else "continuous", scenario, rows, {"block": system}, block.kernels,
-        layout, {}, _dependencies(block, layout), bool(layout["HAS_ME"]), scenario.clock.control, block.graph,
+        block.derivatives, layout, {}, _dependencies(block, layout), bool(layout["HAS_ME"]), scenario.clock.control, block.graph,
     )  # fmt: skip
 
 
@@ -70,7 +79,7 @@ def _sections(scenario: Scenario, block: Block, tunable: tuple[str, ...]) -> Map
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
     system, discrete = block.system, block.system.period is not None
     inputs = [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
-    ranges = ranges_of(scenario, (port.signal.name for port in system.params))
+    ranges = ranges_of(scenario, (port.signal.name for port in system.params)) | {PARALLEL.name: (0.0, 1.0)}
     published = {item.signal.name for item in system.outputs} - {item.signal.name for item in block.results}
     taken = {port.signal.name for port in (*system.inputs, *system.params)} | {r.signal.name for r in block.results}
     states = list(state_rows(system.state, published, taken, discrete=discrete))
@@ -99,8 +108,8 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
     continuous = system.period is None
     return {
         "ROWS": found + count["rates"] + count["results"],
-        "Z": first_input, "NZ": found - first_input, "U": first_input, "P": parameters, "NP": count["P"],
-        "X": states, "NX": count["X"], "W": found, "NW": count["rates"] + count["results"],
+        "Z": first_input, "NZ": found - first_input, "U": first_input, "NU": count["U"], "P": parameters, "NP": count["P"],
+        "X": states, "NX": count["X"], "NY": count["results"] - system.d.numel(), "W": found, "NW": count["rates"] + count["results"],
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
         "HAS_ME": int(continuous or _follows_time(system)),
     }  # fmt: skip

@@ -42,7 +42,7 @@ def closed_loop_model(scenario: Scenario, law: str) -> Model:
     rows = tuple([*parameters, *outputs])
     return Model(
         "closed-loop", f"Closed loop: {LAWS[law].title}", "loop", scenario, rows, systems.by_role(),
-        loop_kernels(systems), _layout(rows, len(parameters), scenario), _tables(rows, systems, scenario), None, False,
+        loop_kernels(systems), (), _layout(rows, len(parameters), scenario), _tables(rows, systems, scenario), None, False,
         scenario.clock.control, "",
     )  # fmt: skip
 

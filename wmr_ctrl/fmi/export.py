@@ -94,14 +94,15 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
     raise UnknownNameError("FMU", what, (*FIXED, *LAWS))
 
 
-def write_fmu(model: Model, version: int, targets: tuple[Target, ...], path: Path, *, arrays: bool = True) -> Path:
-    """Build and pack one file."""
+def write_fmu(model: Model, version: int, targets: tuple[Target, ...], path: Path, *, arrays: bool = True,
+              result: bool = True) -> Path:  # fmt: skip
+    """Build and pack one file; ``result``: with a reference result, which takes a simulation."""
     sources = sources_of(model, version, arrays=arrays)
     files = {"modelDescription.xml": xml.description(model, sources, version, TOOL, arrays=arrays)}
     files |= dict(_texts(model, sources, version))
     packed = {name: text.encode() for name, text in files.items()}
     packed |= binaries(model, sources, version, targets)
-    if any(target.name == host() for target in targets):
+    if result and any(target.name == host() for target in targets):
         packed[f"{EXTRA}/reference.csv"] = reference_result(model, packed)
     return write_archive(path, packed)
 

@@ -39,6 +39,7 @@ class Model:
     variables: tuple[Variable, ...]
     systems: Mapping[str, System]
     kernels: tuple[Kernel, ...]
+    derivatives: tuple[Kernel, ...]
     layout: Mapping[str, int]
     tables: Mapping[str, Sequence[Sequence[float]]]
     dependencies: tuple[Dependency, ...] | None

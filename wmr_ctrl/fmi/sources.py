@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from wmr_ctrl.codegen.plain import plain_sources
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import sources as kernel_sources
 from wmr_ctrl.fmi.model import KINDS, RUNTIME, Model
@@ -38,6 +39,7 @@ def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
     """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
     generated = kernel_sources(model.systems, model.kernels)
     files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
+    files |= plain_sources(model.derivatives, "jacobian") if model.derivatives else {}
     files |= {name: _read(fmu_dir() / "fmi" / name) for name in (*COMMON, f"kind_{model.kind}.c")}
     files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi").glob(f"fmi{version}*.c"))}
     files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))}

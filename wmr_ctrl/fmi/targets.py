@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wmr_ctrl.codegen.compiler import Toolchain, default_flags
-from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.codegen.cache import build_cached
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
+from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
 
@@ -54,13 +55,33 @@ def targets_of(name: str) -> tuple[Target, ...]:
     return found
 
 
+HEAVY = {"kernels.c": ("kernels.c", "kernels.h", "wmr_math.h"), "jacobian.c": ("jacobian.c", "jacobian.h", "wmr_math.h")}
+"""Units that take long to compile, with all that they read: models that differ in numbers share them."""
+
+
 def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
     """The library for ``target``, from the cache if it was built before.
 
     Raises CompilerError where nothing builds for that platform.
     """
-    files = {name: text for name, text in sources.files.items()}
-    return build_library(files, _toolchain(target), name=identifier)
+    chain = _toolchain(target)
+    objects = [_object(chain, sources, unit) for unit in HEAVY if unit in sources.files]
+    units = [name for name in sources.units if name not in HEAVY]
+
+    def compile_in(folder: Path) -> Path:
+        paths = [*(folder / name for name in units), *objects]
+        return compile_library(chain, paths, folder / f"{identifier}{target.suffix}", include=[folder])
+
+    return build_cached(sources.files, compile_in, key=(*chain.key, identifier, *(str(o.parent.name) for o in objects)))
+
+
+def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:
+    files = {name: sources.files[name] for name in HEAVY[unit]}
+
+    def compile_in(folder: Path) -> Path:
+        return compile_library(chain, [folder / unit], folder / f"{unit}.o", include=[folder], flags=("-c",))
+
+    return build_cached(files, compile_in, key=(*chain.key, "object"))
 
 
 def _toolchain(target: Target) -> Toolchain:

@@ -12,7 +12,7 @@ from wmr_ctrl.codegen.resources import fmu_dir
 
 def render(name: str, **values: Any) -> str:
     """Text of the template ``name``; markup in XML and HTML is escaped."""
-    return _environment(name.endswith((".xml", ".html"))).get_template(f"{name}.jinja").render(**values)
+    return _environment(name.endswith((".xml", ".html", ".ssd", ".ssv"))).get_template(f"{name}.jinja").render(**values)
 
 
 @cache

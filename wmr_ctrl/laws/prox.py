@@ -46,7 +46,7 @@ class Gains(Section):
         10.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
     )
     tau_max: float = quantity(
-        20.0, unit="N.m", doc="torque limit of the law's own; inf: none", above=0.0, infinite=True
+        20.0, unit="N.m", doc="torque limit of the law's own, beside actuator.tau_max", above=0.0
     )
     barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 

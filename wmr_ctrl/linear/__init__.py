@@ -52,3 +52,4 @@ from wmr_ctrl.linear.sampled import spectral_radius as spectral_radius
 from wmr_ctrl.linear.stepper import stepper as stepper
 from wmr_ctrl.linear.sweep import linear_gain as linear_gain
 from wmr_ctrl.linear.sweep import sweep as sweep
+from wmr_ctrl.linear.velocity import dead_zone as dead_zone

@@ -1,4 +1,4 @@
-"""The closed loop along its reference: time-invariant on circle and line, else a function of time."""
+"""The closed loop along its reference: time-invariant on circle and line, else a function of t."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _at(scenario: Scenario, law: str, period: float | None, t: float) -> ct.Stat
 def along_reference(
     scenario: Scenario, law: str, period: float | None = None
 ) -> TimeInvariant | TimeVarying:
-    """The linear loop of ``law`` along the reference, e = 0 and v = v_d(t), continuous or sampled."""
+    """The linear loop of ``law`` along the reference, e = 0 and v = v_d; sampled if ``period``."""
     if constant_speed(scenario):
         return TimeInvariant(closed_loop(scenario, law, period=period))
     return TimeVarying(scenario, law, period)

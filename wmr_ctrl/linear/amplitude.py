@@ -76,7 +76,11 @@ def reach(
 
 
 def _passing(
-    given: Comparison, direction: tuple[float, float, float], grid: Floats, found: Floats, level: float
+    given: Comparison,
+    direction: tuple[float, float, float],
+    grid: Floats,
+    found: Floats,
+    level: float,
 ) -> float | None:
     above = np.flatnonzero(found > level)
     if not above.size:

@@ -6,6 +6,7 @@ the peak nothing holds.  The largest disturbance that the loop resists is theref
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +53,7 @@ def authority(scenario: Scenario, law: str, axis: int, v_c0: float) -> Authority
 def settled_speed(
     scenario: Scenario, law: str, axis: int, v_c0: float, force: float
 ) -> float | None:
-    """Velocity at which a constant outward ``force`` [N or N m] is balanced; None beyond authority."""
+    """Velocity at which a constant outward ``force`` [N or N m] is balanced; None: too large."""
     top = authority(scenario, law, axis, v_c0)
     if force >= top.force:
         return None
@@ -76,11 +77,13 @@ def linear_offset(
 
 
 def pull_curve(scenario: Scenario, law: str, axis: int, v_c0: float, speeds: Floats) -> Floats:
-    """Force [N] or moment [N m] of the law over ``speeds`` (N,), friction compensation taken off."""
+    """Force [N] or moment [N m] of the law over ``speeds`` (N,), its friction term taken off."""
     return np.asarray(_axis_pull(scenario, law, axis, v_c0)(speeds))
 
 
-def _axis_pull(scenario: Scenario, law: str, axis: int, v_c0: float):  # type: ignore[no-untyped-def]
+def _axis_pull(
+    scenario: Scenario, law: str, axis: int, v_c0: float
+) -> Callable[[float | Floats], Floats]:
     asked = np.zeros(2)
     asked[axis] = v_c0
     return pull_of(scenario, law, axis, asked)

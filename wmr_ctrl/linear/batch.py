@@ -12,7 +12,7 @@ import numpy as np
 
 from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.results import Outcome, outcome_of
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Initial, Scenario
 from wmr_ctrl.sim.native import Kernels, run_native
 
 
@@ -46,8 +46,8 @@ def endings(
 
 
 def _ending(kernels: Kernels, scenario: Scenario, start: Floats) -> Ending:
-    pose, velocity = tuple(map(float, start[:3])), tuple(map(float, start[3:]))
-    moved = replace(scenario, initial=replace(scenario.initial, pose=pose, velocity=velocity))
+    x, y, theta, v1, omega = map(float, start)
+    moved = replace(scenario, initial=Initial((x, y, theta), (v1, omega)))
     columns, monitor = run_native(_started(kernels, start), moved, 0)
     last = columns["e"][-1, :2] if len(columns["e"]) else np.array([np.inf, np.inf])
     return Ending(outcome_of(monitor), float(np.hypot(*last)), monitor.max_abs_v)

@@ -7,8 +7,9 @@ line) the closed loop is therefore time-invariant.
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import pairwise
 
 import casadi as ca
@@ -27,6 +28,7 @@ from wmr_ctrl.signals import FORCE, POSE, REFERENCE, VELOCITY
 PERIOD = "clock.control"
 
 
+@lru_cache(maxsize=64)
 def error_plant(scenario: Scenario) -> System:
     """Continuous: force, disturbance and v_d to e (3), v1, omega, Eqs. (4), (33)-(35).
 
@@ -48,7 +50,9 @@ def error_plant(scenario: Scenario) -> System:
     )
 
 
-def _drives(scenario: Scenario, p: Parameters, force: Port) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
+def _drives(
+    scenario: Scenario, p: Parameters, force: Port
+) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
     """Applied force, the drives' state and its rate."""
     if scenario.actuator.lag == 0:
         return force.sym, (), ca.SX(0, 1)
@@ -56,6 +60,7 @@ def _drives(scenario: Scenario, p: Parameters, force: Port) -> tuple[ca.SX, tupl
     return applied.sym, (applied,), (force.sym - applied.sym) / p.take("actuator.lag")
 
 
+@lru_cache(maxsize=64)
 def error_law(scenario: Scenario, law: str) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
@@ -79,13 +84,18 @@ def error_law(scenario: Scenario, law: str) -> System:
 _SAMPLED = tuple(signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))
 
 
-def with_memory(system: System, memory: Floats) -> System:
-    """The System starting from ``memory`` (n)."""
-    parts = iter(memory)
-    state = tuple(
-        replace(item, value=tuple(float(next(parts)) for _ in item.value)) for item in system.state
-    )
-    return replace(system, state=state)
+def with_values(system: System, numbers: Mapping[str, Sequence[float]]) -> System:
+    """The System with other values of the state and parameter ports named in ``numbers``."""
+
+    def renewed(items: tuple[Port, ...]) -> tuple[Port, ...]:
+        return tuple(
+            replace(item, value=tuple(map(float, numbers[item.signal.name])))
+            if item.signal.name in numbers
+            else item
+            for item in items
+        )
+
+    return replace(system, state=renewed(system.state), params=renewed(system.params))
 
 
 def holding(system: System, held: Container[str]) -> System:
@@ -126,8 +136,11 @@ def _period_symbol(system: System) -> ca.SX:
 
 def with_period(system: System, period: float) -> System:
     """A sampled System with another control period [s]."""
-    params = tuple(
-        replace(item, value=(period,)) if item.signal.name == PERIOD else item
-        for item in system.params
-    )
-    return replace(system, params=params, period=period)
+    return replace(with_values(system, {PERIOD: (period,)}), period=period)
+
+
+def by_port(system: System, memory: Floats) -> dict[str, list[float]]:
+    """A flat memory (n) of the System by the names of its state's ports."""
+    ends = np.cumsum([0, *(item.signal.size for item in system.state)])
+    pairs = zip(system.state, pairwise(ends), strict=True)
+    return {item.signal.name: [float(x) for x in memory[a:b]] for item, (a, b) in pairs}

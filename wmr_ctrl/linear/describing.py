@@ -39,9 +39,9 @@ class BarrierTerm(ct.DescribingFunctionNonlinearity):
         4/(pi A) times the integral of sin p/(u1 - A sin p) over the quarter period from
         p0 = asin(u2/A) on, where the term acts.
         """
-        if A <= self.u2:
+        if self.u2 >= A:
             return 0.0
-        if A >= self.u1:
+        if self.u1 <= A:
             return math.inf
         begin = math.asin(self.u2 / A)
         return 4 / (math.pi * A) * (self._integral(A, math.pi / 2) - self._integral(A, begin))

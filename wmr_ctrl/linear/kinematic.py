@@ -51,9 +51,7 @@ def kinematics_at(
     return linearise(kinematic_loop(scenario), v_d, e)
 
 
-def kinematic_poles(
-    scenario: Scenario, e: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> Floats:
+def kinematic_poles(scenario: Scenario, e: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
     """Its eigenvalues [1/s], slowest last at e = 0 with the paper's gains."""
     poles = np.asarray(kinematics_at(scenario, e).poles(), dtype=complex)
     return poles[np.argsort(poles.real)]

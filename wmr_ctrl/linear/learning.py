@@ -11,6 +11,8 @@ where a < K and |S|^2 is large enough: see `square_bound`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import control as ct
 import numpy as np
 
@@ -76,7 +78,7 @@ def largest_stable_square(scenario: Scenario, axis: int) -> float:
     return square_bound(Loop(scenario, LAW), axis)
 
 
-def _radius_of(scenario: Scenario, axis: int, square: float):  # type: ignore[no-untyped-def]
+def _radius_of(scenario: Scenario, axis: int, square: float) -> Callable[[float], float]:
     return lambda period: radius(learning_step(scenario, axis, square, period))
 
 

@@ -18,15 +18,17 @@ def linearise(
     u: Sequence[float] | Floats,
     x: Sequence[float] | Floats | None = None,
     p: Sequence[float] | Floats | None = None,
+    graph: ca.Function | None = None,
 ) -> ct.StateSpace:
     """The System near inputs ``u`` and state ``x``, as deviations from that point.
 
     Continuous for a continuous System, with ``dt`` for a sampled one.  States, inputs and outputs
-    have the names of the System's ports.  ``x`` and ``p`` default to the ports' own values.
+    have the names of the System's ports.  ``x`` and ``p`` default to the ports' own values;
+    ``graph`` is `gradients` of the System where a caller has it.
     """
     start = system.x0 if x is None else x
     numbers = system.p0 if p is None else p
-    a, b, c, d = (np.asarray(part) for part in gradients(system)(u, start, numbers))
+    a, b, c, d = (np.asarray(part) for part in (graph or gradients(system))(u, start, numbers))
     return ct.ss(
         a, b, c, d, 0 if system.period is None else system.period, name=system.name,
         states=element_names(port.signal for port in system.state) or None,

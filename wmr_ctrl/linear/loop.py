@@ -6,21 +6,28 @@ values (a remembered sample stays part of the loop), "learning" lets them move.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
+
+import casadi as ca
 import control as ct
+import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
+    PERIOD,
+    by_port,
+    constants,
     continuous_reading,
     error_law,
     error_plant,
-    constants,
     holding,
-    with_memory,
-    with_period,
+    with_values,
 )
-from wmr_ctrl.linear.linearise import linearise
+from wmr_ctrl.linear.linearise import gradients, linearise
 from wmr_ctrl.linear.names import DISTURBANCES, FORCES, STATES
+from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
@@ -34,7 +41,8 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
     With ``period`` [s] as an exact zero-order hold of its inputs.
     """
     block = error_plant(scenario)
-    full = linearise(block, point.plant_input, point.plant_state(block))
+    state = point.plant_state(block)
+    full = linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
     kept = with_inputs(full, FORCES + DISTURBANCES)
     return kept if period is None else hold(kept, period)
 
@@ -61,23 +69,32 @@ def law_at(
     period: float | None = None,
     memory: str = "frozen",
 ) -> ct.StateSpace:
-    """The law near ``point``: e, v1, omega to force; sampled with ``period`` [s], else continuous."""
-    full = linearise(law_block(scenario, law, point, period, memory), point.law_input)
-    return with_inputs(full, STATES)
-
-
-def law_block(
-    scenario: Scenario, law: str, point: Point, period: float | None, memory: str
-) -> System:
-    """The law's System in the wanted reading, with its memory as at ``point``."""
+    """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s]."""
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
+    block, graph = _law_graph(scenario, law, period is None, memory)
     own = scenario.clock.control if period is None else period
-    block = with_memory(with_period(error_law(scenario, law), own), point.memory)
-    estimates = memory == "frozen" and Loop(scenario, law).adaptive
-    held = [item.signal.name for item in block.state] if estimates else constants(block)
+    numbers = by_port(error_law(scenario, law), point.memory) | {PERIOD: [own]}
+    block = with_values(replace(block, period=period), numbers)
+    return with_inputs(linearise(block, point.law_input, graph=graph), STATES)
+
+
+@lru_cache(maxsize=32)
+def _law_graph(
+    scenario: Scenario, law: str, continuous: bool, memory: str
+) -> tuple[System, ca.Function]:
+    """The law's System in the wanted reading, and its gradients."""
+    block = error_law(scenario, law)
+    still = memory == "frozen" and Loop(scenario, law).adaptive
+    held = [item.signal.name for item in block.state] if still else constants(block)
     block = holding(block, held)
-    return continuous_reading(block) if period is None else block
+    block = continuous_reading(block) if continuous else block
+    return block, gradients(block)
+
+
+@lru_cache(maxsize=32)
+def _plant_graph(scenario: Scenario) -> ca.Function:
+    return gradients(error_plant(scenario))
 
 
 def closed_loop(
@@ -98,3 +115,10 @@ def closed_loop(
     return ct.interconnect(
         parts, inputs=DISTURBANCES, outputs=STATES + FORCES, states=names, name=f"{law} loop"
     )
+
+
+def closed_matrix(plant: ct.StateSpace, law: ct.StateSpace) -> Floats:
+    """State matrix of the same loop, without the bookkeeping: for searches over many periods."""
+    push = plant.B[:, [plant.input_labels.index(name) for name in FORCES]]
+    moved = np.hstack((plant.A + push @ law.D @ plant.C, push @ law.C))
+    return np.vstack((moved, np.hstack((law.B @ plant.C, law.A))))

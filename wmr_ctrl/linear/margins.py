@@ -19,7 +19,7 @@ from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Model, Scenario
 
-LOWEST, POINTS = 1e-3, 3000
+LOWEST, POINTS = 1e-3, 1000
 HIGHEST = 1e5
 """Frequencies of the search [rad/s]; sampled loops end at the Nyquist frequency."""
 
@@ -81,14 +81,25 @@ def margins_at(
     if not is_stable(ct.feedback(loop, 1)):
         return None
     found = crossings(loop, frequencies(loop))
-    alpha, disk_gain, disk_phase = ct.disk_margins(loop, frequencies(loop), skew=0.0)
+    alpha, disk_gain, disk_phase = disk(loop)
     up, down = found.gains[found.gains > 1], found.gains[found.gains < 1]
     return Margins(
-        _finite(up.min(initial=math.inf)), _finite(1 / (1 / down).min(initial=math.inf) or math.inf),
+        _finite(up.min(initial=math.inf)), _largest(down),
         _finite(np.abs(found.phases).min(initial=math.inf)),
         _finite(found.delays.min(initial=math.inf)),
         _finite(alpha), _finite(10 ** (disk_gain / 20)), _finite(disk_phase),
     )  # fmt: skip
+
+
+def disk(loop: ct.StateSpace) -> tuple[float, float, float]:
+    """python-control's balanced disk margin alpha, and its gain [dB] and phase [degrees].
+
+    The worst frequency is looked for on a grid, then near the best of the grid.
+    """
+    grid = frequencies(loop)
+    alphas = ct.disk_margins(loop, grid, skew=0.0, returnall=True)[0]
+    near = grid[int(np.argmin(alphas))] * np.geomspace(0.97, 1.03, 400)
+    return ct.disk_margins(loop, near[near <= grid[-1]], skew=0.0)
 
 
 def frequencies(loop: ct.StateSpace) -> Floats:
@@ -119,7 +130,7 @@ def _extreme(key: str, given: list[float | None]) -> float | None:
 
 
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
-    """The robot's mass, inertia and friction times these factors; the laws believe what they did."""
+    """The robot's mass, inertia and friction times these factors; what the laws believe stays."""
     robot, believed = scenario.robot, scenario.believed
     other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
     return replace(scenario, robot=other, model=Model(believed.m, believed.I, believed.mu))
@@ -127,3 +138,7 @@ def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _largest(values: Floats) -> float | None:
+    return float(values.max()) if len(values) else None

@@ -17,7 +17,7 @@ def column(value: Any) -> Floats:
 
 
 def bisect(holds: Callable[[float], bool], below: float, above: float, rtol: float = 1e-9) -> float:
-    """Supremum of the x in [below, above] with ``holds(x)``, true at ``below``, false at ``above``."""
+    """Largest x in [below, above] with ``holds(x)``: true at ``below``, false at ``above``."""
     while above - below > rtol * abs(above):
         middle = (below + above) / 2
         below, above = (middle, above) if holds(middle) else (below, middle)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -34,8 +35,8 @@ def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats) -> float:
 
     def crossing(v: float) -> float:
         """Time to reach the limit that the force points to, at the acceleration it has now."""
-        acceleration = pull(v) / mass
-        return (u1 - np.sign(acceleration) * v) / max(abs(acceleration), 1e-300)
+        acceleration = float(pull(v)) / mass
+        return (u1 - math.copysign(1.0, acceleration) * v) / max(abs(acceleration), 1e-300)
 
     return smallest(crossing, u1, scenario.limits.v_u2[axis])
 

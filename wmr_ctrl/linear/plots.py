@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FORCES = ("thrust", "moment")
 INK, SECOND, LIMIT, MUTED = "#1F77C9", "#E69F00", "#c62828", "#6b6b6b"
 SIZE = (6.4, 4.0)
-PERIODS = np.geomspace(1e-3, 0.5, 140)
+PERIODS = np.geomspace(1e-3, 0.5, 300)
 
 
 def draw(report: LinearReport, folder: Path) -> list[Path]:
@@ -58,7 +58,7 @@ def _sample_time(report: LinearReport, axes: Any) -> None:
     axes.plot(PERIODS, spectral_radius(scenario, law, PERIODS), color=INK, label="linear loop")
     rest = resting_point(scenario, law)
     if rest is not None:
-        few = PERIODS[::4]
+        few = PERIODS[::3]
         learning = spectral_radius(scenario, law, few, rest, "learning")
         axes.plot(few, learning, color=SECOND, label="with learning")
     axes.axhline(1, color=LIMIT, lw=0.8, label="limit of stability")
@@ -87,11 +87,15 @@ def _pull(report: LinearReport, axes: Any) -> None:
     for axis, panel in enumerate(axes):
         u1 = report.scenario.limits.v_u1[axis]
         v = np.linspace(-u1, u1, 800)[1:-1]
-        panel.plot(v, pull_curve(report.scenario, report.law, axis, float(asked[axis]), v), color=INK)
+        panel.plot(
+            v, pull_curve(report.scenario, report.law, axis, float(asked[axis]), v), color=INK
+        )
         panel.axhline(0, color=MUTED, lw=0.8)
         for side in (-u1, u1):
             panel.axvline(side, color=LIMIT, lw=0.8)
-        panel.set(xlabel=("v1 [m/s]", "omega [rad/s]")[axis], ylabel=("force [N]", "moment [N m]")[axis])
+        panel.set(
+            xlabel=("v1 [m/s]", "omega [rad/s]")[axis], ylabel=("force [N]", "moment [N m]")[axis]
+        )
         panel.set_title(f"{report.law}: pull at v_c0 = {asked[axis]:.3g}")
         _finish(panel, legend=False)
 

@@ -67,7 +67,7 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
 def point_at(
     scenario: Scenario, law: str, e: Floats, v: Floats, v_d: Floats, v_d_dot: Floats
 ) -> Point:
-    """Any point, with the memory that one sample there leaves; estimates and weights as at start."""
+    """Any point, with the memory that one sample there leaves; estimates stay at their start."""
     block = error_law(scenario, law)
     u, memory = np.concatenate((e, v, v_d, v_d_dot)), np.array(block.x0)
     if not Loop(scenario, law).adaptive:

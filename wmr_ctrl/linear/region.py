@@ -57,7 +57,7 @@ def start_at(scenario: Scenario, e: Floats, v: Floats | None = None) -> Floats:
     wanted = np.asarray(e, dtype=float)
     pose_d = sample(scenario.reference, np.zeros(1))[0, :3]
     theta = pose_d[2] - wanted[2]
-    back = np.asarray(ca.DM(error_rotation(ca.DM(theta)))).T @ wanted
+    back = np.asarray(ca.evalf(error_rotation(ca.SX(theta)))).T @ wanted
     velocity = reference_velocity(scenario, 0.0)[0] if v is None else np.asarray(v, dtype=float)
     return np.concatenate((pose_d[:2] - back[:2], [theta], velocity))
 

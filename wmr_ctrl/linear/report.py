@@ -132,7 +132,7 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         spectral_radius=radius(closed_loop(scenario, law, at, period).A),
         max_sample_time=largest_stable_period(scenario, law),
         max_sample_time_kink=kink_periods(scenario, law),
-        max_sample_time_adaptive=rest and largest_learning_period(scenario, law, rest),
+        max_sample_time_adaptive=_learning_period(scenario, law, rest),
         one_step_safe_time=one_step_period(scenario, law),
         margins=[margins_at(scenario, law, axis, at) for axis in AXES],
         sampled_margins=[margins_at(scenario, law, axis, at, period) for axis in AXES],
@@ -155,6 +155,10 @@ def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats 
     if rest is None:
         return None
     return _sorted(closed_loop(scenario, law, rest, memory="learning").poles())[:FASTEST]
+
+
+def _learning_period(scenario: Scenario, law: str, rest: Point | None) -> float | None:
+    return None if rest is None else largest_learning_period(scenario, law, rest)
 
 
 def _sorted(poles: Any) -> Floats:

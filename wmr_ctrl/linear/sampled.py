@@ -13,13 +13,11 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import kink_limits
-from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST, closed_loop as sampled_matrix
+from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.blocks import error_law, error_plant, with_period
-from wmr_ctrl.linear.linearise import linearise
-from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at
 from wmr_ctrl.linear.numbers import Floats, bisect, radius
-from wmr_ctrl.linear.point import Point, reference_velocity
+from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Scenario
 
 MARGIN, RATIO = 1e-9, 1.15
@@ -33,16 +31,21 @@ def spectral_radius(
     memory: str = "frozen",
 ) -> Floats:
     """Spectral radius of the sampled closed loop for each control period [s]: stable below 1."""
-    return np.array([_radius(scenario, law, period, point, memory) for period in periods])
+    of = radius_of(scenario, law, point, memory)
+    return np.array([of(float(period)) for period in periods])
 
 
-def _radius(
-    scenario: Scenario, law: str, period: float, point: Point | None, memory: str
-) -> float:
-    if point is None and memory == "frozen":
-        v_d, _ = reference_velocity(scenario, 0.0)
-        return radius(sampled_matrix(Loop(scenario, law), v_d, period))
-    return radius(closed_loop(scenario, law, point, period, memory).A)
+def radius_of(
+    scenario: Scenario, law: str, point: Point | None = None, memory: str = "frozen"
+) -> Callable[[float], float]:
+    """Spectral radius as a function of the period [s], at ``point`` (default: on the reference)."""
+    at = on_reference(scenario, law) if point is None else point
+
+    def of(period: float) -> float:
+        moving = plant_at(scenario, at, period)
+        return radius(closed_matrix(moving, law_at(scenario, law, at, period, memory)))
+
+    return of
 
 
 def largest_learning_period(scenario: Scenario, law: str, point: Point | None = None) -> float:
@@ -51,7 +54,7 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
     Linearised at ``point`` (default: on the reference with the start's weights); inf if every
     period up to 10 s is stable.
     """
-    return supremum(lambda period: _radius(scenario, law, period, point, "learning"))
+    return supremum(radius_of(scenario, law, point, "learning"))
 
 
 def supremum(of: Callable[[float], float]) -> float:

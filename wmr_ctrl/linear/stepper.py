@@ -12,7 +12,14 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.linear.blocks import error_law, error_plant, holding, with_memory, with_period
+from wmr_ctrl.linear.blocks import (
+    by_port,
+    error_law,
+    error_plant,
+    holding,
+    with_period,
+    with_values,
+)
 from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.model.plant import rk4_step
@@ -62,7 +69,8 @@ class Stepper:
         rows = np.broadcast_to(push, (count, 2))
         start = np.concatenate((s, self.point.force[: self.states - 5], self.memory))
         every = self.step.mapaccum("course", count)
-        path, force = (np.asarray(part).T for part in every(start, rows.T))
+        found: tuple[Floats, ...] = tuple(np.array(part).T for part in every(start, rows.T))
+        path, force = found
         states = np.vstack((start, path[:-1]))[:, :5]
         return Course(np.arange(count) * self.period, states, force)
 
@@ -77,7 +85,8 @@ def stepper(
     """A Stepper; ``point`` defaults to the reference at t = 0, ``period`` to the clock's [s]."""
     at = on_reference(scenario, law) if point is None else point
     held = scenario.clock.control if period is None else period
-    acting = with_memory(with_period(error_law(scenario, law), held), at.memory)
+    law_block = error_law(scenario, law)
+    acting = with_values(with_period(law_block, held), by_port(law_block, at.memory))
     if memory == "frozen" and Loop(scenario, law).adaptive:
         acting = holding(acting, [item.signal.name for item in acting.state])
     moving = error_plant(scenario)

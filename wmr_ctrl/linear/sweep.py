@@ -20,7 +20,12 @@ def whole_periods(period: float, frequency: float) -> float:
 
 
 def sweep(
-    loop: Stepper, axis: int, amplitude: float, frequencies: Floats, output: int, settle: float = 10.0
+    loop: Stepper,
+    axis: int,
+    amplitude: float,
+    frequencies: Floats,
+    output: int,
+    settle: float = 10.0,
 ) -> tuple[Floats, np.ndarray]:
     """Frequencies [rad/s] as used, and the complex gain of the output's first harmonic.
 

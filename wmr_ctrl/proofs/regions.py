@@ -25,14 +25,12 @@ class Axis:
     """Suffix of the inputs of one axis: v<suffix>, c<suffix>, u1<suffix>, u2<suffix>."""
 
     suffix: str = ""
-    clip: bool = False
 
     def case(self, target: str, side: str, order: str = "") -> Case:
         """One region; ``order`` (``<``, ``=``, ``>``) relates |v| and |target| in a shared interval."""
         names = [f"u2{self.suffix}", f"b{self.suffix}"]
         names += [f"j{self.suffix}"] if target[:-1] in CHARTED else []
         names += [f"i{self.suffix}"] if side[:-1] in CHARTED and order != "=" else []
-        names += [f"k{self.suffix}"] if self.clip else []
         label = f"v_c0 {target}, v {side}" + (f", |v| {order} |v_c1|" if order else "")
         return Case(label, dict.fromkeys(names, POSITIVE), _Chart(self, target, side, order))
 
@@ -48,12 +46,8 @@ class _Chart:
         s = self.axis.suffix
         u2, b, j = n[f"u2{s}"], n[f"b{s}"], n[f"j{s}"] if self.target[:-1] in CHARTED else 0
         i = self._place(n, j)
-        found = {f"u1{s}": u2 + b, f"u2{s}": u2, f"c{s}": target_value(self.target, u2, b, j),
-                 f"v{s}": side_value(self.side, u2, b, i)}
-        if self.axis.clip:
-            k = n[f"k{s}"]
-            found[f"clip{s}"] = (b / (1 + i) if self.side.startswith("out") else b) * k / (1 + k)
-        return found
+        target, side = target_value(self.target, u2, b, j), side_value(self.side, u2, b, i)
+        return {f"u1{s}": u2 + b, f"u2{s}": u2, f"c{s}": target, f"v{s}": side}
 
     def _place(self, n: Mapping[str, Any], j: Any) -> Any:
         name = f"i{self.axis.suffix}"

@@ -10,7 +10,7 @@ from typing import Any
 
 from wmr_ctrl.campaign import FIGURES, STATISTICS, Table
 from wmr_ctrl.report.citation import CITATION
-from wmr_ctrl.report.claims import Judged, Tested
+from wmr_ctrl.report.claims import Judged, Measured
 from wmr_ctrl.report.claims.judge import RULE
 from wmr_ctrl.results import atomic_write, json_safe
 
@@ -72,7 +72,7 @@ def _claim(judged: Judged) -> dict[str, Any]:
     }
 
 
-def _test(test: Tested) -> dict[str, Any]:
+def _test(test: Measured) -> dict[str, Any]:
     spec, found = test.spec, test.found
     return {
         "measure": spec.text,

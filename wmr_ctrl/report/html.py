@@ -93,7 +93,7 @@ def _tables(table: Table, facts: Mapping[str, Any]) -> dict[str, Any]:
         ),
         "experiment": scenario_table(table, "paper-experiment", f"Section VI, simulated: {spread}"),
         "stress": stress_table(table, _STRESS_CASES),
-        "times": times_table(facts.get("timing") or {}, table.laws),
+        "times": times_table(facts.get("timings") or {}, table.laws),
     }
 
 

@@ -85,7 +85,8 @@ def _path(part: SubFigure, run: Run) -> None:
     axes = one_axes(part, _MARGINS)
     draw_paths(axes, {run.law: run}, 3000)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x [m]", ylabel="y [m]", title="Path (dotted: reference)")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.set_title("Path (dotted: reference)", weight="normal")
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -113,7 +114,7 @@ def _figures(run: Run) -> list[str]:
 def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol = ("v₁", "ω")[axis]
-    axes = _time_axes(part, run, f"{symbol} [{unit}], dashed: desired; shaded: beyond the limit")
+    axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
     axes.plot(*thin(run.time, run[desired]), color=MUTED, ls=DASHED, lw=1.0)
     axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.0)
     limit = run.settings.v_u1[axis]
@@ -128,8 +129,8 @@ def _lines(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> No
     """
     axes = _time_axes(part, run, title)
     colours = (look(run.law).colour, MUTED)
-    for (label, name), colour in zip(columns.items(), colours, strict=False):
-        axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, label=label)
+    for (label, name), colour, zorder in zip(columns.items(), colours, (2.2, 2.1), strict=False):
+        axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, label=label, zorder=zorder)
     if len(columns) > 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
     _focus(axes, run, [run[name] for name in columns.values()])
@@ -144,8 +145,9 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
     bottom, top = axes.get_ylim()
     if margin and top - bottom > 6 * (high - low):
         axes.set_ylim(max(bottom, low - margin), min(top, high + margin))
-        axes.annotate("the start leaves the view", (0, 1), xycoords="axes fraction", size=6.5,
-                      xytext=(4, -3), textcoords="offset points", va="top", color=MUTED)  # fmt: skip
+        axes.annotate("the start leaves the view", (1, 1), xycoords="axes fraction", size=6.5,
+                      xytext=(-2, -2), textcoords="offset points", va="top", ha="right",
+                      color=MUTED)  # fmt: skip
 
 
 def _barrier(part: SubFigure, run: Run) -> None:
@@ -157,7 +159,9 @@ def _barrier(part: SubFigure, run: Run) -> None:
 
 def _time_axes(part: SubFigure, run: Run, title: str) -> Axes:
     axes = one_axes(part, _MARGINS)
-    axes.set(xlabel="t [s]", title=title, xlim=(0, run.settings.duration))
-    axes.title.set_fontweight("normal")
-    mark_switch(axes, switch_time(run))
+    end = float(run.time[-1]) + run.settings.control
+    axes.set(xlabel="t [s]", xlim=(0, end))
+    axes.set_title(title, weight="normal")
+    switch = switch_time(run)
+    mark_switch(axes, switch if switch is not None and switch < end else None)
     return axes

@@ -47,7 +47,7 @@ def reproduce(
     """Rerun the paper and write report.html, table.csv, runs.csv, claims.json and figures/.
 
     ``laws`` must contain the paper's four, others are shown beside them; ``quick`` takes 3 seeds.
-    ``facts`` may hold ``titles`` (law -> text), ``timing`` (law -> s per 10,000 evaluations),
+    ``facts`` may hold ``titles`` (law -> text), ``timings`` (law -> s per 10,000 evaluations),
     ``readings`` (entries with key, value, unit, why) and ``versions`` (name -> text).  Nothing is
     written before all runs are done.  Raises ArgumentError for seeds, jobs or laws that cannot be,
     ResultFileError where ``out`` cannot be written, both before the first run.
@@ -65,7 +65,7 @@ def report(
     campaign: Campaign, folder: Path, progress: Progress, facts: Mapping[str, Any]
 ) -> Verdicts:
     """Judge a campaign and write everything about it into ``folder``, which is made if needed."""
-    judged = judge_all(Evidence(campaign.table, facts.get("timing") or {}))
+    judged = judge_all(Evidence(campaign.table, facts.get("timings") or {}))
     figures = folder / "figures"
     _make(figures)
     drawings = all_drawings(campaign)

@@ -52,7 +52,7 @@ def look(law: str) -> Look:
     return Look(law.replace("_", " "), colour, dash, marker)
 
 
-_SETTINGS = {
+_SETTINGS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "axes.labelsize": 8.0,

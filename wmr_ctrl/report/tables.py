@@ -76,7 +76,7 @@ def times_table(times: Mapping[str, float], laws: Sequence[str]) -> TextTable:
     )
     return TextTable(
         "Seconds for 10,000 evaluations of the law",
-        ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, this machine)"),
+        ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, called from Python)"),
         rows,
     )
 

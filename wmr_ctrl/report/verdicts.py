@@ -29,6 +29,11 @@ class Verdicts:
         return not self.changed
 
     @property
+    def ok(self) -> bool:
+        """Short for :attr:`as_expected`."""
+        return self.as_expected
+
+    @property
     def report(self) -> Path:
         """The page to open."""
         return self.folder / "report.html"

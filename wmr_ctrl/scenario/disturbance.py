@@ -1,4 +1,4 @@
-"""Random torque on the wheels."""
+"""Torque on the wheels that no law commands: random, or as adverse as its size allows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,11 @@ from wmr_ctrl.scenario.fields import Section, quantity
 
 @dataclass(frozen=True)
 class Disturbance(Section):
-    """Gaussian torque on each wheel, drawn once per control period and held over it."""
+    """Gaussian torque on each wheel, drawn once per control period and held over it.
+
+    ``push`` is an adversary's: at every sample it pushes each axis on in the direction in which it
+    moves.
+    """
 
     KEY: ClassVar[str] = "disturbance"
 
@@ -24,4 +28,7 @@ class Disturbance(Section):
         doc="draw again beyond this many std; inf: never",
         above=0,
         infinite=True,
+    )
+    push: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="force that always pushes away from rest", minimum=0
     )

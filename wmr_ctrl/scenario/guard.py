@@ -64,12 +64,12 @@ class Guard(Section):
     )
 
     def relate(self) -> None:
-        """M_min <= M_max where both are given."""
+        """M_min <= M_max where both are there."""
         if self.M_min is None or self.M_max is None:
             return
         for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
             if low > high:
                 raise ScenarioError(
                     f"guard.M_min[{axis}] = {low!r} must be at most guard.M_max[{axis}] = "
-                    f"{high!r}: they bound the same mass. Exchange them, or leave both out."
+                    f"{high!r}: they bound the same mass. Give both, or leave both out."
                 )

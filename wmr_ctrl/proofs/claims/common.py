@@ -16,6 +16,7 @@ from wmr_ctrl.proofs.statement import Relation, above, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 PRESET = "paper-simulation"
+VELOCITY_NAMES = ("v1", "omega")
 CLOSED_FORM = {SERIES_BELOW: False}
 ALL_LIMITS = "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0, either sign"
 OFF_EDGES = ALL_LIMITS + "; off |v| = v_u2, |v_c0| = v_u2 and |v_c0| = v_u2 + 1/(v_u1 - v_u2)"
@@ -116,3 +117,13 @@ class LawGraph:
         old = ca.vertcat(*(port.sym for port in ports))
         new = ca.vertcat(*(named[port.signal.name] for port in ports))
         return ca.substitute(expr, old, new)
+
+    def clipped(self, axis: int) -> ca.SX:
+        """The velocity that barrier quantities see: kept off the limit by limits.clip."""
+        u1, clip = self.symbols[f"limits.v_u1[{axis + 1}]"], self.symbols["limits.clip"]
+        return ca.fmax(clip - u1, ca.fmin(u1 - clip, self.symbols[VELOCITY_NAMES[axis]]))
+
+    def inner(self, axis: int) -> dict[str, ca.SX]:
+        """Cuts: v_c0 and its rate as c and cdot, and the velocity behind the clip as the velocity."""
+        target, rate = self.own(self.sample.v_c0), self.own(self.sample.v_c0_dot)
+        return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}

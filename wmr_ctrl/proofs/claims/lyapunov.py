@@ -7,11 +7,10 @@ import casadi as ca
 from wmr_ctrl.laws import barrier
 from wmr_ctrl.laws.analysis import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
-from wmr_ctrl.proofs.case import POSITIVE, Case, at
+from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
-from wmr_ctrl.proofs.claims.common import NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
-from wmr_ctrl.proofs.claims.common import CLOSED_FORM
-from wmr_ctrl.proofs.claims.pairs import joined, paired_cases
+from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
+from wmr_ctrl.proofs.claims.pairs import law_cases, paired_cases
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
 from wmr_ctrl.proofs.regions import Axis, open_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
@@ -122,8 +121,7 @@ def decay(sign: float, axis: int = 0) -> Statement:
     v_dot = acceleration(mass, law.force, friction)[axis]
     value = barrier.lyapunov(v, free["c"], u1, u2)
     rate = ca.jtimes(value, ca.vertcat(v, free["c"]), ca.vertcat(v_dot, free["cdot"]))
-    inner = {"c": law.own(law.sample.v_c0)[axis], "cdot": law.own(law.sample.v_c0_dot)[axis]}
-    return Statement({**t, **free}, (equal(rate, -sign * rho * value),), (), inner)
+    return Statement({**t, **free}, (equal(rate, -sign * rho * value),), (), law.inner(axis))
 
 
 def _literal_decay(sign: float) -> Statement:
@@ -146,8 +144,8 @@ def _command(flip: float, axis: int = 0) -> Statement:
     mass, friction = (law.own(item)[axis] for item in (law.sample.mass, law.sample.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
     bracket = -t[f"gains.mb.rho[{k}]"] * value + flip * (v - barrier.minimiser(c, u1, u2)) * free["cdot"]
-    inner = {"c": law.own(law.sample.v_c0)[axis], "cdot": law.own(law.sample.v_c0_dot)[axis]}
-    return Statement({**t, **free}, (equal(a * law.force[axis], mass * bracket + a * friction),), (), inner)
+    goal = equal(a * law.force[axis], mass * bracket + a * friction)
+    return Statement({**t, **free}, (goal,), (), law.inner(axis))
 
 
 def _quotient_at_kink(flip: float) -> Statement:
@@ -166,8 +164,7 @@ def _quotient_at_kink(flip: float) -> Statement:
 ONE, TWO = Axis("1"), Axis("2")
 OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(ONE, TWO), spare=12)
 TARGETS7 = Ring(target_cases(edges=False))
-CLIPPED = tuple(Axis(clip=True).case(c.label.split()[1].rstrip(","), c.label.split()[3]) for c in open_cases())
-LAW = tuple(Ring(law_cases(CLIPPED, axis), CLOSED_FORM) for axis in (0, 1))
+LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
 NONZERO = tuple(c for c in open_cases() if c.label != "v_c0 zero, v zero")
 NOMINAL = OFF_EDGES + "; model exact, no disturbance, |v| below the clip" + NO_SERIES
 KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)

@@ -42,7 +42,7 @@ def renamed(case: Case, names: Mapping[str, str], declared: Mapping[str, str] | 
 
 
 def law_cases(cases: Iterable[Case], axis: int) -> tuple[Case, ...]:
-    """Cases of one axis under the names of a law's ports; the gain rho is positive."""
+    """Cases of one axis under the names of a law's ports."""
     k = axis + 1
-    names = {"v": ("v1", "omega")[axis], "u1": f"limits.v_u1[{k}]", "u2": f"limits.v_u2[{k}]", "clip": "limits.clip"}
+    names = {"v": ("v1", "omega")[axis], "u1": f"limits.v_u1[{k}]", "u2": f"limits.v_u2[{k}]"}
     return tuple(renamed(case, names) for case in cases)

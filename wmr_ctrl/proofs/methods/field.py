@@ -16,6 +16,9 @@ from sympy.polys.fields import field
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE
 
+MOST_TERMS = 400
+"""Polynomials longer than this are not factored: their sign is told by coefficients or not at all."""
+
 
 class Algebra:
     """The field of one case: generators by name, atoms by (function, argument)."""
@@ -114,7 +117,7 @@ class Algebra:
 
     def _factored_sign(self, poly: Any) -> str | None:
         direct = self.polynomial_sign(poly)
-        if direct is not None:
+        if direct is not None or len(poly) > MOST_TERMS:
             return direct
         content, factors = poly.factor_list()
         negative, weak = content < 0, False

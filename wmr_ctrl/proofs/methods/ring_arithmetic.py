@@ -131,6 +131,17 @@ class RingArithmetic:
                 total += side * self.algebra.atom("log", self.algebra.field(content), FREE)
         return total
 
+    def exponential(self, value: Any) -> Any:
+        """exp of a sum with whole coefficients as a product of atoms; else one atom."""
+        scale = value.denom.LC
+        if any((c / scale).denominator != 1 for c in value.numer.values()):
+            return self.algebra.atom("exp", value, POSITIVE)
+        product = self.algebra.number(1)
+        for monomial, coefficient in value.numer.items():
+            term = self.algebra.field(value.numer.ring({monomial: scale})) / self.algebra.field(value.denom)
+            product = product * self.algebra.atom("exp", term, POSITIVE) ** int(coefficient / scale)
+        return product
+
     def sine_cosine(self, angle: Any) -> tuple[Any, Any]:
         """(sin, cos) of a sum of generators, by angle addition; else of one opaque atom."""
         terms = _integer_terms(angle)
@@ -172,21 +183,36 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "log": RingArithmetic.logarithm,
     "sin": lambda me, a: me.sine_cosine(a)[0],
     "cos": lambda me, a: me.sine_cosine(a)[1],
-    "exp": lambda me, a: me.algebra.atom("exp", a, POSITIVE),
+    "exp": RingArithmetic.exponential,
     "tanh": lambda me, a: me.algebra.atom("tanh", a, FREE),
     "constpow": lambda _, a, b: a ** int(b.numer.coeff(1)),
 }
 
 
 def _polynomial_root(poly: Any) -> Any:
-    content, factors = poly.sqf_list()
-    root = _rational_root(content)
-    if root is None or any(times % 2 for _, times in factors):
+    """Square root of a polynomial, term by term from the leading one; None where there is none."""
+    if not poly:
+        return poly
+    exponents, coefficient = poly.LM, _rational_root(poly.LC)
+    if coefficient is None or any(power % 2 for power in exponents):
         return None
-    found = poly.ring.ground_new(root)
-    for factor, times in factors:
-        found = found * factor ** (times // 2)
-    return found
+    lead = poly.ring({tuple(power // 2 for power in exponents): coefficient})
+    root, rest = lead, poly - lead**2
+    for _ in range(len(poly)):
+        if not rest:
+            return root
+        term = _divided_term(rest, 2 * lead)
+        if term is None:
+            return None
+        rest = rest - term * (2 * root + term)
+        root = root + term
+    return None if rest else root
+
+
+def _divided_term(poly: Any, by: Any) -> Any:
+    """Leading term of ``poly`` over a single term."""
+    exponents = tuple(a - b for a, b in zip(poly.LM, by.LM, strict=True))
+    return None if min(exponents) < 0 else poly.ring({exponents: poly.LC / by.LC})
 
 
 def _rational_root(value: Any) -> Any:

@@ -48,7 +48,7 @@ class Ring(Method):
     cases: Sequence[Case] = (Case("all"),)
     fixed: Mapping[float, bool] = field(default_factory=dict)
     log_lemma: bool = False
-    spare: int = 8
+    spare: int = 5
     quick: bool = False
 
 

@@ -1,6 +1,6 @@
 """The paper's claims: how each is put to the test, and the verdict."""
 
-from wmr_ctrl.report.claims.claim import Claim, Judged, Tested, TestSpec, Verdict
+from wmr_ctrl.report.claims.claim import Claim, Judged, Measured, TestSpec, Verdict
 from wmr_ctrl.report.claims.judge import judge, judge_all
 from wmr_ctrl.report.claims.load import load_claims
 from wmr_ctrl.report.claims.sources import PAPER_TIMES, Evidence
@@ -10,8 +10,8 @@ __all__ = [
     "Claim",
     "Evidence",
     "Judged",
+    "Measured",
     "TestSpec",
-    "Tested",
     "Verdict",
     "judge",
     "judge_all",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from wmr_ctrl.campaign import Spread, spread
+from wmr_ctrl.report.wording import shown
 
 
 class Verdict(StrEnum):
@@ -55,8 +56,8 @@ class TestSpec:
     def bound(self) -> str:
         """The bound as readers write it, empty if there is none."""
         if self.at_least is not None:
-            return f"≥ {self.at_least:g}"
-        return f"≤ {self.at_most:g}" if self.at_most is not None else ""
+            return f"≥ {_short(self.at_least)}"
+        return f"≤ {_short(self.at_most)}" if self.at_most is not None else ""
 
     def keeps(self, value: float | None) -> bool:
         """Whether a value keeps the bound; a missing one never does."""
@@ -64,6 +65,10 @@ class TestSpec:
             return False
         low, high = self.at_least, self.at_most
         return (low is None or value >= low) and (high is None or value <= high)
+
+
+def _short(bound: float) -> str:
+    return f"{bound:g}" if bound >= 1e-3 else shown(bound, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +89,7 @@ class Claim:
 
 
 @dataclass(frozen=True, slots=True)
-class Tested:
+class Measured:
     """A test with the value that it found in each seed."""
 
     spec: TestSpec
@@ -113,7 +118,7 @@ class Judged:
     """A claim, its tests with what they found, and the verdict that follows from them."""
 
     claim: Claim
-    tests: tuple[Tested, ...]
+    tests: tuple[Measured, ...]
     verdict: Verdict
     explanation: str = field(default="")
 

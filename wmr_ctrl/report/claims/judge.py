@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.report.claims.claim import Claim, Judged, Tested, Verdict
+from wmr_ctrl.report.claims.claim import Claim, Judged, Measured, Verdict
 from wmr_ctrl.report.claims.load import load_claims
 from wmr_ctrl.report.claims.sources import Evidence
 from wmr_ctrl.report.wording import told
@@ -26,13 +26,13 @@ def judge(claim: Claim, evidence: Evidence) -> Judged:
 
     The explanation is left out where the verdict is not the one that it was written for.
     """
-    tests = tuple(Tested(t, evidence.values(t)) for t in claim.tests if evidence.has(t))
+    tests = tuple(Measured(t, evidence.values(t)) for t in claim.tests if evidence.has(t))
     verdict = verdict_of(tests)
     text = _explained(claim, tests) if verdict == claim.expected else ""
     return Judged(claim, tests, verdict, text)
 
 
-def verdict_of(tests: Sequence[Tested]) -> Verdict:
+def verdict_of(tests: Sequence[Measured]) -> Verdict:
     """The verdict that follows from the tests that decide."""
     passed = [test.passed for test in tests if test.passed is not None]
     if all(passed):
@@ -40,6 +40,6 @@ def verdict_of(tests: Sequence[Tested]) -> Verdict:
     return Verdict.IN_PART if any(passed) else Verdict.FAILS
 
 
-def _explained(claim: Claim, tests: Sequence[Tested]) -> str:
+def _explained(claim: Claim, tests: Sequence[Measured]) -> str:
     medians = {test.spec.key: told(test.found.median) for test in tests}
     return claim.explanation.format(**medians)

@@ -28,7 +28,7 @@ def _claim(entry: dict[str, Any], expected: Verdict) -> Claim:
 
 
 def _test(entry: dict[str, Any]) -> TestSpec:
-    values = {key: tuple(v) if isinstance(v, list) else v for key, v in entry.items()}
+    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
     if "over" in values:
         values["over"] = Other(**values["over"])
     return TestSpec(**values)

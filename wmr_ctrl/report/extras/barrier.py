@@ -30,9 +30,9 @@ def barrier_drawing(campaign: Campaign) -> Drawing:
     return Drawing(
         "lyapunov_noise_free",
         "V₁ without noise and without the change",
-        "Stretches in which V₁ rises from sample to sample are drawn red. MB’s V₁ falls, but for one "
-        "step of 0.02 % of its start, where v_c0 leaves the saturated region between two samples. "
-        "NN’s rises again and again, by a tenth of its start in all.",
+        "Stretches in which V₁ rises from sample to sample are drawn red. MB’s V₁ falls, but for "
+        "one step of 0.02 % of its start, where v_c0 leaves the saturated region between two "
+        "samples. NN’s rises again and again, by a tenth of its start in all.",
         (9.6, 2.4),
         partial(_draw, group=group),
     )

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from wmr_ctrl.report.style import INK, look
@@ -39,6 +40,12 @@ def _offsets(count: int) -> np.ndarray:
     if count == 1:
         return np.zeros(1)
     return np.asarray(np.arange(count) * 0.6180339887 % 1.0) - 0.5
+
+
+def seed_handle(label: str, *, filled: bool) -> Line2D:
+    """A legend's entry for the marks of one kind, whatever the law."""
+    return Line2D([], [], ls="", marker="o", ms=4, mec=INK, mew=0.8,
+                  mfc=INK if filled else "white", label=label)  # fmt: skip
 
 
 def plain_ticks(axes: Axes, steps: Sequence[float] = (1, 2, 5)) -> None:

@@ -20,9 +20,9 @@ def limits_drawing(campaign: Campaign) -> Drawing:
     return Drawing(
         "limits_all_seeds",
         "How far each run went towards its velocity limit, or beyond",
-        "Largest |v|/limit over both axes and the whole run; one mark per seed. Left of the line the "
-        "limit was kept. SMC’s far starts end in divergence (|v| ≥ 1000).",
-        (9.6, 0.9 + 0.088 * count),
+        "Largest |v|/limit over both axes and the whole run; one mark per seed. Left of the line "
+        "the limit was kept. SMC’s far starts end in divergence (|v| ≥ 1000).",
+        (9.6, 0.9 + 0.07 * count),
         partial(_draw, table=campaign.table),
     )
 

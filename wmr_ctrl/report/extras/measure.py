@@ -7,12 +7,11 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from wmr_ctrl.campaign import Campaign, Table
 from wmr_ctrl.report.canvas import Margins, heading, legend_row, row_of_axes
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.extras.dots import dots, plain_ticks, rows_of
+from wmr_ctrl.report.extras.dots import dots, plain_ticks, rows_of, seed_handle
 from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.report.wording import shown
 
@@ -28,9 +27,9 @@ def measure_drawing(campaign: Campaign) -> Drawing:
     return Drawing(
         "measure",
         "The same change of parameters, in two measures",
-        "Each mark is a seed, each bar a median. The factor is the median of “with the change” over "
-        "“without it”, seed by seed. The ISE over the whole run, the paper’s measure, cannot tell MB "
-        "with the change from MB without it; e₁ can.",
+        "Each mark is a seed, each bar a median. The factor is the median of “with the change” "
+        "over “without it”, seed by seed. The ISE over the whole run, the paper’s measure, cannot "
+        "tell MB with the change from MB without it; e₁ can.",
         (9.6, 2.6),
         partial(_draw, table=campaign.table),
     )
@@ -43,10 +42,9 @@ def _draw(figure: Figure, table: Table) -> None:
     ):
         _panel(axes, table, name, label)
     heading(figure, "What the change at 40 s does, in two measures")
-    grey = {"ls": "", "marker": "o", "ms": 4, "mec": INK, "mew": 0.8}
     handles = [
-        Line2D([], [], mfc=INK, label="parameters change at 40 s", **grey),
-        Line2D([], [], mfc="white", label="the same seeds without the change", **grey),
+        seed_handle("parameters change at 40 s", filled=True),
+        seed_handle("the same seeds without the change", filled=False),
     ]
     legend_row(figure, handles, 0.26)
 

@@ -19,7 +19,7 @@ from wmr_ctrl.results import FloatArray, Run
 
 LAWS = ("mb", "nn")
 _CEILING = 2.0
-_TALL = 2.35
+_TALL = 2.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +51,9 @@ def stress_drawing(campaign: Campaign) -> Drawing:
     return Drawing(
         "stress_velocities",
         "Where the guarantee ends: MB and NN",
-        "Share of the velocity limit in use, worse axis, first seed; the shaded region is beyond the "
-        "limit, an arrow says how far a trace goes that leaves the axes. The last axes show the error "
-        "e₁, since there the limits hold and the tracking fails.",
+        "Share of the velocity limit in use, worse axis, first seed; the shaded region is beyond "
+        "the limit, an arrow says how far a trace goes that leaves the axes. The last axes show "
+        "the error e₁, since there the limits hold and the tracking fails.",
         (9.6, 2 * _TALL + 0.55),
         partial(_draw, runs=campaign.runs),
     )

@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from wmr_ctrl.campaign import Campaign, Table
 from wmr_ctrl.report.canvas import Margins, heading, legend_row, one_axes
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.extras.dots import dots, plain_ticks, rows_of
-from wmr_ctrl.report.style import INK, LIMIT, look
+from wmr_ctrl.report.extras.dots import dots, plain_ticks, rows_of, seed_handle
+from wmr_ctrl.report.style import LIMIT, look
 from wmr_ctrl.scenario import load_scenario
 
 CASE = "paper-simulation"
@@ -31,9 +31,9 @@ def torque_drawing(campaign: Campaign) -> Drawing:
     return Drawing(
         "torque",
         "Wheel torques in Section V’s simulation",
-        "RMS from 2 s on (hollow) and largest value (filled), every seed. The line is where a tyre "
-        "with a friction coefficient of 1 would slip if the two driving wheels bore all the weight. "
-        "The peaks last for the first tenths of a second.",
+        "RMS from 2 s on (hollow) and largest value (filled), every seed. The line is where a "
+        "tyre with a friction coefficient of 1 would slip if the two driving wheels bore all the "
+        "weight. The peaks last for the first tenths of a second.",
         (9.6, 2.0),
         partial(_draw, table=campaign.table),
     )
@@ -51,10 +51,9 @@ def _draw(figure: Figure, table: Table) -> None:
     axes.axvline(slip_torque(), color=LIMIT, lw=1.0)
     axes.axvspan(slip_torque(), axes.get_xlim()[1], color=LIMIT, alpha=0.08, lw=0)
     heading(figure, "Wheel torques: RMS and peak")
-    grey = {"ls": "", "marker": "o", "ms": 4, "mec": INK, "mew": 0.8}
     handles = [
-        Line2D([], [], mfc="white", label="RMS from 2 s on", **grey),
-        Line2D([], [], mfc=INK, label="peak", **grey),
+        seed_handle("RMS from 2 s on", filled=False),
+        seed_handle("peak", filled=True),
         Line2D([], [], color=LIMIT, lw=1.0, label=f"tyres slip, {slip_torque():.3g} N m"),
     ]
     legend_row(figure, handles)

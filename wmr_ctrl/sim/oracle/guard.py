@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair
 
-_SHRINK = 2.0**-48
+_SHRINK = 2.0**-44
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +123,7 @@ def axes_of(scenario: Scenario) -> tuple[Axis, Axis]:
     high = g.M_max or tuple((1.0 + g.mass_margin) * max(item) for item in masses)
     wheel = noise.std * (3.0 if math.isinf(noise.truncate) else noise.truncate)
     push = (2.0 * wheel / bot.r + g.d_model[0], 2.0 * wheel * bot.l / bot.r + g.d_model[1])
+    push = (push[0] + noise.push[0], push[1] + noise.push[1])
     dbar, nbar = g.dbar or push, g.nbar or scenario.sensor.velocity_noise
     u1 = scenario.limits.v_u1
     first, second = (

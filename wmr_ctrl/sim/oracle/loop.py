@@ -93,13 +93,23 @@ class _Loop:
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
         torque = wheel_torques(self._force(sight), self.scenario.robot)
-        right, left = self.noise[k].tolist()
+        right, left = self._disturbance(k)
         self.log.write(self._row(k, target, sight, torque, (right, left)))
         acted = []
         for j in range(self.clock.substeps):
             if not self.ended:
                 acted.append(self._plant_step(k * self.clock.substeps + j, torque, (right, left)))
         self.applied = _mean(acted)
+
+    def _disturbance(self, k: int) -> Pair:
+        """Noise of sample ``k`` (right, left) [N m], and a push on in each axis' direction."""
+        right, left = self.noise[k].tolist()
+        force, moment = self.scenario.disturbance.push
+        along = wheel_torques((force, 0.0), self.scenario.robot)[0]
+        around = wheel_torques((0.0, moment), self.scenario.robot)[0]
+        along = -along if self.state[3] < 0.0 else along
+        around = -around if self.state[4] < 0.0 else around
+        return right + (along + around), left + (along - around)
 
     def _force(self, sight: Sight) -> Pair:
         """What the law asks for, as far as guard and wheels allow it."""

@@ -1,0 +1,50 @@
+"""A stand-in for the engine: smooth, made-up runs of 80 s in a tenth of the samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.results.conftest import build
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.signals import Signal
+
+W_NORM = Signal("W_norm", "1", "norm of the weights", 2)
+PACE = {"pid": 0.1, "smc": 0.3, "mb": 0.05, "nn": 0.2}
+
+
+def simulate(scenario: str, law: str, seed: int) -> Run:
+    """A distance that decays, a wiggle that depends on the seed, a limit broken by PID and SMC."""
+    t = 0.1 * np.arange(800)
+    wiggle = 0.01 * np.sin(t + seed)
+    gap = 0.7 * np.exp(-PACE.get(law, 0.1) * t) + wiggle
+    turn = np.column_stack((gap, 0.5 * gap, 0.1 * gap))
+    fast = 3.0 if law in ("pid", "smc") or scenario.startswith("far") else 0.9
+    weights = {"W_norm": np.outer(1 + t, (1.0, 2.0))} if law == "nn" else {}
+    return build(
+        duration=80.0,
+        control=0.1,
+        monitor=_monitor(fast),
+        extra=(W_NORM,) if weights else (),
+        labels={"scenario": scenario, "law": law, "seed": seed},
+        x=2 * np.sin(0.1 * t) + gap,
+        y=2 - 2 * np.cos(0.1 * t),
+        x_d=2 * np.sin(0.1 * t),
+        y_d=2 - 2 * np.cos(0.1 * t),
+        theta=0.1 * t + gap,
+        theta_d=0.1 * t,
+        v1=0.2 + gap,
+        omega=0.1 + wiggle,
+        v1_d=0.2,
+        tau_right=3 + 40 * gap,
+        tau_left=3 - 20 * gap,
+        e=turn,
+        V1=gap**2 + 1e-6,
+        margin=1 - np.abs(0.2 + gap),
+        **weights,
+    )
+
+
+def _monitor(largest: float) -> Monitor:
+    if largest <= 1.0:
+        return Monitor((largest, 0.5))
+    return Monitor((largest, 0.5), 40, (0.1, 1))

@@ -1,0 +1,80 @@
+"""The numbers that are kept of each run."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from tests.results.conftest import build
+from wmr_ctrl.campaign import FIGURES, figure_named, row_of
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.results import Monitor
+
+STOPPED = Monitor((1000.0, 2.0), 5, (0.2, 1), (0.5, 1), "diverged")
+
+
+def value(name, run):
+    return row_of(run).values[name]
+
+
+def test_names_are_unique_and_headings_carry_units():
+    names = [figure.name for figure in FIGURES]
+
+    assert len(set(names)) == len(names)
+    assert figure_named("tau_rms").heading == "tau_rms [N.m]"
+    with pytest.raises(UnknownNameError):
+        figure_named("tau_mean")
+
+
+def test_a_run_that_ended_early_has_the_figures_that_it_covers():
+    row = row_of(build(duration=80.0, rows=50, monitor=STOPPED))
+
+    assert row.outcome == "diverged"
+    assert row.values["ise_total"] is None
+    assert row.values["d_rms_70_80"] is None
+    assert row.values["limit_ratio"] == 1000.0
+    assert row.values["first_violation"] == 0.2
+    assert math.isfinite(json.loads(json.dumps(row.values, allow_nan=False))["violations"])
+
+
+def test_an_empty_run_has_figures_of_the_monitor_only():
+    values = row_of(build(duration=80.0, rows=0, monitor=STOPPED)).values
+
+    assert values["max_abs_v1"] == 1000.0
+    assert values["d_start"] is None
+    assert values["V1_start"] is None
+
+
+def test_distance_figures():
+    gap = np.linspace(2.0, 0.0, 8000)
+    run = build(duration=80.0, x=gap)
+
+    assert value("d_start", run) == 2.0
+    assert value("halving_time", run) == pytest.approx(40.0, abs=0.02)
+    assert value("d_rms_70_80", run) == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
+
+
+def test_the_limit_ratio_is_that_of_the_worse_axis():
+    assert value("limit_ratio", build(monitor=Monitor((0.5, 1.2)))) == pytest.approx(0.8)
+    assert value("violated", build(monitor=Monitor((1.5, 0), 3, (0.1, 1)))) == 1.0
+
+
+def test_rises_of_the_barrier_are_those_before_the_split_relative_to_its_start():
+    barrier = np.full(8000, 2.0)
+    barrier[100:200] = 3.0
+    barrier[5000] = 9.0
+    run = build(duration=80.0, V1=barrier)
+
+    assert value("V1_rises", run) == 1
+    assert value("V1_rise_share", run) == 0.5
+    assert value("V1_late", run) == 1.0
+
+
+def test_numbers_that_are_not_finite_are_none():
+    with np.errstate(over="ignore"):
+        run = build(duration=80.0, x=1e300)
+
+    assert value("ise_total", run) is None

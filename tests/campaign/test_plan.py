@@ -1,0 +1,45 @@
+"""Which runs are planned."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.campaign import PAPER_LAWS, STUDIES, paper_plan
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.scenario import preset_names
+
+
+def test_every_study_is_a_preset():
+    assert {study.scenario for study in STUDIES} <= set(preset_names())
+
+
+@given(seeds=st.integers(1, 30), first=st.integers(0, 100))
+def test_each_run_is_planned_once_with_seeds_in_a_row(seeds, first):
+    plan = paper_plan(seeds=seeds, first_seed=first)
+
+    assert len(set(plan)) == len(plan)
+    assert {task.seed for task in plan} == set(range(first, first + seeds))
+    assert {task.law for task in plan} == set(PAPER_LAWS)
+
+
+@given(seeds=st.integers(1, 30))
+def test_studies_take_all_seeds_or_as_many_as_they_need(seeds):
+    plan = paper_plan(seeds=seeds)
+    for study in STUDIES:
+        taken = {task.seed for task in plan if task.scenario == study.scenario}
+
+        assert taken == set(range(min(seeds, study.seeds or seeds)))
+
+
+def test_runs_without_noise_are_made_once():
+    plan = paper_plan(["mb"], seeds=20)
+
+    assert sum(task.scenario == "paper-simulation-nominal" for task in plan) == 1
+
+
+@pytest.mark.parametrize("wrong", [{"seeds": 0}, {"first_seed": -1}, {"laws": ["mb", "mb"]}])
+def test_impossible_plans_are_refused(wrong):
+    with pytest.raises(ArgumentError):
+        paper_plan(**wrong)

@@ -1,0 +1,85 @@
+"""The limit holds against the worst disturbance, any switching one, any mass and bounded noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
+from wmr_ctrl.api import simulate
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Run
+
+PERIODS = (0.001, 0.01, 0.05, 0.1)
+LIGHTEST = {
+    **WIDE,
+    "robot.m": 25.0,
+    "robot.I": 2.7,
+    "robot.mu": 0.0,
+    "model.m": 50.0,
+    "model.I": 5.4,
+    "model.mu": 0.08,
+    "disturbance.push": [60.0, 15.0],
+}
+PUSHED_OUT = {"pid", "smc", "mb", "nn"}
+"""Laws that an unguarded adversary drives through a limit at every period."""
+
+
+def pushed(law: str, period: float, guard: bool = True, **changed: object) -> Run:
+    overrides = {**LIGHTEST, "clock.control": period, "clock.duration": 10.0, **changed}
+    return simulate("paper-simulation-nominal", law, guard=guard, overrides=overrides)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("law", NAMES)
+def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period: float) -> None:
+    run = pushed(law, period)
+
+    gap = np.array(run.monitor.max_abs_v) - LIMITS
+    assert run.monitor.violations == 0
+    assert run.outcome == "completed"
+    if law in PUSHED_OUT:
+        assert gap.max() > -1e-9
+        assert pushed(law, period, guard=False).outcome != "completed"
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("law", ["pid", "smc"])
+def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> None:
+    """|d| <= dbar + D gives |v| <= v_u1 + D T/M_min, and the adversary gets there."""
+    run = pushed(law, period, **{"guard.dbar": [40.0, 10.0]})
+
+    excess = np.array([20.0, 5.0]) * period / LIGHT
+    assert run.monitor.max_abs_v == pytest.approx(LIMITS + excess, abs=1e-9)
+    assert run.outcome == "limit-violated"
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_switching_disturbances_any_mass_and_noise(law: str) -> None:
+    """20 random cases a law: bang-bang in time or by sign, masses, friction, nbar, period, start."""
+    draw = np.random.default_rng(sum(law.encode()))
+    for case in range(20):
+        worst = drive(law, draw, case)
+        assert (worst <= LIMITS * (1 + 1e-14)).all(), (law, case, worst - LIMITS)
+
+
+def drive(law: str, draw: np.random.Generator, case: int) -> np.ndarray:
+    period = (0.01, 0.05, 0.1)[case % 3]
+    nbar = np.array([0.02, 0.03]) * (case % 2)
+    half = draw.uniform(0.05, 2.0, 2)
+    by_sign, phase = draw.random() < 0.4, draw.uniform(0, 1, 2)
+
+    def switching(t: float, v: np.ndarray) -> np.ndarray:
+        swung = np.where(np.floor(t / half + phase) % 2 == 0, 1.0, -1.0)
+        return MOST * (np.where(v < 0, -1.0, 1.0) if by_sign else swung)
+
+    robot = Robot(
+        mass=draw.choice([LIGHT, HEAVY, draw.uniform(LIGHT, HEAVY)]),
+        friction=np.array([draw.choice([0.0, 40.0, 90.0]), draw.choice([0.0, 2.0])]),
+        disturbance=switching,
+        error=lambda: nbar * draw.choice([-1.0, 1.0, draw.uniform(-1, 1)], 2),
+        v=LIMITS * draw.uniform(-1, 1, 2),
+        pose=np.array([*draw.uniform(-3, 3, 2), draw.uniform(-3, 3)]),
+    )
+    scenario = guarded(period, **{"guard.nbar": nbar.tolist()})
+    return abs(robot.drive(law, scenario, int(3.0 / period))).max(axis=0)

@@ -1,0 +1,86 @@
+"""Settings that cannot be met are refused, with the inequality, the numbers and a remedy."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.laws.guard import guard
+from wmr_ctrl.laws.guard_bounds import disturbance_bound, mass_range, settled_guard
+from wmr_ctrl.scenario import load_scenario
+
+ON = {"guard.enabled": True}
+
+
+@pytest.mark.parametrize(("changed", "said"), [
+    ({"guard.dbar": [2500.0, 1.0]}, r"2 \(dbar - f_min\) <= M_min alpha.*axis 1.*5000 > 45 \* 100"),
+    ({"guard.dbar": [60.0, 400.0]}, r"axis 2.*clock\.control <= .*guard\.dbar\[2\] <= "),
+    ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.2083 s"),
+    ({"guard.alpha": 101.0}, r"alpha T <= 1.*Lower it to 100"),
+    ({"guard.nbar": [0.6, 0.0]}, r"2 nbar <= v_u1.*1\.2 >"),
+    ({"actuator.tau_max": 5.0}, r"dbar\[1\] \+ dbar\[2\]/l.*120 > 100 N.*tau_max >= 6 N m"),
+    ({"guard.brake": [50.0, 20.0]}, r"guard\.brake\[1\] = 50.*at least.*60"),
+    ({"guard.brake": [90.0, 30.0], "actuator.tau_max": 10.0}, r"brake\[1\] \+ brake\[2\]/l.*210"),
+    ({"guard.M_min": [80.0, 8.0]}, r"guard\.M_min\[1\] = 80\.0 must be at most"),
+    ({"guard.M_min": [80.0, 8.0], "guard.M_max": [70.0, 9.0]}, r"M_min\[1\].*at most"),
+    ({"guard.f_speed": [1.0, 0.0]}, r"f_speed\[1\].*below limits"),
+    ({"guard.map": "clip"}, r"guard\.map.*linear-first, rotation-first"),
+    ({"guard.dbar": [1.0]}, r"guard\.dbar.*array of 2"),
+])  # fmt: skip
+def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) -> None:
+    with pytest.raises(ScenarioError) as refused:
+        guard(scenario_of("paper-simulation", {**ON, **changed}))
+
+    assert re.search(said, str(refused.value)), str(refused.value)
+
+
+def test_five_newton_metres_are_refused_for_every_law_and_6_5_are_enough() -> None:
+    with pytest.raises(ScenarioError, match="tau_max >= 6 N m"):
+        simulate("paper-simulation", "mb", guard=True, overrides={"actuator.tau_max": 5.0})
+    with pytest.raises(ScenarioError, match="tau_max"):
+        simulate("paper-simulation", "prox", guard=True, overrides={"gains.prox.tau_max": 5.0})
+
+    guard(scenario_of("paper-simulation", {**ON, "actuator.tau_max": 6.5}))
+
+
+def test_the_remedy_of_the_message_is_accepted() -> None:
+    with pytest.raises(ScenarioError) as refused:
+        guard(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 1.0]}))
+    period = float(re.search(r"clock\.control <= ([\d.]+) s", str(refused.value))[1])
+
+    step = 0.001 * int(period / 0.001)
+    length = {"clock.control": step, "clock.duration": 100 * step, "changes": []}
+    guard(scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 1.0]}))
+
+
+def test_defaults_follow_from_the_scenario() -> None:
+    scenario = load_scenario("paper-simulation", ON)
+    settled = settled_guard(scenario, float("inf"))
+
+    assert mass_range(scenario) == (
+        pytest.approx((45.0, 4.86)),
+        pytest.approx((71.5, 7.7)),
+    )
+    assert disturbance_bound(scenario) == pytest.approx((60.0, 15.0))
+    assert settled.nbar == (0.0, 0.0)
+    assert settled.alpha == pytest.approx(100.0)
+    assert settled.brake == pytest.approx((45.0 * 100 - 60, 4.86 * 100 * 1.5 - 15))
+    given = load_scenario("paper-simulation", {**ON, "guard.M_min": [30.0, 3.0]})
+    assert settled_guard(given, float("inf")).M_min == (30.0, 3.0)
+
+
+def test_dbar_of_truncated_noise_is_its_largest_value() -> None:
+    scenario = load_scenario("paper-simulation", {"disturbance.truncate": 2.0})
+
+    assert disturbance_bound(scenario) == pytest.approx((40.0, 10.0))
+
+
+def test_presets_of_the_paper_are_unguarded_and_ours_are_not() -> None:
+    assert not load_scenario("paper-simulation").guard.enabled
+    assert not load_scenario("outside-start").guard.enabled
+    assert load_scenario("safe-simulation").guard.enabled
+    assert load_scenario("safe-experiment").guard.enabled
+    assert load_scenario("safe-experiment").clock.control == 0.1

@@ -1,0 +1,117 @@
+"""Guarded runs: both engines, the switch, the monitor's verdict, and the price in speed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.laws.guard_bounds import usable_speed
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Run, load_run, runs_equal, save_run
+from wmr_ctrl.scenario import load_scenario
+
+every_law = pytest.mark.parametrize("law", NAMES)
+SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+
+
+def gap(first: Run, second: Run) -> float:
+    return max(float(abs(first[s.name] - second[s.name]).max()) for s in first.signals)
+
+
+@every_law
+def test_native_equals_numpy(law: str) -> None:
+    native, numpy = (simulate("safe-simulation", law, seed=3, engine=e) for e in ("native", "numpy"))
+
+    assert gap(native, numpy) < 1e-9
+    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
+    assert native.monitor.bounds_left is numpy.monitor.bounds_left is None
+    assert [s.name for s in native.signals] == [s.name for s in numpy.signals]
+
+
+@pytest.mark.parametrize("changed", [
+    {"actuator.tau_max": 10.0, "guard.map": "rotation-first", "guard.alpha": 20.0},
+    {"guard.f_min": [5.0, 1.0], "guard.f_speed": [0.05, 0.05]},
+    {"sensor.velocity_noise": [0.02, 0.03], "actuator.tau_max": 20.0},
+    {"actuator.lag": 0.01, "actuator.delay": 0.004},
+    {"actuator.lag": 0.02, "actuator.delay": 0.013},
+    {"actuator.delay": 0.03},
+    {"disturbance.push": [30.0, 5.0]},
+    {"initial.velocity": [1.3, 2.0]},
+])  # fmt: skip
+def test_every_option_means_the_same_in_both_engines(changed: dict[str, object]) -> None:
+    """prox reads the torque that was applied, so it sees delay and lag."""
+    native, numpy = (
+        simulate("safe-simulation", "prox", engine=engine, overrides={**SHORT, **changed})
+        for engine in ("native", "numpy")
+    )
+
+    assert gap(native, numpy) < 1e-9
+    assert native.monitor.violations == numpy.monitor.violations
+
+
+@every_law
+@pytest.mark.parametrize("scenario", ["safe-simulation", "safe-experiment"])
+def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
+    for run in simulate_many(scenario, law, range(3)):
+        assert run.outcome == "completed"
+        assert run.guard
+
+
+@every_law
+def test_switch(law: str) -> None:
+    off, on, preset = (
+        simulate("far-start", law, guard=guard, overrides={"clock.duration": 6.0})
+        for guard in (False, True, None)
+    )
+
+    assert on.guard
+    assert "guarded" in repr(on)
+    assert on.monitor.violations == 0
+    assert "clip_active" not in off
+    assert runs_equal(off, preset)
+
+
+def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path: Path) -> None:
+    pushed = {"disturbance.push": [60.0, 15.0], "robot.mu": 0.0, "model.mu": 0.08}
+    too_small = {"guard.dbar": [20.0, 5.0], "disturbance.std": 0.0, "clock.duration": 5.0}
+    run = simulate("safe-simulation", "prox", overrides={**pushed, **too_small, "changes": []})
+
+    assert run.outcome == "bounds-left"
+    assert run.monitor.bounds_left is not None
+    assert "guard.dbar" in run.explanation
+    assert 20.0 < run["d_least"].max() <= 60.0 * (1 + 1e-9)
+    save_run(run, tmp_path / "run.npz")
+    assert runs_equal(load_run(tmp_path / "run.npz"), run)
+
+
+def test_monitor_notices_a_mass_below_m_min() -> None:
+    drop = [{"t": 1.0, "m": 5.0, "I": 0.5, "mu": 0.0}]
+    stated = {"guard.M_min": [45.0, 4.8], "guard.M_max": [71.5, 7.7], "guard.dbar": [60.0, 15.0]}
+    changed = {**stated, "changes": drop, "clock.duration": 5.0}
+
+    assert simulate("safe-simulation", "mb", overrides=changed).monitor.bounds_left
+
+
+def test_clip_is_told_where_it_acts() -> None:
+    run = simulate("safe-simulation", "pid")
+
+    assert 0 < run["clip_active"].mean() < 0.1
+    assert set(np.unique(run["clip_active"])) == {0.0, 1.0}
+    assert (run["feasible"] == 1).all()
+
+
+def test_usable_speed_tells_how_fast_the_robot_gets() -> None:
+    """On a straight line that asks for more, at 100 ms with wide bounds: v_use is the speed."""
+    wide = {"guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 15.0], "clock.control": 0.1}
+    still = {"disturbance.std": 0.0, "robot.mu": 0.15, "actuator.tau_max": 40.0}
+    changed = {**wide, **still, "guard.enabled": True, "clock.duration": 40.0}
+    friction = (0.15 * 50 * 9.81, 0.0)
+    expected = usable_speed(load_scenario("fast-reference", changed), friction)[0]
+    run = simulate("fast-reference", "pid", overrides=changed)
+
+    assert expected == pytest.approx(1 - (73.575 + 60) / 250, abs=1e-9)
+    assert run["v1"][-1] == pytest.approx(expected, rel=1e-3)
+    assert run["v1"][-1] < 0.9

@@ -1,0 +1,102 @@
+"""The barrier with a continuous slope, against its definition in 60 digits."""
+
+from __future__ import annotations
+
+import casadi as ca
+import mpmath as mp
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.laws.smooth_barrier import smooth_barrier
+
+U1, U2 = 1.0, 0.8
+c, v = ca.SX.sym("c"), ca.SX.sym("v")
+_B = smooth_barrier(c, v, ca.SX(U1), ca.SX(U2))
+ALL = ca.Function("all", [c, v], [_B.v_c1, _B.w, _B.V1, _B.V1_over_A, _B.q])
+
+
+def defined(here: float, speed: float) -> tuple[mp.mpf, ...]:
+    """v_c1, w, V1, V1/A, q straight from f."""
+    u1, u2 = mp.mpf(U1), mp.mpf(U2)
+    delta = u1 - u2
+
+    def f(x: mp.mpf) -> mp.mpf:
+        size = abs(x)
+        return -mp.log((u1 - size) / delta) - (size - u2) / delta if size > u2 else mp.mpf(0)
+
+    def slope(x: mp.mpf) -> mp.mpf:
+        size = abs(x)
+        rise = (size - u2) / (delta * (u1 - size)) if size > u2 else mp.mpf(0)
+        return mp.sign(x) * rise
+
+    here, speed = mp.mpf(here), mp.mpf(speed)
+    t = abs(here) + 1 / delta - u1
+    far = u1 - (mp.sqrt(t * t + 4) - t) / 2
+    x = here if abs(here) <= u2 else mp.sign(here) * far
+    value = (speed - here) ** 2 / 2 + f(speed) - (x - here) ** 2 / 2 - f(x)
+    A = speed - here + slope(speed)
+    return x, speed - x, value, value / A, (speed - x) / A
+
+
+def samples() -> list[tuple[float, float]]:
+    draw = np.random.default_rng(0)
+    many = [(draw.normal() * 10 ** draw.uniform(-3, 3), draw.uniform(-1, 1)) for _ in range(400)]
+    edges = [
+        (a + b, d)
+        for a in (0.8, -0.8, 0.0)
+        for b in (0.0, 1e-12, 1e-3)
+        for d in (0.8, 0.8 + 1e-9, -0.85, 0.999999, 0.0)
+    ]
+    return [*many, *edges]
+
+
+def test_agrees_with_its_definition_in_60_digits() -> None:
+    with mp.workdps(60):
+        for here, speed in samples():
+            if speed == here:
+                continue
+            found = [float(item) for item in ALL(here, speed)]
+            for name, ours, exact in zip(
+                ("v_c1", "w", "V1", "V1/A", "q"), found, defined(here, speed), strict=True
+            ):
+                wanted = float(exact)
+                assert ours == pytest.approx(wanted, rel=2e-10, abs=1e-13), (here, speed, name)
+
+
+def test_limits_at_the_target() -> None:
+    for here in (0.3, -0.5, 0.8, 2.0, 7.17, 100.0):
+        x = float(ALL(here, 0.0)[0])
+        _, _, _, quotient, q = (float(item) for item in ALL(here, x))
+        assert abs(quotient) < 1e-12
+        bend = 1 / (1 - abs(x)) ** 2 if abs(x) > U2 else 0.0
+        assert q == pytest.approx(1 / (1 + bend), rel=1e-6)
+
+
+def test_ratio_is_bounded_by_the_curvature() -> None:
+    """1 <= A/(v - v_c1) <= 1 + 1/(u1 - max(|v|, |v_c1|))^2."""
+    draw = np.random.default_rng(1)
+    for _ in range(500):
+        here, speed = draw.normal() * 5, draw.uniform(-0.9999, 0.9999)
+        x, _, _, _, q = (float(item) for item in ALL(here, speed))
+        most = 1 + 1 / (1 - max(abs(x), abs(speed))) ** 2
+        assert 1 / most <= q * (1 + 1e-9)
+        assert q <= 1 + 1e-12
+
+
+def test_target_is_continuous_and_nearer_to_the_limit() -> None:
+    assert float(ALL(0.8 + 1e-9, 0.0)[0]) - 0.8 < 1e-9
+    assert float(ALL(7.17, 0.0)[0]) == pytest.approx(0.911, abs=5e-4)
+
+
+@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+def test_laws_take_it_in_both_engines(law: str) -> None:
+    changed = {f"gains.{law}.barrier": "smooth", "clock.duration": 5.0, "changes": []}
+    native, numpy = (
+        simulate("paper-simulation", law, seed=4, engine=engine, overrides=changed)
+        for engine in ("native", "numpy")
+    )
+    gaps = [abs(native[s.name] - numpy[s.name]).max() for s in native.signals]
+
+    assert max(gaps) < 1e-9
+    assert native.outcome == "completed"

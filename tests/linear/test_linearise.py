@@ -1,0 +1,171 @@
+"""Exact linearisation: closed forms, names, and what stays the same along a reference."""
+
+from __future__ import annotations
+
+import control as ct
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.linear import (
+    SADDLE,
+    TimeInvariant,
+    TimeVarying,
+    along_reference,
+    closed_loop,
+    kinematic_poles,
+    linearise,
+    on_reference,
+    plant_at,
+    settled,
+    stepper,
+)
+from wmr_ctrl.linear.blocks import error_plant
+from wmr_ctrl.model.plant import plant
+from wmr_ctrl.scenario import Lemniscate, Line, StopAndGo, override
+
+LAWS = ("pid", "smc", "mb", "nn")
+K1, K2, K3, V1D, V2D = 10.0, 5.0, 4.0, 0.2, 0.1
+RHO, RHO1, M, I = (15.0, 57.6), (1350.0, 21.6), 50.0, 5.4
+
+
+def with_reference(scenario, reference):
+    from dataclasses import replace
+
+    return replace(scenario, reference=reference)
+
+
+def test_kinematic_poles_are_those_of_the_audit(nominal):
+    assert kinematic_poles(nominal).real == pytest.approx((-9.99900, -3.94934, -0.05166), abs=5e-6)
+    assert kinematic_poles(nominal, SADDLE).real == pytest.approx(
+        (-9.999, -0.0504, 4.0494), abs=5e-5
+    )
+
+
+def test_kinematic_polynomial_in_closed_form(nominal):
+    """e' = A e with A written out from Eqs. (7), (33)-(35)."""
+    a = np.array([[-K1, V2D, 0], [-V2D, 0, V1D], [0, -K2 * V1D, -K3]])
+
+    assert np.poly(kinematic_poles(nominal)).real == pytest.approx(np.poly(a), rel=1e-12)
+
+
+def test_plant_in_closed_form(nominal):
+    found = plant_at(nominal, on_reference(nominal, "mb"))
+    a = np.zeros((5, 5))
+    a[0, 1], a[1, 0], a[0, 3], a[1, 2], a[2, 4] = V2D, -V2D, -1, V1D, -1
+
+    assert pytest.approx(a, abs=1e-12) == found.A
+    assert found.B[3:, :2] == pytest.approx(np.diag((1 / M, 1 / I)))
+    assert found.state_labels == ["e[1]", "e[2]", "e[3]", "v1", "omega"]
+    assert found.input_labels == ["force[1]", "force[2]", "disturbance[1]", "disturbance[2]"]
+
+
+def test_model_based_loop_in_closed_form(nominal):
+    """z' = -rho/2 z on the reference, so the poles are the kinematic ones and -rho/2."""
+    poles = np.sort(closed_loop(nominal, "mb").poles().real)
+    expected = np.sort((*kinematic_poles(nominal).real, -RHO[0] / 2, -RHO[1] / 2))
+
+    assert poles == pytest.approx(expected, rel=1e-9)
+
+
+def test_network_loop_with_learning_frozen_in_closed_form(nominal):
+    """v' = -rho1/(2 M) (v - v_c0): without feed-forward the axes are second order."""
+    line = with_reference(nominal, Line())
+    a = RHO1[0] / (2 * M)
+    found = closed_loop(line, "nn").poles()
+    expected = np.roots((1, a, a * K1))
+
+    for pole in expected:
+        assert np.abs(found - pole).min() < 1e-6
+
+
+def test_loop_is_named_and_interconnectable(nominal):
+    loop = closed_loop(nominal, "mb")
+
+    assert loop.input_labels == ["disturbance[1]", "disturbance[2]"]
+    assert loop.output_labels[:5] == ["e[1]", "e[2]", "e[3]", "v1", "omega"]
+    assert loop.output_labels[5:] == ["force[1]", "force[2]"]
+    assert loop.isctime()
+    assert closed_loop(nominal, "mb", period=0.02).dt == 0.02
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
+    """A displacement of a micrometre: quadratic terms are below 1e-9 of it."""
+    point = settled(nominal, law)
+    linear = closed_loop(nominal, law, point, nominal.clock.control, "learning")
+    small = 1e-6 * np.array((1.0, -0.5, 0.7, 0.3, -0.2))
+    course = stepper(nominal, law, point).run(point.s + small, 0.5)
+    state = np.concatenate((small, np.zeros(linear.nstates - 5)))
+    rows = []
+    for _ in course.t:
+        rows.append(state[:5])
+        state = linear.A @ state
+
+    assert np.abs(course.s - point.s - rows).max() < 2e-4 * 1e-6
+
+
+def test_any_system_linearises(nominal):
+    robot = plant(nominal)
+    found = linearise(robot, np.zeros(4), (0, 0, 0.3, 0.5, 0.1))
+
+    assert found.A[0, 2] == pytest.approx(-0.5 * np.cos(0.3))
+    assert found.A[1, 3] == pytest.approx(np.cos(0.3))
+    assert found.input_labels[:2] == ["tau_right", "tau_left"]
+
+
+def test_circle_and_line_are_time_invariant_and_others_are_not(nominal):
+    circle = along_reference(nominal, "mb")
+    eight = along_reference(with_reference(nominal, Lemniscate(size=2.0, rate=0.1)), "mb")
+
+    assert isinstance(circle, TimeInvariant)
+    assert isinstance(along_reference(with_reference(nominal, Line()), "mb"), TimeInvariant)
+    assert isinstance(eight, TimeVarying)
+    assert circle(0.0) is circle(33.0)
+    assert isinstance(eight(3.0), ct.StateSpace)
+    assert np.abs(eight(3.0).A - eight(9.0).A).max() > 1e-3
+
+
+def test_the_circle_gives_the_same_matrices_wherever_the_robot_is_on_it(nominal):
+    first, later = (closed_loop(nominal, "mb", on_reference(nominal, "mb", t)) for t in (0.0, 37.0))
+
+    assert pytest.approx(later.A, abs=1e-12) == first.A
+
+
+def test_lag_of_the_drives_is_part_of_the_plant(nominal):
+    slow = override(nominal, {"actuator.lag": 0.05})
+    point = on_reference(slow, "mb")
+    poles = np.linalg.eigvals(plant_at(slow, point).A)
+
+    assert error_plant(slow).x.numel() == 7
+    assert np.sum(np.abs(poles + 20.0) < 1e-6) == 2
+
+
+def test_settled_point_has_the_friction_in_the_weights(nominal):
+    """At rest W'S = F1 = mu m g, up to the leak's share of 3e-4."""
+    point = settled(nominal, "nn")
+
+    assert point.force[0] == pytest.approx(0.08 * 50 * 9.81, rel=1e-9)
+    assert np.abs(point.e).max() < 3e-3
+
+
+def test_a_loop_that_cannot_rest_is_refused(nominal):
+    weak = override(nominal, {"gains.pid.Kp": [0.0, 0.0]})
+
+    with pytest.raises(ArgumentError, match="no resting point"):
+        settled(weak, "pid")
+
+
+def test_bad_names_are_answered_with_the_known_ones(nominal):
+    with pytest.raises(UnknownNameError, match="mb"):
+        closed_loop(nominal, "mbb")
+    with pytest.raises(UnknownNameError, match="frozen"):
+        closed_loop(nominal, "nn", memory="frosty")
+
+
+def test_a_reference_that_stops_is_linearised_where_it_moves(nominal):
+    stop = with_reference(nominal, StopAndGo(radius=2.0, speed=0.4, period=20.0))
+    moving = along_reference(stop, "mb")
+
+    assert isinstance(moving, TimeVarying)
+    assert (moving(10.0).poles().real < 0).all()

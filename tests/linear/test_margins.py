@@ -1,0 +1,118 @@
+"""Margins against closed forms, python-control's own, and runs with a delay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import control as ct
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.linear import largest_stable_period, margins_at, open_loop, with_robot
+from wmr_ctrl.linear.region import start_at
+from wmr_ctrl.scenario import Line, override
+
+LAWS = ("pid", "smc", "mb", "nn")
+
+
+@pytest.fixture(scope="module")
+def line(nominal):
+    """On a straight line thrust and moment are decoupled."""
+    return replace(nominal, reference=Line())
+
+
+def thrust_loop():
+    """L = ((rho/2 + k1) s + rho/2 k1)/s^2 by hand, rho = 15, k1 = 10."""
+    return ct.tf([17.5, 75.0], [1, 0, 0])
+
+
+def test_thrust_loop_in_closed_form(line):
+    w = np.geomspace(0.1, 1e3, 50)
+
+    assert np.squeeze(open_loop(line, "mb", 0)(1j * w)) == pytest.approx(
+        np.squeeze(thrust_loop()(1j * w)), rel=1e-9
+    )
+
+
+def test_margins_of_the_thrust_loop_in_closed_form(line):
+    """|L| = 1: w^4 = (17.5 w)^2 + 75^2; the phase there is -180 degrees + atan(17.5 w/75)."""
+    found = margins_at(line, "mb", 0)
+    w = math.sqrt((17.5**2 + math.sqrt(17.5**4 + 4 * 75**2)) / 2)
+    phase = math.atan(17.5 * w / 75)
+
+    assert found.gain is None
+    assert found.phase == pytest.approx(math.degrees(phase), rel=1e-9)
+    assert found.delay == pytest.approx(phase / w, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_continuous_margins_are_python_controls(nominal, law, axis):
+    found = margins_at(nominal, law, axis)
+    gain, phase, _, _ = ct.margin(open_loop(nominal, law, axis))
+
+    assert found.phase == pytest.approx(phase, rel=1e-6)
+    assert (found.gain or found.gain_down or math.inf) == pytest.approx(gain, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("period", [None, 0.01])
+def test_disk_margin_is_its_definition(nominal, law, period):
+    """alpha = 1/max |S - 1/2|; a disk margin is never above what the classical ones allow."""
+    found = margins_at(nominal, law, 1, period=period)
+    loop = open_loop(nominal, law, 1, period=period)
+    w = np.geomspace(1e-2, math.pi / period if period else 1e3, 20_000)
+    points = np.exp(1j * w * period) if period else 1j * w
+    sensitivity = 1 / (1 + np.squeeze(loop(points)))
+
+    assert found.disk == pytest.approx(1 / np.abs(sensitivity - 0.5).max(), rel=1e-4)
+    assert found.disk_phase <= found.phase + 1e-9
+    assert found.gain is None or found.disk_gain <= found.gain * (1 + 1e-6)
+
+
+def test_sampled_gain_margin_is_the_ratio_of_periods_where_both_end_at_minus_one(line):
+    """Thrust: a pole is at z = -1 when (rho/2 + k1) T g = 2, whatever of T or g grows."""
+    found = margins_at(line, "mb", 0, period=0.01)
+
+    assert found.gain == pytest.approx(2 / 17.5 / 0.01, rel=1e-9)
+
+
+def test_a_loop_beyond_its_period_has_no_margins(nominal):
+    assert margins_at(nominal, "mb", 1, period=0.07) is None
+
+
+@pytest.mark.parametrize(("delay", "rests"), [(0.030, True), (0.050, False)])
+def test_delay_margin_against_runs_with_a_delay(nominal, delay, rests):
+    """The moment's delay margin at 10 ms is 0.0393 s; the native loop agrees on both sides."""
+    assert 0.030 < margins_at(nominal, "mb", 1, period=0.01).delay < 0.050
+    start = start_at(nominal, np.array((1e-3, 0.0, 1e-3)))
+    late = override(
+        nominal,
+        {
+            "actuator.delay": delay,
+            "clock.duration": 8.0,
+            "initial.pose": list(start[:3]),
+            "initial.velocity": list(start[3:]),
+        },
+    )
+    # The delay line starts with zero torque, so friction stirs the loop first.
+    omega = wmr_ctrl.simulate(late, "mb")["omega"] - 0.1
+
+    assert bool(np.abs(omega[-100:]).max() < 0.01) is rests
+
+
+def test_a_wrong_mass_moves_the_model_based_loop_as_its_gain_would(line):
+    """The law's force is m_hat times a command, so a lighter robot is a higher gain."""
+    heavy = largest_stable_period(with_robot(line, I=1.5), "mb")
+
+    assert heavy == pytest.approx(1.5 * largest_stable_period(line, "mb"), rel=2e-4)
+    assert with_robot(line, m=0.5).believed.m == line.robot.m
+
+
+def test_friction_does_not_move_any_margin(nominal):
+    """On the reference the Coulomb friction is flat: its slope is 0 to double precision."""
+    other = with_robot(nominal, mu=1.5)
+
+    assert margins_at(other, "mb", 0).phase == pytest.approx(margins_at(nominal, "mb", 0).phase)

@@ -1,0 +1,93 @@
+"""The report: keys, plain data, text and figures, for every law."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.linear import report_linear
+from wmr_ctrl.linear.command import run_linearize
+from wmr_ctrl.scenario import Lemniscate
+
+KEYS = {
+    "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",
+    "max_sample_time_adaptive", "one_step_safe_time", "gain_margin", "phase_margin", "disk_margin",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def reports(nominal):
+    return {law: report_linear(nominal, law) for law in ("pid", "smc", "mb", "nn")}
+
+
+def test_json_holds_the_figures_of_the_audit(reports):
+    found = reports["mb"].to_json()
+
+    assert set(found) >= KEYS
+    assert [pair[0] for pair in found["kinematic_poles"]] == pytest.approx(
+        (-9.99900, -3.94934, -0.05166), abs=5e-6
+    )
+    assert found["max_sample_time"] == pytest.approx(0.0609, rel=2e-3)
+    assert found["max_sample_time_kink"] == pytest.approx(0.03472, rel=1e-3)
+    assert found["max_sample_time_adaptive"] is None
+    assert found["gain_margin"] is None
+    assert found["adaptive_stable"] is None
+
+
+def test_the_network_law_is_told_to_be_unstable_while_it_learns(reports):
+    found = reports["nn"].to_json()
+
+    assert found["max_sample_time"] == pytest.approx(0.1480, rel=2e-3)
+    assert found["adaptive_stable"] is False
+    assert found["max_sample_time_adaptive"] == 0.0
+    assert found["adaptive_poles"][0][0] > 0.3
+    assert "UNSTABLE" in reports["nn"].table()
+
+
+def test_every_law_is_stable_on_the_reference_with_its_estimates_held(reports):
+    for report in reports.values():
+        found = report.to_json()
+        assert found["stable"]
+        assert 0 < found["disk_margin"] < 2
+        assert 0 < found["phase_margin"] < 180
+        assert json.loads(json.dumps(found, allow_nan=False)) == found
+        assert report.law in report.table()
+
+
+def test_figures_are_written(reports, tmp_path):
+    paths = reports["mb"].plots(tmp_path / "new")
+
+    assert len(paths) == 4
+    assert all(path.stat().st_size > 10_000 for path in paths)
+
+
+def test_command_prints_parseable_json_and_leaves_paths_to_stderr(nominal, tmp_path, capsys):
+    assert run_linearize(nominal, "pid", tmp_path, as_json=True) == 0
+    streams = capsys.readouterr()
+
+    assert json.loads(streams.out)["law"] == "pid"
+    assert str(tmp_path) in streams.err
+
+
+def test_a_reference_that_changes_speed_is_said_to_be_time_varying(nominal):
+    eight = replace(nominal, reference=Lemniscate(size=2.0, rate=0.1))
+    found = report_linear(eight, "mb")
+
+    assert not found.time_invariant
+    assert "time-varying" in found.table()
+
+
+def test_an_unknown_law_is_refused(nominal):
+    with pytest.raises(UnknownNameError):
+        report_linear(nominal, "lqr")
+
+
+def test_importing_the_package_does_not_load_python_control():
+    code = "import sys, wmr_ctrl; sys.exit('control' in sys.modules)"
+
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

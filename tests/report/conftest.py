@@ -1,0 +1,21 @@
+"""Synthetic runs of 80 s that are quick to make and differ by scenario, law and seed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.campaign.synthetic import simulate
+from wmr_ctrl.campaign import Campaign, paper_plan, run_campaign
+from wmr_ctrl.results import Run
+
+
+@pytest.fixture(scope="session")
+def fake_simulate() -> Callable[[str, str, int], Run]:
+    return simulate
+
+
+@pytest.fixture(scope="session")
+def campaign() -> Campaign:
+    return run_campaign(simulate, lambda scenario, law: None, paper_plan(seeds=2), jobs=1)

@@ -1,0 +1,134 @@
+"""The robot as moving pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.results.conftest import build
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.report.animate import animate_run
+from wmr_ctrl.report.animation import film, gif
+from wmr_ctrl.report.animation.scene import BODY, outline, scene_of
+from wmr_ctrl.results import Monitor
+
+STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
+
+
+@pytest.fixture(scope="module")
+def run(fake_simulate):
+    return fake_simulate("paper-simulation", "pid", 0)
+
+
+def test_a_scene_keeps_the_first_and_the_last_sample(run):
+    scene = scene_of(run, 100)
+
+    assert len(scene.t) <= 101
+    assert (scene.t[0], scene.t[-1]) == (run.time[0], run.time[-1])
+    assert scene.pose.shape == scene.target.shape == (len(scene.t), 3)
+    left, right, low, high = scene.view
+    assert right - left == pytest.approx(high - low)
+    assert left < scene.pose[:, 0].min()
+    assert high > scene.pose[:, 1].max()
+
+
+def test_the_body_lies_along_the_heading():
+    ahead = outline(np.array([0.0, 0.0, 0.0]), *BODY)  # theta = 0 looks along +Y
+    left = outline(np.array([0.0, 0.0, np.pi / 2]), *BODY)
+
+    assert np.ptp(ahead, axis=0) == pytest.approx((0.5, 0.8))
+    assert np.ptp(left, axis=0) == pytest.approx((0.8, 0.5))
+    right_wheel = outline(np.zeros(3), 0.2, 0.05, 0.25).mean(axis=0)
+    assert right_wheel == pytest.approx((0.25, 0.0))
+
+
+def test_a_page_holds_all_that_it_shows(run, tmp_path):
+    path = tmp_path / "run.html"
+    animate_run(run, path)
+    page = path.read_text(encoding="utf-8")
+    data = json.loads(re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail)
+
+    assert not re.search(r"(src|href)=|url\(|@import|https?:", page)
+    assert len(data["rows"]) == 800
+    assert len(data["rows"][0]) == 9
+    assert data["limits"] == [1.0, 1.5]
+
+
+def test_a_page_cannot_be_broken_by_names(tmp_path):
+    path = tmp_path / "run.html"
+    animate_run(build(labels={"scenario": "</title><script>alert(1)</script>"}), path)
+
+    assert "<script>alert" not in path.read_text(encoding="utf-8")
+
+
+def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("wmr_ctrl.report.animate._FRAMES", {".gif": 12})
+    left = []
+
+    class Watch:
+        def start(self, total, text):
+            left.append(total)
+
+        def advance(self, count=1):
+            left[-1] -= count
+
+        def done(self):
+            left.append(0)
+
+    animate_run(run, tmp_path / "run.gif", Watch())
+    with Image.open(tmp_path / "run.gif") as picture:
+        assert picture.n_frames >= 12
+        assert picture.info["duration"] == gif.MILLISECONDS
+    assert left == [0, 0]
+
+
+def test_a_film_without_ffmpeg_names_what_to_install(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(film.shutil, "which", lambda name: None)
+
+    with pytest.raises(MissingExtraError, match="ffmpeg"):
+        animate_run(run, tmp_path / "run.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_film_that_ffmpeg_cannot_write_leaves_nothing(run, tmp_path, monkeypatch):
+    broken = tmp_path / "ffmpeg"
+    broken.write_text("#!/bin/sh\necho 'no codec' >&2\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setattr(film, "find_ffmpeg", lambda: str(broken))
+    (tmp_path / "out").mkdir()
+
+    with pytest.raises(ResultFileError, match="no codec"):
+        animate_run(run, tmp_path / "out" / "run.mp4")
+    assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+def test_a_film_is_written(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("wmr_ctrl.report.animate._FRAMES", {".mp4": 12})
+    animate_run(run, tmp_path / "run.mp4")
+
+    assert b"ftyp" in (tmp_path / "run.mp4").read_bytes()[:16]
+
+
+def test_a_run_that_ended_early_is_animated(tmp_path):
+    animate_run(build(duration=80.0, rows=1, monitor=STOPPED), tmp_path / "run.html")
+
+    assert (tmp_path / "run.html").stat().st_size > 1000
+
+
+def test_an_empty_run_is_refused(tmp_path):
+    with pytest.raises(ArgumentError):
+        animate_run(build(rows=0, monitor=STOPPED), tmp_path / "run.html")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["run.avi", "run", "missing/run.gif"])
+def test_places_that_cannot_be_written_are_refused(run, tmp_path, name):
+    with pytest.raises(ResultFileError):
+        animate_run(run, tmp_path / name)
+    assert not list(tmp_path.iterdir())

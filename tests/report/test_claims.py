@@ -1,0 +1,159 @@
+"""Claims as data, the tests that they are put to, and the rule that turns tests into verdicts."""
+
+from __future__ import annotations
+
+import string
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.campaign import FIGURES, PAPER_LAWS, STUDIES, Row, Table
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.report.claims import Evidence, Measured, TestSpec, Verdict, judge_all, load_claims
+from wmr_ctrl.report.claims.claim import Other
+from wmr_ctrl.report.claims.judge import verdict_of
+from wmr_ctrl.report.extras.torque import slip_torque
+
+CLAIMS = load_claims()
+SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
+TIMES = {"paper_time", "our_time"}
+
+
+def row(law, seed, **values):
+    return Row("paper-simulation", law, seed, "completed", values)
+
+
+def evidence(*rows):
+    """Rows with every figure None but those that are given."""
+    empty = dict.fromkeys((figure.name for figure in FIGURES), None)
+    return Evidence(
+        Table(Row(r.scenario, r.law, r.seed, r.outcome, {**empty, **r.values}) for r in rows)
+    )
+
+
+def measured(value, **bound):
+    return Measured(TestSpec("k", "text", "ise_total", **bound), {0: value})
+
+
+# -- the data -----------------------------------------------------------------------------
+
+
+def test_ids_are_unique_and_every_claim_is_told_in_full():
+    assert len({claim.id for claim in CLAIMS}) == len(CLAIMS) > 15
+    for claim in CLAIMS:
+        assert all((claim.section, claim.title, claim.quote, claim.threshold, claim.explanation))
+        assert any(test.decides for test in claim.tests), claim.id
+        assert len({test.key for test in claim.tests}) == len(claim.tests)
+
+
+@pytest.mark.parametrize(("claim", "spec"), SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
+def test_tests_name_what_a_campaign_has(claim, spec):
+    figures = {figure.name for figure in FIGURES} | TIMES
+    other = spec.over or Other()
+
+    assert spec.figure in figures
+    assert other.figure in {"", *figures}
+    assert {*spec.scenarios, other.scenario} <= {"", *(study.scenario for study in STUDIES)}
+    assert {*spec.laws, other.law} <= {"", *PAPER_LAWS}
+    assert spec.laws or spec.figure in TIMES
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)
+def test_explanations_quote_tests_of_their_claim_only(claim):
+    named = {name for _, name, _, _ in string.Formatter().parse(claim.explanation) if name}
+
+    assert named <= {test.key for test in claim.tests}
+
+
+def test_the_torque_bound_is_that_of_the_robot():
+    bounds = {spec.at_most for claim, spec in SPECS if claim == "V-torque"}
+
+    assert [*bounds] == [pytest.approx(slip_torque(), rel=0.01)]
+
+
+# -- the rule -----------------------------------------------------------------------------
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=6))
+def test_all_some_or_none_of_the_tests(passed):
+    tests = [measured(1.0 if one else 3.0, at_most=2.0) for one in passed]
+    expected = Verdict.HOLDS if all(passed) else Verdict.IN_PART if any(passed) else Verdict.FAILS
+
+    assert verdict_of([*tests, measured(99.0)]) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "bound", "passed"),
+    [
+        (2.0, {"at_most": 2.0}, True),
+        (2.1, {"at_most": 2.0}, False),
+        (2.0, {"at_least": 2.0}, True),
+        (None, {"at_most": 2.0}, False),
+        (1.0, {}, None),
+    ],
+)
+def test_a_bound_is_kept_or_not(value, bound, passed):
+    assert measured(value, **bound).passed is passed
+
+
+def test_a_test_passes_only_if_every_seed_keeps_its_bound():
+    spec = TestSpec("k", "text", "ise_total", at_most=1.0)
+
+    assert Measured(spec, {0: 0.5, 1: 0.9}).passed
+    assert not Measured(spec, {0: 0.5, 1: 1.1}).passed
+    assert Measured(spec, {0: 0.5, 1: 1.1}).keeping == 1
+    assert not Measured(spec, {}).passed
+
+
+# -- where numbers come from --------------------------------------------------------------
+
+
+def test_a_ratio_is_taken_seed_by_seed():
+    spec = TestSpec("k", "text", "ise_total", laws=("nn",), over=Other(law="mb"))
+    rows = [row("nn", 0, ise_total=2.0), row("nn", 1, ise_total=9.0), row("nn", 2, ise_total=1.0)]
+    others = [row("mb", 0, ise_total=4.0), row("mb", 1, ise_total=3.0)]
+
+    assert evidence(*rows, *others).values(spec) == {0: 0.5, 1: 3.0}
+
+
+def test_of_several_cases_the_worst_counts():
+    rows = [row("nn", 0, ise_total=2.0), row("mb", 0, ise_total=4.0)]
+    high = TestSpec("k", "text", "ise_total", laws=("nn", "mb"), at_most=3.0)
+    low = TestSpec("k", "text", "ise_total", laws=("nn", "mb"), at_least=3.0)
+
+    assert evidence(*rows).values(high) == {0: 4.0}
+    assert evidence(*rows).values(low) == {0: 2.0}
+
+
+def test_a_missing_number_is_the_worst_of_all():
+    spec = TestSpec("k", "text", "ise_total", laws=("nn", "mb"), at_most=3.0)
+    rows = [row("nn", 0, ise_total=2.0), row("mb", 0)]
+
+    assert evidence(*rows).values(spec) == {0: None}
+
+
+def test_our_times_count_only_where_they_were_measured(campaign):
+    def time_tests(times):
+        judged = judge_all(Evidence(campaign.table, times))
+        return next(one for one in judged if one.claim.id == "V-time").tests
+
+    assert [test.spec.key for test in time_tests({})] == ["paper"]
+    ours = time_tests({"mb": 0.5, "nn": 2.0})[1]
+    assert ours.values == {0: pytest.approx(0.02)}
+
+
+def test_unknown_cases_are_told_instead_of_judged():
+    with pytest.raises(UnknownNameError):
+        evidence(row("nn", 0)).values(TestSpec("k", "text", "ise_total", laws=("mb",)))
+
+
+# -- a whole campaign ---------------------------------------------------------------------
+
+
+def test_every_claim_gets_a_verdict_and_explanations_fit_it(campaign):
+    judged = judge_all(Evidence(campaign.table))
+
+    assert [one.claim for one in judged] == list(CLAIMS)
+    assert all(bool(one.explanation) == one.as_expected for one in judged)
+    assert not all(one.as_expected for one in judged)  # made-up runs are not the paper's

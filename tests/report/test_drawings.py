@@ -1,0 +1,69 @@
+"""Every figure can be drawn, and is the same file each time."""
+
+from __future__ import annotations
+
+import string
+
+import matplotlib as mpl
+import pytest
+
+from wmr_ctrl.report.extras import HIDDEN, STRESS
+from wmr_ctrl.report.panels import PANELS
+from wmr_ctrl.report.reproduce import all_drawings
+from wmr_ctrl.report.style import house_style
+
+PNG = b"\x89PNG"
+
+
+@pytest.fixture(scope="session")
+def drawings(campaign):
+    return {drawing.name: drawing for drawing in all_drawings(campaign)}
+
+
+def test_every_panel_of_both_figures_is_there(drawings):
+    wanted = [f"fig{n}{p.letter}_{p.key}" for n in (3, 5) for p in PANELS]
+
+    assert [panel.letter for panel in PANELS] == list(string.ascii_lowercase[:12])
+    assert set(drawings) == {*wanted, "fig3_sheet", "fig5_sheet", *HIDDEN, *STRESS}
+
+
+@pytest.mark.parametrize("name", [*(f"fig3{p.letter}_{p.key}" for p in PANELS), *HIDDEN, *STRESS])
+def test_a_figure_is_drawn(drawings, name, tmp_path):
+    svg, png = drawings[name].save(tmp_path)
+
+    assert png.read_bytes().startswith(PNG)
+    assert svg.read_text(encoding="utf-8").count("<path") > 10
+    assert svg.stat().st_size < 1_000_000
+
+
+def test_a_sheet_is_drawn(drawings, tmp_path):
+    (png,) = drawings["fig5_sheet"].save(tmp_path, (".png",))
+
+    assert png.read_bytes().startswith(PNG)
+
+
+def test_the_same_runs_make_the_same_file(drawings, tmp_path):
+    paths = [tmp_path / name for name in "ab"]
+    for path in paths:
+        path.mkdir()
+        drawings["fig3c_v1"].save(path, (".svg",))
+
+    assert len({(path / "fig3c_v1.svg").read_bytes() for path in paths}) == 1
+
+
+def test_a_users_settings_neither_matter_nor_change(drawings, tmp_path):
+    (before,) = drawings["fig3h_distance"].save(tmp_path, (".svg",))
+    plain = before.read_bytes()
+    with mpl.rc_context({"axes.grid": False, "font.size": 30}):
+        (after,) = drawings["fig3h_distance"].save(tmp_path, (".svg",))
+
+        assert mpl.rcParams["font.size"] == 30
+    assert after.read_bytes() == plain
+
+
+def test_the_house_style_is_left_again_after_an_error():
+    size = mpl.rcParams["font.size"]
+    with pytest.raises(RuntimeError), house_style():
+        raise RuntimeError
+
+    assert mpl.rcParams["font.size"] == size

@@ -1,0 +1,164 @@
+"""Maps between our names and units and those of somebody else's FMU, from a TOML file.
+
+A row says ``target = sum of coefficient times source, plus offset``.  Rows of ``outputs`` have our
+names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; units are converted::
+
+    [plant]
+    step = 0.002                       # their communication step, s
+    [plant.inputs]
+    motorR = "torque_right"
+    [plant.outputs]
+    x = "position.x"
+    psi = { terms = { heading = 1.0 }, unit = "deg" }
+    w_right = { terms = { wheelR = 1.0 }, unit = "rpm" }
+    w_left = { terms = { wheelL = 1.0 }, unit = "rpm" }
+    [plant.parameters]
+    "robot.m" = "mass"                 # for scenarios that change it
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fmi.units import Unit, unit_of
+
+UnitOf = Callable[[str], str | None]
+_KEYS = {"terms", "offset", "unit", "coefficient_unit"}
+_SECTIONS = {"inputs", "outputs", "parameters", "start", "step"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """target = sum of coefficient * source + offset, all in the units of their owners."""
+
+    target: str
+    terms: tuple[tuple[str, float], ...]
+    offset: float = 0.0
+
+    @property
+    def plain(self) -> bool:
+        """Whether it only renames."""
+        return self.offset == 0.0 and len(self.terms) == 1 and self.terms[0][1] == 1.0
+
+
+@dataclass(frozen=True)
+class PartMap:
+    """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s]."""
+
+    inputs: Mapping[str, Any]
+    outputs: Mapping[str, Any]
+    parameters: Mapping[str, str]
+    start: Mapping[str, float]
+    step: float | None
+
+
+def load_map(path: str | Path) -> dict[str, PartMap]:
+    """Read a map file: parts ``plant`` and ``controller``; raises ArgumentError naming the key."""
+    try:
+        raw = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ArgumentError(f"the map {path} cannot be read: {error}.") from error
+    for part in raw:
+        if part not in ("plant", "controller"):
+            raise UnknownNameError(f"part of the map {path}", part, ("plant", "controller"))
+    return {part: _part(part, table) for part, table in raw.items()}
+
+
+def _part(part: str, table: Any) -> PartMap:
+    if not isinstance(table, dict):
+        raise ArgumentError(f"{part} must be a table, written as [{part}].")
+    for key in table:
+        if key not in _SECTIONS:
+            raise UnknownNameError(f"key of the map's part {part}", key, _SECTIONS)
+    step = table.get("step")
+    if step is not None and not (isinstance(step, int | float) and step > 0):
+        raise ArgumentError(f"{part}.step = {step!r} must be a positive number of seconds.")
+    sections = (table.get(name, {}) for name in ("inputs", "outputs", "parameters", "start"))
+    return PartMap(*sections, None if step is None else float(step))
+
+
+def input_rows(raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str) -> list[Row]:
+    """Rows that give their inputs; ``ours``: units of our sources, ``theirs``: of their variables."""
+    return [_row(f"{part}.inputs.{name}", name, entry, _Side(theirs, entry), _ours(ours), False) for name, entry in raw.items()]
+
+
+def output_rows(raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str) -> list[Row]:
+    """Rows that give our quantities from their outputs."""
+    return [_row(f"{part}.outputs.{name}", name, entry, _ours(ours), _Side(theirs, entry), True) for name, entry in raw.items()]
+
+
+def compiled(rows: Sequence[Row], sources: Sequence[str]) -> Callable[[Sequence[float]], Sequence[float]]:
+    """A function from the values of ``sources`` to those of the rows' targets."""
+    place = {name: i for i, name in enumerate(sources)}
+    if len(rows) > 1 and all(row.plain for row in rows):
+        return itemgetter(*(place[row.terms[0][0]] for row in rows))
+    table = [([(place[name], factor) for name, factor in row.terms], row.offset) for row in rows]
+    return lambda values: [sum(values[i] * factor for i, factor in terms) + offset for terms, offset in table]
+
+
+def identity(names: Sequence[str]) -> list[Row]:
+    """Rows of an FMU that has our names and units."""
+    return [Row(name, ((name, 1.0),)) for name in names]
+
+
+class _Side:
+    """Units of their variables: as the entry states them, else as their FMU declares them."""
+
+    def __init__(self, declared: UnitOf, entry: Any) -> None:
+        self.declared = declared
+        self.stated = entry.get("unit") if isinstance(entry, dict) else None
+
+    def __call__(self, name: str, key: str) -> Unit:
+        unit = self.stated or self.declared(name)
+        if unit is None:
+            raise ArgumentError(f"{key}: the FMU gives no unit for {name}. State it: unit = \"rad/s\", say.")
+        return unit_of(unit)
+
+
+def _ours(units: Mapping[str, str]) -> Callable[[str, str], Unit]:
+    def unit(name: str, key: str) -> Unit:
+        if name not in units:
+            raise UnknownNameError(f"quantity of ours (in {key})", name, units)
+        return unit_of(units[name])
+
+    return unit
+
+
+def _row(key: str, target: str, entry: Any, unit_of_target: Callable[[str, str], Unit],
+         unit_of_source: Callable[[str, str], Unit], _inward: bool) -> Row:  # fmt: skip
+    terms, offset, factor_unit = _entry(key, entry)
+    wanted = unit_of_target(target, key)
+    found = []
+    for name, factor in terms.items():
+        given = unit_of_source(name, key)
+        _check(key, wanted, given, factor_unit, name)
+        found.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
+    return Row(target, tuple(found), offset)
+
+
+def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, Unit]:
+    """Terms, offset (in the target's unit) and the coefficients' unit."""
+    if isinstance(entry, str):
+        return {entry: 1.0}, 0.0, unit_of("1")
+    if not isinstance(entry, dict) or not set(entry) <= _KEYS or not isinstance(entry.get("terms"), dict):
+        raise ArgumentError(f"{key} must be a name, or a table with terms and, if need be, {', '.join(sorted(_KEYS))}.")
+    terms = {name: float(factor) for name, factor in entry["terms"].items()}
+    return terms, float(entry.get("offset", 0.0)), unit_of(entry.get("coefficient_unit", "1"))
+
+
+def _check(key: str, wanted: Unit, given: Unit, factor: Unit, name: str) -> None:
+    """The source's kind times the coefficient's must be the target's."""
+    keys = {*given.exponents, *factor.exponents}
+    product = {k: given.exponents.get(k, 0) + factor.exponents.get(k, 0) for k in keys}
+    if not Unit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
+        raise ArgumentError(
+            f"{key}: {name} in {given.name} does not give {wanted.name}"
+            f"{'' if factor.name == '1' else f' with a coefficient in {factor.name}'}. Give the coefficient's unit as "
+            "coefficient_unit, or map another variable."
+        )

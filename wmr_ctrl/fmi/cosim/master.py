@@ -1,0 +1,147 @@
+"""Masters: who steps when, and who sees whose outputs.
+
+Gauss-Seidel steps reference, controller and plant in this order and passes values on in between,
+which is the native loop.  Jacobi steps all three with what was known before: the torque acts one
+step later, as under every master that copies connections after all have stepped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, ready
+from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.sim.oracle.actuator import Actuator
+from wmr_ctrl.sim.oracle.monitor import Watch
+from wmr_ctrl.sim.oracle.noise import key_of
+from wmr_ctrl.sim.oracle.sensing import Sensor
+
+Progress = Callable[[float], None]
+_ROWS_PER_REPORT = 100
+
+
+@dataclass
+class Parts:
+    """What a master steps."""
+
+    reference: Part
+    controller: Part
+    plant: Part
+    change: Callable[[Change], None]
+
+
+class Master:
+    """One co-simulation: rows of the log, and what was watched at communication points."""
+
+    def __init__(self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int) -> None:
+        """Everything is initialised already; the first step begins at t = 0."""
+        self.scenario, self.clock, self.parts, self.noise = scenario, scenario.clock, parts, noise
+        self.sensor = Sensor(scenario.sensor, scenario.clock, key_of(seed))
+        self.actuator = Actuator(scenario.actuator, scenario.clock.plant)
+        self.ideal = scenario.actuator.ideal
+        self.state: Sequence[float] = (*scenario.initial.pose, *scenario.initial.velocity)
+        self.applied: Sequence[float] = (0.0, 0.0)
+        self.changes = sorted(scenario.changes, key=lambda change: change.t)
+        self.watch = Watch(scenario.limits.v_u1)
+        self.rows: list[tuple[float, ...]] = []
+
+    def run(self, progress: Progress | None) -> None:
+        """All control samples, or those before the run must end."""
+        ended = self.watch.see(0.0, tuple(self.state))
+        for k in range(self.clock.samples):
+            if ended:
+                break
+            ended = self.sample(k)
+            if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
+                progress((k + 1) / self.clock.samples)
+
+    def sample(self, k: int) -> bool:
+        """Reference, controller, plant; True if the run must end."""
+        t, h = k * self.clock.control, self.clock.control
+        self.parts.reference.step(t, h)
+        desired = self.parts.reference.read()
+        self.parts.controller.write(self.seen(k, desired))
+        self.parts.controller.step(t, h)
+        given = self.parts.controller.read()
+        self.log(t, desired, given[:2], self.noise[k], given[2:])
+        self.drive(k, given[:2], self.noise[k])
+        self.state = self.parts.plant.read()
+        return self.watch.see(t + h, tuple(self.state))
+
+    def seen(self, k: int, desired: Sequence[float]) -> list[float]:
+        """What the controller is shown at sample k, in the order of SEEN."""
+        pose, v = self.sensor.look(k, tuple(self.state))
+        return [*desired, *pose, *v, *self.applied, *ready((*pose, *v), self.scenario.robot)]
+
+    def log(self, t: float, desired: Sequence[float], torque: Sequence[float], noise: Sequence[float],
+            further: Sequence[float]) -> None:  # fmt: skip
+        """One row: state at t, torques over the step, what the controller published."""
+        self.rows.append((t, *self.state, *desired, *torque, *noise, *further))
+
+    def drive(self, k: int, torque: Sequence[float], noise: Sequence[float]) -> None:
+        """The plant over one control period, cut where its parameters change or a lag wants it."""
+        step, first = self.clock.plant, k * self.clock.substeps
+        acted = []
+        for start, end in self.cuts(first):
+            acting = torque if self.ideal else self.actuator.advance((torque[0], torque[1]))
+            self.parts.plant.write(driven(acting, noise))
+            self.parts.plant.step(start * step, (end - start) * step)
+            acted.append(acting)
+        self.applied = [sum(pair[i] for pair in acted) / len(acted) for i in (0, 1)]
+
+    def cuts(self, first: int) -> list[tuple[int, int]]:
+        """Plant steps (from, to) to take at once; changes that are due are made on the way."""
+        last = first + self.clock.substeps
+        if not self.ideal:
+            return [self._changed(i, i + 1) for i in range(first, last)]
+        edges = [n for change in self.changes if first < (n := self._step_of(change)) < last]
+        points = [first, *edges, last]
+        return [self._changed(a, b) for a, b in zip(points, points[1:], strict=False)]
+
+    def _changed(self, start: int, end: int) -> tuple[int, int]:
+        while self.changes and self._step_of(self.changes[0]) <= start:
+            self.parts.change(self.changes.pop(0))
+        return start, end
+
+    def _step_of(self, change: Change) -> int:
+        near = round(change.t / self.clock.plant)
+        on_grid = abs(near * self.clock.plant - change.t) <= 1e-9 * max(1.0, change.t)
+        return near if on_grid else math.ceil(change.t / self.clock.plant)
+
+
+class Jacobi(Master):
+    """All parts step with what was known before; the first torque that acts is zero."""
+
+    def __init__(self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int) -> None:
+        """As Master."""
+        super().__init__(scenario, parts, noise, seed)
+        self.desired = list(parts.reference.read())
+        self.shown = self.seen(0, self.desired)
+        self.given: Sequence[float] = (0.0, 0.0)
+
+    def sample(self, k: int) -> bool:
+        """Reference, controller and plant at once; True if the run must end."""
+        t, h = k * self.clock.control, self.clock.control
+        self.parts.controller.write(self.shown)
+        self.parts.reference.step(t, h)
+        self.parts.controller.step(t, h)
+        given = self.parts.controller.read()
+        self.log(t, self.desired, self.given, self.noise[k], given[2:])
+        self.drive(k, self.given, self.noise[k])
+        self.state, self.given = self.parts.plant.read(), given[:2]
+        self.desired = list(self.parts.reference.read())
+        if k + 1 < self.clock.samples:
+            self.shown = self.seen(k + 1, self.desired)
+        return self.watch.see(t + h, tuple(self.state))
+
+
+def driven(torque: Sequence[float], noise: Sequence[float]) -> tuple[float, ...]:
+    """Values of parts.DRIVEN."""
+    return (*torque, *noise, torque[0] + noise[0], torque[1] + noise[1])
+
+
+MASTERS = {"gauss-seidel": Master, "jacobi": Jacobi}
+HEAD = ("t", *STATE, *DESIRED)
+"""First columns of a row; torques, noises and the controller's diagnostics follow."""

@@ -1,0 +1,136 @@
+"""The three parts of a co-simulation: reference, controller and plant, in our names and units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fmi.cosim.mapping import PartMap, Row, compiled, identity, input_rows, output_rows
+from wmr_ctrl.fmi.cosim.slave import Slave
+from wmr_ctrl.scenario import Robot
+from wmr_ctrl.signals import PLANT_STATE, REFERENCE, TAU_APPLIED, TORQUE, TORQUE_NOISE
+
+STATE = tuple(s.name for s in PLANT_STATE)
+DESIRED = tuple(s.name for s in REFERENCE)
+TORQUES = tuple(s.name for s in TORQUE)
+NOISES = tuple(s.name for s in TORQUE_NOISE)
+APPLIED = TAU_APPLIED.elements
+UNITS = {
+    **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE)},
+    **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
+    "psi": "rad", "w_right": "rad/s", "w_left": "rad/s",
+}  # fmt: skip
+"""Ours, with the ready ones: psi, the wheels' speeds, and torques with the disturbance in them."""
+READY = ("psi", "w_right", "w_left")
+DRIVEN = (*TORQUES, *NOISES, "torque_right", "torque_left")
+SEEN = (*DESIRED, *STATE, *APPLIED, *READY)
+
+
+class Part:
+    """An FMU with the maps of its inputs and outputs.
+
+    ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``.
+    """
+
+    def __init__(self, slave: Slave, inputs: Sequence[Row], outputs: Sequence[Row], sources: Sequence[str],
+                 step: float | None = None) -> None:  # fmt: skip
+        self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
+        theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
+        self._inward = compiled(inputs, sources) if inputs else None
+        self._write = slave.writer([row.target for row in inputs])
+        self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
+        self._same = all(row.plain for row in outputs) and theirs == [row.terms[0][0] for row in outputs]
+
+    def write(self, values: Sequence[float]) -> None:
+        """Set the inputs from our quantities."""
+        if self._inward is not None:
+            self._write(self._inward(values))
+
+    def read(self) -> Sequence[float]:
+        """Our quantities from the outputs."""
+        return self._read() if self._same else self._outward(self._read())
+
+    def step(self, t: float, h: float) -> None:
+        """One step, or several of the FMU's own size."""
+        if self.step_size is None:
+            self.slave.step(t, h)
+            return
+        count = max(1, round(h / self.step_size))
+        for i in range(count):
+            self.slave.step(t + i * (h / count), h / count)
+
+
+def reference_part(slave: Slave) -> Part:
+    """Our reference FMU."""
+    return Part(slave, [], identity(DESIRED), ())
+
+
+def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[str]) -> Part:
+    """Ours, by its own names, or one with a map; the diagnostics are read where they exist."""
+    if part is None:
+        known = [name for name in SEEN if name in slave.variables and slave.variables[name].causality == "input"]
+        outputs = (*TORQUES, *(name for name in diagnostics if name in slave.variables))
+        _need(slave, outputs[:2])
+        return Part(slave, identity(known), identity(outputs), SEEN)
+    outputs_ = output_rows(part.outputs, UNITS, slave.unit, "controller")
+    _complete(outputs_, TORQUES, "controller")
+    return Part(slave, input_rows(part.inputs, UNITS, slave.unit, "controller"), _sorted(outputs_, TORQUES), SEEN, part.step)
+
+
+def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
+    """Ours, by its own names, or one with a map; pose and velocity may come from ready names."""
+    if part is None:
+        _need(slave, (*STATE, *TORQUES))
+        inputs = [name for name in (*TORQUES, *NOISES) if name in slave.variables]
+        return Part(slave, identity(inputs), identity(STATE), DRIVEN)
+    outputs = _without_ready(output_rows(part.outputs, UNITS, slave.unit, "plant"), robot)
+    _complete(outputs, STATE, "plant")
+    return Part(slave, input_rows(part.inputs, UNITS, slave.unit, "plant"), _sorted(outputs, STATE), DRIVEN, part.step)
+
+
+def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
+    """psi [rad] and the wheels' speeds (right, left) [rad/s] of a state."""
+    _, _, theta, v1, omega = state
+    turn = robot.l * omega
+    return theta + math.pi / 2, (v1 + turn) / robot.r, (v1 - turn) / robot.r
+
+
+def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:
+    """theta from psi, v1 and omega from the wheels' speeds, where these are mapped."""
+    found = {row.target: row for row in rows}
+    if "psi" in found:
+        psi = found.pop("psi")
+        found["theta"] = Row("theta", psi.terms, psi.offset - math.pi / 2)
+    if {"w_right", "w_left"} <= found.keys():
+        right, left = found.pop("w_right"), found.pop("w_left")
+        found["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
+        found["omega"] = _combined("omega", {right: robot.r / (2 * robot.l), left: -robot.r / (2 * robot.l)})
+    return list(found.values())
+
+
+def _combined(target: str, parts: Mapping[Row, float]) -> Row:
+    terms = tuple((name, share * factor) for row, share in parts.items() for name, factor in row.terms)
+    return Row(target, terms, sum(share * row.offset for row, share in parts.items()))
+
+
+def _sorted(rows: Sequence[Row], order: Sequence[str]) -> list[Row]:
+    return [next(row for row in rows if row.target == name) for name in order]
+
+
+def _complete(rows: Sequence[Row], wanted: Sequence[str], part: str) -> None:
+    missing = sorted(set(wanted) - {row.target for row in rows})
+    if missing:
+        raise ArgumentError(
+            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, or for the ready "
+            f"names {', '.join(READY)} that they follow from."
+        )
+
+
+def _need(slave: Slave, names: Sequence[str]) -> None:
+    missing = [name for name in names if name not in slave.variables]
+    if missing:
+        raise ArgumentError(
+            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of ours, give a map "
+            "of its names and units (--map FILE.toml)."
+        )

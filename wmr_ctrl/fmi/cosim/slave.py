@@ -1,0 +1,192 @@
+"""One FMU in co-simulation, through FMPy: read, write and step with arrays made once."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Slave
+
+from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
+
+Read = Callable[[], list[float]]
+Write = Callable[[Sequence[float]], None]
+
+
+class FmuError(WmrError, RuntimeError):
+    """An FMU refused a call or could not be loaded; the message names it and says when."""
+
+
+class Slave:
+    """An FMU for co-simulation, version 2.0 or 3.0, ready to be initialised.
+
+    ``name`` is how messages call it.  Raises FmuError where it cannot be loaded.
+    """
+
+    def __init__(self, path: str | Path, name: str, folder: str | Path) -> None:
+        """Unpack ``path`` below ``folder`` and create one instance."""
+        self.name, self.path, self.time = name, os.fspath(path), 0.0
+        self.messages: list[str] = []
+        try:
+            self.description = read_model_description(self.path)
+            self.version = 2 if self.description.fmiVersion == "2.0" else 3
+            self._fmu = self._loaded(extract(self.path, str(folder)))
+        except Exception as error:  # FMPy raises bare Exceptions
+            raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def _loaded(self, folder: str) -> Any:
+        if self.description.coSimulation is None:
+            raise ArgumentError("it has no co-simulation interface. Export it for co-simulation.")
+        kind = FMU2Slave if self.version == 2 else FMU3Slave
+        fmu = kind(
+            guid=self.description.guid, unzipDirectory=folder, instanceName=self.name,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )  # fmt: skip
+        self._instantiate(fmu)
+        return fmu
+
+    def _instantiate(self, fmu: Any) -> None:
+        if self.version == 3:
+            fmu.instantiate(logMessage=self._hear3)
+            return
+        from fmpy.fmi2 import defaultCallbacks
+
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(self._hear2)
+        callbacks.allocateMemory = defaultCallbacks.allocateMemory
+        callbacks.freeMemory = defaultCallbacks.freeMemory
+        self._callbacks = callbacks
+        fmu.instantiate(callbacks=callbacks)
+
+    def _hear2(self, _env: Any, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+        self.messages.append((message or b"").decode(errors="replace"))
+
+    def _hear3(self, _env: Any, _status: int, _category: bytes, message: bytes) -> None:
+        self.messages.append((message or b"").decode(errors="replace"))
+
+    def unit(self, name: str) -> str | None:
+        """Unit that the model description gives a variable, or None."""
+        variable = self.variable(name)
+        declared = variable.declaredType
+        return variable.unit or (declared.unit if declared is not None else None)
+
+    def variable(self, name: str) -> Any:
+        """A real variable's description; raises UnknownNameError or ArgumentError."""
+        if name not in self.variables:
+            raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
+        variable = self.variables[name]
+        if variable.type not in ("Real", "Float64"):
+            raise ArgumentError(f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be used.")
+        return variable
+
+    def begin(self, stop: float, values: Mapping[str, float]) -> None:
+        """Set start values and initialise at t = 0 s."""
+        with _telling(self, "initialisation"):
+            if self.version == 2:
+                self._fmu.setupExperiment(startTime=0.0, stopTime=stop)
+                self.set(values)
+                self._fmu.enterInitializationMode()
+            else:
+                self.set(values)
+                self._fmu.enterInitializationMode(startTime=0.0, stopTime=stop)
+            self._fmu.exitInitializationMode()
+
+    def set(self, values: Mapping[str, float]) -> None:
+        """Set variables by name."""
+        for name, value in values.items():
+            self.writer([name])([value])
+
+    def reader(self, names: Iterable[str]) -> Read:
+        """A function that reads these variables at once."""
+        count, refs, buffer = self._buffers(names)
+        get, instance = self._function("Get"), self._fmu.component
+        length = () if self.version == 2 else (count,)
+
+        def read() -> list[float]:
+            get(instance, refs, count, buffer, *length)
+            return buffer[:]
+
+        return self._guarded(read, "reading outputs") if count else list
+
+    def writer(self, names: Iterable[str]) -> Write:
+        """A function that writes these variables at once."""
+        count, refs, buffer = self._buffers(names)
+        put, instance = self._function("Set"), self._fmu.component
+        length = () if self.version == 2 else (count,)
+
+        def write(values: Sequence[float]) -> None:
+            buffer[:] = values
+            put(instance, refs, count, buffer, *length)
+
+        return self._guarded(write, "setting inputs") if count else _nothing
+
+    def _function(self, verb: str) -> Any:
+        return getattr(self._fmu, f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64")
+
+    def _buffers(self, names: Iterable[str]) -> tuple[int, Any, Any]:
+        refs = [self.variable(name).valueReference for name in names]
+        return len(refs), (ct.c_uint32 * len(refs))(*refs), (ct.c_double * len(refs))()
+
+    def _guarded(self, call: Any, what: str) -> Any:
+        def guarded(*arguments: Any) -> Any:
+            try:
+                return call(*arguments)
+            except Exception as error:
+                raise self._failure(what, error) from error
+
+        return guarded
+
+    def step(self, t: float, h: float) -> None:
+        """One communication step from t [s] over h [s]."""
+        self.time = t
+        try:
+            if self.version == 2:
+                self._fmu.fmi2DoStep(self._fmu.component, t, h, 1)
+            else:
+                self._step3(t, h)
+        except FmuError:
+            raise
+        except Exception as error:
+            raise self._failure("doStep", error) from error
+
+    def _step3(self, t: float, h: float) -> None:
+        _event, end, early, _last = self._fmu.doStep(t, h)
+        if end or early:
+            raise FmuError(f"the FMU {self.path} ({self.name}) ended its step at t = {t:.9g} s early.")
+
+    def _failure(self, what: str, error: Exception) -> FmuError:
+        said = f" It said: {self.messages[-1]}" if self.messages else ""
+        return FmuError(f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}: {error}.{said}")
+
+    def end(self) -> None:
+        """Terminate and free the instance, whatever state it is in."""
+        for call in (self._fmu.terminate, self._fmu.freeInstance):
+            try:
+                call()
+            except Exception:  # an FMU that failed may refuse to terminate
+                continue
+
+
+class _telling:
+    """Turns whatever an FMU raises into an FmuError that names it."""
+
+    def __init__(self, slave: Slave, what: str) -> None:
+        self.slave, self.what = slave, what
+
+    def __enter__(self) -> None:
+        """Nothing to prepare."""
+
+    def __exit__(self, kind: Any, error: Exception | None, _trace: Any) -> None:
+        """Rename what FMPy raised."""
+        if error is not None and not isinstance(error, WmrError):
+            raise self.slave._failure(self.what, error) from error
+
+
+def _nothing(values: Sequence[float]) -> None:
+    """Write no variable."""

@@ -1,0 +1,115 @@
+"""SSP package: reference, controller and plant, wired, with units and parameter sets."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from wmr_ctrl.fmi.blocks import parallel
+from wmr_ctrl.fmi.export import TOOL, Progress, model_of, settled, write_fmu
+from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.package import write_archive
+from wmr_ctrl.fmi.targets import targets_of
+from wmr_ctrl.fmi.templates import render
+from wmr_ctrl.fmi.units import units_of
+from wmr_ctrl.fmi.variables import Role, Variable
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import POSE, TAU_APPLIED, TORQUE, TORQUE_NOISE, VELOCITY
+
+SHOWN = tuple(s.name for s in (*POSE, *VELOCITY, *TORQUE))
+"""Outputs of the whole system."""
+DISTURBANCE = tuple(s.name for s in TORQUE_NOISE)
+"""Inputs of the whole system; zero where nobody connects them."""
+ORDER = ("reference", "controller", "plant")
+
+
+def export_ssp(
+    *,
+    law: str = "nn",
+    scenario: str | Path | Scenario = "paper-simulation",
+    target: str = "host",
+    out: str | Path = ".",
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of ``law``, its reference and the plant.
+
+    The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
+    delay does to each law.  Raises UnknownNameError, ScenarioError or CompilerError.
+    """
+    found = settled(scenario)
+    models = {name: parallel(model_of(law if name == "controller" else name, law, found)) for name in ORDER}
+    files = {"SystemStructure.ssd": _structure(models, found).encode()}
+    for name, model in models.items():
+        files[f"resources/{name}.ssv"] = _parameters(name, model).encode()
+        files[f"resources/{model.identifier}.fmu"] = _fmu(model, target)
+    path = write_archive(Path(out) / "wmr.ssp", files)
+    if progress:
+        progress(f"{path}: reference, {law} and plant, {target}")
+    return [path]
+
+
+def _fmu(model: Model, target: str) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{model.identifier}.fmu"
+        return write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
+
+
+def _structure(models: dict[str, Model], scenario: Scenario) -> str:
+    ports = {name: list(_ports(model)) for name, model in models.items()}
+    every = [port["unit"] for listed in ports.values() for port in listed]
+    return render("SystemStructure.ssd", m={
+        "tool": TOOL, "title": scenario.title or scenario.name, "stop": repr(scenario.clock.duration),
+        "ports": [{"name": n, "kind": k, "unit": _unit_of(models, n)} for n, k in _outside(models)],
+        "parts": [_part(name, model, ports[name]) for name, model in models.items()],
+        "connections": list(_connections(models)), "units": _units(every),
+    })  # fmt: skip
+
+
+def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any]:
+    return {"name": name, "source": f"resources/{model.identifier}.fmu", "parameters": f"resources/{name}.ssv", "ports": ports}
+
+
+def _ports(model: Model) -> Iterator[dict[str, str]]:
+    for v in model.variables:
+        if v.role is Role.INPUT or (v.output and not v.array):
+            yield {"name": v.name, "kind": "input" if v.role is Role.INPUT else "output", "unit": v.unit}
+
+
+def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
+    names = {v.name for model in models.values() for v in model.variables if v.output}
+    return [*((name, "input") for name in DISTURBANCE), *((name, "output") for name in SHOWN if name in names)]
+
+
+def _unit_of(models: dict[str, Model], name: str) -> str:
+    return next(v.unit for model in models.values() for v in model.variables if v.name == name)
+
+
+def _connections(models: dict[str, Model]) -> Iterator[list[tuple[str, str]]]:
+    """Each input to the output of its name; the applied torque is the controller's own."""
+    owner = {v.name: part for part, model in models.items() for v in model.variables if v.output}
+    renamed = dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True))
+    for part, model in models.items():
+        for v in model.variables:
+            if v.role is Role.INPUT:
+                yield _line(owner, renamed.get(v.name, v.name), part, v)
+    for name in SHOWN:
+        yield [("startElement", owner[name]), ("startConnector", name), ("endConnector", name)]
+
+
+def _line(owner: dict[str, str], source: str, part: str, v: Variable) -> list[tuple[str, str]]:
+    start = [] if source in DISTURBANCE else [("startElement", owner[source])]
+    return [*start, ("startConnector", source), ("endElement", part), ("endConnector", v.name)]
+
+
+def _parameters(name: str, model: Model) -> str:
+    listed = [v for v in model.variables if v.parameter and not v.integer]
+    return render("parameters.ssv", m={
+        "name": name, "tool": TOOL, "units": _units([v.unit for v in listed]),
+        "parameters": [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed],
+    })  # fmt: skip
+
+
+def _units(names: list[str]) -> list[dict[str, Any]]:
+    return [{"name": unit.name, "base": list(unit.exponents.items())} for unit in units_of(names)]

@@ -1,0 +1,255 @@
+"""The velocity guard: what keeps the limit, what brings the robot back, and what cannot be better.
+
+All parameters are symbols.  The statements are about one sample of one axis; that they hold for
+every instant of a run is the comparison lemma (guard.lemma) with induction over the samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.laws.guard import Bounds, ceiling, clipped, floor
+from wmr_ctrl.laws.guard_monitor import least_push
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+
+NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
+PRESENT = "v y asked mass t"
+THEME = "guard"
+ALL = "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are feasible"
+FEASIBLE = ("2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - f_min, brake >= 0")
+
+
+@dataclass(frozen=True)
+class GuardAxis:
+    """Symbols of one axis: the guard's numbers, and what happens in one sample."""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name."""
+        return symbols(f"{NUMBERS} {PRESENT}")
+
+    def __getitem__(self, name: str) -> ca.SX:
+        """The symbol of a name."""
+        return self.symbols[name]
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """What the guard's graph reads."""
+        return Bounds(**{name: self[name] for name in NUMBERS.split()})
+
+    @property
+    def force(self) -> ca.SX:
+        """What the guard lets through."""
+        return clipped(self["asked"], self["y"], self.bounds)
+
+    def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
+        """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
+        b = self.bounds
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha)]
+        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
+        reach = b.M_min * b.alpha * (b.u1 - b.f_speed)
+        return (
+            *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
+            at_least(faster, b.alpha * b.period), at_least(pushed * reach, 2 * b.net),
+            at_least(b.u1, 2 * b.nbar), at_least(b.brake, b.net),
+        )  # fmt: skip
+
+    @property
+    def measured(self) -> tuple[Relation, ...]:
+        """|y - v| <= nbar."""
+        gap = self["y"] - self["v"]
+        return at_least(self["nbar"], gap), at_least(self["nbar"], -gap)
+
+    @property
+    def inside(self) -> tuple[Relation, ...]:
+        """|v| <= u1."""
+        return at_least(self["u1"], self["v"]), at_least(self["v"], -self["u1"])
+
+    @property
+    def during(self) -> tuple[Relation, ...]:
+        """0 <= t <= T, M_min <= M <= M_max."""
+        b, mass = self.bounds, self["mass"]
+        return (at_least(self["t"]), at_least(b.period, self["t"]), at_least(mass, b.M_min),
+                at_least(b.M_max, mass))
+
+    def farthest(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+        """Comparison bound of way * v at time t: max(v, f_speed) + t max(F + net, 0)/M."""
+        b = self.bounds
+        start = ca.fmax(way * self["v"], b.f_speed)
+        return start + self["t"] * ca.fmax(way * self.force + b.net + more, 0) / self["mass"]
+
+
+def _not_empty(flip: float) -> Statement:
+    a = GuardAxis()
+    given = a.feasible(1 if flip > 0 else 1.01)
+    return Statement(a.symbols, (at_least(ceiling(a["y"], a.bounds), floor(a["y"], a.bounds)),), given)
+
+
+def _invariant(way: int, flip: float) -> Statement:
+    a = GuardAxis()
+    given = (*a.feasible(1, 1 if flip > 0 else 1.01), *a.measured, *a.inside, *a.during)
+    return Statement(a.symbols, (at_least(a["u1"], a.farthest(way)),), given)
+
+
+def _upper(flip: float) -> Statement:
+    return _invariant(1, flip)
+
+
+def _lower(flip: float) -> Statement:
+    return _invariant(-1, flip)
+
+
+def _too_fast(flip: float) -> Statement:
+    """The same with alpha T up to 1.01: false."""
+    return _invariant(1, -flip)
+
+
+def _outside(flip: float) -> Statement:
+    """v > u1: the push left over is negative, and at least what the return needs."""
+    a = GuardAxis()
+    b, beyond = a.bounds, a["v"] - a["u1"]
+    spare = ca.fmin(b.brake, b.cap) - b.net
+    needed = ca.fmin(spare, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
+    left = a.force + b.net
+    given = (*a.feasible(), *a.measured, above(beyond))
+    return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given)
+
+
+def _return_step(flip: float) -> Statement:
+    """One sample from outside: v falls to u1, or by T (FB - net)/M_max."""
+    a = GuardAxis()
+    b = a.bounds
+    step = b.period * (ca.fmin(b.brake, b.cap) - b.net) / b.M_max
+    end = a["v"] + b.period * (a.force + b.net) / b.M_max
+    goal = at_least(ca.fmax(a["u1"], a["v"] - (1 if flip > 0 else 1.01) * step), end)
+    return Statement(a.symbols, (goal,), (*a.feasible(), *a.measured, above(a["v"], a["u1"])))
+
+
+def _no_overshoot(flip: float) -> Statement:
+    """From above, even if friction stops the robot at once, -u1 is not passed in the same sample."""
+    a = GuardAxis()
+    b = a.bounds
+    fallen = b.f_speed + a["t"] * ca.fmax(b.net - a.force, 0) / a["mass"]
+    limit = a["u1"] if flip > 0 else 0.99 * a["u1"]
+    given = (*a.feasible(), *a.during, above(a["v"], a["u1"]), *a.measured)
+    return Statement(a.symbols, (at_least(limit, fallen),), given)
+
+
+def _maximal(flip: float) -> Statement:
+    """nbar = f_min = f_speed = 0, alpha = 1/T: any larger force can leave the limit."""
+    a = GuardAxis()
+    b = a.bounds
+    exact = (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period)
+    given = (*a.feasible(), *(Relation(item, "=") for item in exact), at_least(a["v"]), *a.inside)
+    more = a["asked"] - ceiling(a["v"], b)
+    end = a["v"] + b.period * (a["asked"] + b.dbar) / (b.M_min if flip > 0 else b.M_max)
+    return Statement(a.symbols, (above(end, a["u1"]),), (*given, above(more)))
+
+
+def _necessary(flip: float) -> Statement:
+    """2 dbar T > M_min u1: what holds u1 against +dbar can, once friction has stopped it, reach -u1."""
+    t = symbols("u1 period M_min dbar force")
+    held = at_least(0, t["force"] + t["dbar"])
+    tight = above(2 * t["dbar"] * t["period"], (1 if flip > 0 else 0.99) * t["M_min"] * t["u1"])
+    swung = t["period"] * (t["dbar"] - t["force"]) / t["M_min"]
+    positive = tuple(above(t[name]) for name in ("u1", "period", "M_min", "dbar"))
+    return Statement(t, (above(swung, t["u1"]),), (*positive, tight, held))
+
+
+def _graceful(flip: float) -> Statement:
+    """|d| <= dbar + D: |v| <= u1 + D T/M_min stays true."""
+    a = GuardAxis()
+    b, extra = a.bounds, ca.SX.sym("extra")
+    limit = b.u1 + (1 if flip > 0 else 0.99) * extra * b.period / b.M_min
+    brakes = (ca.fmin(b.brake, b.cap) - b.net) * b.M_min - b.M_max * extra
+    given = (*a.feasible(), *a.measured, *a.during, at_least(extra), at_least(brakes), at_least(limit, a["v"]))
+    return Statement({**a.symbols, "extra": extra}, (at_least(limit, a.farthest(1, extra)),), given)
+
+
+def _anchor(flip: float) -> Statement:
+    """The safe point: a force of 0, guarded, is at most the brake cap."""
+    a = GuardAxis()
+    b = a.bounds
+    size = ca.fabs(clipped(ca.SX(0), a["y"], b))
+    cap = (1 if flip > 0 else 0.99) * ca.fmin(b.brake, b.cap)
+    return Statement(a.symbols, (at_least(cap, size),), a.feasible())
+
+
+def _not_blamed(flip: float) -> Statement:
+    """A sample that ran ahead: d_least is at most the mean disturbance that pushed it."""
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old push drag e_new e_old")
+    mean = (a["asked"] + t["push"] - flip * t["drag"]) / a["mass"]
+    new = t["old"] + b.period * mean
+    y, before = new + t["e_new"], t["old"] + t["e_old"]
+    errors = [at_least(b.nbar, way * t[name]) for way in (1, -1) for name in ("e_new", "e_old")]
+    ahead = (above(ca.fmin(y, before), b.nbar), at_least(t["drag"]), at_least(t["push"]))
+    least = least_push(y, before, a["asked"], b)
+    given = (*a.feasible(), *a.during, *errors, *ahead)
+    return Statement({**a.symbols, **t}, (at_least(t["push"], least),), given)
+
+
+def _rounding(flip: float) -> Statement:
+    """Scaled to u1 = M_min alpha = 1: relative errors of 6 operations before, 1 at the end."""
+    t = symbols("v net before after")
+    v, net = t["v"], t["net"]
+    shrunk = 1 - 2.0**-44 if flip > 0 else 1
+    room = shrunk - v
+    force = (room * (1 + t["before"]) - net) * (1 + t["after"])
+    small = [at_least(bound, way * t[name]) for way in (1, -1)
+             for name, bound in (("before", 6 * 2.0**-53), ("after", 2 * 2.0**-53))]
+    given = (at_least(v), at_least(room), at_least(net), at_least(1, 2 * net), *small)
+    return Statement(t, (at_least(1, v + force + net),), given)
+
+
+SLOW = Z3(timeout=60)
+
+CLAIMS = (
+    Claim("guard.feasible", (), OURS, "lo(y) <= hi(y) for every y", "There is a safe force at every measured velocity.",
+          f"{ALL}: {FEASIBLE}", _not_empty, SLOW, theme=THEME),
+    Claim("guard.upper", (), OURS, "max(v, f_speed) + t max(F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
+          "Whatever the law asks for, the robot does not pass its limit forwards within the sample.",
+          f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max", _upper, SLOW, theme=THEME),
+    Claim("guard.lower", (), OURS, "max(-v, f_speed) + t max(-F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
+          "Nor backwards.", f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max", _lower, SLOW,
+          theme=THEME),
+    Claim("guard.too-fast", (), OURS, "the same with alpha T up to 1.01",
+          "False: alpha = 1/T is the fastest approach to the limit that a held force admits.",
+          f"{ALL}, but alpha T <= 1.01", _too_fast, SLOW, theme=THEME),
+    Claim("guard.outside", (), OURS, "v > u1: F + dbar - f_min <= -min(FB - dbar + f_min, M_max (v - u1)/T) <= 0",
+          "Outside the limit no disturbance can make the robot faster.", f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
+          _outside, SLOW, theme=THEME),
+    Claim("guard.return", (), OURS, "v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M_max) for M = M_max",
+          "Hence back inside within ceil((v - u1) M_max/(T (FB - dbar + f_min))) samples.",
+          f"{ALL}: {FEASIBLE}; |y - v| <= nbar", _return_step, SLOW, theme=THEME),
+    Claim("guard.no-overshoot", (), OURS, "f_speed + t max(-F + dbar - f_min, 0)/M <= u1, also from v > u1",
+          "Braking from outside never throws the robot through the other limit.", f"{ALL}: {FEASIBLE}",
+          _no_overshoot, SLOW, theme=THEME),
+    Claim("guard.maximal", (), OURS, "0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1",
+          "No guard that intervenes less is safe.", "nbar = f_min = f_speed = 0, alpha = 1/T", _maximal, SLOW, theme=THEME),
+    Claim("guard.necessary", (), OURS, "2 dbar T > M_min u1 and F + dbar <= 0: T (dbar - F)/M_min > u1",
+          "Beyond this bound no guard at all can keep the limit where friction of unknown size can stop the robot.",
+          "u1, T, M_min, dbar > 0", _necessary, SLOW, theme=THEME),
+    Claim("guard.graceful", (), OURS, "|d| <= dbar + D keeps |v| <= u1 + D T/M_min",
+          "A bound that is broken by D costs a known excess, no more.",
+          f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D", _graceful, SLOW, theme=THEME),
+    Claim("guard.anchor", (), OURS, "|clip(0, lo, hi)| <= FB", "The force of least effort is within the brake cap.",
+          f"{ALL}: {FEASIBLE}", _anchor, SLOW, theme=THEME),
+    Claim("guard.monitor", (), OURS, "d_least <= mean disturbance of the sample, driving forwards",
+          "The monitor accuses the bounds only where they are wrong.",
+          f"{ALL}: {FEASIBLE}; both measured velocities above nbar, friction >= 0", _not_blamed, SLOW, theme=THEME),
+    Claim("guard.rounding", (), OURS, "with rounding errors, v + T (F + dbar - f_min)/M_min <= u1 for a guard that aims "
+          "at u1 (1 - 2^-44)", "The limit holds for the doubles that the generated C computes.",
+          "scaled to u1 = M_min alpha = 1; at most 6 and 2 roundings of 2^-53 before and after the last difference",
+          _rounding, SLOW, theme=THEME),
+    Claim("guard.lemma", (), OURS, "v+ = max(v, f_speed) is absolutely continuous, and M dv+/dt <= F + dbar - f_min where "
+          "v > f_speed, 0 elsewhere; so v+(t) <= v+(0) + t max(F + dbar - f_min, 0)/M_min",
+          "One inequality at the sample bounds the velocity at every instant up to the next.",
+          "F1 v >= f_min |v| above f_speed, F1 v >= 0 below, |d| <= dbar, F held", verdict=HAND, theme=THEME),
+)
