@@ -48,6 +48,9 @@ RATIOS = (
     Ratio("closed_loop_mb_vs_hand_c", "mb_loop", "mb_loop_hand", "<= 1.3"),
     Ratio("closed_loop_numpy_vs_native", "nn_loop_numpy", "nn_loop", ""),
     Ratio("batch_nn_per_core_vs_scalar_hand_c", "nn_loop_hand", "nn_batch", ">= 3 (AVX-512)"),
+    Ratio("batch_nn_avx512_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx512", ">= 3"),
+    Ratio("batch_nn_avx2_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx2", ">= 2"),
+    Ratio("batch_nn_baseline_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_baseline", ""),
     Ratio("fmu_plant_step_vs_empty_call", "fmu_plant", "fmu_empty", ""),
 )
 

@@ -12,8 +12,12 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.codegen.build import build_loop
 from wmr_ctrl.codegen.kernels import loop_systems
+from wmr_ctrl.codegen.lanes import available, build_batch
 from wmr_ctrl.codegen.manifest import Kernels
+from wmr_ctrl.results import Settings
 from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.sim.batch import Task, run_tasks
+from wmr_ctrl.sim.batch_memory import library_of
 from wmr_ctrl.sim.compiled_law import CompiledLaw
 from wmr_ctrl.sim.native import load, settings_of
 from wmr_ctrl.sim.structs import loop_struct
@@ -103,5 +107,20 @@ def plant_step(steps: int) -> Candidate:
 
 
 def batches(control: float = 1e-3) -> dict[str, Candidate]:
-    """Many closed loops at once; a step is one control sample of one robot."""
-    return {}
+    """NN closed loops side by side on one core; a step is one control sample of one robot.
+
+    ``nn_batch`` takes the best vector instructions of this processor.
+    """
+    sets = available()
+    found = {f"nn_batch_{name}": _batch("nn", control, name) for name in sets}
+    return {"nn_batch": found[f"nn_batch_{sets[0]}"], **found}
+
+
+def _batch(law: str, control: float, vectors: str) -> Candidate:
+    given = scenario(control)
+    built = build_batch(given, law, vectors)
+    lanes = library_of(built.library).lanes
+    clock = given.clock
+    windows = Settings(control, clock.plant, clock.duration, given.limits.v_u1, clock.duration / 2)
+    tasks = [Task(built, given, windows, seed) for seed in range(lanes)]
+    return Candidate(partial(run_tasks, tasks, jobs=1), given.clock.samples * lanes)

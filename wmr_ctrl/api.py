@@ -13,9 +13,11 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +44,8 @@ def scenario_of(
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
 
     ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches the
-    velocity guard on or off (None: as the scenario says).  Gains and guard are checked too.  Raises ScenarioError or UnknownNameError, each naming the key.
+    velocity guard on or off (None: as the scenario says).  Gains and guard are checked too.
+    Raises ScenarioError or UnknownNameError, each naming the key.
 
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
@@ -74,8 +77,9 @@ def simulate(
     """Run ``law`` on ``scenario`` and return the Run.
 
     ``engine`` is "native" (compiled C) or "numpy" (slow, needs no compiler); ``guard`` switches the
-    velocity guard on or off (None: as the scenario says).  Leaving the velocity limit, diverging or turning non-finite is the Run's outcome, never an exception.  Raises
-    UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
+    velocity guard on or off (None: as the scenario says).  Leaving the velocity limit, diverging
+    or turning non-finite is the Run's outcome, never an exception.  Raises UnknownNameError,
+    ScenarioError, ArgumentError (seed) or CompilerError.
 
     >>> run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 5.0})
     >>> print(run.outcome)
@@ -136,8 +140,8 @@ def reproduce(
 ) -> Any:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
-    ``quick`` takes 3 seeds.  Returns the verdicts; ``.ok`` tells whether they are the committed
-    ones.  ``progress`` has ``start(total, text)``, ``advance(n)`` and ``done()``.
+    ``quick`` takes 3 seeds.  Returns the verdicts; ``.as_expected`` tells whether they are the
+    committed ones.  ``progress`` has ``start(total, text)``, ``advance(n)`` and ``done()``.
     """
     from wmr_ctrl.report.reproduce import reproduce as write_report
     from wmr_ctrl.scenario import preset_names
@@ -167,6 +171,26 @@ def reproduce(
         progress=progress,
         facts=facts,
     )
+
+
+def bench(progress: Progress | None = None) -> dict[str, Any]:
+    """Measure the generated code against hand-written C, NumPy and CasADi's virtual machine.
+
+    Takes about a minute.  Returns ``ratios`` by name, their ``spread`` and ``targets``, ``ns`` per
+    step, and the paper's times beside ours; ``text`` is all that as a table.
+    """
+    module = _benchmarks()
+    found = module.run_bench(progress)
+    return {**found, "text": module.table(found)}
+
+
+def _benchmarks() -> Any:
+    """The benchmarks: part of the package where it is installed, beside it in a checkout."""
+    try:
+        return import_module("wmr_ctrl._benchmarks.bench")
+    except ModuleNotFoundError:
+        sys.path.insert(0, str(Path(__file__).parents[1]))
+        return import_module("benchmarks.bench")
 
 
 def evaluation_times(
@@ -251,8 +275,8 @@ def run_of(
     signals, columns, seen = found
     monitor = _with_bounds(scenario, law, columns, seen)
     return Run(
-        scenario.name, law, scenario.guard.enabled, seed, engine, settings_of(scenario), signals, columns, monitor,
-        outcome_of(monitor), {**provenance(scenario), **facts},
+        scenario.name, law, scenario.guard.enabled, seed, engine, settings_of(scenario), signals,
+        columns, monitor, outcome_of(monitor), {**provenance(scenario), **facts},
     )  # fmt: skip
 
 

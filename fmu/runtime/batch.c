@@ -10,7 +10,8 @@
 #define SPEED_MAX 1e3
 
 enum { DIVERGED = 1, NON_FINITE = 2 };
-enum { LIMIT = 0, POSE_NOISE = 2, CORRECTION = 3, VELOCITY_NOISE = 4, STD = 6, TRUNCATE = 7, LAG = 8 };
+enum { LIMIT = 0, POSE_NOISE = 2, CORRECTION = 3, VELOCITY_NOISE = 4, STD = 6, TRUNCATE = 7, LAG = 8,
+       PUSH = 9 };
 
 /* What changes during a run. */
 typedef struct {
@@ -121,6 +122,16 @@ static void torque_noise(const wmr_batch_settings *s, int64_t k, wmr_v out[2])
     for (int i = 0; i < 2; ++i) {
         out[i] = s->numbers[STD] * wmr_max(-most, wmr_min(most, out[i]));
     }
+}
+
+/* The adversary of loop.c: away from rest on each axis. */
+static void push(const wmr_batch_settings *s, const batch *w, wmr_v noise[2])
+{
+    const wmr_v *most = s->numbers + PUSH;
+    const wmr_v along = wmr_choose((wmr_m)(w->plant[3] < 0.0), -most[0], most[0]);
+    const wmr_v around = wmr_choose((wmr_m)(w->plant[4] < 0.0), -most[1], most[1]);
+    noise[0] += along + around;
+    noise[1] += along - around;
 }
 
 static void measure(const wmr_batch_settings *s, batch *w, wmr_v *pose, wmr_v *v)
@@ -238,6 +249,7 @@ static void sample(const wmr_batch_settings *s, batch *w)
     if (wmr_some((wmr_m)(s->numbers[STD] > 0.0))) {
         torque_noise(s, w->sample, noise);
     }
+    push(s, w, noise);
     if (row) {
         write_row(w, t, u, torque, noise, row);
     }

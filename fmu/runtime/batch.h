@@ -15,8 +15,9 @@
 #define WMR_SUMS 7
 
 /* Numbers of each lane: v_u1 (2), pose noise, correction, velocity noise (2), standard deviation
-   and truncation of the torque noise, decay of the lag. */
-#define WMR_NUMBERS 9
+   and truncation of the torque noise, decay of the lag, torque of the push along v1 (both wheels)
+   and along omega (right - left). */
+#define WMR_NUMBERS 11
 
 /* Findings of each lane: final plant state (WMR_PLANT_NX), max |v| (2), violations, plant step and
    axis of the first (-1, 0), reason (as in loop.h), plant step and axis of an early end, samples

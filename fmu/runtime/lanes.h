@@ -230,4 +230,36 @@ static inline wmr_v wmr_tanh(wmr_v a)
     return found;
 }
 
+/* The rest lane by lane, with libm. */
+#define WMR_EACH(name)                            \
+    static inline wmr_v wmr_##name(wmr_v a)       \
+    {                                             \
+        for (int i = 0; i < WMR_LANES; ++i) {     \
+            a[i] = name(a[i]);                    \
+        }                                         \
+        return a;                                 \
+    }
+#define WMR_EACH_PAIR(name)                           \
+    static inline wmr_v wmr_##name(wmr_v a, wmr_v b)  \
+    {                                                 \
+        for (int i = 0; i < WMR_LANES; ++i) {         \
+            a[i] = name(a[i], b[i]);                  \
+        }                                             \
+        return a;                                     \
+    }
+
+WMR_EACH(log1p)
+WMR_EACH(expm1)
+WMR_EACH(tan)
+WMR_EACH(asin)
+WMR_EACH(acos)
+WMR_EACH(atan)
+WMR_EACH(sinh)
+WMR_EACH(cosh)
+WMR_EACH(floor)
+WMR_EACH(ceil)
+WMR_EACH_PAIR(atan2)
+WMR_EACH_PAIR(hypot)
+WMR_EACH_PAIR(pow)
+
 #endif

@@ -39,7 +39,7 @@ THIRD_PARTY = {
     "linear": {"casadi", "control", "numpy", "scipy"},
     "fmi": {"fmpy", "jinja2", "numpy"},
     "campaign": {"numpy"},
-    "report": {"jinja2", "matplotlib", "numpy"},
+    "report": {"PIL", "jinja2", "matplotlib", "numpy"},
     "api": {"numpy"},
     "__init__": set(),
 }

@@ -104,9 +104,7 @@ def test_every_operation_has_a_c_form_or_is_refused() -> None:
 
 def test_choices_are_merged_and_nothing_unused_is_left() -> None:
     x = ca.SX.sym("x")
-    text = definition(
-        kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, 3 * x, 2 * x)})
-    )
+    text = definition(kernel("pick", "A choice.", {"x": x}, {"y": ca.if_else(x > 0, 3 * x, 2 * x)}))
 
     assert text.count("?") == 1
     assert "!" not in text

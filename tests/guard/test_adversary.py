@@ -56,7 +56,7 @@ def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> Non
 
 @pytest.mark.parametrize("law", NAMES)
 def test_switching_disturbances_any_mass_and_noise(law: str) -> None:
-    """20 random cases a law: bang-bang in time or by sign, masses, friction, nbar, period, start."""
+    """20 random cases a law: bang-bang in time or by sign; mass, friction, nbar, period, start."""
     draw = np.random.default_rng(sum(law.encode()))
     for case in range(20):
         worst = drive(law, draw, case)

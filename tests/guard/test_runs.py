@@ -23,7 +23,9 @@ def gap(first: Run, second: Run) -> float:
 
 @every_law
 def test_native_equals_numpy(law: str) -> None:
-    native, numpy = (simulate("safe-simulation", law, seed=3, engine=e) for e in ("native", "numpy"))
+    native, numpy = (
+        simulate("safe-simulation", law, seed=3, engine=e) for e in ("native", "numpy")
+    )
 
     assert gap(native, numpy) < 1e-9
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)

@@ -126,7 +126,7 @@ def test_change_acts_on_the_first_plant_step_that_starts_at_it() -> None:
 
 
 def test_mb_decays_as_the_theorem_says() -> None:
-    """V1 falls along the undisturbed, exactly modelled run, Eq. (30), up to what 1 ms of hold costs."""
+    """V1 falls along the undisturbed, exactly modelled run, Eq. (30), up to the cost of 1 ms."""
     value = simulate(
         "paper-simulation-nominal", "mb", overrides={"clock.control": 0.001, "clock.duration": 4.0}
     )["V1"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from wmr_ctrl.cli.console import flat, json_text, say, table
+from wmr_ctrl.cli.console import json_text, say
 from wmr_ctrl.cli.options import check_output, debug_option
 from wmr_ctrl.cli.progress import Progress
 
@@ -18,8 +18,7 @@ from wmr_ctrl.cli.progress import Progress
 def bench(file: str | None) -> None:
     """Measure generated C against hand-written C and NumPy, interleaved in one run.
 
-    Only ratios are printed, since they carry over from one machine to another; FILE has the
-    times too.
+    Ratios carry over from one machine to another; FILE has the times too.
     """
     check_output(file, (".json",), "--json")
     api: Any = import_module("wmr_ctrl.api")
@@ -31,4 +30,4 @@ def bench(file: str | None) -> None:
         with atomic_write(file, text=True) as stream:
             stream.write(json_text(found) + "\n")
         say("wrote", file)
-    click.echo(table(flat(found["ratios"]), header=("measured", "ratio")))
+    click.echo(found["text"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import click
@@ -69,13 +69,3 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     with console.capture() as capture:
         console.print(grid)
     return "\n".join(line.rstrip() for line in capture.get().strip().splitlines())
-
-
-def flat(value: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, str]]:
-    """Yield the leaves of nested mappings as (dotted key, text)."""
-    for key, item in value.items():
-        name = f"{prefix}{key}"
-        if isinstance(item, Mapping):
-            yield from flat(item, f"{name}.")
-        else:
-            yield name, f"{item:.4g}" if isinstance(item, float) else str(item)

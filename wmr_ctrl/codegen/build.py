@@ -46,10 +46,8 @@ def _built(files: dict[str, str | bytes]) -> Path:
         return build_library(files)
 
 
-def unity(
-    generated: dict[str, str], files: tuple[str, ...] = RUNTIME
-) -> dict[str, str | bytes]:
-    """Generated and hand-written sources with the first of ``files`` as the only unit to compile."""
+def unity(generated: dict[str, str], files: tuple[str, ...] = RUNTIME) -> dict[str, str | bytes]:
+    """Generated and hand-written sources; the first of ``files`` is the only unit to compile."""
     runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
     included = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
     unit = included.pop(_as_header(files[0])).replace('.c"', '.inc"')

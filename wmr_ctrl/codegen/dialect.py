@@ -66,6 +66,21 @@ _VECTOR = {
     ca.OP_LOG: "wmr_log({0})",
     ca.OP_SIN: "wmr_sin({0})",
     ca.OP_COS: "wmr_cos({0})",
+    ca.OP_LOG1P: "wmr_log1p({0})",
+    ca.OP_EXPM1: "wmr_expm1({0})",
+    ca.OP_TAN: "wmr_tan({0})",
+    ca.OP_ASIN: "wmr_asin({0})",
+    ca.OP_ACOS: "wmr_acos({0})",
+    ca.OP_ATAN: "wmr_atan({0})",
+    ca.OP_ATAN2: "wmr_atan2({0}, {1})",
+    ca.OP_SINH: "wmr_sinh({0})",
+    ca.OP_COSH: "wmr_cosh({0})",
+    ca.OP_HYPOT: "wmr_hypot({0}, {1})",
+    ca.OP_POW: "wmr_pow({0}, {1})",
+    ca.OP_CONSTPOW: "wmr_pow({0}, {1})",
+    ca.OP_COPYSIGN: "wmr_copysign({0}, {1})",
+    ca.OP_FLOOR: "wmr_floor({0})",
+    ca.OP_CEIL: "wmr_ceil({0})",
 }
 TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 """Operations whose operands are truth values."""

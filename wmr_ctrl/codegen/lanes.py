@@ -1,7 +1,8 @@
-"""Many robots at once: the loop's kernels written for lanes, compiled for what the processor has."""
+"""Many robots at once: the loop's kernels for lanes, compiled for what the processor has."""
 
 from __future__ import annotations
 
+import importlib
 import platform
 from dataclasses import dataclass
 from typing import Any
@@ -84,11 +85,9 @@ def _flags(toolchain: Toolchain, vectors: Vectors) -> Toolchain:
 
 def _features() -> dict[str, Any]:
     """What NumPy found out about the processor; nothing where it does not tell."""
-    try:
-        from numpy._core._multiarray_umath import __cpu_features__ as found
-    except ImportError:
+    for name in ("numpy._core._multiarray_umath", "numpy.core._multiarray_umath"):
         try:
-            from numpy.core._multiarray_umath import __cpu_features__ as found
-        except ImportError:
-            return {}
-    return dict(found)
+            return dict(importlib.import_module(name).__cpu_features__)
+        except (ImportError, AttributeError):
+            continue
+    return {}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import platform
+import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +16,10 @@ from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
+
+
+VARIABLE = "WMR_CTRL_FMU_CC"
+"""Environment variable that names the C compiler of FMUs for this machine."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,13 @@ def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:
 
 
 def _toolchain(target: Target) -> Toolchain:
-    """zig cc, which builds for every platform from every other; else this machine's compiler."""
+    """zig cc, which builds for every platform from every other; else this machine's compiler.
+
+    A command in the environment variable WMR_CTRL_FMU_CC comes before both, for this machine.
+    """
+    named = shlex.split(os.environ.get(VARIABLE, ""))
+    if named and target.name == host():
+        return Toolchain(tuple(named), named[0], "named in " + VARIABLE, default_flags(named))
     if importlib.util.find_spec("ziglang") is not None:
         return _zig(target)
     if target.name != host():

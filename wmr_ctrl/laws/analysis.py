@@ -86,3 +86,12 @@ def strict_rate(e: ca.SX, v_d: ca.SX, k: ca.SX, eps: ca.SX) -> ca.SX:
     direction = error_rate(e, auxiliary_velocity(e, v_d, k), v_d)
     rate = ca.jtimes(strict_lyapunov(symbol, k[1], eps), symbol, direction)
     return ca.substitute(rate, symbol, e)
+
+
+def authority_limit(s: ca.SX) -> ca.SX:
+    """s (s - 1 - ln s)/(1 - s): (|v_c0| - u1) V1i/A_i far from the target, s = (u1 - |v|)/(u1 - |v_c1|).
+
+    Its maximum over 0 < s < 1, about 0.2162, times rho is what the barrier withstands there (not in
+    the paper).
+    """
+    return s * (s - 1 - ca.log(s)) / (1 - s)

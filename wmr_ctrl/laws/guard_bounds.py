@@ -156,11 +156,11 @@ def _check_push(scenario: Scenario, guard: Guard, i: int) -> None:
     room = scenario.limits.v_u1[i] - guard.f_speed[i]
     raise ScenarioError(
         f"guard: no force can keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
-        f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed) is needed on axis {i + 1}, but {need:g} > "
-        f"{low:g} * {alpha:g} * {room:g} = {have:.6g} {UNITS[i]}. It holds from clock.control <= "
-        f"{low * room / need:.4g} s on (alpha = 1/T), or with guard.dbar[{i + 1}] <= "
-        f"{have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with guard.M_min[{i + 1}] >= "
-        f"{need / (alpha * room):.4g}."
+        f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed) is needed on axis {i + 1}, but "
+        f"{need:g} > {low:g} * {alpha:g} * {room:g} = {have:.6g} {UNITS[i]}. It holds "
+        f"from clock.control <= {low * room / need:.4g} s on (alpha = 1/T), or with "
+        f"guard.dbar[{i + 1}] <= {have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with "
+        f"guard.M_min[{i + 1}] >= {need / (alpha * room):.4g}."
     )
 
 
@@ -182,9 +182,7 @@ def _derived_brake(scenario: Scenario, guard: Guard, tau_max: float) -> Pair:
 def _check_brake(scenario: Scenario, guard: Guard, tau_max: float) -> None:
     robot, brake = scenario.robot, _of(guard.brake)
     most = 2.0 * tau_max / robot.r
-    _check_wheels(
-        "dbar", [max(net(guard, i), 0.0) for i in AXES], most, robot.r, robot.l, tau_max
-    )
+    _check_wheels("dbar", [max(net(guard, i), 0.0) for i in AXES], most, robot.r, robot.l, tau_max)
     _check_wheels("brake", list(brake), most, robot.r, robot.l, tau_max)
     for i in AXES:
         if brake[i] < net(guard, i):

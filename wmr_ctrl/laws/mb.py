@@ -4,9 +4,9 @@ Source: Eq. (9), Theorem 1.  Differences from the paper: V1/A and q = (v - v_c1)
 cancellation-free forms and take their limits where A = 0 (the printed A^-1 := 0 drops the
 feed-forward there); rho is one gain per axis, as Section V uses it.  Options that the paper does
 not have: decay = "exact" replaces rho by (1 - exp(-rho T))/T, one Newton step towards the decay
-exp(-rho T) of a whole period, which no period makes overshoot; barrier = "smooth" (`smooth_barrier`).
-Choose it when mass, inertia and friction are known and the control period is well below the stable
-limit.
+exp(-rho T) of a whole period, which no period makes overshoot; barrier = "smooth", the form of
+`smooth_barrier`.  Choose it when mass, inertia and friction are known and the control period is
+well below the stable limit.
 """
 
 from __future__ import annotations

@@ -31,9 +31,7 @@ class Observer:
     The law takes a further input, tau_applied (2,) [N m].
     """
 
-    def __init__(
-        self, sample: Sample, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]
-    ) -> None:
+    def __init__(self, sample: Sample, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]) -> None:
         """Observe with bandwidth ``rate`` [1/s]; ``friction`` gives F1 (2,) at a velocity."""
         applied, f_hat, old, started = (
             port(item) for item in (TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED)

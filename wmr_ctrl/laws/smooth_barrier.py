@@ -42,7 +42,7 @@ class SmoothAxis(Axis):
             self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind))
         )
 
-    def by_region(self, near: ca.SX, middle: ca.SX, far: ca.SX) -> ca.SX:
+    def by_region(self, near: ca.SX | float, middle: ca.SX | float, far: ca.SX | float) -> ca.SX:
         """The operand of the region that c is in; there is no middle one."""
         return ca.if_else(self.near, near, far)
 
@@ -60,18 +60,18 @@ class SmoothAxis(Axis):
     @cached_property
     def a(self) -> ca.SX:
         """Subgradient c - x = f'(x)."""
-        return self.by_region(ca.SX(0), ca.SX(0), self.p / (self.d * self.delta))
+        return self.by_region(0, 0, self.p / (self.d * self.delta))
 
     @cached_property
     def x(self) -> ca.SX:
         """Target v_c1."""
-        return self.by_region(self.c, ca.SX(0), self.u2 + self.p)
+        return self.by_region(self.c, 0, self.u2 + self.p)
 
     @cached_property
     def w(self) -> ca.SX:
         """v - x."""
         far = ca.if_else(self.ahead, self.d - self.gap, (self.v - self.u2) - self.p)
-        return self.by_region(self.v - self.c, ca.SX(0), far)
+        return self.by_region(self.v - self.c, 0, far)
 
     @cached_property
     def linear(self) -> ca.SX:

@@ -12,9 +12,7 @@ from __future__ import annotations
 import casadi as ca
 
 
-def linear_first(
-    force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None
-) -> ca.SX:
+def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
     """Force (N, N m) within the wheels' reach phi [N]: thrust first, the moment takes the rest.
 
     The thrust leaves what the moment of the safe point (2,) needs.
@@ -25,9 +23,7 @@ def linear_first(
     return ca.vertcat(thrust, moment)
 
 
-def rotation_first(
-    force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None
-) -> ca.SX:
+def rotation_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
     """The same with the axes' order exchanged: the moment first, the thrust takes the rest."""
     kept = phi if safe is None else phi - ca.fabs(safe[0])
     moment = _clip(force[1], half_track * kept)

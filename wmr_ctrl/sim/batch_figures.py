@@ -25,8 +25,9 @@ SHAPES: Mapping[str, tuple[int, ...]] = {
 """Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
 window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
-into STOP_REASONS); ``samples`` made; torques [N m]; ``final_state`` x, y [m], theta [rad], v1 [m/s],
-omega [rad/s].  NaN where there was no such event or the run ended before its window did."""
+into STOP_REASONS); ``samples`` made; torques [N m]; ``final_state`` x, y [m], theta [rad],
+v1 [m/s], omega [rad/s].  NaN where there was no such event or the run ended before its window
+did."""
 
 
 class Run(Protocol):
@@ -60,7 +61,10 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
 def monitors(memory: Memory, runs: Sequence[Run]) -> list[Monitor]:
     """What was watched in each run of a batch."""
     found = _from_findings(memory, runs[0].settings)
-    return [_monitor({name: values[lane] for name, values in found.items()}) for lane, _ in enumerate(runs)]
+    return [
+        _monitor({name: values[lane] for name, values in found.items()})
+        for lane, _ in enumerate(runs)
+    ]
 
 
 def _monitor(one: Mapping[str, Any]) -> Monitor:

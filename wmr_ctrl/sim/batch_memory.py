@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.native import Kernels, noise_key, pose_every
+from wmr_ctrl.sim.native import Kernels, noise_key, pose_every, push_torque
 from wmr_ctrl.sim.structs import LONG, LONGS, REAL, REALS, WORD
 
 Floats = NDArray[np.float64]
@@ -188,7 +188,7 @@ def _lane_numbers(scenario: Scenario) -> list[float]:
     decay = math.exp(-scenario.clock.plant / lag) if lag > 0 else 0.0
     return [
         *scenario.limits.v_u1, sensor.pose_noise, sensor.correction, *sensor.velocity_noise,
-        noise.std, noise.truncate, decay,
+        noise.std, noise.truncate, decay, *push_torque(scenario),
     ]  # fmt: skip
 
 

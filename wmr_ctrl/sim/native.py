@@ -115,7 +115,8 @@ def settings_of(
         controller_start=pointer(systems["controller"]["start"]),
         v_u1=scenario.limits.v_u1, pose_every=pose_every(scenario), pose_noise=sensor.pose_noise,
         correction=sensor.correction, velocity_noise=sensor.velocity_noise,
-        torque_std=noise.std, torque_truncate=noise.truncate, push_torque=_push_torque(scenario), key=noise_key(seed),
+        torque_std=noise.std, torque_truncate=noise.truncate, push_torque=push_torque(scenario),
+        key=noise_key(seed),
         actuator_ideal=int(actuator.ideal), delay_steps=delay,
         lag_decay=math.exp(-clock.plant / actuator.lag) if actuator.lag > 0 else 0.0,
         delay_line=pointer(np.zeros(2 * delay)),
@@ -137,7 +138,7 @@ def monitor_of(state: Any, step: float) -> Monitor:
     return Monitor(speeds, state.violations, first, stopped, STOPS[state.stop])
 
 
-def _push_torque(scenario: Scenario) -> tuple[float, float]:
+def push_torque(scenario: Scenario) -> tuple[float, float]:
     """Wheel torques [N m] of disturbance.push: of the thrust, and of the moment."""
     push, robot = scenario.disturbance.push, scenario.robot
     return 0.5 * robot.r * push[0], 0.5 * robot.r * push[1] / robot.l

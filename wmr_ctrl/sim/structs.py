@@ -22,7 +22,8 @@ class Settings(ct.Structure):
         ("plant_start", REALS), ("controller_start", REALS), ("v_u1", REAL * 2),
         ("pose_every", LONG), ("pose_noise", REAL), ("correction", REAL),
         ("velocity_noise", REAL * 2),
-        ("torque_std", REAL), ("torque_truncate", REAL), ("push_torque", REAL * 2), ("key", WORD * 2),
+        ("torque_std", REAL), ("torque_truncate", REAL), ("push_torque", REAL * 2),
+        ("key", WORD * 2),
         ("actuator_ideal", LONG), ("delay_steps", LONG), ("lag_decay", REAL), ("delay_line", REALS),
     )  # fmt: skip
 

@@ -8,8 +8,9 @@ step later, as under every master that copies connections after all have stepped
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, ready
 from wmr_ctrl.scenario import Change, Scenario
@@ -91,19 +92,18 @@ class Master:
             acted.append(acting)
         self.applied = [sum(pair[i] for pair in acted) / len(acted) for i in (0, 1)]
 
-    def cuts(self, first: int) -> list[tuple[int, int]]:
-        """Plant steps (from, to) to take at once; changes that are due are made on the way."""
+    def cuts(self, first: int) -> Iterator[tuple[int, int]]:
+        """Plant steps (from, to) to take at once; what changes at their start is changed before."""
         last = first + self.clock.substeps
-        if not self.ideal:
-            return [self._changed(i, i + 1) for i in range(first, last)]
         edges = [n for change in self.changes if first < (n := self._step_of(change)) < last]
-        points = [first, *edges, last]
-        return [self._changed(a, b) for a, b in zip(points, points[1:], strict=False)]
+        points = [first, *edges, last] if self.ideal else range(first, last + 1)
+        for start, end in pairwise(points):
+            self._make_changes(start)
+            yield start, end
 
-    def _changed(self, start: int, end: int) -> tuple[int, int]:
+    def _make_changes(self, start: int) -> None:
         while self.changes and self._step_of(self.changes[0]) <= start:
             self.parts.change(self.changes.pop(0))
-        return start, end
 
     def _step_of(self, change: Change) -> int:
         near = round(change.t / self.clock.plant)

@@ -6,89 +6,33 @@ every instant of a run is the comparison lemma (guard.lemma) with induction over
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import casadi as ca
 
-from wmr_ctrl.laws.guard import Bounds, ceiling, clipped, floor
+from wmr_ctrl.laws.guard import ceiling, clipped, floor
 from wmr_ctrl.laws.guard_monitor import least_push
 from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
 
-NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
-PRESENT = "v y asked mass t"
 THEME = "guard"
-ALL = "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are feasible"
-FEASIBLE = ("2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - f_min, brake >= 0")
-
-
-@dataclass(frozen=True)
-class GuardAxis:
-    """Symbols of one axis: the guard's numbers, and what happens in one sample."""
-
-    @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
-        """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT}")
-
-    def __getitem__(self, name: str) -> ca.SX:
-        """The symbol of a name."""
-        return self.symbols[name]
-
-    @cached_property
-    def bounds(self) -> Bounds:
-        """What the guard's graph reads."""
-        return Bounds(**{name: self[name] for name in NUMBERS.split()})
-
-    @property
-    def force(self) -> ca.SX:
-        """What the guard lets through."""
-        return clipped(self["asked"], self["y"], self.bounds)
-
-    def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
-        """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
-        b = self.bounds
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha)]
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        reach = b.M_min * b.alpha * (b.u1 - b.f_speed)
-        return (
-            *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
-            at_least(faster, b.alpha * b.period), at_least(pushed * reach, 2 * b.net),
-            at_least(b.u1, 2 * b.nbar), at_least(b.brake, b.net),
-        )  # fmt: skip
-
-    @property
-    def measured(self) -> tuple[Relation, ...]:
-        """|y - v| <= nbar."""
-        gap = self["y"] - self["v"]
-        return at_least(self["nbar"], gap), at_least(self["nbar"], -gap)
-
-    @property
-    def inside(self) -> tuple[Relation, ...]:
-        """|v| <= u1."""
-        return at_least(self["u1"], self["v"]), at_least(self["v"], -self["u1"])
-
-    @property
-    def during(self) -> tuple[Relation, ...]:
-        """0 <= t <= T, M_min <= M <= M_max."""
-        b, mass = self.bounds, self["mass"]
-        return (at_least(self["t"]), at_least(b.period, self["t"]), at_least(mass, b.M_min),
-                at_least(b.M_max, mass))
-
-    def farthest(self, way: int, more: ca.SX | float = 0) -> ca.SX:
-        """Comparison bound of way * v at time t: max(v, f_speed) + t max(F + net, 0)/M."""
-        b = self.bounds
-        start = ca.fmax(way * self["v"], b.f_speed)
-        return start + self["t"] * ca.fmax(way * self.force + b.net + more, 0) / self["mass"]
+ALL = (
+    "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are "
+    "feasible"
+)
+FEASIBLE = (
+    "2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - f_min, "
+    "brake >= 0"
+)
 
 
 def _not_empty(flip: float) -> Statement:
     a = GuardAxis()
     given = a.feasible(1 if flip > 0 else 1.01)
-    return Statement(a.symbols, (at_least(ceiling(a["y"], a.bounds), floor(a["y"], a.bounds)),), given)
+    return Statement(
+        a.symbols, (at_least(ceiling(a["y"], a.bounds), floor(a["y"], a.bounds)),), given
+    )
 
 
 def _invariant(way: int, flip: float) -> Statement:
@@ -132,7 +76,7 @@ def _return_step(flip: float) -> Statement:
 
 
 def _no_overshoot(flip: float) -> Statement:
-    """From above, even if friction stops the robot at once, -u1 is not passed in the same sample."""
+    """From above, even if friction stops the robot at once, -u1 is not passed in a sample."""
     a = GuardAxis()
     b = a.bounds
     fallen = b.f_speed + a["t"] * ca.fmax(b.net - a.force, 0) / a["mass"]
@@ -153,9 +97,9 @@ def _maximal(flip: float) -> Statement:
 
 
 def _necessary(flip: float) -> Statement:
-    """2 dbar T > M_min u1: what holds u1 against +dbar can, once friction has stopped it, reach -u1."""
+    """2 dbar T > M_min u1: what holds u1 against +dbar can swing to -u1 after a stop."""
     t = symbols("u1 period M_min dbar force")
-    held = at_least(0, t["force"] + t["dbar"])
+    held = at_least(ca.SX(0), t["force"] + t["dbar"])
     tight = above(2 * t["dbar"] * t["period"], (1 if flip > 0 else 0.99) * t["M_min"] * t["u1"])
     swung = t["period"] * (t["dbar"] - t["force"]) / t["M_min"]
     positive = tuple(above(t[name]) for name in ("u1", "period", "M_min", "dbar"))
@@ -168,7 +112,14 @@ def _graceful(flip: float) -> Statement:
     b, extra = a.bounds, ca.SX.sym("extra")
     limit = b.u1 + (1 if flip > 0 else 0.99) * extra * b.period / b.M_min
     brakes = (ca.fmin(b.brake, b.cap) - b.net) * b.M_min - b.M_max * extra
-    given = (*a.feasible(), *a.measured, *a.during, at_least(extra), at_least(brakes), at_least(limit, a["v"]))
+    given = (
+        *a.feasible(),
+        *a.measured,
+        *a.during,
+        at_least(extra),
+        at_least(brakes),
+        at_least(limit, a["v"]),
+    )
     return Statement({**a.symbols, "extra": extra}, (at_least(limit, a.farthest(1, extra)),), given)
 
 
@@ -202,54 +153,173 @@ def _rounding(flip: float) -> Statement:
     shrunk = 1 - 2.0**-44 if flip > 0 else 1
     room = shrunk - v
     force = (room * (1 + t["before"]) - net) * (1 + t["after"])
-    small = [at_least(bound, way * t[name]) for way in (1, -1)
-             for name, bound in (("before", 6 * 2.0**-53), ("after", 2 * 2.0**-53))]
-    given = (at_least(v), at_least(room), at_least(net), at_least(1, 2 * net), *small)
-    return Statement(t, (at_least(1, v + force + net),), given)
+    small = [
+        at_least(ca.SX(bound), way * t[name])
+        for way in (1, -1)
+        for name, bound in (("before", 6 * 2.0**-53), ("after", 2 * 2.0**-53))
+    ]
+    given = (at_least(v), at_least(room), at_least(net), at_least(ca.SX(1), 2 * net), *small)
+    return Statement(t, (at_least(ca.SX(1), v + force + net),), given)
 
 
 SLOW = Z3(timeout=60)
 
 CLAIMS = (
-    Claim("guard.feasible", (), OURS, "lo(y) <= hi(y) for every y", "There is a safe force at every measured velocity.",
-          f"{ALL}: {FEASIBLE}", _not_empty, SLOW, theme=THEME),
-    Claim("guard.upper", (), OURS, "max(v, f_speed) + t max(F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
-          "Whatever the law asks for, the robot does not pass its limit forwards within the sample.",
-          f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max", _upper, SLOW, theme=THEME),
-    Claim("guard.lower", (), OURS, "max(-v, f_speed) + t max(-F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
-          "Nor backwards.", f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max", _lower, SLOW,
-          theme=THEME),
-    Claim("guard.too-fast", (), OURS, "the same with alpha T up to 1.01",
-          "False: alpha = 1/T is the fastest approach to the limit that a held force admits.",
-          f"{ALL}, but alpha T <= 1.01", _too_fast, SLOW, theme=THEME),
-    Claim("guard.outside", (), OURS, "v > u1: F + dbar - f_min <= -min(FB - dbar + f_min, M_max (v - u1)/T) <= 0",
-          "Outside the limit no disturbance can make the robot faster.", f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
-          _outside, SLOW, theme=THEME),
-    Claim("guard.return", (), OURS, "v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M_max) for M = M_max",
-          "Hence back inside within ceil((v - u1) M_max/(T (FB - dbar + f_min))) samples.",
-          f"{ALL}: {FEASIBLE}; |y - v| <= nbar", _return_step, SLOW, theme=THEME),
-    Claim("guard.no-overshoot", (), OURS, "f_speed + t max(-F + dbar - f_min, 0)/M <= u1, also from v > u1",
-          "Braking from outside never throws the robot through the other limit.", f"{ALL}: {FEASIBLE}",
-          _no_overshoot, SLOW, theme=THEME),
-    Claim("guard.maximal", (), OURS, "0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1",
-          "No guard that intervenes less is safe.", "nbar = f_min = f_speed = 0, alpha = 1/T", _maximal, SLOW, theme=THEME),
-    Claim("guard.necessary", (), OURS, "2 dbar T > M_min u1 and F + dbar <= 0: T (dbar - F)/M_min > u1",
-          "Beyond this bound no guard at all can keep the limit where friction of unknown size can stop the robot.",
-          "u1, T, M_min, dbar > 0", _necessary, SLOW, theme=THEME),
-    Claim("guard.graceful", (), OURS, "|d| <= dbar + D keeps |v| <= u1 + D T/M_min",
-          "A bound that is broken by D costs a known excess, no more.",
-          f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D", _graceful, SLOW, theme=THEME),
-    Claim("guard.anchor", (), OURS, "|clip(0, lo, hi)| <= FB", "The force of least effort is within the brake cap.",
-          f"{ALL}: {FEASIBLE}", _anchor, SLOW, theme=THEME),
-    Claim("guard.monitor", (), OURS, "d_least <= mean disturbance of the sample, driving forwards",
-          "The monitor accuses the bounds only where they are wrong.",
-          f"{ALL}: {FEASIBLE}; both measured velocities above nbar, friction >= 0", _not_blamed, SLOW, theme=THEME),
-    Claim("guard.rounding", (), OURS, "with rounding errors, v + T (F + dbar - f_min)/M_min <= u1 for a guard that aims "
-          "at u1 (1 - 2^-44)", "The limit holds for the doubles that the generated C computes.",
-          "scaled to u1 = M_min alpha = 1; at most 6 and 2 roundings of 2^-53 before and after the last difference",
-          _rounding, SLOW, theme=THEME),
-    Claim("guard.lemma", (), OURS, "v+ = max(v, f_speed) is absolutely continuous, and M dv+/dt <= F + dbar - f_min where "
-          "v > f_speed, 0 elsewhere; so v+(t) <= v+(0) + t max(F + dbar - f_min, 0)/M_min",
-          "One inequality at the sample bounds the velocity at every instant up to the next.",
-          "F1 v >= f_min |v| above f_speed, F1 v >= 0 below, |d| <= dbar, F held", verdict=HAND, theme=THEME),
+    Claim(
+        "guard.feasible",
+        (),
+        OURS,
+        "lo(y) <= hi(y) for every y",
+        "There is a safe force at every measured velocity.",
+        f"{ALL}: {FEASIBLE}",
+        _not_empty,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.upper",
+        (),
+        OURS,
+        "max(v, f_speed) + t max(F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
+        "Whatever the law asks for, the robot does not pass its limit forwards within the sample.",
+        f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max",
+        _upper,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.lower",
+        (),
+        OURS,
+        "max(-v, f_speed) + t max(-F + dbar - f_min, 0)/M <= u1 for all t in [0, T]",
+        "Nor backwards.",
+        f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max",
+        _lower,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.too-fast",
+        (),
+        OURS,
+        "the same with alpha T up to 1.01",
+        "False: alpha = 1/T is the fastest approach to the limit that a held force admits.",
+        f"{ALL}, but alpha T <= 1.01",
+        _too_fast,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.outside",
+        (),
+        OURS,
+        "v > u1: F + dbar - f_min <= -min(FB - dbar + f_min, M_max (v - u1)/T) <= 0",
+        "Outside the limit no disturbance can make the robot faster.",
+        f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
+        _outside,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.return",
+        (),
+        OURS,
+        "v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M_max) for M = M_max",
+        "Hence back inside within ceil((v - u1) M_max/(T (FB - dbar + f_min))) samples.",
+        f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
+        _return_step,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.no-overshoot",
+        (),
+        OURS,
+        "f_speed + t max(-F + dbar - f_min, 0)/M <= u1, also from v > u1",
+        "Braking from outside never throws the robot through the other limit.",
+        f"{ALL}: {FEASIBLE}",
+        _no_overshoot,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.maximal",
+        (),
+        OURS,
+        "0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1",
+        "No guard that intervenes less is safe.",
+        "nbar = f_min = f_speed = 0, alpha = 1/T",
+        _maximal,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.necessary",
+        (),
+        OURS,
+        "2 dbar T > M_min u1 and F + dbar <= 0: T (dbar - F)/M_min > u1",
+        "Beyond this bound no guard at all can keep the limit: friction of unknown size may "
+        "stop the robot.",
+        "u1, T, M_min, dbar > 0",
+        _necessary,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.graceful",
+        (),
+        OURS,
+        "|d| <= dbar + D keeps |v| <= u1 + D T/M_min",
+        "A bound that is broken by D costs a known excess, no more.",
+        f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D",
+        _graceful,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.anchor",
+        (),
+        OURS,
+        "|clip(0, lo, hi)| <= FB",
+        "The force of least effort is within the brake cap.",
+        f"{ALL}: {FEASIBLE}",
+        _anchor,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.monitor",
+        (),
+        OURS,
+        "d_least <= mean disturbance of the sample, driving forwards",
+        "The monitor accuses the bounds only where they are wrong.",
+        f"{ALL}: {FEASIBLE}; both measured velocities above nbar, friction >= 0",
+        _not_blamed,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.rounding",
+        (),
+        OURS,
+        "with rounding errors, v + T (F + dbar - f_min)/M_min <= u1 for a guard that aims "
+        "at u1 (1 - 2^-44)",
+        "The limit holds for the doubles that the generated C computes.",
+        "scaled to u1 = M_min alpha = 1; at most 6 and 2 roundings of 2^-53 before and after the "
+        "last difference",
+        _rounding,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "guard.lemma",
+        (),
+        OURS,
+        "v+ = max(v, f_speed) is absolutely continuous, and M dv+/dt <= F + dbar - f_min where "
+        "v > f_speed, 0 elsewhere; so v+(t) <= v+(0) + t max(F + dbar - f_min, 0)/M_min",
+        "One inequality at the sample bounds the velocity at every instant up to the next.",
+        "F1 v >= f_min |v| above f_speed, F1 v >= 0 below, |d| <= dbar, F held",
+        verdict=HAND,
+        theme=THEME,
+    ),
 )

@@ -102,6 +102,13 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
     return given, good
 
 
+def certainly(statement: Statement, point: Mapping[str, Any]) -> bool:
+    """Whether hypotheses and goals all certainly hold at ``point``."""
+    values = evaluate(statement, point)
+    kinds = (*statement.goal_kinds, *statement.given_kinds)
+    return all(_certain(kind, value, False) for kind, value in zip(kinds, values, strict=True))
+
+
 def _certain(kind: str, value: Any, default: bool) -> bool:
     try:
         return holds(kind, value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib import import_module
@@ -83,6 +83,18 @@ class Ball(Method):
     cuts_at: Mapping[str, Sequence[Fraction]] = field(default_factory=dict)
     budget: int = 20000
     split: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Table(Method):
+    """Every point of a finite table, each in exact or 300-bit arithmetic."""
+
+    ENGINE: ClassVar[str] = "table"
+    NAME: ClassVar[str] = "POINT"
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
+
+    points: Callable[[], Sequence[Point]] = tuple
 
 
 @dataclass(frozen=True)

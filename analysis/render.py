@@ -1,0 +1,66 @@
+"""Run every notebook and write it, with its outputs, into docs/notebooks: ``python analysis/render.py``.
+
+Names of notebooks may be given (``python analysis/render.py 05-sample-time``).  A cell that raises,
+a fact that no longer holds for one, ends the command with its message.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+from nbconvert import MarkdownExporter
+
+HERE = Path(__file__).resolve().parent
+TARGET = HERE.parent / "docs" / "notebooks"
+LONGEST_RUN = 300
+"""Seconds that one cell may take."""
+
+COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+
+
+def notebooks(names: list[str]) -> list[Path]:
+    """Paths of the named notebooks, or of all in order."""
+    return [HERE / f"{name}.ipynb" for name in names] or sorted(HERE.glob("*.ipynb"))
+
+
+def executed(path: Path) -> nbformat.NotebookNode:
+    """The notebook with outputs; raises CellExecutionError where a cell fails."""
+    book = nbformat.read(path, as_version=4)
+    root = str(HERE.parent)
+    environment = {**os.environ, "PYTHONPATH": root, "PYTHONWARNINGS": "ignore"}
+    client = NotebookClient(
+        book, timeout=LONGEST_RUN, resources={"metadata": {"path": str(HERE)}}, allow_errors=False
+    )
+    client.execute(env=environment)
+    return book
+
+
+def write(book: nbformat.NotebookNode, name: str) -> Path:
+    """Markdown and its pictures, in TARGET."""
+    resources = {"unique_key": name, "output_files_dir": f"{name}_files"}
+    text, found = MarkdownExporter().from_notebook_node(book, resources)
+    TARGET.mkdir(parents=True, exist_ok=True)
+    for file, content in found["outputs"].items():
+        (TARGET / file).parent.mkdir(exist_ok=True)
+        (TARGET / file).write_bytes(content)
+    clean = "\n".join(line.rstrip().replace("\t", "    ") for line in text.splitlines())
+    target = TARGET / f"{name}.md"
+    target.write_text(re.sub(r"\n{3,}", "\n\n", COLOUR.sub("", clean)) + "\n", encoding="utf-8")
+    return target
+
+
+def main(names: list[str]) -> None:
+    """Render what is named, or everything."""
+    for path in notebooks(names):
+        sys.stderr.write(f"{path.stem} ... ")
+        sys.stderr.flush()
+        sys.stderr.write(f"{write(executed(path), path.stem).relative_to(HERE.parent)}\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

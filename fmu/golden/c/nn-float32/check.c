@@ -1,0 +1,32 @@
+/* Runs the test vectors; ends with 0 if every torque is right. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "vectors.h"
+
+int main(void)
+{
+    wmr_nn_parameters parameters;
+    wmr_nn_state memory;
+    wmr_nn_inputs in;
+    wmr_nn_outputs out;
+    double worst = 0.0;
+
+    wmr_nn_defaults(&parameters);
+    wmr_nn_start(&memory);
+    for (int k = 0; k < WMR_VECTORS; ++k) {
+        memcpy(&in, wmr_inputs[k], sizeof in);
+        if (wmr_nn_step(&parameters, &memory, &in, &out)) {
+            printf("sample %d: the result is not finite\n", k);
+            return 1;
+        }
+        const double found[2] = {(double)out.tau_right, (double)out.tau_left};
+        for (int i = 0; i < 2; ++i) {
+            const double error = fabs(found[i] - wmr_torques[k][i]) / (1.0 + fabs(wmr_torques[k][i]));
+            worst = error > worst ? error : worst;
+        }
+    }
+    printf("%d samples, largest error %.3g (at most %.3g)\n", WMR_VECTORS, worst, (double)WMR_TOLERANCE);
+    return worst <= WMR_TOLERANCE ? 0 : 1;
+}

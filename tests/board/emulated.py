@@ -1,0 +1,140 @@
+"""Build a package for an emulated Arm board, run it there, and talk to it sample by sample."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import shutil
+import struct
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.codegen.package import write_package
+from wmr_ctrl.scenario import Scenario
+
+HERE = Path(__file__).parent
+COMPILER, EMULATOR = "arm-none-eabi-gcc", "qemu-system-arm"
+INSTRUCTIONS_PER_TICK = 40
+"""The board's clock is 25 MHz; the emulator is told that one instruction takes 1 ns."""
+
+
+@dataclass(frozen=True)
+class Board:
+    """An emulated board: the emulator's machine and the compiler's flags."""
+
+    machine: str
+    flags: tuple[str, ...]
+
+
+BOARDS = {
+    "cortex-m4f": Board("mps2-an386", ("-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16")),
+    "cortex-m7": Board("mps2-an500", ("-mcpu=cortex-m7", "-mfpu=fpv5-d16")),
+}
+
+
+def missing() -> str:
+    """What is not installed, in words; empty if both tools are there."""
+    absent = [name for name in (COMPILER, EMULATOR) if shutil.which(name) is None]
+    return f"NOT RUN: {' and '.join(absent)} not installed" if absent else ""
+
+
+def built(law: str, scenario: Scenario, board: Board, folder: Path, *, float32: bool) -> Path:
+    """The firmware of a package for a board."""
+    write_package(law, folder, scenario, float32=float32)
+    names = {
+        f"LAW_{name.upper()}": f"wmr_{law}_{name}"
+        for name in ("parameters", "state", "inputs", "outputs", "step", "defaults", "start")
+    }
+    (folder / "law.h").write_text(f'#include "wmr_{law}.h"\n', encoding="utf-8")
+    out = folder / "board.elf"
+    command = [
+        COMPILER, "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic",
+        "-Wno-unused-parameter", "-mthumb", "-mfloat-abi=hard", *board.flags,
+        *(f"-D{key}={value}" for key, value in names.items()), f"-I{folder}", "-nostartfiles",
+        "-ffreestanding", "-fno-tree-loop-distribute-patterns", "--specs=nosys.specs",
+        f"-T{HERE / 'board.ld'}", str(HERE / "board.c"), str(folder / f"wmr_{law}.c"),
+        "-lm", "-o", str(out),
+    ]  # fmt: skip
+    subprocess.run(command, check=True, capture_output=True, text=True)
+    return out
+
+
+class Emulated:
+    """A board that runs a law; use it as a context."""
+
+    def __init__(self, firmware: Path, board: Board, *, float32: bool) -> None:
+        self.code = "f" if float32 else "d"
+        self.reply = struct.Struct(f"<i2{self.code}I")
+        self.process = subprocess.Popen(
+            [EMULATOR, "-M", board.machine, "-kernel", str(firmware), "-icount", "shift=0",
+             "-serial", "stdio", "-monitor", "none", "-display", "none"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+
+    def __enter__(self) -> Emulated:
+        return self
+
+    def __exit__(self, *unused: object) -> None:
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            pipe.close()
+
+    def step(self, inputs: np.ndarray) -> tuple[int, np.ndarray, int]:
+        """Status, torques [N m], and instructions of one sample."""
+        self._write(b"S" + struct.pack(f"<{len(inputs)}{self.code}", *inputs))
+        status, right, left, ticks = self.reply.unpack(self._read(self.reply.size))
+        return status, np.array([right, left]), ticks * INSTRUCTIONS_PER_TICK
+
+    def deepest_stack(self) -> int:
+        """Bytes of stack that were ever in use; ends the program."""
+        self._write(b"Q")
+        return int(struct.unpack("<I", self._read(4))[0])
+
+    def _write(self, data: bytes) -> None:
+        self.process.stdin.write(data)
+        self.process.stdin.flush()
+
+    def _read(self, count: int) -> bytes:
+        data = self.process.stdout.read(count)
+        if len(data) != count:
+            raise RuntimeError("the emulated board ended early")
+        return data
+
+
+class HostBuild:
+    """The same package compiled for this machine, called through ctypes."""
+
+    def __init__(self, law: str, scenario: Scenario, folder: Path, *, float32: bool) -> None:
+        write_package(law, folder, scenario, float32=float32)
+        library = folder / "host.so"
+        subprocess.run(
+            ["cc", "-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC",
+             str(folder / f"wmr_{law}.c"), "-lm", "-o", str(library)],
+            check=True, capture_output=True,
+        )  # fmt: skip
+        loaded = ct.CDLL(str(library))
+        self.real = np.float32 if float32 else np.float64
+        self._step = loaded[f"wmr_{law}_step"]
+        self.parameters, self.memory = np.zeros(256, self.real), np.zeros(1024, self.real)
+        self.outputs = np.zeros(2, self.real)
+        self._start = loaded[f"wmr_{law}_start"]
+        loaded[f"wmr_{law}_defaults"](_pointer(self.parameters))
+        self.reset()
+
+    def reset(self) -> None:
+        """Memory of the first sample."""
+        self._start(_pointer(self.memory))
+
+    def step(self, inputs: np.ndarray) -> tuple[int, np.ndarray]:
+        """Status and torques [N m] of one sample."""
+        given = np.ascontiguousarray(inputs, dtype=self.real)
+        arrays = (self.parameters, self.memory, given, self.outputs)
+        status = self._step(*(_pointer(item) for item in arrays))
+        return status, self.outputs.astype(float)
+
+
+def _pointer(array: np.ndarray) -> ct.c_void_p:
+    return ct.c_void_p(array.ctypes.data)

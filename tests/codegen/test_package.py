@@ -1,0 +1,129 @@
+"""The stand-alone C packages: they build anywhere, compute the law, and need nothing."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import casadi as ca
+import pytest
+
+from tests.codegen import measured
+from wmr_ctrl.codegen.footprint import key, known_footprint
+from wmr_ctrl.codegen.package import package_files, write_package
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.scenario import load_scenario
+
+SCENARIO = load_scenario("paper-simulation")
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+every_law = pytest.mark.parametrize("law", NAMES)
+both = pytest.mark.parametrize("float32", [False, True], ids=["double", "float32"])
+
+
+def run(command: list[str], folder: Path) -> str:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def needs(*tools: str) -> None:
+    absent = [tool for tool in tools if shutil.which(tool) is None]
+    if absent:
+        pytest.skip(f"NOT RUN: {', '.join(absent)} not on this machine")
+
+
+@every_law
+@both
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_vectors_pass_and_nothing_warns(
+    law: str, float32: bool, compiler: str, tmp_path: Path
+) -> None:
+    needs(compiler)
+    write_package(law, tmp_path, SCENARIO, float32=float32)
+    command = [compiler, *WARNINGS, "-O2", "-ffp-contract=off"]
+    run([*command, "-Wdouble-promotion", "-c", f"wmr_{law}.c"], tmp_path)
+    run([*command, "check.c", f"wmr_{law}.c", "-lm", "-o", "check"], tmp_path)
+    run([*command, "example.c", f"wmr_{law}.c", "-lm", "-o", "example"], tmp_path)
+
+    assert "largest error" in run(["./check"], tmp_path)
+    assert "distance 0.0" in run(["./example"], tmp_path)
+
+
+@every_law
+@both
+def test_a_microcontroller_takes_it(law: str, float32: bool, tmp_path: Path) -> None:
+    needs(measured.COMPILER)
+    write_package(law, tmp_path, SCENARIO, float32=float32)
+    unit = f"wmr_{law}.c"
+    run([measured.COMPILER, *WARNINGS, "-O2", *measured.TARGET, "-c", unit], tmp_path)
+    symbols = run(["arm-none-eabi-nm", f"wmr_{law}.o"], tmp_path).splitlines()
+    kinds = {line.split()[-2] for line in symbols}
+    wanted = {line.split()[-1] for line in symbols if line.split()[-2] == "U"}
+
+    assert not kinds & set("BbDdCS"), "writable data"
+    assert not wanted & {"malloc", "free", "printf", "fopen", "calloc"}
+    if float32:
+        assert not {name for name in wanted if name.startswith("__aeabi_d")}, "double arithmetic"
+
+
+@pytest.mark.parametrize("law", measured.LAWS)
+@both
+def test_documented_footprint_holds(law: str, float32: bool, tmp_path: Path) -> None:
+    needs(measured.COMPILER)
+    found, told = measured.measure(law, float32, tmp_path), known_footprint(law, float32)
+
+    assert told is not None
+    assert found.code <= 1.1 * told.code
+    assert found.data == told.data == 0
+    assert found.stack <= 1.1 * told.stack + 32
+
+
+@pytest.mark.parametrize(("law", "float32"), measured.COPIES)
+def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
+    """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
+    version = (measured.GOLDEN / measured.VERSION).read_text(encoding="utf-8").strip()
+    if version != ca.__version__:
+        pytest.skip(f"NOT RUN: the copy was made with casadi {version}, whose order may differ")
+    folder = measured.GOLDEN / key(law, float32)
+    for name, text in package_files(law, SCENARIO, float32=float32).items():
+        assert (folder / name).read_text(encoding="utf-8") == text, name
+
+
+@pytest.mark.parametrize(("law", "float32"), measured.COPIES)
+def test_committed_copy_passes_its_own_check(law: str, float32: bool, tmp_path: Path) -> None:
+    needs("cc")
+    shutil.copytree(measured.GOLDEN / key(law, float32), tmp_path / "copy")
+    command = ["cc", "-std=c99", "-O1", "-ffp-contract=off", "check.c", f"wmr_{law}.c", "-lm"]
+    run([*command, "-o", "check"], tmp_path / "copy")
+    run(["./check"], tmp_path / "copy")
+
+
+def test_cmake_builds_it_and_its_test_passes(tmp_path: Path) -> None:
+    needs("cmake", "ctest", "cc")
+    write_package("nn", tmp_path, SCENARIO)
+    run(["cmake", "-S", ".", "-B", "build"], tmp_path)
+    run(["cmake", "--build", "build"], tmp_path)
+    run(["ctest", "--test-dir", "build"], tmp_path)
+
+
+@every_law
+def test_every_member_says_unit_and_meaning(law: str) -> None:
+    files = package_files(law, SCENARIO)
+    members = [
+        line for line in files[f"wmr_{law}.h"].splitlines() if line.startswith("    wmr_real")
+    ]
+
+    assert len(members) > 20
+    assert all("/*" in line for line in members)
+    assert all("[" in line.split("/*")[1] for line in members if "nothing" not in line)
+    assert len(files["example.c"].splitlines()) <= 45
+    assert len(files["README.md"].splitlines()) <= 60
+
+
+def test_a_folder_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("", encoding="utf-8")
+
+    with pytest.raises(OSError, match="file"):
+        write_package("mb", blocked / "package", SCENARIO)

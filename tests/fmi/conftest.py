@@ -1,0 +1,46 @@
+"""FMUs for these tests, each exported once a session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from fmpy import extract
+
+from tests.fmi.raw import Fmu
+from wmr_ctrl.fmi.export import export_fmu
+
+Export = Callable[..., Path]
+
+
+@pytest.fixture(scope="session")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Export:
+    """A function (what, version, scenario, law) -> path of that FMU."""
+    made: dict[tuple[str, ...], Path] = {}
+
+    def export(
+        what: str, version: int, scenario: str = "paper-simulation", law: str = "nn"
+    ) -> Path:
+        key = (what, str(version), scenario, law)
+        if key not in made:
+            out = tmp_path_factory.mktemp("fmu")
+            (made[key],) = export_fmu(what, law=law, scenario=scenario, fmi=version, out=out)
+        return made[key]
+
+    return export
+
+
+@pytest.fixture(scope="session")
+def raw(exported: Export, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]:
+    """A function (what, version) -> the FMU's library, driven without FMPy's help."""
+    made: dict[tuple[str, int], Fmu] = {}
+
+    def load(what: str, version: int) -> Fmu:
+        if (what, version) not in made:
+            path = exported(what, version)
+            folder = extract(str(path), str(tmp_path_factory.mktemp("unpacked")))
+            made[what, version] = Fmu(path, Path(folder), version)
+        return made[what, version]
+
+    return load

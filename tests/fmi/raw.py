@@ -1,0 +1,186 @@
+"""An FMU's C functions through ctypes, for calls that no importer would make."""
+
+from __future__ import annotations
+
+import ctypes as ct
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fmpy import platform, platform_tuple, read_model_description
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+REFUSED = (DISCARD, ERROR)
+CS, ME = "CoSimulation", "ModelExchange"
+LOGGER2 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p)
+LOGGER3 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_int, ct.c_char_p, ct.c_char_p)
+
+
+class Callbacks(ct.Structure):
+    """fmi2CallbackFunctions."""
+
+    _fields_ = (("logger", LOGGER2), ("allocate", ct.c_void_p), ("free", ct.c_void_p),
+                ("finished", ct.c_void_p), ("environment", ct.c_void_p))  # fmt: skip
+
+
+def reals(*values: float) -> Any:
+    return (ct.c_double * len(values))(*values)
+
+
+def refs(*values: int) -> Any:
+    return (ct.c_uint32 * len(values))(*values)
+
+
+class Fmu:
+    """A library and its description."""
+
+    def __init__(self, path: Path, folder: Path, version: int) -> None:
+        self.path, self.folder, self.version = path, folder, version
+        self.description = read_model_description(str(path))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        name = self.description.coSimulation.modelIdentifier
+        where = platform if version == 2 else platform_tuple
+        self.library = folder / "binaries" / where / f"{name}.so"
+        self.dll = ct.CDLL(str(self.library))
+        self.prefix = f"fmi{version}"
+        self.messages: list[str] = []
+        self._log2 = LOGGER2(lambda _e, _n, _s, _c, text: self.messages.append(text.decode()))
+        self._log3 = LOGGER3(lambda _e, _s, _c, text: self.messages.append(text.decode()))
+        self._callbacks = Callbacks(logger=self._log2)
+
+    @property
+    def interfaces(self) -> list[str]:
+        return [CS, ME] if self.description.modelExchange is not None else [CS]
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        function = getattr(self.dll, self.prefix + name)
+        function.restype = ct.c_void_p if name.startswith("Instantiate") else ct.c_int
+        return function
+
+    def ref(self, name: str) -> int:
+        return self.variables[name].valueReference
+
+    def instantiate(self, interface: str = CS, **given: Any) -> int | None:
+        """A handle, or None; keywords replace single arguments."""
+        name = given.get("name", b"one")
+        token = given.get("token", self.description.guid.encode())
+        resources = given.get("resources", b"file:///somewhere")
+        if self.version == 2:
+            callbacks = given.get("callbacks", ct.byref(self._callbacks))
+            return self.Instantiate(name, int(interface == CS), token, resources, callbacks, 0, 0)
+        log = given.get("log", self._log3)
+        if interface == ME:
+            return self.InstantiateModelExchange(name, token, resources, False, False, None, log)
+        return self.InstantiateCoSimulation(name, token, resources, False, False, given.get("events", False),
+                                            given.get("early", False), None, ct.c_size_t(0), None, log,
+                                            given.get("update"))  # fmt: skip
+
+    def new(self, interface: str = CS, **given: Any) -> Instance:
+        handle = self.instantiate(interface, **given)
+        assert handle
+        return Instance(self, ct.c_void_p(handle), interface)
+
+
+@dataclass
+class Instance:
+    """One instance with the calls that both versions share."""
+
+    fmu: Fmu
+    handle: Any
+    interface: str
+
+    def setup(
+        self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None
+    ) -> int:
+        """Start time, stop time, tolerance, then initialization mode."""
+        told = (int(tolerance is not None), ct.c_double(tolerance or 0.0))
+        times = (ct.c_double(start), int(stop is not None), ct.c_double(stop or 0.0))
+        if self.fmu.version == 3:
+            return self.fmu.EnterInitializationMode(self.handle, *told, *times)
+        return max(
+            self.fmu.SetupExperiment(self.handle, *told, *times),
+            self.fmu.EnterInitializationMode(self.handle),
+        )
+
+    def leave(self) -> int:
+        return self.fmu.ExitInitializationMode(self.handle)
+
+    def begin(self, start: float = 0.0, stop: float | None = None) -> Instance:
+        assert self.setup(start, stop) == OK
+        assert self.leave() == OK
+        return self
+
+    def step(self, t: float, h: float) -> int:
+        if self.fmu.version == 2:
+            return self.fmu.DoStep(self.handle, ct.c_double(t), ct.c_double(h), 1)
+        flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
+        return self.fmu.DoStep(
+            self.handle, ct.c_double(t), ct.c_double(h), True, *map(ct.byref, flags), ct.byref(last)
+        )
+
+    def put(self, values: dict[str, float]) -> int:
+        return self.put_refs([self.fmu.ref(name) for name in values], list(values.values()))
+
+    def put_refs(self, listed: Sequence[int], values: Sequence[float]) -> int:
+        length = () if self.fmu.version == 2 else (ct.c_size_t(len(values)),)
+        call = self.fmu.SetReal if self.fmu.version == 2 else self.fmu.SetFloat64
+        return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), reals(*values), *length)
+
+    def get_refs(self, listed: Sequence[int], count: int | None = None) -> tuple[int, list[float]]:
+        number = len(listed) if count is None else count
+        buffer = reals(*[0.0] * number)
+        length = () if self.fmu.version == 2 else (ct.c_size_t(number),)
+        call = self.fmu.GetReal if self.fmu.version == 2 else self.fmu.GetFloat64
+        return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), buffer, *length), buffer[
+            :
+        ]
+
+    def get(self, *names: str) -> list[float]:
+        status, values = self.get_refs([self.fmu.ref(name) for name in names])
+        assert status == OK
+        return values
+
+    def all(self) -> list[float]:
+        """Every real variable's elements."""
+        found: list[float] = []
+        for v in self.fmu.description.modelVariables:
+            if v.type in ("Real", "Float64"):
+                size = int(v.dimensions[0].start) if v.dimensions else 1
+                status, values = self.get_refs([v.valueReference], size)
+                assert status == OK, v.name
+                found += values
+        return found
+
+    def reset(self) -> int:
+        return self.fmu.Reset(self.handle)
+
+    def free(self) -> None:
+        self.fmu.FreeInstance(self.handle)
+
+    def bytes_of_state(self) -> bytes:
+        """The state now, serialised."""
+        f, kept, size = self.fmu, ct.c_void_p(), ct.c_size_t()
+        spelled = "FMUstate" if f.version == 2 else "FMUState"
+        assert getattr(f, f"Get{spelled}")(self.handle, ct.byref(kept)) == OK
+        assert getattr(f, f"Serialized{spelled}Size")(self.handle, kept, ct.byref(size)) == OK
+        buffer = (ct.c_ubyte * size.value)()
+        assert getattr(f, f"Serialize{spelled}")(self.handle, kept, buffer, size) == OK
+        assert getattr(f, f"Free{spelled}")(self.handle, ct.byref(kept)) == OK
+        assert not kept.value
+        return bytes(buffer)
+
+    def restore(self, content: bytes) -> int:
+        """Put a serialised state in place."""
+        f, kept = self.fmu, ct.c_void_p()
+        spelled, read = (
+            ("FMUstate", "DeSerializeFMUstate")
+            if f.version == 2
+            else ("FMUState", "DeserializeFMUState")
+        )
+        buffer = (ct.c_ubyte * len(content)).from_buffer_copy(content)
+        status = getattr(f, read)(self.handle, buffer, ct.c_size_t(len(content)), ct.byref(kept))
+        if status == OK:
+            status = getattr(f, f"Set{spelled}")(self.handle, kept)
+            getattr(f, f"Free{spelled}")(self.handle, ct.byref(kept))
+        return status

@@ -1,0 +1,134 @@
+"""One loop, five ways: NumPy, native, FMI 2 and FMI 3 in co-simulation, closed-loop FMU."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.fmi.cosim import cosimulate
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario import load_scenario, override
+
+STATE = ("x", "y", "theta", "v1", "omega", "psi")
+SHORT = override(
+    load_scenario("paper-simulation"),
+    {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 65.0, "mu": 0.15}]},
+)
+every_law = pytest.mark.parametrize("law", LAWS)
+
+
+def differences(first, second):
+    return {name: float(np.nanmax(np.abs(first[name] - second[name]))) for name in first.columns
+            if not np.array_equal(first[name], second[name])}  # fmt: skip
+
+
+def assert_same(first, second, bound=0.0):
+    found = differences(first, second)
+    assert first.rows == second.rows
+    assert not {name: value for name, value in found.items() if name != "e" and value > bound}
+    assert found.get("e", 0.0) < 1e-12 + bound  # NumPy's sine, not the kernel's
+
+
+@every_law
+@pytest.mark.parametrize("version", [2, 3])
+def test_cosimulation_is_the_native_loop_to_the_bit(law, version):
+    assert_same(simulate(SHORT, law, seed=3), cosimulate(SHORT, law, seed=3, fmi=version))
+
+
+@pytest.mark.slow
+@every_law
+@pytest.mark.parametrize("version", [2, 3])
+def test_cosimulation_is_the_native_loop_over_a_whole_run(law, version):
+    native = simulate("paper-simulation", law, seed=1)
+    assert_same(native, cosimulate("paper-simulation", law, seed=1, fmi=version))
+    assert_same(native, simulate("paper-simulation", law, seed=1, engine="numpy"), 1e-9)
+
+
+@every_law
+@pytest.mark.parametrize("version", [2, 3])
+def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
+    run = simulate("paper-simulation", law, seed=3)
+    names = [name for signal in run.signals[1:] for name in signal.elements]
+    found = simulate_fmu(str(exported("closed-loop", version, law=law)), stop_time=80.0, output_interval=0.01, step_size=0.01,
+                         start_values={"seed": 3}, output=[*names, "violations", "max_abs_v[1]"])  # fmt: skip
+    for name in names:
+        rows = found[name][:-1] if name in STATE else found[name][1:]
+        assert np.array_equal(rows, run[name]), name
+    assert found["violations"][-1] == run.monitor.violations
+    assert found["max_abs_v[1]"][-1] == run.monitor.max_abs_v[0]
+
+
+@pytest.mark.parametrize("scenario", ["paper-experiment"])
+def test_sensors_of_the_master_are_those_of_the_loop(scenario):
+    short = override(load_scenario(scenario), {"clock.duration": 3.0})
+    assert_same(simulate(short, "nn", seed=2), cosimulate(short, "nn", seed=2), 1e-9)
+
+
+def test_actuators_of_the_master_are_those_of_the_loop():
+    lagging = override(
+        SHORT, {"actuator.lag": 0.02, "actuator.delay": 0.003, "actuator.tau_max": 8.0}
+    )
+    assert_same(simulate(lagging, "nn", seed=2), cosimulate(lagging, "nn", seed=2), 1e-9)
+
+
+def test_change_inside_a_control_period():
+    off = override(SHORT, {"changes": [{"t": 0.5034, "m": 80.0}]})
+    assert_same(simulate(off, "mb", seed=2), cosimulate(off, "mb", seed=2), 1e-12)
+
+
+def test_first_instant_of_a_step_counts_for_the_law(raw):
+    """Inputs set before the step act in it, and are held until the next sample."""
+    law = raw("mb", 2).new().begin()
+    start = law.get("tau_right")[0]
+    assert law.step(0.0, 0.01) == 0
+    assert law.get("tau_right")[0] == start
+    law.put({"v1": 0.3})
+    assert law.get("tau_right")[0] == start
+    assert law.step(0.01, 0.004) == 0
+    moved = law.get("tau_right")[0]
+    assert moved != start
+    law.put({"v1": 0.1})
+    assert law.step(0.014, 0.006) == 0
+    assert law.get("tau_right")[0] == moved
+    law.free()
+
+
+def test_a_long_step_samples_at_each_period(raw):
+    one, many = raw("nn", 2).new().begin(), raw("nn", 2).new().begin()
+    assert one.step(0.0, 0.1) == 0
+    for k in range(10):
+        assert many.step(0.01 * k, 0.01) == 0
+    assert one.all()[1:] == many.all()[1:]
+    assert raw("nn", 2).new().begin().get("W_norm[1]") != one.get("W_norm[1]")
+
+
+def test_plant_takes_a_rest_of_its_step(raw):
+    whole, parts = raw("plant", 2).new().begin(), raw("plant", 2).new().begin()
+    for item in (whole, parts):
+        item.put({"tau_right": 6.0, "tau_left": 5.0})
+    assert whole.step(0.0, 0.0105) == 0
+    assert [parts.step(0.0, 0.01), parts.step(0.01, 0.0005)] == [0, 0]
+    assert whole.get(*STATE) == pytest.approx(parts.get(*STATE), rel=1e-12)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_model_exchange_with_cvode_agrees(exported, version):
+    torque = {"tau_right": 6.0, "tau_left": 5.0}
+    results = [simulate_fmu(str(exported("plant", version)), fmi_type=kind, stop_time=5.0, output_interval=0.01, start_values=torque,
+                            output=STATE, **({"solver": "CVode", "relative_tolerance": 1e-10} if kind == "ModelExchange" else {}))
+               for kind in ("CoSimulation", "ModelExchange")]  # fmt: skip
+    for name in STATE:
+        assert np.abs(results[0][name] - results[1][name]).max() < 1e-6
+
+
+def test_reference_follows_time_in_model_exchange(exported):
+    found = simulate_fmu(
+        str(exported("reference", 2)),
+        fmi_type="ModelExchange",
+        stop_time=2.0,
+        output_interval=0.1,
+        output=["x_d"],
+    )
+    assert np.abs(found["x_d"] - 2 * np.sin(0.1 * found["time"])).max() < 1e-12

@@ -1,0 +1,296 @@
+"""Calls that no importer should make: refused with a sentence, and nothing else happens."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.fmi.raw import CS, ERROR, ME, OK, REFUSED, reals, refs
+from tests.fmi.sequences import MODES, STEP, calls, reach
+from wmr_ctrl.laws import LAWS
+
+FULL = [(what, version) for what in ("plant", "nn") for version in (2, 3)]
+SMOKE = [
+    (what, version)
+    for what in ("reference", "closed-loop", *LAWS)
+    if what != "nn"
+    for version in (2, 3)
+]
+full = pytest.mark.parametrize(("what", "version"), FULL)
+everywhere = pytest.mark.parametrize(("what", "version"), FULL + SMOKE)
+NAN, INF = math.nan, math.inf
+
+
+@full
+def test_every_function_in_every_state(raw, what, version):
+    """Legal calls succeed, others are refused; afterwards the instance can be reset and used."""
+    fmu = raw(what, version)
+    for interface in fmu.interfaces:
+        for call in calls(fmu):
+            for mode in MODES[interface]:
+                one = reach(fmu, interface, mode)
+                fmu.messages.clear()
+                status = call.make(one)
+                where = f"{call.name} in {mode} ({interface}): {status}"
+                if call.is_legal(mode, interface):
+                    assert status == OK, where
+                else:
+                    assert status in REFUSED, where
+                    assert fmu.messages, where
+                assert one.reset() == OK
+                one.begin().free()
+
+
+@everywhere
+def test_bad_steps(raw, what, version):
+    """Sizes and times that make no sense are refused at once, and the next good step is taken."""
+    fmu = raw(what, version)
+    one = fmu.new().begin(stop=1.0)
+    before = one.all()
+    for t, h in ((0, 0), (0, -0.01), (0, NAN), (0, INF), (0, -INF), (0, 1e300), (NAN, 0.01), (INF, 0.01), (0.5, 0.01),
+                 (-0.01, 0.01), (1e-6, 0.01), (0, 1.1)):  # fmt: skip
+        assert one.step(t, h) in REFUSED, (t, h)
+        assert one.all() == before
+    assert one.step(0.0, 0.01) == OK
+    assert one.step(0.01 * (1 + 1e-12), 0.01) == OK
+    assert one.step(0.02, 1.0) in REFUSED
+    one.free()
+
+
+@everywhere
+def test_a_step_of_too_many_internal_ones(raw, what, version):
+    one = raw(what, version).new().begin()
+    for h in (1e5, 1e9, 1e15):
+        assert one.step(0.0, h) in REFUSED
+    assert one.step(0.0, 0.01) == OK
+    one.free()
+
+
+@everywhere
+def test_numbers_that_are_none_and_values_out_of_range(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new()
+    before = one.all()
+    for v in fmu.description.modelVariables:
+        if (
+            v.causality in ("input", "parameter")
+            and v.type in ("Real", "Float64")
+            and not v.dimensions
+        ):
+            for value in (NAN, INF, -INF):
+                assert one.put({v.name: value}) == ERROR, v.name
+        if v.causality == "parameter" and v.type in ("Real", "Float64") and not v.dimensions:
+            assert one.put({v.name: float(v.max) * 1.1 + 1}) == ERROR, v.name
+            assert one.put({v.name: float(v.min) * 1.1 - 1}) == ERROR, v.name
+    assert one.all() == before
+    one.begin().free()
+
+
+@full
+def test_a_write_happens_whole_or_not_at_all(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    names = [n for n, v in fmu.variables.items() if v.causality == "input"][:2]
+    before = one.get(*names)
+    assert one.put({names[0]: 0.125, names[1]: NAN}) == ERROR
+    assert one.put_refs([fmu.ref(names[0]), 4_000_000], [0.125, 0.0]) == ERROR
+    assert one.get(*names) == before
+    one.free()
+
+
+@everywhere
+def test_unknown_references_wrong_types_and_missing_arrays(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    for wrong in (2**32 - 1, 100_000):
+        assert one.get_refs([wrong])[0] == ERROR
+        assert one.put_refs([wrong], [0.0]) == ERROR
+    many = ct.c_size_t(1)
+    length = () if version == 2 else (many,)
+    kinds = (
+        ("Real", "Integer", "Boolean", "String")
+        if version == 2
+        else ("Float64", "Int64", "Boolean", "String", "Int32")
+    )
+    for kind in kinds:
+        for verb in ("Get", "Set"):
+            call = getattr(fmu, verb + kind)
+            assert call(one.handle, None, many, reals(0.0), *length) == ERROR, kind
+            assert call(one.handle, refs(1), many, None, *length) == ERROR, kind
+            assert (
+                call(one.handle, None, ct.c_size_t(0), None, *([ct.c_size_t(0)] * len(length)))
+                == OK
+            ), kind
+    assert (
+        getattr(fmu, "GetInteger" if version == 2 else "GetInt64")(
+            one.handle, refs(1), many, reals(0.0), *length
+        )
+        == ERROR
+    )
+    one.free()
+
+
+@full
+def test_missing_places_for_answers(raw, what, version):
+    fmu = raw(what, version)
+    one = fmu.new().begin()
+    spelled = "FMUstate" if version == 2 else "FMUState"
+    for name in (f"Get{spelled}", f"Free{spelled}", f"Set{spelled}"):
+        assert getattr(fmu, name)(one.handle, None) == ERROR
+    assert getattr(fmu, f"Serialized{spelled}Size")(one.handle, None, None) == ERROR
+    assert getattr(fmu, f"Serialize{spelled}")(one.handle, None, None, ct.c_size_t(0)) == ERROR
+    if version == 3:
+        assert (
+            fmu.DoStep(one.handle, ct.c_double(0), ct.c_double(0.01), True, None, None, None, None)
+            == ERROR
+        )
+    assert one.step(0.0, 0.01) == OK
+    assert fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), None) == ERROR
+    assert (
+        fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), (ct.c_char_p * 1)(b"no such category"))
+        == ERROR
+    )
+    assert fmu.SetDebugLogging(one.handle, 1, ct.c_size_t(1), (ct.c_char_p * 1)(b"logEvents")) == OK
+    one.free()
+
+
+@everywhere
+def test_wrong_instances(raw, what, version):
+    """No name, another token, no such interface: no instance, and the reason is told."""
+    fmu = raw(what, version)
+    for given_ in (
+        {"token": b"{other}"},
+        {"token": None},
+        {"name": None},
+        {"name": b""},
+        *([{"events": True}] if version == 3 else []),
+    ):
+        fmu.messages.clear()
+        assert not fmu.instantiate(**given_)
+        assert fmu.messages
+    if ME not in fmu.interfaces:
+        assert not fmu.instantiate(ME)
+    for interface in fmu.interfaces:
+        assert fmu.Terminate(None) == ERROR
+        fmu.FreeInstance(None)
+        fmu.new(interface).free()
+
+
+@everywhere
+def test_nobody_listens(raw, what, version):
+    """No callbacks, no logger, no resources: refusals are silent, the rest works."""
+    fmu = raw(what, version)
+    silent = (
+        [{"callbacks": None}, {"resources": None}]
+        if version == 2
+        else [{"log": None}, {"resources": None}]
+    )
+    for given_ in silent:
+        one = fmu.new(**given_)
+        assert one.step(0.0, 0.01) == ERROR
+        assert one.begin().step(0.0, 0.01) == OK
+        assert not fmu.instantiate(token=b"wrong", **given_)
+        one.free()
+
+
+@everywhere
+def test_bad_experiments(raw, what, version):
+    fmu = raw(what, version)
+    for start, stop, tolerance in ((NAN, None, None), (INF, None, None), (0.0, NAN, None), (1.0, 0.5, None), (0.0, None, NAN),
+                                   (0.0, None, -1.0)):  # fmt: skip
+        one = fmu.new()
+        assert one.setup(start, stop, tolerance) == ERROR
+        assert one.reset() == OK
+        one.begin().free()
+
+
+def test_states_of_solvers_must_be_numbers(raw):
+    for version in (2, 3):
+        fmu = raw("plant", version)
+        one = reach(fmu, ME, "continuous")
+        for wrong in (NAN, INF):
+            assert (
+                fmu.SetContinuousStates(one.handle, reals(0, 0, wrong, 0, 0), ct.c_size_t(5))
+                in REFUSED
+            )
+            assert fmu.SetTime(one.handle, ct.c_double(wrong)) == ERROR
+        assert fmu.SetContinuousStates(one.handle, reals(0, 0), ct.c_size_t(2)) == ERROR
+        assert fmu.SetContinuousStates(one.handle, None, ct.c_size_t(5)) == ERROR
+        assert fmu.GetContinuousStates(one.handle, reals(*[0] * 4), ct.c_size_t(4)) == ERROR
+        one.free()
+
+
+def test_a_plant_that_overflows_takes_its_step_back(raw):
+    for version in (2, 3):
+        one = raw("plant", version).new().begin()
+        assert one.put({"tau_right": 1e300, "tau_left": 1e300}) == OK
+        before = one.get("x", "v1")
+        status = [one.step(0.0, 1.0)]
+        assert status[0] in (OK, *REFUSED)
+        if status[0] != OK:
+            assert one.get("x", "v1") == before
+        assert one.reset() == OK
+        assert one.begin().step(0.0, 0.01) == OK
+        one.free()
+
+
+@full
+@settings(max_examples=150)
+@given(script=st.lists(st.integers(0, 10_000), max_size=25))
+def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
+    """Whatever is called in whatever order: a status, and an instance that can be reset and used."""
+    fmu = raw(what, version)
+    listed = calls(fmu)
+    interface = fmu.interfaces[script[0] % len(fmu.interfaces)] if script else CS
+    one = reach(fmu, interface, MODES[interface][len(script) % len(MODES[interface])])
+    for number in script:
+        assert listed[number % len(listed)].make(one) in (OK, *REFUSED)
+    assert one.reset() == OK
+    one.begin()
+    assert one.get("time") == [0.0]
+    one.free()
+
+
+def test_intermediate_updates_and_early_returns(raw):
+    """FMI 3: each internal step is shown; a return that is asked for happens there."""
+    for what, h, wanted in (("plant", 0.01, 9), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)):
+        fmu, seen = raw(what, 3), []
+        kind = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_double, ct.c_bool, ct.c_bool, ct.c_bool, ct.c_bool,
+                            ct.POINTER(ct.c_bool), ct.POINTER(ct.c_double))  # fmt: skip
+
+        def update(_env, time, _put, _get, _done, may, early, until, seen=seen):
+            seen.append((time, one.get("time")[0], one.step(0.0, 0.01)))
+            early[0] = may and len(seen) == 2
+            until[0] = time
+
+        callback = kind(update)
+        one = fmu.new(update=callback)
+        assert one.begin().step(0.0, h) == OK
+        assert len(seen) == wanted
+        assert all(shown == time and status == ERROR for time, shown, status in seen)
+        seen.clear()
+        one = fmu.new(update=callback, early=True).begin()
+        flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
+        assert (
+            fmu.DoStep(
+                one.handle,
+                ct.c_double(0),
+                ct.c_double(h),
+                True,
+                *map(ct.byref, flags),
+                ct.byref(last),
+            )
+            == OK
+        )
+        assert [flag.value for flag in flags] == [False, False, True]
+        assert last.value == seen[-1][0] == one.get("time")[0]
+        assert one.step(last.value, h) == OK
+        one.free()
+
+
+def test_the_modes_are_all_there():
+    assert STEP in MODES[CS]

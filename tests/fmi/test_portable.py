@@ -1,0 +1,342 @@
+"""Libraries: what they export and need, other platforms, sanitizers, rebuilding from the sources."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import importlib.util
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+
+from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.fmi.export import export_fmu, model_of, settled
+from wmr_ctrl.fmi.fat import joined
+from wmr_ctrl.fmi.sources import sources_of
+from wmr_ctrl.laws import LAWS
+
+WHAT = ("plant", "reference", "closed-loop", *LAWS)
+HEADERS = fmu_dir() / "fmi" / "headers"
+ROOT = Path(__file__).resolve().parents[2]
+zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not there")
+linux = pytest.mark.skipif(sys.platform != "linux", reason="reads ELF files")
+
+
+def tool(name):
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"NOT RUN: {name} is not there")
+    return found
+
+
+def wanted_functions(version):
+    text = (HEADERS / f"fmi{version}Functions.h").read_text(encoding="utf-8")
+    return set(
+        re.findall(rf"^#define\s+(fmi{version}\w+)\s+fmi{version}FullName", text, flags=re.M)
+    )
+
+
+@linux
+@pytest.mark.parametrize(
+    ("what", "version"), [(w, v) for w in ("plant", "nn", "closed-loop") for v in (2, 3)]
+)
+def test_exactly_the_standards_functions_are_exported(raw, what, version):
+    listed = subprocess.run(
+        [tool("nm"), "-D", "--defined-only", str(raw(what, version).library)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    names = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
+    assert names - {"_init", "_fini"} == wanted_functions(version)
+
+
+@linux
+@zig
+@pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+def test_glibc_217_is_enough_and_nothing_else_is_needed(raw, what):
+    said = subprocess.run(
+        [tool("objdump"), "-p", "-T", str(raw(what, 2).library)],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([\d.]+)", said)}
+    assert versions
+    assert max(versions) <= (2, 17)
+    assert set(re.findall(r"NEEDED\s+(\S+)", said)) <= {"libc.so.6", "libm.so.6"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
+def test_sources_compile_without_a_warning(tmp_path, compiler, what, version):
+    sources = sources_of(model_of(what, "nn", settled("paper-simulation")), version)
+    for name, text in sources.files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    flags = [
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Werror",
+        "-O1",
+        "-fPIC",
+        "-shared",
+        "-fvisibility=hidden",
+    ]
+    subprocess.run(
+        [tool(compiler), *flags, "-o", "x.so", *sources.units, "-lm"], cwd=tmp_path, check=True
+    )
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_rebuilt_from_its_own_sources(exported, tmp_path, version):
+    """Unpack, compile what the build description lists, put the library in place: the same FMU."""
+    path = exported("nn", version)
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "fmu")
+    folder = tmp_path / "fmu"
+    where = (
+        folder / "sources" / "buildDescription.xml"
+        if version == 3
+        else folder / "modelDescription.xml"
+    )
+    pattern = r'SourceFile name="(\w+\.c)"' if version == 3 else r'File name="(\w+\.c)"'
+    units = sorted(set(re.findall(pattern, where.read_text(encoding="utf-8"))))
+    library = next(folder.glob("binaries/*/*.so"))
+    before = library.read_bytes()
+    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
+    subprocess.run(
+        [tool("cc"), *flags, "-o", str(library), *units, "-lm"], cwd=folder / "sources", check=True
+    )
+    assert library.read_bytes() != before
+    results = [
+        simulate_fmu(
+            str(p), stop_time=1.0, output_interval=0.01, step_size=0.01, output=["tau_right"]
+        )
+        for p in (path, folder)
+    ]
+    assert abs(results[0]["tau_right"] - results[1]["tau_right"]).max() < 1e-9
+
+
+@pytest.mark.slow
+@linux
+def test_the_battery_runs_clean_under_sanitizers(tmp_path):
+    """AddressSanitizer and UndefinedBehaviorSanitizer under the whole suite of calls."""
+    runtime = subprocess.run(
+        [tool("gcc"), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    flags = (
+        "-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g"
+    )
+    environment = {
+        **os.environ, "LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "WMR_CTRL_CACHE": str(tmp_path / "cache"),
+        "WMR_CTRL_FMU_CC": f"gcc {flags}", "PYTHONMALLOC": "malloc",
+    }  # fmt: skip
+    files = [f"tests/fmi/test_{name}.py" for name in ("hostile", "state", "derivatives")]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-x",
+        "-p",
+        "no:cacheprovider",
+        "-k",
+        "plant or nn or closed or reference",
+        *files,
+    ]
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "runtime error" not in done.stdout + done.stderr
+
+
+@zig
+@pytest.mark.slow
+def test_five_platforms_in_one_file(tmp_path):
+    for path in export_fmu("plant", target="all", out=tmp_path):
+        assert validate_fmu(str(path)) == []
+        with zipfile.ZipFile(path) as archive:
+            found = {
+                name: archive.read(name)
+                for name in archive.namelist()
+                if name.startswith("binaries/")
+            }
+        folders = {name.split("/")[1] for name in found}
+        modern = {
+            "x86_64-linux",
+            "x86_64-windows",
+            "aarch64-linux",
+            "x86_64-darwin",
+            "aarch64-darwin",
+        }
+        assert folders == (
+            modern
+            if "fmi3" in path.name
+            else {"linux64", "win64", "aarch64-linux", "darwin64", "aarch64-darwin"}
+        )
+        heads = {content[:4] for content in found.values()}
+        assert {b"\x7fELF", b"MZ\x90\0"[:4], b"\xcf\xfa\xed\xfe"} <= heads | {
+            content[:2] + b"\x90\0" for content in found.values()
+        }
+
+
+@zig
+@pytest.mark.slow
+def test_the_windows_library_computes_the_same_under_wine(tmp_path):
+    wine = shutil.which("wine64") or next(
+        (p for p in ("/usr/lib/wine/wine64",) if Path(p).exists()), None
+    )
+    if wine is None:
+        pytest.skip("NOT RUN: wine64 is not there, so the Windows library was not run")
+    outputs = []
+    for target, suffix in (("x86_64-linux", ""), ("x86_64-windows", ".exe")):
+        (path,) = export_fmu("plant", fmi=2, target=target, out=tmp_path / target)
+        with zipfile.ZipFile(path) as archive:
+            name = next(n for n in archive.namelist() if n.startswith("binaries/"))
+            archive.extract(name, tmp_path / target)
+        triple = {"": "x86_64-linux-gnu", ".exe": "x86_64-windows-gnu"}[suffix]
+        program = tmp_path / f"step{suffix}"
+        subprocess.run([sys.executable, "-m", "ziglang", "cc", "-target", triple, "-I", str(HEADERS), "-o", str(program),
+                        str(fmu_dir() / "examples" / "fmi2_step.c")], check=True, cwd=tmp_path)  # fmt: skip
+        described = read_model_description(str(path), validate=False)
+        refs = [
+            str(v.valueReference)
+            for n in ("tau_right", "omega")
+            for v in described.modelVariables
+            if v.name == n
+        ]
+        command = [
+            *([wine] if suffix else []),
+            str(program),
+            str(tmp_path / target / name),
+            described.guid,
+            *refs,
+            "200",
+        ]
+        environment = {
+            **os.environ,
+            "WINEPREFIX": str(tmp_path / "wine"),
+            "WINEDEBUG": "-all",
+            "HOME": str(tmp_path),
+        }
+        done = subprocess.run(
+            command, capture_output=True, text=True, env=environment, timeout=300, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        outputs.append([float.fromhex(line) for line in done.stdout.split()])
+    assert len(outputs[0]) == 200
+    assert outputs[1] == pytest.approx(outputs[0], rel=1e-12, abs=1e-14)
+
+
+def test_unknown_targets_list_the_known_ones(tmp_path):
+    with pytest.raises(UnknownNameError, match="x86_64-linux"):
+        export_fmu("plant", target="x86_64-linus", out=tmp_path)
+    with pytest.raises(UnknownNameError, match="near: plant"):
+        export_fmu("plants", out=tmp_path)
+    with pytest.raises(UnknownNameError, match="version of FMI"):
+        export_fmu("plant", fmi=1, out=tmp_path)
+
+
+def test_universal_libraries_hold_each_slice_on_a_page():
+    first, second = (
+        b"\xcf\xfa\xed\xfe" + struct.pack("<II", cpu, 3) + bytes(100)
+        for cpu in (0x01000007, 0x0100000C)
+    )
+    whole = joined([first, second])
+    magic, count = struct.unpack_from(">II", whole)
+    assert (magic, count) == (0xCAFEBABE, 2)
+    for i, part in enumerate((first, second)):
+        cpu, _sub, offset, size, align = struct.unpack_from(">IIIII", whole, 8 + 20 * i)
+        assert whole[offset : offset + size] == part
+        assert offset % (1 << align) == 0
+        assert cpu == struct.unpack_from("<I", part, 4)[0]
+
+
+@pytest.mark.parametrize("what", ["plant", "nn", "reference", "closed-loop"])
+def test_libcosim_loads_and_runs_it(exported, what):
+    pytest.importorskip("libcosimpy", reason="NOT RUN: libcosimpy is not there")
+    code = (
+        "import sys\n"
+        "from libcosimpy.CosimEnums import CosimVariableType as T\n"
+        "from libcosimpy.CosimExecution import CosimExecution\n"
+        "from libcosimpy.CosimSlave import CosimLocalSlave\n"
+        "from libcosimpy.CosimObserver import CosimObserver\n"
+        "execution = CosimExecution.from_step_size(step_size=10_000_000)\n"
+        "slave = execution.add_local_slave(CosimLocalSlave(fmu_path=sys.argv[1], instance_name='one'))\n"
+        "observer = CosimObserver.create_last_value()\n"
+        "execution.add_observer(observer=observer)\n"
+        "assert execution.step(step_count=20)\n"
+        "print('VALUE', observer.last_real_values(slave_index=slave, variable_references=[int(sys.argv[2])])[0].hex())\n"
+    )
+    path = exported(what, 2)
+    name = {"plant": "x", "nn": "tau_right", "reference": "x_d", "closed-loop": "x"}[what]
+    ref = next(
+        v.valueReference for v in read_model_description(str(path)).modelVariables if v.name == name
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path), str(ref)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = float.fromhex(done.stdout.rpartition("VALUE ")[2].strip())
+    wanted = simulate_fmu(
+        str(path), stop_time=0.2, output_interval=0.01, step_size=0.01, output=[name]
+    )[name][-1]
+    assert found == pytest.approx(wanted, rel=1e-12)
+
+
+@linux
+@pytest.mark.slow
+def test_the_example_importer_runs(raw, tmp_path):
+    fmu = raw("plant", 2)
+    program = tmp_path / "step"
+    subprocess.run([tool("cc"), "-Wall", "-Wextra", "-Werror", f"-I{HEADERS}", str(fmu_dir() / "examples" / "fmi2_step.c"),
+                    "-o", str(program), "-ldl"], check=True)  # fmt: skip
+    numbers = [str(fmu.ref("tau_right")), str(fmu.ref("omega")), "50"]
+    done = subprocess.run(
+        [str(program), str(fmu.library), fmu.description.guid, *numbers],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    one = fmu.new()
+    assert one.setup() == 0
+    one.put({"tau_right": 6.0})
+    assert one.leave() == 0
+    for k in range(50):
+        assert one.step(0.01 * k, 0.01) == 0
+    assert float.fromhex(done.stdout.split()[-1]) == one.get("omega")[0]
+
+
+def test_calls_are_quick(raw):
+    """A plant step of 1 ms, one internal step, through ctypes: a few microseconds."""
+    from time import perf_counter
+
+    one = raw("plant", 2).new().begin()
+    step, handle = one.fmu.DoStep, one.handle
+    step.argtypes = [ct.c_void_p, ct.c_double, ct.c_double, ct.c_int]
+    best, k = float("inf"), 0
+    for _ in range(20):
+        start = perf_counter()
+        for _ in range(500):
+            assert step(handle, 0.001 * k, 0.001, 1) == 0
+            k += 1
+        best = min(best, (perf_counter() - start) / 500)
+    assert best < 15e-6  # 1 on an idle machine; the bound only tells a blunder from noise

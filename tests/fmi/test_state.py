@@ -1,0 +1,112 @@
+"""States: taken, put back, written as bytes, read elsewhere; damaged bytes are refused."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.fmi.raw import CS, ERROR, ME, OK
+
+ROOT = Path(__file__).resolve().parents[2]
+WHAT = ("plant", "reference", "nn", "mb", "closed-loop")
+every_fmu = pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
+ELSEWHERE = """
+import json, sys
+from pathlib import Path
+from tests.fmi.raw import Fmu
+path, folder, version, content, steps = json.loads(sys.argv[1])
+one = Fmu(Path(path), Path(folder), version).new()
+assert one.restore(bytes.fromhex(content)) == 0
+for k in range(steps, steps + 20):
+    assert one.step(0.01 * k, 0.01) == 0
+print("ALL", json.dumps([x.hex() for x in one.all()]))
+"""
+
+
+def advanced(fmu, first, count, instance=None):
+    """An instance after ``count`` steps from step ``first`` on, with inputs that differ."""
+    instance = instance or fmu.new().begin()
+    moving = [
+        n
+        for n in ("tau_right", "v1")
+        if n in fmu.variables and fmu.variables[n].causality == "input"
+    ]
+    for k in range(first, first + count):
+        for name in moving:
+            assert instance.put({name: 0.02 * (k % 7)}) == OK
+        assert instance.step(0.01 * k, 0.01) == OK
+    return instance
+
+
+@every_fmu
+def test_a_state_put_back_gives_the_same_continuation(raw, what, version):
+    fmu = raw(what, version)
+    instance = advanced(fmu, 0, 30)
+    kept = instance.bytes_of_state()
+    straight = advanced(fmu, 30, 25, instance).all()
+    assert instance.restore(kept) == OK
+    assert advanced(fmu, 30, 25, instance).all() == straight
+    other = fmu.new()
+    assert other.restore(kept) == OK
+    assert advanced(fmu, 30, 25, other).all() == straight
+    assert fmu.new().begin().all() != straight
+
+
+@pytest.mark.parametrize(
+    ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
+)
+def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
+    fmu = raw(what, version)
+    instance = fmu.new().begin()
+    for k in range(30):
+        assert instance.step(0.01 * k, 0.01) == OK
+    given = json.dumps(
+        [str(fmu.path), str(fmu.folder), version, instance.bytes_of_state().hex(), 30]
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", ELSEWHERE, given],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    for k in range(30, 50):
+        assert instance.step(0.01 * k, 0.01) == OK
+    assert json.loads(done.stdout.rpartition("ALL ")[2]) == [x.hex() for x in instance.all()]
+
+
+@every_fmu
+def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
+    fmu = raw(what, version)
+    instance = advanced(fmu, 0, 5)
+    kept, before = instance.bytes_of_state(), instance.all()
+    for place in (0, 9, 17, 25, 33, 41, len(kept) // 2, len(kept) - 1):
+        damaged = bytearray(kept)
+        damaged[place] ^= 0x10
+        assert instance.restore(bytes(damaged)) == ERROR, place
+    for wrong in (kept[:-1], kept + b"\0", b"", b"\0" * len(kept), b"\xff" * len(kept)):
+        assert instance.restore(wrong) == ERROR
+    other = raw("smc", version).new().begin().bytes_of_state()
+    assert instance.restore(other) == ERROR
+    assert instance.all() == before
+    assert instance.step(0.05, 0.01) == OK
+
+
+def test_a_state_of_the_other_interface_is_refused(raw):
+    fmu = raw("plant", 2)
+    assert fmu.new(ME).begin().restore(fmu.new(CS).begin().bytes_of_state()) == ERROR
+
+
+@every_fmu
+def test_reset_gives_an_identical_rerun(raw, what, version):
+    fmu = raw(what, version)
+    first = advanced(fmu, 0, 40)
+    straight = first.all()
+    assert first.reset() == OK
+    assert first.all() == fmu.new().all()
+    assert advanced(fmu, 0, 40, first.begin()).all() == straight

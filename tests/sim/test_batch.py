@@ -1,0 +1,175 @@
+"""Many runs at once: every lane is the run that the scalar loop makes."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import scenario_of, settings_of, simulate
+from wmr_ctrl.codegen.lanes import available, build_batch
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results.metrics import summary
+from wmr_ctrl.sim.batch import Task, run_logged, run_tasks
+
+SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
+every_law = pytest.mark.parametrize("law", NAMES)
+every_set = pytest.mark.parametrize("vectors", available())
+
+
+def tasks_of(
+    name: str, law: str, seeds: range, overrides: dict[str, object], vectors: str | None = None
+) -> list[Task]:
+    scenario = scenario_of(name, overrides)
+    kernels = build_batch(scenario, law, vectors)
+    return [Task(kernels, scenario, settings_of(scenario), seed) for seed in seeds]
+
+
+def gap(name: str, law: str, tasks: list[Task], overrides: dict[str, object]) -> float:
+    """Largest difference of any logged number from the scalar loop's."""
+    worst = 0.0
+    for task, (columns, watched) in zip(tasks, run_logged(tasks), strict=True):
+        run = simulate(name, law, seed=task.seed, overrides=overrides)
+        assert watched.violations == run.monitor.violations
+        assert watched.first_violation == run.monitor.first_violation
+        assert watched.stopped == run.monitor.stopped
+        assert watched.stop_reason == run.monitor.stop_reason
+        assert len(columns["t"]) == run.rows
+        worst = max(worst, *(float(abs(columns[s.name] - run[s.name]).max()) for s in run.signals))
+    return worst
+
+
+@every_law
+@every_set
+def test_lanes_equal_the_scalar_loop_over_80_s(law: str, vectors: str) -> None:
+    tasks = tasks_of("paper-simulation", law, range(3), {}, vectors)
+
+    assert gap("paper-simulation", law, tasks, {}) < 1e-9
+
+
+@every_law
+def test_one_step_is_right_to_1e_12(law: str) -> None:
+    """From starts in all regions, at rest and near the limits."""
+    draw = np.random.default_rng(0)
+    for _ in range(6):
+        changed = {
+            "clock.duration": 0.01,
+            "initial.pose": list(draw.normal(size=3) * [5, 5, 2]),
+            "initial.velocity": list(draw.uniform(-1, 1, 2) * [0.9999, 1.4999]),
+        }
+        tasks = tasks_of("paper-simulation", law, range(2), changed)
+        runs = [simulate("paper-simulation", law, seed=k, overrides=changed) for k in range(2)]
+        for run, (columns, _) in zip(runs, run_logged(tasks), strict=True):
+            for signal in run.signals:
+                scale = 1 + abs(run[signal.name]).max()
+                assert abs(columns[signal.name] - run[signal.name]).max() < 1e-12 * scale
+
+
+@pytest.mark.parametrize("law", ["mb", "nn"])
+@pytest.mark.parametrize("changed", [
+    {"actuator.lag": 0.02, "actuator.delay": 0.005},
+    {"actuator.tau_max": 10.0},
+    {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2},
+    {"sensor.velocity_noise": [0.02, 0.03]},
+    {"disturbance.truncate": 1.5},
+    {"disturbance.std": 0.0, "disturbance.push": [3.0, 0.4]},
+    {"clock.control": 0.001},
+    {"reference.kind": "lemniscate"},
+    {"reference.kind": "rounded-square"},
+    {"initial.velocity": [1.3, 2.0]},
+    {"guard.enabled": True},
+])  # fmt: skip
+def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> None:
+    overrides = {**SHORT, **changed}
+    tasks = tasks_of("paper-simulation", law, range(2), overrides)
+
+    assert gap("paper-simulation", law, tasks, overrides) < 1e-8
+
+
+def test_vector_sets_give_the_same_bits() -> None:
+    found = [
+        run_tasks(tasks_of("paper-simulation", "nn", range(3), SHORT, name)) for name in available()
+    ]
+
+    for other in found[1:]:
+        assert all(np.array_equal(found[0][k], other[k], equal_nan=True) for k in other)
+
+
+@every_law
+def test_figures_are_those_of_the_runs(law: str) -> None:
+    found = run_tasks(tasks_of("paper-simulation", law, range(5), {}))
+    for seed in (0, 4):
+        run = simulate("paper-simulation", law, seed=seed)
+        wanted = summary(run)
+        for name in ("total", "before", "after", "position"):
+            assert found[f"ise_{name}"][seed] == pytest.approx(wanted["ise"][name], rel=1e-8)
+        assert found["e_rms"][seed] == pytest.approx(
+            np.array(list(wanted["e_rms"].values())), rel=1e-6
+        )
+        assert found["violations"][seed] == wanted["violations"]
+        assert found["max_abs_v"][seed] == pytest.approx(wanted["max_abs_v"], rel=1e-9)
+        assert found["tau_peak"][seed] == pytest.approx(wanted["tau_peak"], rel=1e-9)
+        assert found["tau_rms"][seed] == pytest.approx(wanted["tau_rms"], rel=1e-9)
+
+
+def test_order_jobs_and_company_do_not_matter() -> None:
+    """A lane's neighbours, those that diverge among them, leave it alone."""
+    wild = tasks_of("paper-simulation", "pid", range(4), {**SHORT, "gains.pid.Kp": [2e4, 2e3]})
+    tame = tasks_of("paper-simulation", "pid", range(9), SHORT)
+    alone, mixed = run_tasks(tame, jobs=1), run_tasks([*wild[:2], *tame, *wild[2:]], jobs=4)
+
+    assert (mixed["stop"][[0, 1, 11, 12]] == 1).all()
+    assert np.isnan(mixed["ise_total"][[0, 1, 11, 12]]).all()
+    for name, values in alone.items():
+        assert np.array_equal(mixed[name][2:11], values, equal_nan=True), name
+
+
+def test_divergence_is_the_scalar_loops() -> None:
+    changed = {"gains.pid.Kp": [2e4, 2e3]}
+    tasks = tasks_of("paper-experiment-literal", "pid", range(3), changed)
+
+    assert gap("paper-experiment-literal", "pid", tasks, changed) < 1e-6
+
+
+def test_starts_differ_by_task() -> None:
+    tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
+    moved = Task(
+        tasks[1].kernels, tasks[1].scenario, tasks[1].settings, 1, (1.0, 2.0, 0.0, 0.1, 0.2)
+    )
+    found = run_tasks([tasks[0], moved])
+    changed = {**SHORT, "initial.pose": [1.0, 2.0, 0.0], "initial.velocity": [0.1, 0.2]}
+    run = simulate("paper-simulation", "mb", seed=1, overrides=changed)
+
+    assert found["ise_total"][1] != found["ise_total"][0]
+    assert found["tau_rms"][1] == pytest.approx(summary(run)["tau_rms"], rel=1e-9)
+
+
+def test_progress_reaches_the_end() -> None:
+    told: list[float] = []
+    run_tasks(tasks_of("paper-simulation", "mb", range(40), SHORT), progress=told.append)
+
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_an_interrupt_ends_all_threads_at_once() -> None:
+    tasks = tasks_of("paper-simulation", "nn", range(64), {"clock.duration": 4000.0})
+    before, began = threading.active_count(), time.perf_counter()
+
+    def stop(share: float) -> None:
+        raise KeyboardInterrupt
+
+    short = tasks_of("paper-simulation", "nn", range(1), {"clock.duration": 0.1})
+    with pytest.raises(KeyboardInterrupt):
+        run_tasks([*short, *tasks], jobs=2, progress=stop)
+
+    assert time.perf_counter() - began < 5.0
+    assert threading.active_count() == before
+
+
+def test_unknown_vector_set_is_named() -> None:
+    with pytest.raises(UnknownNameError, match="vector"):
+        build_batch(scenario_of("paper-simulation"), "mb", "mmx")

@@ -1,0 +1,127 @@
+"""A law as a self-contained C99 package: header, source, example, test vectors, build file."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from wmr_ctrl.codegen.dialect_single import package_dialect
+from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.codegen.footprint import Footprint, known_footprint
+from wmr_ctrl.codegen.vectors import TOLERANCES, vectors_of
+from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import Signal
+
+FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
+         "README.md")  # fmt: skip
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class Field:
+    """One member of a struct: C name, number of elements, unit, meaning, values."""
+
+    name: str
+    size: int
+    unit: str
+    meaning: str
+    values: tuple[float, ...]
+
+    @property
+    def declared(self) -> str:
+        """The member as C declares it."""
+        return self.name if self.size == 1 else f"{self.name}[{self.size}]"
+
+    @property
+    def elements(self) -> list[tuple[str, float]]:
+        """Each element's C expression and value."""
+        if self.size == 1:
+            return [(self.name, self.values[0])]
+        return [(f"{self.name}[{k}]", value) for k, value in enumerate(self.values)]
+
+
+def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dict[str, str]:
+    """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
+
+    Raises ScenarioError or UnknownNameError as building the law does.
+    """
+    system = controller(scenario, law)
+    step = kernel(
+        "step",
+        f"One sample: {system.title}.",
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"next": system.update, "y": system.y},
+    )
+    context = _context(law, scenario, system, step, float32)
+    engine = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
+    names = {name.format(law=law): name.format(law="law") for name in FILES}
+    return {
+        name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
+    }
+
+
+def write_package(
+    law: str, out: Path, scenario: Scenario, *, float32: bool = False
+) -> tuple[Path, ...]:
+    """Write the package into the folder ``out`` (made if need be) and return the files' paths.
+
+    Each file appears whole or not at all.  Raises OSError if the folder cannot be written.
+    """
+    files = package_files(law, scenario, float32=float32)
+    out.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        handle, temporary = tempfile.mkstemp(dir=out, prefix=".writing-")
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, out / name)
+    return tuple(out / name for name in files)
+
+
+def _context(
+    law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
+) -> Mapping[str, Any]:
+    dialect = package_dialect(float32)
+    vectors = vectors_of(system, float32=float32)
+    outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
+               for o in system.outputs]  # fmt: skip
+    return {
+        "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
+        "period": scenario.clock.control, "float32": float32,
+        "real": "float" if float32 else "double", "digits": 9 if float32 else 17,
+        "inputs": _fields(system.inputs), "state": _fields(system.state),
+        "parameters": _fields(system.params), "outputs": outputs,
+        "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
+                   "parameters": system.p.numel(), "outputs": system.y.numel()},
+        "kernel": definition(step, dialect), "operations": step.operations,
+        "number": dialect.number, "vectors": vectors, "tolerance": TOLERANCES[float32],
+        "footprint": _shown(known_footprint(law, float32)), "library": f"wmr_{law}",
+    }  # fmt: skip
+
+
+def _shown(footprint: Footprint | None) -> Mapping[str, Any] | None:
+    return footprint.as_mapping() if footprint else None
+
+
+def _fields(ports: Iterable[Port]) -> list[Field]:
+    return [
+        Field(c_name(p.signal), p.signal.size, p.signal.unit, p.signal.meaning, p.value)
+        for p in ports
+    ]
+
+
+def c_name(signal: Signal) -> str:
+    """The name of a signal as C can write it: ``gains.nn.eta`` as gains_nn_eta."""
+    return re.sub(r"\W+", "_", signal.name).strip("_")

@@ -1,0 +1,148 @@
+"""The proximal map of the barrier: that the closed form is it, and that it never expands."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from wmr_ctrl.laws.resolvent import resolvent
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+THEME = "prox"
+ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
+SLOW = Z3(timeout=60)
+
+
+def _limits(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
+    return above(t["u2"]), above(t["u1"], t["u2"])
+
+
+def _target(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
+    return (*_limits(t), above(t["k"]), above(ca.SX(1e100), t["c"]), above(t["c"], -1e100))
+
+
+def _slope(size: ca.SX, t: dict[str, ca.SX], smooth: bool) -> ca.SX:
+    """f'(|x|) beyond u2."""
+    tangent = 1 / (t["u1"] - t["u2"]) if smooth else 0
+    return 1 / (t["u1"] - size) - tangent
+
+
+def _optimal(smooth: bool, flip: float) -> Statement:
+    """c - x is in k df(x): as the sum of squared violations, which must not be positive."""
+    t = symbols("c k u1 u2")
+    x = resolvent(t["c"], t["k"], t["u1"], t["u2"], smooth)
+    size, s = ca.fabs(x), ca.if_else(t["c"] >= 0, 1, -1)
+    rest = s * (t["c"] - flip * x)
+    beyond = (rest - t["k"] * _slope(size, t, smooth)) * (t["u1"] - size)
+    jump = ca.SX(0) if smooth else t["k"] / (t["u1"] - t["u2"])
+    at_kink = ca.fmin(jump - rest, 0)
+    miss = ca.if_else(size > t["u2"], beyond, ca.if_else(size < t["u2"], rest, at_kink))
+    inside = above(t["u1"], size)
+    return Statement(t, (equal(miss), at_least(rest), at_least(s * x), inside), _target(t))
+
+
+def _optimal_paper(flip: float) -> Statement:
+    return _optimal(False, flip)
+
+
+def _optimal_smooth(flip: float) -> Statement:
+    return _optimal(True, flip)
+
+
+def _monotone(smooth: bool, flip: float) -> Statement:
+    """Slopes of f at two points, with 0 <= jump <= 1/delta at the kink."""
+    t = symbols("x1 x2 k1 k2 u1 u2")
+    slopes = []
+    for x, kink in ((t["x1"], t["k1"]), (t["x2"], t["k2"])):
+        size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)
+        jump = ca.SX(0) if smooth else kink
+        steep = ca.if_else(
+            size > t["u2"], _slope(size, t, smooth), ca.if_else(size < t["u2"], 0, jump)
+        )
+        slopes.append(s * steep)
+    rises = flip * (slopes[0] - slopes[1]) * (t["x1"] - t["x2"])
+    sizes = [above(t["u1"], way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
+    kinks = [
+        part
+        for name in ("k1", "k2")
+        for part in (at_least(t[name]), at_least(ca.SX(1), t[name] * (t["u1"] - t["u2"])))
+    ]
+    return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
+
+
+def _monotone_paper(flip: float) -> Statement:
+    return _monotone(False, flip)
+
+
+def _monotone_smooth(flip: float) -> Statement:
+    return _monotone(True, flip)
+
+
+def _not_expansive(flip: float) -> Statement:
+    """c_i = x_i + k a_i with monotone a: |x1 - x2| <= |c1 - c2|."""
+    t = symbols("x1 x2 a1 a2 k")
+    dx, da = t["x1"] - t["x2"], t["a1"] - t["a2"]
+    dc = dx + t["k"] * da
+    goal = at_least(dc * dc, (1 if flip > 0 else 1.01) * dx * dx)
+    return Statement(t, (goal,), (above(t["k"]), at_least(dx * da)))
+
+
+CLAIMS = (
+    Claim(
+        "prox.optimal",
+        (14, 15, 18),
+        OURS,
+        "c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1",
+        "The closed form is the nearest velocity inside the limit.",
+        ANY,
+        _optimal_paper,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "prox.optimal-smooth",
+        (),
+        OURS,
+        "the same for the smooth barrier",
+        "Also where the barrier has no corner.",
+        ANY,
+        _optimal_smooth,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "prox.monotone",
+        (14, 15),
+        OURS,
+        "(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included",
+        "The barrier is convex.",
+        "every 0 < v_u2 < v_u1, |x| < v_u1",
+        _monotone_paper,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "prox.monotone-smooth",
+        (),
+        OURS,
+        "the same for the smooth barrier",
+        "So is the smooth one.",
+        "every 0 < v_u2 < v_u1, |x| < v_u1",
+        _monotone_smooth,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "prox.not-expansive",
+        (),
+        OURS,
+        "|X_k(c1) - X_k(c2)| <= |c1 - c2|",
+        "Targets that are near stay near.",
+        "x + k a = c with monotone a",
+        _not_expansive,
+        SLOW,
+        uses=("prox.optimal", "prox.monotone"),
+        theme=THEME,
+    ),
+)

@@ -1,0 +1,116 @@
+"""Ours: the velocity limits under a held command, rounding of the compiled law included.
+
+One control period T: v(next) = v + T (F/M - F1/M + d), with the model-based law's own force F (its
+clip of v included), mass exact, d constant over the period, |d| <= D, |v_c0| <= C, |v_c0'| <= R.
+The claim is that |v| <= L < v_u1 is kept.  Friction is left at 0: what is compensated exactly drops
+out, and the rounding of adding it is part of d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+
+from wmr_ctrl.model.dynamics import acceleration
+from wmr_ctrl.proofs.case import at
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
+from wmr_ctrl.proofs.methods.spec import Ball, Method, Refute
+from wmr_ctrl.proofs.statement import Statement, at_least, symbols
+from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Held:
+    """One setting: axis (0, 1), period, largest |v_c0|, |v_c0'| and |d|, and the level L as text."""
+
+    id: str
+    axis: int
+    period: str
+    target: str
+    rate: str
+    disturbance: str
+    level: str
+
+    def statement(self, flip: float) -> Statement:
+        """|next v| <= L; the mutation has eight times the disturbance."""
+        law = LawGraph("mb")
+        v = law.symbols[VELOCITY_NAMES[self.axis]]
+        free = symbols("c cdot d")
+        extra = 1 if flip > 0 else 8
+        push = acceleration(law.own(law.sample.mass), law.force, 0)[self.axis] + extra * free["d"]
+        following = numbers(law.scenario, law, v + float(Fraction(self.period)) * push)
+        level = float(Fraction(self.level))
+        inner = {name: numbers(law.scenario, law, expr) for name, expr in self.inner(law).items()}
+        goals = (at_least(level, following), at_least(following, -level))
+        return Statement({**law.symbols, **free}, goals, (), inner)
+
+    def inner(self, law: LawGraph) -> dict[str, ca.SX]:
+        """v_c0 and its rate; the clip stays in the graph."""
+        return {name: expr for name, expr in law.inner(self.axis).items() if name in ("c", "cdot")}
+
+    @property
+    def method(self) -> Method:
+        """Branch and bound over v and v_c0; rate and disturbance stay intervals."""
+        bounds = {VELOCITY_NAMES[self.axis]: self.level, "c": self.target, "cdot": self.rate, "d": self.disturbance}
+        box = {name: (-Fraction(float(Fraction(b))), Fraction(float(Fraction(b)))) for name, b in bounds.items()}
+        edges = _edges(self.axis)
+        cuts = {VELOCITY_NAMES[self.axis]: (-edges[0], Fraction(0), edges[0]), "c": (*(-e for e in edges), Fraction(0), *edges)}
+        return Ball(box=box, float_mode=True, cuts_at=cuts, split=(VELOCITY_NAMES[self.axis], "c"), budget=20000)
+
+
+def numbers(scenario: Scenario, law: LawGraph, expr: ca.SX) -> ca.SX:
+    """The expression with the preset's parameter values, friction set to 0."""
+    values = {name: value for port in law.system.params for name, value in zip(port.signal.elements, port.value, strict=True)}
+    values["model.mu"] = 0.0
+    kept = {name: value for name, value in values.items() if not name.startswith("gains.kinematics")}
+    old = ca.vertcat(*(law.symbols[name] for name in kept))
+    return ca.substitute(expr, old, ca.vertcat(*kept.values()))
+
+
+def _edges(axis: int) -> tuple[Fraction, Fraction]:
+    """v_u2 and v_u2 + 1/(v_u1 - v_u2) of the preset."""
+    u1, u2 = (Fraction(float(x)) for x in ((1.0, 0.8), (1.5, 1.3))[axis])
+    return u2, Fraction(float(u2 + 1 / (u1 - u2)))
+
+
+def _said(s: Held) -> str:
+    unit = ("m/s", "rad/s")[s.axis]
+    return (f"|{VELOCITY_NAMES[s.axis]}| <= {s.level} {unit} is kept with T = {float(Fraction(s.period)) * 1000:g} ms for "
+            f"|v_c0| <= {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} {unit}^2")
+
+
+def _claim(s: Held) -> Claim:
+    return Claim(
+        s.id, (9,), OURS, _said(s), "The compiled controller, with every rounding error it can make, keeps the limit "
+        "from one sample to the next under the stated disturbance.",
+        "paper limits and gains; mass exact, friction compensated; doubles; log of the C library right to 2^-51 "
+        "(tested); no underflow", s.statement, s.method, uses=("assumption.libm", "lemma.sampling"))
+
+
+SETTINGS = (
+    Held("sampled.1ms", 0, "1/1000", "5", "10", "0.312", "0.9292"),
+    Held("sampled.1ms-frozen", 0, "1/1000", "5", "0", "0.677", "0.9292"),
+    Held("sampled.1ms-far", 0, "1/1000", "10", "25", "0.131", "0.9653"),
+    Held("sampled.1ms-angular", 1, "1/1000", "6", "15", "1.232", "1.4335"),
+    Held("sampled.10ms", 0, "1/100", "5", "10", "0.3", "0.9292"),
+    Held("sampled.10ms-angular", 1, "1/100", "6", "10", "1.1", "1.4335"),
+)
+SLOW = Held("sampled.100ms", 0, "1/10", "10", "0", "0.01", "0.9999")
+SLOW_ANGULAR = Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.4335")
+
+
+def _refuted(s: Held, points: tuple[dict[str, Fraction], ...]) -> Claim:
+    return Claim(
+        s.id, (9,), OURS, _said(s), "With the 100 ms of the paper's experiment and the gains of its simulation one "
+        "sample is enough to break the limit.", "paper limits and gains; mass exact, friction compensated",
+        s.statement, Refute(points))
+
+
+CLAIMS = (
+    *(_claim(setting) for setting in SETTINGS),
+    _refuted(SLOW, tuple(at(v1=v, c=10, cdot=0, d=0) for v in ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100"))),
+    _refuted(SLOW_ANGULAR, tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1"))),
+)

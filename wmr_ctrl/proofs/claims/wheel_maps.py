@@ -1,0 +1,147 @@
+"""Behind the guard: maps onto the wheels' torques that keep what the guard has secured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.laws.wheel_map import MAPS
+from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+THEME = "guard"
+BOX = (
+    "every box lo <= hi of both axes, every force in it, |F0| + |N0|/l <= phi for the safe point "
+    "(F0, N0)"
+)
+
+
+@dataclass(frozen=True)
+class Wheels:
+    """A guard's box, a force in it, and wheels with reach phi."""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """lo, hi and force of both axes; phi [N], half (l) and r [m]."""
+        return symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r")
+
+    def pair(self, name: str) -> ca.SX:
+        """Both axes of one quantity."""
+        return ca.vertcat(self.symbols[f"{name}1"], self.symbols[f"{name}2"])
+
+    @property
+    def safe(self) -> ca.SX:
+        """Force of least effort in the box."""
+        return ca.fmin(ca.fmax(0, self.pair("lo")), self.pair("hi"))
+
+    def within(self, force: ca.SX) -> tuple[Relation, ...]:
+        """``force`` is in the box."""
+        lo, hi = self.pair("lo"), self.pair("hi")
+        return tuple(
+            at_least(part) for i in (0, 1) for part in (force[i] - lo[i], hi[i] - force[i])
+        )
+
+    def reached(self, force: ca.SX) -> Relation:
+        """``force`` is within the wheels' reach."""
+        t = self.symbols
+        return at_least(t["phi"], ca.fabs(force[0]) + ca.fabs(force[1]) / t["half"])
+
+    @property
+    def given(self) -> tuple[Relation, ...]:
+        """The hypotheses."""
+        t = self.symbols
+        sides = (above(t["half"]), above(t["phi"]), above(t["r"]))
+        return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
+
+    def mapped(self, name: str, safe: ca.SX) -> ca.SX:
+        """What a map makes of the force."""
+        return MAPS[name](self.pair("force"), self.symbols["phi"], self.symbols["half"], safe)
+
+
+def _map(name: str, flip: float) -> Statement:
+    w = Wheels()
+    found = w.mapped(name, w.safe if flip > 0 else ca.SX.zeros(2))
+    return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
+
+
+def _linear(flip: float) -> Statement:
+    return _map("linear-first", flip)
+
+
+def _rotation(flip: float) -> Statement:
+    return _map("rotation-first", flip)
+
+
+def _clip_per_wheel(flip: float) -> Statement:
+    """Each torque clipped by itself."""
+    w = Wheels()
+    t = w.symbols
+    most = t["phi"] * t["r"] / 2
+    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    found = wheel_to_force(t["r"], t["half"], ca.fmax(-most, ca.fmin(most, torque)))
+    return Statement(t, w.within(flip * found), w.given)
+
+
+def _torques(flip: float) -> Statement:
+    """|F| + |N|/l <= phi is |tau| <= tau_max = phi r/2 on both wheels."""
+    w = Wheels()
+    t = w.symbols
+    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    size = ca.fabs(t["force1"]) + flip * ca.fabs(t["force2"]) / t["half"]
+    return Statement(t, (equal(largest, t["r"] / 2 * size),), (above(t["half"]), above(t["r"])))
+
+
+SLOW = Z3(timeout=60)
+
+CLAIMS = (
+    Claim(
+        "wheels.reach",
+        (4,),
+        OURS,
+        "max |tau| = (r/2) (|F| + |N|/l)",
+        "The torque limit is a diamond of forces.",
+        "r, l > 0",
+        _torques,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "wheels.linear-first",
+        (),
+        OURS,
+        "linear-first ends in the guard's box and within reach",
+        "The torque limit does not undo the guard.",
+        BOX,
+        _linear,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "wheels.rotation-first",
+        (),
+        OURS,
+        "rotation-first ends in the guard's box and within reach",
+        "Nor does it when the rotation is served first.",
+        BOX,
+        _rotation,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "wheels.per-wheel",
+        (),
+        OURS,
+        "a clip of each wheel's torque ends in the guard's box",
+        "False: clipping one wheel changes thrust and moment at once, and can turn braking into "
+        "driving.",
+        BOX,
+        _clip_per_wheel,
+        SLOW,
+        theme=THEME,
+    ),
+)
