@@ -1,6 +1,6 @@
-"""Run every notebook and write it, with its outputs, into docs/notebooks: ``python analysis/render.py``.
+"""Run every notebook and write it with its outputs into docs/notebooks.
 
-Names of notebooks may be given (``python analysis/render.py 05-sample-time``).  A cell that raises,
+``python analysis/render.py`` does all, with a name (``05-sample-time``) one.  A cell that raises,
 a fact that no longer holds for one, ends the command with its message.
 """
 

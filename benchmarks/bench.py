@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from . import floor, generated
+from . import floor, fmu, generated
 from .hand_c import HandC
 from .numpy_loop import closed_loop
 from .setup import Case, Setup
@@ -135,10 +135,18 @@ def loops() -> dict[str, Candidate]:
     }
 
 
-FACTORIES: tuple[Callable[[], dict[str, Candidate]], ...] = (steps, loops)
+def fmus() -> dict[str, Candidate]:
+    """Steps of the plant FMU and of an empty one, by FMPy; a stand-in where they cannot be had."""
+    return fmu.candidates(20_000) or {"nothing": Candidate(lambda: None, 1)}
+
+
+FACTORIES: tuple[Callable[[], dict[str, Candidate]], ...] = (steps, loops, fmus)
 
 
 def _floor_of(factory: Callable[[], Mapping[str, Candidate]]) -> str:
+    """The candidate that the others of a factory are divided by."""
+    if factory is fmus:
+        return next(iter(factory()))
     return "nn_hand" if factory is steps else "nn_loop_hand"
 
 

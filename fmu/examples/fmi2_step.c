@@ -3,7 +3,8 @@
    cc -I../fmi/headers fmi2_step.c -o fmi2_step -ldl
    ./fmi2_step binaries/linux64/wmr_plant.so "{guid}" input output steps
 
-   `input` is the value reference of an input that is held at 6.0; `output` that of what is shown. */
+   `input` is the value reference of an input that is held at 6.0; `output` that of what is shown.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -55,10 +56,12 @@ int main(int count, char **words)
     }
     fmi2InstantiateTYPE *instantiate = (fmi2InstantiateTYPE *)function("fmi2Instantiate");
     fmi2Component c = instantiate("example", fmi2CoSimulation, words[2], NULL, NULL, 0, 0);
-    if (!c || ((fmi2SetupExperimentTYPE *)function("fmi2SetupExperiment"))(c, 0, 0, 0, 0, 0) != fmi2OK
+    if (!c
+        || ((fmi2SetupExperimentTYPE *)function("fmi2SetupExperiment"))(c, 0, 0, 0, 0, 0) != fmi2OK
         || ((fmi2EnterInitializationModeTYPE *)function("fmi2EnterInitializationMode"))(c) != fmi2OK
         || ((fmi2SetRealTYPE *)function("fmi2SetReal"))(c, &input, 1, &held) != fmi2OK
-        || ((fmi2ExitInitializationModeTYPE *)function("fmi2ExitInitializationMode"))(c) != fmi2OK) {
+        || ((fmi2ExitInitializationModeTYPE *)function("fmi2ExitInitializationMode"))(c)
+               != fmi2OK) {
         return 1;
     }
     const int status = step(c, (unsigned int)atoi(words[4]), atoi(words[5]));

@@ -4,7 +4,7 @@
 
 #include "instance.h"
 
-#define WMR_ANY_MODE                                                                                \
+#define WMR_ANY_MODE \
     (WMR_IN_START | WMR_IN_INIT | WMR_IN_STEP | WMR_IN_EVENT | WMR_IN_CONTINUOUS | WMR_IN_STOPPED)
 #define WMR_RUNNING_MODES (WMR_IN_STEP | WMR_IN_EVENT | WMR_IN_CONTINUOUS)
 #define WMR_SOLVING_MODES (WMR_IN_INIT | WMR_IN_EVENT | WMR_IN_CONTINUOUS | WMR_IN_STOPPED)

@@ -8,7 +8,8 @@
 wmr_status wmr_forward(wmr_instance *s, const uint32_t *unknowns, size_t nu, const uint32_t *knowns,
                        size_t nk, const double *seed, size_t ns, double *sensitivity, size_t nd)
 {
-    (void)unknowns, (void)nu, (void)knowns, (void)nk, (void)seed, (void)ns, (void)sensitivity, (void)nd;
+    (void)unknowns, (void)nu, (void)knowns, (void)nk, (void)seed, (void)ns, (void)sensitivity,
+        (void)nd;
     return wmr_say(s, WMR_ERROR, "a closed loop has no partial derivatives: it has no inputs.");
 }
 
@@ -35,20 +36,21 @@ static int is_unknown(uint32_t ref)
     return row >= WMR_X;
 }
 
-static wmr_status check_rows(wmr_instance *s, const uint32_t *refs, size_t count, int (*fits)(uint32_t),
-                             const double *numbers, size_t length)
+static wmr_status check_rows(wmr_instance *s, const uint32_t *refs, size_t count,
+                             int (*fits)(uint32_t), const double *numbers, size_t length)
 {
     const int64_t wanted = wmr_length(s, WMR_REAL, refs, count);
     if (wanted < 0) {
         return WMR_ERROR;
     }
     if ((uint64_t)wanted != length || (length && !numbers)) {
-        return wmr_say(s, WMR_ERROR, "expected %u numbers but got %u (or no array).", (unsigned)wanted,
-                       (unsigned)length);
+        return wmr_say(s, WMR_ERROR, "expected %u numbers but got %u (or no array).",
+                       (unsigned)wanted, (unsigned)length);
     }
     for (size_t i = 0; i < count; ++i) {
         if (!fits(refs[i])) {
-            return wmr_say(s, WMR_ERROR, "%s has no place in this derivative.", wmr_variables[refs[i]].name);
+            return wmr_say(s, WMR_ERROR, "%s has no place in this derivative.",
+                           wmr_variables[refs[i]].name);
         }
     }
     return WMR_OK;
@@ -100,7 +102,8 @@ wmr_status wmr_forward(wmr_instance *s, const uint32_t *unknowns, size_t nu, con
 {
     double rows[WMR_ROWS] = {0.0};
     if (check_rows(s, unknowns, nu, is_unknown, sensitivity, nd) != WMR_OK
-        || check_rows(s, knowns, nk, is_known, seed, ns) != WMR_OK || check_seed(s, seed, ns) != WMR_OK) {
+        || check_rows(s, knowns, nk, is_known, seed, ns) != WMR_OK
+        || check_seed(s, seed, ns) != WMR_OK) {
         return WMR_ERROR;
     }
     scatter(knowns, nk, seed, rows);

@@ -17,7 +17,8 @@ static const wmr_call RESET = {"fmi2Reset", WMR_ANY_MODE};
 static const wmr_call GET = {"fmi2Get", WMR_ANY_MODE};
 static const wmr_call SET = {"fmi2Set", WMR_ANY_MODE & ~WMR_IN_STOPPED};
 static const wmr_call STATE = {"a function for FMU states", WMR_ANY_MODE};
-static const wmr_call DERIVE = {"fmi2GetDirectionalDerivative", WMR_RUNNING_MODES | WMR_SOLVING_MODES};
+static const wmr_call DERIVE = {"fmi2GetDirectionalDerivative",
+                                WMR_RUNNING_MODES | WMR_SOLVING_MODES};
 
 static void log_message(wmr_instance *s, wmr_status status, const char *category, const char *text)
 {
@@ -42,7 +43,8 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[])
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
+                               const fmi2String categories[])
 {
     wmr_instance *s = wmr_legal(c, &SET_DEBUG_LOGGING);
     return s ? status_of(wmr_set_logging(s, on, count, categories)) : fmi2Error;
@@ -62,10 +64,12 @@ static int acceptable(wmr_instance *s, fmi2String guid, fmi2Type type)
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                              fmi2Boolean logging)
 {
     (void)resources, (void)visible;
-    wmr_instance *s = wmr_create(name, type == fmi2ModelExchange ? WMR_MODEL_EXCHANGE : WMR_CO_SIMULATION);
+    wmr_instance *s =
+        wmr_create(name, type == fmi2ModelExchange ? WMR_MODEL_EXCHANGE : WMR_CO_SIMULATION);
     if (!s) {
         return NULL;
     }
@@ -138,14 +142,16 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
     return s ? status_of(wmr_get(s, WMR_REAL, vr, nvr, value, nvr)) : fmi2Error;
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                       const fmi2Real value[])
 {
     wmr_instance *s = wmr_legal(c, &SET);
     return s ? status_of(wmr_set(s, WMR_REAL, vr, nvr, value, nvr)) : fmi2Error;
 }
 
 /* Integers are kept as doubles, which hold every 32-bit integer. */
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Integer value[])
 {
     wmr_instance *s = wmr_legal(c, &GET);
     wmr_status status = s ? WMR_OK : WMR_ERROR;
@@ -185,13 +191,15 @@ static fmi2Status none_of_them(fmi2Component c, const wmr_call *call, size_t nvr
     return s ? fmi2OK : fmi2Error;
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Boolean value[])
 {
     (void)vr, (void)value;
     return none_of_them(c, &GET, nvr);
 }
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         fmi2String value[])
 {
     (void)vr, (void)value;
     return none_of_them(c, &GET, nvr);
@@ -204,7 +212,8 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
     return none_of_them(c, &SET, nvr);
 }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         const fmi2String value[])
 {
     (void)vr, (void)value;
     return none_of_them(c, &SET, nvr);
@@ -240,16 +249,18 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
     return s ? status_of(wmr_snapshot_write(s, state, bytes, size)) : fmi2Error;
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+                                   fmi2FMUstate *state)
 {
     wmr_instance *s = wmr_legal(c, &STATE);
     return s ? status_of(wmr_snapshot_read(s, bytes, size, state)) : fmi2Error;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nu,
-                                        const fmi2ValueReference known[], size_t nk, const fmi2Real seed[],
-                                        fmi2Real sensitivity[])
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
+                                        size_t nu, const fmi2ValueReference known[], size_t nk,
+                                        const fmi2Real seed[], fmi2Real sensitivity[])
 {
     wmr_instance *s = wmr_legal(c, &DERIVE);
-    return s ? status_of(wmr_forward(s, unknown, nu, known, nk, seed, nk, sensitivity, nu)) : fmi2Error;
+    return s ? status_of(wmr_forward(s, unknown, nu, known, nk, seed, nk, sensitivity, nu))
+             : fmi2Error;
 }

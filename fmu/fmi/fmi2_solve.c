@@ -65,7 +65,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean final, fmi2B
                                        fmi2Boolean *end)
 {
     wmr_instance *s = solving(c, &COMPLETED);
-    (void)final;
+    (void) final;
     if (s && (!enter_event || !end)) {
         return status_of(wmr_say(s, WMR_ERROR, "there is no place for the answers."));
     }
@@ -152,7 +152,8 @@ fmi2Status fmi2CancelStep(fmi2Component c)
 static fmi2Status no_answer(fmi2Component c)
 {
     wmr_instance *s = wmr_legal(c, &STATUS);
-    return s ? status_of(wmr_say(s, WMR_DISCARD, "there is no such status: no step is pending.")) : fmi2Error;
+    return s ? status_of(wmr_say(s, WMR_DISCARD, "there is no such status: no step is pending."))
+             : fmi2Error;
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)

@@ -41,8 +41,9 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t cou
 }
 
 /* An instance, or NULL with the reason told where name or token are wrong. */
-static wmr_instance *made(fmi3String name, fmi3String token, wmr_interface interface, fmi3Boolean logging,
-                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
+static wmr_instance *made(fmi3String name, fmi3String token, wmr_interface interface,
+                          fmi3Boolean logging, fmi3InstanceEnvironment environment,
+                          fmi3LogMessageCallback logger)
 {
     wmr_instance *s = wmr_create(name, interface);
     if (!s) {
@@ -71,7 +72,8 @@ static wmr_instance *refused(wmr_instance *s, const char *why)
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
                                           fmi3Boolean visible, fmi3Boolean logging,
-                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback logger)
 {
     wmr_instance *s = made(name, token, WMR_MODEL_EXCHANGE, logging, environment, logger);
     (void)resources, (void)visible;
@@ -88,17 +90,20 @@ static int update(wmr_instance *s, double time)
     s->state.values[0] = time;
     s->state.stale = 1;
     s->state.mode = WMR_IN_UPDATE;
-    callback(s->environment, time, fmi3False, fmi3True, fmi3True, s->early_return != 0, &requested, &until);
+    callback(s->environment, time, fmi3False, fmi3True, fmi3True, s->early_return != 0, &requested,
+             &until);
     s->state.mode = WMR_IN_STEP;
     s->state.values[0] = now;
     return s->early_return && requested && !(until > time);
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
-                                         fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
-                                         fmi3Boolean early_return, const fmi3ValueReference required[],
-                                         size_t count, fmi3InstanceEnvironment environment,
-                                         fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback callback)
+                                         fmi3Boolean visible, fmi3Boolean logging,
+                                         fmi3Boolean event_mode, fmi3Boolean early_return,
+                                         const fmi3ValueReference required[], size_t count,
+                                         fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback logger,
+                                         fmi3IntermediateUpdateCallback callback)
 {
     wmr_instance *s = made(name, token, WMR_CO_SIMULATION, logging, environment, logger);
     (void)resources, (void)visible, (void)required, (void)count;
@@ -113,13 +118,11 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     return s;
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
-                                               fmi3Boolean visible, fmi3Boolean logging,
-                                               fmi3InstanceEnvironment environment,
-                                               fmi3LogMessageCallback logger,
-                                               fmi3ClockUpdateCallback clock_update,
-                                               fmi3LockPreemptionCallback lock,
-                                               fmi3UnlockPreemptionCallback unlock)
+fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
+    fmi3ClockUpdateCallback clock_update, fmi3LockPreemptionCallback lock,
+    fmi3UnlockPreemptionCallback unlock)
 {
     (void)resources, (void)visible, (void)clock_update, (void)lock, (void)unlock;
     return refused(made(name, token, WMR_CO_SIMULATION, logging, environment, logger),
@@ -132,8 +135,8 @@ void fmi3FreeInstance(fmi3Instance instance)
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
-                                       fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean has_stop,
-                                       fmi3Float64 stop)
+                                       fmi3Float64 tolerance, fmi3Float64 start,
+                                       fmi3Boolean has_stop, fmi3Float64 stop)
 {
     wmr_instance *s = wmr_legal(instance, &ENTER_INIT);
     if (!s || wmr_setup(s, start, has_stop, stop, has_tolerance, tolerance) != WMR_OK) {
@@ -191,7 +194,8 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
     return s ? status_of(wmr_snapshot_size(s, state, size)) : fmi3Error;
 }
 
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
+                                 size_t size)
 {
     wmr_instance *s = wmr_legal(instance, &STATE);
     return s ? status_of(wmr_snapshot_write(s, state, bytes, size)) : fmi3Error;
@@ -204,19 +208,22 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
     return s ? status_of(wmr_snapshot_read(s, bytes, size, state)) : fmi3Error;
 }
 
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nu,
-                                        const fmi3ValueReference knowns[], size_t nk,
-                                        const fmi3Float64 seed[], size_t ns, fmi3Float64 sensitivity[],
-                                        size_t nd)
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t nu, const fmi3ValueReference knowns[], size_t nk,
+                                        const fmi3Float64 seed[], size_t ns,
+                                        fmi3Float64 sensitivity[], size_t nd)
 {
     wmr_instance *s = wmr_legal(instance, &DERIVE);
-    return s ? status_of(wmr_forward(s, unknowns, nu, knowns, nk, seed, ns, sensitivity, nd)) : fmi3Error;
+    return s ? status_of(wmr_forward(s, unknowns, nu, knowns, nk, seed, ns, sensitivity, nd))
+             : fmi3Error;
 }
 
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nu,
-                                    const fmi3ValueReference knowns[], size_t nk, const fmi3Float64 seed[],
-                                    size_t ns, fmi3Float64 sensitivity[], size_t nd)
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                    size_t nu, const fmi3ValueReference knowns[], size_t nk,
+                                    const fmi3Float64 seed[], size_t ns, fmi3Float64 sensitivity[],
+                                    size_t nd)
 {
     wmr_instance *s = wmr_legal(instance, &DERIVE);
-    return s ? status_of(wmr_reverse(s, unknowns, nu, knowns, nk, seed, ns, sensitivity, nd)) : fmi3Error;
+    return s ? status_of(wmr_reverse(s, unknowns, nu, knowns, nk, seed, ns, sensitivity, nd))
+             : fmi3Error;
 }

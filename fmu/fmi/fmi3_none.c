@@ -27,29 +27,33 @@ fmi3Status fmi3EnterStepMode(fmi3Instance instance)
     return refuse(instance);
 }
 
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference ref, size_t *count)
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference ref,
+                                               size_t *count)
 {
     (void)ref, (void)count;
     return refuse(instance);
 }
 
-fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent, size_t elements[],
-                                       fmi3ValueReference independents[], size_t of_independents[],
-                                       fmi3DependencyKind kinds[], size_t count)
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                       size_t elements[], fmi3ValueReference independents[],
+                                       size_t of_independents[], fmi3DependencyKind kinds[],
+                                       size_t count)
 {
-    (void)dependent, (void)elements, (void)independents, (void)of_independents, (void)kinds, (void)count;
+    (void)dependent, (void)elements, (void)independents, (void)of_independents, (void)kinds,
+        (void)count;
     return refuse(instance);
 }
 
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                  fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                                  size_t count, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[])
 {
     (void)refs, (void)count, (void)intervals, (void)qualifiers;
     return refuse(instance);
 }
 
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                   fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                   size_t count, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
                                    fmi3IntervalQualifier qualifiers[])
 {
     (void)refs, (void)count, (void)counters, (void)resolutions, (void)qualifiers;
@@ -63,22 +67,23 @@ fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference r
     return refuse(instance);
 }
 
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                size_t count, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
 {
     (void)refs, (void)count, (void)counters, (void)resolutions;
     return refuse(instance);
 }
 
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                  const fmi3Float64 intervals[])
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                                  size_t count, const fmi3Float64 intervals[])
 {
     (void)refs, (void)count, (void)intervals;
     return refuse(instance);
 }
 
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                   const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                   size_t count, const fmi3UInt64 counters[],
+                                   const fmi3UInt64 resolutions[])
 {
     (void)refs, (void)count, (void)counters, (void)resolutions;
     return refuse(instance);
@@ -91,21 +96,24 @@ fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference r
     return refuse(instance);
 }
 
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                size_t count, const fmi3UInt64 counters[],
+                                const fmi3UInt64 resolutions[])
 {
     (void)refs, (void)count, (void)counters, (void)resolutions;
     return refuse(instance);
 }
 
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
-                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t length)
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference refs[],
+                                    size_t count, const fmi3Int32 orders[], fmi3Float64 values[],
+                                    size_t length)
 {
     (void)refs, (void)count, (void)orders, (void)values, (void)length;
     return refuse(instance);
 }
 
-fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time)
+fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,
+                                      fmi3Float64 time)
 {
     (void)clock, (void)time;
     return refuse(instance);

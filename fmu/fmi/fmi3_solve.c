@@ -5,7 +5,8 @@
 
 static const wmr_call ENTER_EVENT = {"fmi3EnterEventMode", WMR_IN_CONTINUOUS};
 static const wmr_call UPDATE_DISCRETE = {"fmi3UpdateDiscreteStates", WMR_IN_EVENT};
-static const wmr_call EVALUATE_DISCRETE = {"fmi3EvaluateDiscreteStates", WMR_IN_INIT | WMR_IN_EVENT};
+static const wmr_call EVALUATE_DISCRETE = {"fmi3EvaluateDiscreteStates",
+                                           WMR_IN_INIT | WMR_IN_EVENT};
 static const wmr_call ENTER_CONTINUOUS = {"fmi3EnterContinuousTimeMode", WMR_IN_EVENT};
 static const wmr_call COMPLETED = {"fmi3CompletedIntegratorStep", WMR_IN_CONTINUOUS};
 static const wmr_call SET_TIME = {"fmi3SetTime", WMR_IN_EVENT | WMR_IN_CONTINUOUS};
@@ -50,8 +51,8 @@ fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, fmi3Boolean *end,
-                                    fmi3Boolean *nominals, fmi3Boolean *states, fmi3Boolean *has_next,
-                                    fmi3Float64 *next)
+                                    fmi3Boolean *nominals, fmi3Boolean *states,
+                                    fmi3Boolean *has_next, fmi3Float64 *next)
 {
     wmr_instance *s = solving(instance, &UPDATE_DISCRETE);
     if (s && !(again && end && nominals && states && has_next && next)) {
@@ -73,11 +74,11 @@ fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
     return s ? fmi3OK : fmi3Error;
 }
 
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean final, fmi3Boolean *enter_event,
-                                       fmi3Boolean *end)
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean final,
+                                       fmi3Boolean *enter_event, fmi3Boolean *end)
 {
     wmr_instance *s = solving(instance, &COMPLETED);
-    (void)final;
+    (void) final;
     if (s && !(enter_event && end)) {
         return missing(s);
     }
@@ -121,7 +122,8 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 x[], size_
     return s ? status_of(wmr_get_states(s, x, nx)) : fmi3Error;
 }
 
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nx)
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t nx)
 {
     wmr_instance *s = solving(instance, &SOLVE);
     return s ? status_of(wmr_get_nominals(s, nominals, nx)) : fmi3Error;

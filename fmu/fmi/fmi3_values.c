@@ -31,8 +31,8 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refs[]
 static wmr_status check_integers(wmr_instance *s, size_t count, const void *values, size_t length)
 {
     if (count != length || (count && !values)) {
-        return wmr_say(s, WMR_ERROR, "expected %u values but got %u (or no array).", (unsigned)count,
-                       (unsigned)length);
+        return wmr_say(s, WMR_ERROR, "expected %u values but got %u (or no array).",
+                       (unsigned)count, (unsigned)length);
     }
     return WMR_OK;
 }
@@ -71,18 +71,18 @@ static fmi3Status none_of_them(fmi3Instance instance, const wmr_call *call, size
     return s ? fmi3OK : fmi3Error;
 }
 
-#define NO_VARIABLES(type)                                                                           \
-    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,   \
-                             fmi3##type values[], size_t length)                                     \
-    {                                                                                                \
-        (void)refs, (void)values, (void)length;                                                      \
-        return none_of_them(instance, &GET, count);                                                  \
-    }                                                                                                \
-    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,   \
-                             const fmi3##type values[], size_t length)                               \
-    {                                                                                                \
-        (void)refs, (void)values, (void)length;                                                      \
-        return none_of_them(instance, &SET, count);                                                  \
+#define NO_VARIABLES(type)                                                                         \
+    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[], size_t count, \
+                             fmi3##type values[], size_t length)                                   \
+    {                                                                                              \
+        (void)refs, (void)values, (void)length;                                                    \
+        return none_of_them(instance, &GET, count);                                                \
+    }                                                                                              \
+    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[], size_t count, \
+                             const fmi3##type values[], size_t length)                             \
+    {                                                                                              \
+        (void)refs, (void)values, (void)length;                                                    \
+        return none_of_them(instance, &SET, count);                                                \
     }
 
 NO_VARIABLES(Float32)
@@ -96,8 +96,8 @@ NO_VARIABLES(UInt64)
 NO_VARIABLES(Boolean)
 NO_VARIABLES(String)
 
-fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t count, size_t sizes[],
-                         fmi3Binary values[], size_t length)
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
+                         size_t sizes[], fmi3Binary values[], size_t length)
 {
     (void)refs, (void)sizes, (void)values, (void)length;
     return none_of_them(instance, &GET, count);

@@ -9,7 +9,8 @@
 #define MAGIC UINT64_C(0x574d525f494e5354)
 #define TIME_TOLERANCE 1e-9
 
-const char *const WMR_CATEGORIES[WMR_LOG_COUNT] = {"logStatusError", "logStatusDiscard", "logEvents"};
+const char *const WMR_CATEGORIES[WMR_LOG_COUNT] = {"logStatusError", "logStatusDiscard",
+                                                   "logEvents"};
 
 static const int CATEGORY_OF[] = {WMR_LOG_EVENTS, WMR_LOG_EVENTS, WMR_LOG_DISCARD, WMR_LOG_ERROR};
 
@@ -105,11 +106,13 @@ wmr_status wmr_setup(wmr_instance *s, double start, int has_stop, double stop, i
                      double tolerance)
 {
     if (!isfinite(start) || (has_stop && !(isfinite(stop) && stop >= start))) {
-        return wmr_say(s, WMR_ERROR, "start and stop time must be finite and in order (%g s, %g s).",
-                       start, stop);
+        return wmr_say(s, WMR_ERROR,
+                       "start and stop time must be finite and in order (%g s, %g s).", start,
+                       stop);
     }
     if (has_tolerance && !(isfinite(tolerance) && tolerance > 0.0)) {
-        return wmr_say(s, WMR_ERROR, "the tolerance must be finite and positive, not %g.", tolerance);
+        return wmr_say(s, WMR_ERROR, "the tolerance must be finite and positive, not %g.",
+                       tolerance);
     }
     s->state.start_time = start;
     s->state.stop_time = has_stop ? stop : INFINITY;
@@ -132,14 +135,16 @@ static int outputs_finite(const wmr_instance *s)
 wmr_status wmr_leave_init(wmr_instance *s)
 {
     if (!kind_start(s)) {
-        return wmr_say(s, WMR_ERROR, "the parameters contradict one another: the periods must be whole "
-                                     "multiples, and delays must fit.");
+        return wmr_say(s, WMR_ERROR,
+                       "the parameters contradict one another: the periods must be whole "
+                       "multiples, and delays must fit.");
     }
     s->state.stale = 1;
     wmr_refresh(s);
     if (!outputs_finite(s)) {
-        return wmr_say(s, WMR_ERROR, "the outputs at the start are not finite: start values and "
-                                     "parameters do not fit one another.");
+        return wmr_say(s, WMR_ERROR,
+                       "the outputs at the start are not finite: start values and "
+                       "parameters do not fit one another.");
     }
     s->state.mode = s->state.interface == WMR_CO_SIMULATION ? WMR_IN_STEP : WMR_IN_EVENT;
     return wmr_say(s, WMR_OK, "initialised at t = %g s.", s->state.values[0]);
@@ -164,18 +169,21 @@ static wmr_status check_step(wmr_instance *s, double t, double h)
         return wmr_say(s, WMR_ERROR, "the step size must be finite and positive, not %g s.", h);
     }
     if (!isfinite(t) || fabs(t - now) > TIME_TOLERANCE * (fabs(now) + h)) {
-        return wmr_say(s, WMR_ERROR, "the communication point %.17g s is not the current time %.17g s.", t,
-                       now);
+        return wmr_say(s, WMR_ERROR,
+                       "the communication point %.17g s is not the current time %.17g s.", t, now);
     }
     if (!(t + h > t)) {
         return wmr_say(s, WMR_ERROR, "a step of %g s is lost in rounding at t = %g s.", h, t);
     }
     if (t + h > stop + TIME_TOLERANCE * (fabs(stop) + h)) {
-        return wmr_say(s, WMR_ERROR, "a step of %g s from %g s goes past the stop time %g s.", h, t, stop);
+        return wmr_say(s, WMR_ERROR, "a step of %g s from %g s goes past the stop time %g s.", h, t,
+                       stop);
     }
     if (!(kind_steps(s, t, h) <= WMR_MOST_STEPS)) {
-        return wmr_say(s, WMR_DISCARD, "a step of %g s takes more than %g internal steps; ask for a "
-                                       "shorter one.", h, WMR_MOST_STEPS);
+        return wmr_say(s, WMR_DISCARD,
+                       "a step of %g s takes more than %g internal steps; ask for a "
+                       "shorter one.",
+                       h, WMR_MOST_STEPS);
     }
     return WMR_OK;
 }
@@ -184,8 +192,9 @@ static wmr_status step_back(wmr_instance *s, const double *states)
 {
     memcpy(s->state.values + WMR_X, states, WMR_NX * sizeof(double));
     s->state.stale = 1;
-    return wmr_say(s, WMR_DISCARD, "the states are no longer finite; the step was taken back. Ask for a "
-                                   "shorter one.");
+    return wmr_say(s, WMR_DISCARD,
+                   "the states are no longer finite; the step was taken back. Ask for a "
+                   "shorter one.");
 }
 
 static int states_finite(const wmr_instance *s)
@@ -233,7 +242,8 @@ wmr_status wmr_set_time(wmr_instance *s, double t)
 static wmr_status check_vector(wmr_instance *s, const double *x, size_t nx)
 {
     if (nx != WMR_CONTINUOUS_STATES || (!x && nx)) {
-        return wmr_say(s, WMR_ERROR, "the model has %d continuous states, not %u (or no array was given).",
+        return wmr_say(s, WMR_ERROR,
+                       "the model has %d continuous states, not %u (or no array was given).",
                        WMR_CONTINUOUS_STATES, (unsigned)nx);
     }
     return WMR_OK;

@@ -31,9 +31,9 @@ typedef struct {
     double values[WMR_ROWS];
     double start_time, stop_time; /* stop_time: INFINITY where none was given */
     int32_t mode, interface;
-    int32_t experiment;           /* 1 once start and stop time are known */
-    int32_t stale;                /* 1: outputs do not fit the other values */
-    int32_t finished;             /* 1: the model asks for the end of the simulation */
+    int32_t experiment; /* 1 once start and stop time are known */
+    int32_t stale;      /* 1: outputs do not fit the other values */
+    int32_t finished;   /* 1: the model asks for the end of the simulation */
     int32_t unused;
     wmr_memory memory;
 } wmr_state;
@@ -49,13 +49,13 @@ typedef int wmr_pause(wmr_instance *s, double time);
 struct wmr_instance {
     uint64_t magic;
     wmr_state state;
-    wmr_scratch scratch;  /* of the model's kind; rebuilt from the state */
+    wmr_scratch scratch; /* of the model's kind; rebuilt from the state */
     char name[128];
-    void *environment;    /* the importer's */
+    void *environment; /* the importer's */
     void (*callback)(void);
     void (*update)(void); /* FMI 3: intermediate update */
     wmr_logger *log;
-    wmr_pause *pause;     /* NULL: steps are not interrupted */
+    wmr_pause *pause; /* NULL: steps are not interrupted */
     int logging, early_return;
 };
 

@@ -16,9 +16,9 @@
 #include "loop.h"
 
 typedef struct {
-    int64_t count;                 /* control samples taken */
-    wmr_loop loop;                 /* plain, see loop.h */
-    double row[WMR_ROW];           /* the last sample's log */
+    int64_t count;       /* control samples taken */
+    wmr_loop loop;       /* plain, see loop.h */
+    double row[WMR_ROW]; /* the last sample's log */
     double delay[2 * WMR_DELAY_MAX + 1];
 } wmr_memory;
 
@@ -32,8 +32,8 @@ typedef struct {
 
 #else
 typedef struct {
-    int64_t count;           /* samples taken */
-    double used[WMR_NX + 1]; /* memory that the last sample started from */
+    int64_t count;            /* samples taken */
+    double used[WMR_NX + 1];  /* memory that the last sample started from */
     double first[WMR_NU + 1]; /* inputs of initialisation */
 } wmr_memory;
 

@@ -33,7 +33,8 @@ static void set_phases(wmr_scratch *to, const double *values)
     for (int k = 0; k < WMR_CHANGES; ++k) {
         double *row = to->plant + (k + 1) * WMR_PLANT_NP;
         memcpy(row, row - WMR_PLANT_NP, WMR_PLANT_NP * sizeof(double));
-        to->phase_start[k + 1] = first_step(values[CHANGE_TIME_ROWS[k]], values[WMR_AT_CLOCK_PLANT]);
+        to->phase_start[k + 1] =
+            first_step(values[CHANGE_TIME_ROWS[k]], values[WMR_AT_CLOCK_PLANT]);
         for (int i = 0; i < WMR_PLANT_NP; ++i) {
             row[i] = CHANGE_ROWS[k][i] ? values[CHANGE_ROWS[k][i]] : row[i];
         }
@@ -101,7 +102,8 @@ static int fits(double a, double b, double most)
 int kind_start(struct wmr_instance *s)
 {
     const double *v = s->state.values, step = v[WMR_AT_CLOCK_PLANT];
-    const int whole = fits(v[WMR_AT_CLOCK_CONTROL], step, 1e5) && v[WMR_AT_CLOCK_CONTROL] >= 0.5 * step;
+    const int whole =
+        fits(v[WMR_AT_CLOCK_CONTROL], step, 1e5) && v[WMR_AT_CLOCK_CONTROL] >= 0.5 * step;
     if (!whole || !fits(v[WMR_AT_ACTUATOR_DELAY], step, WMR_DELAY_MAX)) {
         return 0;
     }

@@ -1,7 +1,8 @@
 /* Sampled models: evaluated at the start of each of their periods with the inputs of that moment,
    held until the next.  Before the first step, outputs are those of sample 0 with the inputs so
    far, and no memory moves.  With clock.parallel = 1 sample 0 keeps the inputs of initialisation.
-   A model without inputs follows the time where the importer integrates, and with clock.parallel. */
+   A model without inputs follows the time where the importer integrates, and with clock.parallel.
+ */
 #include <math.h>
 #include <string.h>
 

@@ -66,8 +66,9 @@ wmr_status wmr_snapshot_put(wmr_instance *s, const void *kept)
         return WMR_ERROR;
     }
     if (source->state.interface != s->state.interface) {
-        return wmr_say(s, WMR_ERROR, "the state belongs to the other interface (co-simulation or model "
-                                     "exchange).");
+        return wmr_say(s, WMR_ERROR,
+                       "the state belongs to the other interface (co-simulation or model "
+                       "exchange).");
     }
     memcpy(&s->state, &source->state, sizeof s->state);
     kind_restore(s);

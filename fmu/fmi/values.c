@@ -26,7 +26,8 @@ int64_t wmr_length(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t 
     for (size_t i = 0; i < count; ++i) {
         const int known = refs[i] < WMR_ROWS && wmr_variables[refs[i]].size > 0;
         if (!known || wmr_variables[refs[i]].type != type) {
-            wmr_say(s, WMR_ERROR, "no variable of this type has the value reference %u.", (unsigned)refs[i]);
+            wmr_say(s, WMR_ERROR, "no variable of this type has the value reference %u.",
+                    (unsigned)refs[i]);
             return -1;
         }
         total += wmr_variables[refs[i]].size;
@@ -40,7 +41,8 @@ static wmr_status check_length(wmr_instance *s, int64_t wanted, const double *va
         return WMR_ERROR;
     }
     if ((uint64_t)wanted != length) {
-        return wmr_say(s, WMR_ERROR, "expected %u values but got %u.", (unsigned)wanted, (unsigned)length);
+        return wmr_say(s, WMR_ERROR, "expected %u values but got %u.", (unsigned)wanted,
+                       (unsigned)length);
     }
     if (length && !values) {
         return wmr_say(s, WMR_ERROR, "the array of values is missing.");
@@ -48,8 +50,8 @@ static wmr_status check_length(wmr_instance *s, int64_t wanted, const double *va
     return WMR_OK;
 }
 
-wmr_status wmr_get(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count, double *values,
-                   size_t length)
+wmr_status wmr_get(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count,
+                   double *values, size_t length)
 {
     const wmr_status status = check_length(s, wmr_length(s, type, refs, count), values, length);
     if (status != WMR_OK) {
@@ -70,7 +72,8 @@ static wmr_status check_value(wmr_instance *s, const wmr_variable *v, double val
         return wmr_say(s, WMR_ERROR, "%s = %g is not finite.", v->name, value);
     }
     if (value < v->min || value > v->max) {
-        return wmr_say(s, WMR_ERROR, "%s = %.17g is outside of %g to %g.", v->name, value, v->min, v->max);
+        return wmr_say(s, WMR_ERROR, "%s = %.17g is outside of %g to %g.", v->name, value, v->min,
+                       v->max);
     }
     if (v->type == WMR_INTEGER && value != floor(value)) {
         return wmr_say(s, WMR_ERROR, "%s = %.17g is not whole.", v->name, value);

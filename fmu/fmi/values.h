@@ -6,8 +6,8 @@
 
 /* Numbers behind `count` value references, all of type `type`, into or from `values`, whose
    length must be `length`.  A write happens whole or not at all. */
-wmr_status wmr_get(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count, double *values,
-                   size_t length);
+wmr_status wmr_get(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count,
+                   double *values, size_t length);
 wmr_status wmr_set(wmr_instance *s, wmr_type type, const uint32_t *refs, size_t count,
                    const double *values, size_t length);
 

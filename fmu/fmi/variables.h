@@ -13,10 +13,10 @@ typedef enum { WMR_REAL, WMR_INTEGER } wmr_type;
 typedef enum {
     WMR_INDEPENDENT, /* time */
     WMR_INPUT,
-    WMR_FIXED,       /* parameter, until initialisation ends */
-    WMR_TUNABLE,     /* parameter, between steps too */
-    WMR_START,       /* start value, until initialisation ends; moved by the model afterwards */
-    WMR_CALCULATED   /* read only */
+    WMR_FIXED,     /* parameter, until initialisation ends */
+    WMR_TUNABLE,   /* parameter, between steps too */
+    WMR_START,     /* start value, until initialisation ends; moved by the model afterwards */
+    WMR_CALCULATED /* read only */
 } wmr_role;
 
 typedef struct {

@@ -8,7 +8,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 
 class {name}(Fmi2Slave):
-    """A differential drive: motor torques in mN m with the disturbance in them, angles in degrees."""
+    """A differential drive: torques in mN m with the disturbance in them, angles in deg."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -25,20 +25,25 @@ class {name}(Fmi2Slave):
         x, y, psi, v, w = state
         right, left = self.motorR / 1000, self.motorL / 1000
         friction = mu * m * 9.81 * math.tanh(v / 0.01)
-        return (v * math.cos(psi), v * math.sin(psi), w, ((right + left) / r - friction) / m, half * (right - left) / r / inertia)
+        v_dot = ((right + left) / r - friction) / m
+        w_dot = half * (right - left) / r / inertia
+        return (v * math.cos(psi), v * math.sin(psi), w, v_dot, w_dot)
 
     def do_step(self, t, h):
         {failure}
         r, half = 0.1, 0.25
         right, left = self.wheelR * 2 * math.pi / 60, self.wheelL * 2 * math.pi / 60
-        s = (self.px, self.py, math.radians(self.heading), r * (right + left) / 2, r * (right - left) / (2 * half))
+        v, w = r * (right + left) / 2, r * (right - left) / (2 * half)
+        s = (self.px, self.py, math.radians(self.heading), v, w)
         n = max(1, round(h / 2.5e-4))
         for _ in range(n):
             k1 = self.rate(s)
             k2 = self.rate([a + h / n / 2 * b for a, b in zip(s, k1)])
             s = [a + h / n * b for a, b in zip(s, k2)]
         self.px, self.py, self.heading = s[0], s[1], math.degrees(s[2])
-        self.wheelR, self.wheelL = ((s[3] + sign * half * s[4]) / r * 60 / (2 * math.pi) for sign in (1, -1))
+        to_rpm = 60 / (2 * math.pi * r)
+        self.wheelR = (s[3] + half * s[4]) * to_rpm
+        self.wheelL = (s[3] - half * s[4]) * to_rpm
         return True
 '''
 PLANT = _ROBOT.format(name="TheirRobot", failure="")

@@ -20,8 +20,13 @@ LOGGER3 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_int, ct.c_char_p, ct.c_char_p)
 class Callbacks(ct.Structure):
     """fmi2CallbackFunctions."""
 
-    _fields_ = (("logger", LOGGER2), ("allocate", ct.c_void_p), ("free", ct.c_void_p),
-                ("finished", ct.c_void_p), ("environment", ct.c_void_p))  # fmt: skip
+    _fields_ = (
+        ("logger", LOGGER2),
+        ("allocate", ct.c_void_p),
+        ("free", ct.c_void_p),
+        ("finished", ct.c_void_p),
+        ("environment", ct.c_void_p),
+    )
 
 
 def reals(*values: float) -> Any:
@@ -72,9 +77,20 @@ class Fmu:
         log = given.get("log", self._log3)
         if interface == ME:
             return self.InstantiateModelExchange(name, token, resources, False, False, None, log)
-        return self.InstantiateCoSimulation(name, token, resources, False, False, given.get("events", False),
-                                            given.get("early", False), None, ct.c_size_t(0), None, log,
-                                            given.get("update"))  # fmt: skip
+        return self.InstantiateCoSimulation(
+            name,
+            token,
+            resources,
+            False,
+            False,
+            given.get("events", False),
+            given.get("early", False),
+            None,
+            ct.c_size_t(0),
+            None,
+            log,
+            given.get("update"),
+        )
 
     def new(self, interface: str = CS, **given: Any) -> Instance:
         handle = self.instantiate(interface, **given)

@@ -1,4 +1,4 @@
-"""Every function of the standards with the states in which it is legal, written from the standards."""
+"""Every function of the standards, and the states in which the standards allow it."""
 
 from __future__ import annotations
 
@@ -142,8 +142,14 @@ def shared() -> Iterator[Call]:
 def second() -> Iterator[Call]:
     """Those of FMI 2 alone."""
     yield from shared()
-    yield Call("SetupExperiment", False, {START}, lambda one: one.fmu.SetupExperiment(
-        one.handle, 0, ct.c_double(0), ct.c_double(0), 0, ct.c_double(0)))  # fmt: skip
+    yield Call(
+        "SetupExperiment",
+        False,
+        {START},
+        lambda one: one.fmu.SetupExperiment(
+            one.handle, 0, ct.c_double(0), ct.c_double(0), 0, ct.c_double(0)
+        ),
+    )
     yield Call("EnterInitializationMode alone", False, NEVER, _plain("EnterInitializationMode"))
     yield Call("GetDerivatives", True, SOLVING, _vector("GetDerivatives"))
     yield Call(

@@ -153,8 +153,15 @@ def test_unknown_master_and_names_list_the_near_ones(exported, mapped):
         )
 
 
-@pytest.mark.parametrize("row", ['x = "v1"', 'x = { terms = { theta = 1.0 } }', 'v1 = { terms = { theta = 1.0 }, coefficient_unit = "m" }',
-                                 'x = { terms = { x = 1.0 }, unit = "parsec" }'])  # fmt: skip
+@pytest.mark.parametrize(
+    "row",
+    [
+        'x = "v1"',
+        "x = { terms = { theta = 1.0 } }",
+        'v1 = { terms = { theta = 1.0 }, coefficient_unit = "m" }',
+        'x = { terms = { x = 1.0 }, unit = "parsec" }',
+    ],
+)
 def test_units_that_do_not_fit_are_refused(exported, mapped, row):
     with pytest.raises(ArgumentError, match=r"plant\.outputs|parsec"):
         cosimulate(
@@ -174,10 +181,16 @@ def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
         )
 
 
-@pytest.mark.parametrize(("name", "factor", "exponents"), [
-    ("kg.m2/s", 1.0, {"kg": 1, "m": 2, "s": -1}), ("N.m.s/rad", 1.0, {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-    ("rpm", np.pi / 30, {"rad": 1, "s": -1}), ("km/h", 1 / 3.6, {"m": 1, "s": -1}), ("1", 1.0, {}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "factor", "exponents"),
+    [
+        ("kg.m2/s", 1.0, {"kg": 1, "m": 2, "s": -1}),
+        ("N.m.s/rad", 1.0, {"kg": 1, "m": 2, "s": -1, "rad": -1}),
+        ("rpm", np.pi / 30, {"rad": 1, "s": -1}),
+        ("km/h", 1 / 3.6, {"m": 1, "s": -1}),
+        ("1", 1.0, {}),
+    ],
+)
 def test_units_are_read(name, factor, exponents):
     unit = unit_of(name)
     assert unit.factor == pytest.approx(factor)

@@ -16,8 +16,14 @@ from wmr_ctrl.model.reference import reference
 from wmr_ctrl.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
-CASES = [("plant", 2, ME), ("plant", 3, ME), ("plant", 3, CS), ("reference", 2, CS), ("reference", 3, ME),
-         *((law, version, CS) for law in LAWS for version in (2, 3))]  # fmt: skip
+CASES = [
+    ("plant", 2, ME),
+    ("plant", 3, ME),
+    ("plant", 3, CS),
+    ("reference", 2, CS),
+    ("reference", 3, ME),
+    *((law, version, CS) for law in LAWS for version in (2, 3)),
+]
 every_case = pytest.mark.parametrize(("what", "version", "interface"), CASES)
 
 

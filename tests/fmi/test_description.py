@@ -60,9 +60,20 @@ def test_every_quantity_is_documented_and_has_a_defined_unit(exported, what, ver
 @every_fmu
 def test_capabilities_are_declared(exported, what, version):
     interface = parsed(exported(what, version), "modelDescription.xml").find("CoSimulation")
-    wanted = {2: ["canGetAndSetFMUstate", "canSerializeFMUstate", "canHandleVariableCommunicationStepSize"],
-              3: ["canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize",
-                  "providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"]}[version]  # fmt: skip
+    wanted = {
+        2: [
+            "canGetAndSetFMUstate",
+            "canSerializeFMUstate",
+            "canHandleVariableCommunicationStepSize",
+        ],
+        3: [
+            "canGetAndSetFMUState",
+            "canSerializeFMUState",
+            "canHandleVariableCommunicationStepSize",
+            "providesIntermediateUpdate",
+            "canReturnEarlyAfterIntermediateUpdate",
+        ],
+    }[version]
     if what != "closed-loop":
         wanted += {
             2: ["providesDirectionalDerivative"],

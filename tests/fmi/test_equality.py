@@ -20,8 +20,11 @@ every_law = pytest.mark.parametrize("law", LAWS)
 
 
 def differences(first, second):
-    return {name: float(np.nanmax(np.abs(first[name] - second[name]))) for name in first.columns
-            if not np.array_equal(first[name], second[name])}  # fmt: skip
+    return {
+        name: float(np.nanmax(np.abs(first[name] - second[name])))
+        for name in first.columns
+        if not np.array_equal(first[name], second[name])
+    }
 
 
 def assert_same(first, second, bound=0.0):
@@ -51,8 +54,14 @@ def test_cosimulation_is_the_native_loop_over_a_whole_run(law, version):
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     run = simulate("paper-simulation", law, seed=3)
     names = [name for signal in run.signals[1:] for name in signal.elements]
-    found = simulate_fmu(str(exported("closed-loop", version, law=law)), stop_time=80.0, output_interval=0.01, step_size=0.01,
-                         start_values={"seed": 3}, output=[*names, "violations", "max_abs_v[1]"])  # fmt: skip
+    found = simulate_fmu(
+        str(exported("closed-loop", version, law=law)),
+        stop_time=80.0,
+        output_interval=0.01,
+        step_size=0.01,
+        start_values={"seed": 3},
+        output=[*names, "violations", "max_abs_v[1]"],
+    )
     for name in names:
         rows = found[name][:-1] if name in STATE else found[name][1:]
         assert np.array_equal(rows, run[name]), name
@@ -116,9 +125,18 @@ def test_plant_takes_a_rest_of_its_step(raw):
 @pytest.mark.parametrize("version", [2, 3])
 def test_model_exchange_with_cvode_agrees(exported, version):
     torque = {"tau_right": 6.0, "tau_left": 5.0}
-    results = [simulate_fmu(str(exported("plant", version)), fmi_type=kind, stop_time=5.0, output_interval=0.01, start_values=torque,
-                            output=STATE, **({"solver": "CVode", "relative_tolerance": 1e-10} if kind == "ModelExchange" else {}))
-               for kind in ("CoSimulation", "ModelExchange")]  # fmt: skip
+    results = [
+        simulate_fmu(
+            str(exported("plant", version)),
+            fmi_type=kind,
+            stop_time=5.0,
+            output_interval=0.01,
+            start_values=torque,
+            output=STATE,
+            **({"solver": "CVode", "relative_tolerance": 1e-10} if kind == "ModelExchange" else {}),
+        )
+        for kind in ("CoSimulation", "ModelExchange")
+    ]
     for name in STATE:
         assert np.abs(results[0][name] - results[1][name]).max() < 1e-6
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.fmi.raw import CS, ERROR, ME, OK, REFUSED, reals, refs
+from tests.fmi.raw import CS, ERROR, ME, OK, REFUSED, Instance, reals, refs
 from tests.fmi.sequences import MODES, STEP, calls, reach
 from wmr_ctrl.laws import LAWS
 
@@ -51,8 +51,20 @@ def test_bad_steps(raw, what, version):
     fmu = raw(what, version)
     one = fmu.new().begin(stop=1.0)
     before = one.all()
-    for t, h in ((0, 0), (0, -0.01), (0, NAN), (0, INF), (0, -INF), (0, 1e300), (NAN, 0.01), (INF, 0.01), (0.5, 0.01),
-                 (-0.01, 0.01), (1e-6, 0.01), (0, 1.1)):  # fmt: skip
+    for t, h in (
+        (0, 0),
+        (0, -0.01),
+        (0, NAN),
+        (0, INF),
+        (0, -INF),
+        (0, 1e300),
+        (NAN, 0.01),
+        (INF, 0.01),
+        (0.5, 0.01),
+        (-0.01, 0.01),
+        (1e-6, 0.01),
+        (0, 1.1),
+    ):
         assert one.step(t, h) in REFUSED, (t, h)
         assert one.all() == before
     assert one.step(0.0, 0.01) == OK
@@ -200,8 +212,14 @@ def test_nobody_listens(raw, what, version):
 @everywhere
 def test_bad_experiments(raw, what, version):
     fmu = raw(what, version)
-    for start, stop, tolerance in ((NAN, None, None), (INF, None, None), (0.0, NAN, None), (1.0, 0.5, None), (0.0, None, NAN),
-                                   (0.0, None, -1.0)):  # fmt: skip
+    for start, stop, tolerance in (
+        (NAN, None, None),
+        (INF, None, None),
+        (0.0, NAN, None),
+        (1.0, 0.5, None),
+        (0.0, None, NAN),
+        (0.0, None, -1.0),
+    ):
         one = fmu.new()
         assert one.setup(start, stop, tolerance) == ERROR
         assert one.reset() == OK
@@ -242,7 +260,7 @@ def test_a_plant_that_overflows_takes_its_step_back(raw):
 @settings(max_examples=150)
 @given(script=st.lists(st.integers(0, 10_000), max_size=25))
 def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
-    """Whatever is called in whatever order: a status, and an instance that can be reset and used."""
+    """Whatever is called in whatever order: a status, and an instance that works after reset."""
     fmu = raw(what, version)
     listed = calls(fmu)
     interface = fmu.interfaces[script[0] % len(fmu.interfaces)] if script else CS
@@ -259,21 +277,34 @@ def test_intermediate_updates_and_early_returns(raw):
     """FMI 3: each internal step is shown; a return that is asked for happens there."""
     for what, h, wanted in (("plant", 0.01, 9), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)):
         fmu, seen = raw(what, 3), []
-        kind = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_double, ct.c_bool, ct.c_bool, ct.c_bool, ct.c_bool,
-                            ct.POINTER(ct.c_bool), ct.POINTER(ct.c_double))  # fmt: skip
+        kind = ct.CFUNCTYPE(
+            None,
+            ct.c_void_p,
+            ct.c_double,
+            ct.c_bool,
+            ct.c_bool,
+            ct.c_bool,
+            ct.c_bool,
+            ct.POINTER(ct.c_bool),
+            ct.POINTER(ct.c_double),
+        )
 
-        def update(_env, time, _put, _get, _done, may, early, until, seen=seen):
-            seen.append((time, one.get("time")[0], one.step(0.0, 0.01)))
+        held: list[Instance] = []
+
+        def update(_env, time, _put, _get, _done, may, early, until, seen=seen, held=held):
+            seen.append((time, held[-1].get("time")[0], held[-1].step(0.0, 0.01)))
             early[0] = may and len(seen) == 2
             until[0] = time
 
         callback = kind(update)
         one = fmu.new(update=callback)
+        held.append(one)
         assert one.begin().step(0.0, h) == OK
         assert len(seen) == wanted
         assert all(shown == time and status == ERROR for time, shown, status in seen)
         seen.clear()
         one = fmu.new(update=callback, early=True).begin()
+        held.append(one)
         flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
         assert (
             fmu.DoStep(

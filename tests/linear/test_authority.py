@@ -45,6 +45,7 @@ def test_authority_is_even_and_has_a_closed_form_at_the_kink(nominal):
     assert authority(nominal, "mb", 0, -0.2).speed == pytest.approx(-0.8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("c", [0.8, 7.17])
 def test_a_run_crosses_above_and_rests_below(nominal, axis, c):

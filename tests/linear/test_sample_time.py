@@ -136,6 +136,7 @@ def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
     assert grows(nominal, "nn", 0.01, point, "learning", duration=6.0)
 
 
+@pytest.mark.slow
 def test_a_narrower_network_is_stable_up_to_a_period(nominal):
     """eta^2 = 1 gives |S|^2 = 0.007; runs on both sides of the limit agree."""
     narrow = override(nominal, {"gains.nn.eta": 1.0})

@@ -102,7 +102,7 @@ def test_assignments():
         ({"actuator.tau_max": "inf"}, lambda s: s.actuator.tau_max == math.inf),
         ({"metrics.split": "10"}, lambda s: s.split == 10.0),
     ],
-    ids=str,
+    ids=lambda value: str(value) if isinstance(value, dict) else "checked",
 )
 def test_override_by_name_and_of_a_scenario_agree(overrides, check):
     loaded = load_scenario("paper-simulation", overrides)

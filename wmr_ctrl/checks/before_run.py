@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through
+from wmr_ctrl.checks.guard_price import guard_price
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.mismatch import wrong_model
 from wmr_ctrl.checks.network import network
@@ -25,6 +26,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     network,
     drives,
     noise,
+    guard_price,
 )
 
 

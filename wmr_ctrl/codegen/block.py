@@ -20,10 +20,11 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 PARALLEL = Signal(
-    "clock.parallel", "1",
-    "1: for masters that step all parts at once; a law's first sample uses the inputs of initialisation, "
-    "a reference follows the time that was reached",
-)  # fmt: skip
+    "clock.parallel",
+    "1",
+    "1: for masters that step all parts at once; a law's first sample uses the inputs of "
+    "initialisation, a reference follows the time that was reached",
+)
 """Parameter of sampled blocks that their kernels do not read; the stepping does."""
 
 Entry = tuple[int, int, bool]
@@ -93,16 +94,26 @@ def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
     y = stack(item.expr for item in results)
     w = y if system.period else ca.vertcat(system.update, y)
     whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
-    return Block(system, results, (_evaluate(system, results), *more), _derivatives(z, w), _entries(z, w),
-                 whole.serialize())
+    return Block(
+        system,
+        results,
+        (_evaluate(system, results), *more),
+        _derivatives(z, w),
+        _entries(z, w),
+        whole.serialize(),
+    )
 
 
 def _evaluate(system: System, results: tuple[Output, ...]) -> Kernel:
     """Next state or rates, outputs, diagnostics."""
     count = len(results) - len(system.diagnostics)
     own = stack(item.expr for item in results[:count])
-    return kernel("evaluate", f"Results of the {system.title}.", {"u": system.u, "x": system.x, "p": system.p},
-                  {"next": system.update, "y": own, "d": system.d})
+    return kernel(
+        "evaluate",
+        f"Results of the {system.title}.",
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"next": system.update, "y": own, "d": system.d},
+    )
 
 
 def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
@@ -128,5 +139,5 @@ def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
 def _entries(z: ca.SX, w: ca.SX) -> tuple[Entry, ...]:
     jacobian = ca.jacobian(w, z)
     rows, columns = jacobian.sparsity().get_triplet()
-    constant = [part.is_constant() for part in jacobian.nonzeros()]
+    constant = [jacobian.nz[k].is_constant() for k in range(jacobian.nnz())]
     return tuple(zip(rows, columns, constant, strict=True))

@@ -19,15 +19,17 @@ def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
     bodies = "\n".join(map(_definition, listed))
     return {
         f"{name}.h": f"{_BANNER}#ifndef {guard}\n#define {guard}\n\n#ifndef WMR_KERNEL\n"
-                     f"#define WMR_KERNEL\n#endif\n\n{prototypes}\n\n#endif\n",
+        f"#define WMR_KERNEL\n#endif\n\n{prototypes}\n\n#endif\n",
         f"{name}.c": f'{_BANNER}#include "{name}.h"\n\n#include "wmr_math.h"\n\n{bodies}',
-    }  # fmt: skip
+    }
 
 
 def _definition(item: Kernel) -> str:
     lines = _lines(item.graph)
     text = "\n".join(lines)
-    unused = [f"    (void){name};" for name in (*item.inputs, *item.outputs) if f"{name}[" not in text]
+    unused = [
+        f"    (void){name};" for name in (*item.inputs, *item.outputs) if f"{name}[" not in text
+    ]
     head = f"/* {item.meaning}\n   {item.operations} operations. */\n"
     return head + prototype(item) + "\n{\n" + "\n".join([*unused, *lines]) + "\n}\n"
 

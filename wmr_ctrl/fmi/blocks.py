@@ -56,10 +56,14 @@ def start_of_inputs(scenario: Scenario) -> dict[str, float]:
     """Start values of pose, velocity and reference inputs: those of t = 0."""
     desired = sample(scenario.reference, np.zeros(1))[0].tolist()
     names = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
-    return dict(zip(names, (*desired, *scenario.initial.pose, *scenario.initial.velocity), strict=True))
+    return dict(
+        zip(names, (*desired, *scenario.initial.pose, *scenario.initial.velocity), strict=True)
+    )
 
 
-def _model(what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()) -> Model:
+def _model(
+    what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()
+) -> Model:
     system = block.system
     sections = _sections(scenario, block, tunable)
     rows = tuple(row for section in sections.values() for row in section)
@@ -70,18 +74,40 @@ def _model(what: str, title: str, scenario: Scenario, block: Block, tunable: tup
     if system.period:
         layout["AT_PARALLEL"] = next(i for i, row in enumerate(rows) if row.name == PARALLEL.name)
     return Model(
-        what, title, "sampled" if system.period else "continuous", scenario, rows, {"block": system}, block.kernels,
-        block.derivatives, layout, {}, _dependencies(block, layout), bool(layout["HAS_ME"]), scenario.clock.control, block.graph,
-    )  # fmt: skip
+        what,
+        title,
+        "sampled" if system.period else "continuous",
+        scenario,
+        rows,
+        {"block": system},
+        block.kernels,
+        block.derivatives,
+        layout,
+        {},
+        _dependencies(block, layout),
+        bool(layout["HAS_ME"]),
+        scenario.clock.control,
+        block.graph,
+    )
 
 
-def _sections(scenario: Scenario, block: Block, tunable: tuple[str, ...]) -> Mapping[str, list[Variable]]:
+def _sections(
+    scenario: Scenario, block: Block, tunable: tuple[str, ...]
+) -> Mapping[str, list[Variable]]:
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
     system, discrete = block.system, block.system.period is not None
-    inputs = [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
-    ranges = ranges_of(scenario, (port.signal.name for port in system.params)) | {PARALLEL.name: (0.0, 1.0)}
-    published = {item.signal.name for item in system.outputs} - {item.signal.name for item in block.results}
-    taken = {port.signal.name for port in (*system.inputs, *system.params)} | {r.signal.name for r in block.results}
+    inputs = (
+        [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
+    )
+    ranges = ranges_of(scenario, (port.signal.name for port in system.params)) | {
+        PARALLEL.name: (0.0, 1.0)
+    }
+    published = {item.signal.name for item in system.outputs} - {
+        item.signal.name for item in block.results
+    }
+    taken = {port.signal.name for port in (*system.inputs, *system.params)} | {
+        r.signal.name for r in block.results
+    }
     states = list(state_rows(system.state, published, taken, discrete=discrete))
     return {
         "time": [TIME],
@@ -108,11 +134,20 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
     continuous = system.period is None
     return {
         "ROWS": found + count["rates"] + count["results"],
-        "Z": first_input, "NZ": found - first_input, "U": first_input, "NU": count["U"], "P": parameters, "NP": count["P"],
-        "X": states, "NX": count["X"], "NY": count["results"] - system.d.numel(), "W": found, "NW": count["rates"] + count["results"],
+        "Z": first_input,
+        "NZ": found - first_input,
+        "U": first_input,
+        "NU": count["U"],
+        "P": parameters,
+        "NP": count["P"],
+        "X": states,
+        "NX": count["X"],
+        "NY": count["results"] - system.d.numel(),
+        "W": found,
+        "NW": count["rates"] + count["results"],
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
         "HAS_ME": int(continuous or _follows_time(system)),
-    }  # fmt: skip
+    }
 
 
 def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, ...]:
@@ -124,4 +159,6 @@ def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, 
 
 def is_known(variable: Variable) -> bool:
     """Whether outputs at a communication point may depend on it: time, inputs, states."""
-    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (variable.role is Role.START and not variable.discrete)
+    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (
+        variable.role is Role.START and not variable.discrete
+    )

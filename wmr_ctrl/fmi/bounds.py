@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws import auxiliary
+from wmr_ctrl.laws import LAWS, auxiliary
 from wmr_ctrl.scenario import Scenario
 
 LARGEST = 1e12
@@ -21,7 +20,9 @@ Range = tuple[float, float]
 def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
     """Lowest and highest value of each key path that is a field of the scenario or a law's gain."""
     holders = ((key, _holder(scenario, key)) for key in keys)
-    return {key: _range(holder, key.rpartition(".")[2]) for key, holder in holders if holder is not None}
+    return {
+        key: _range(holder, key.rpartition(".")[2]) for key, holder in holders if holder is not None
+    }
 
 
 def _holder(scenario: Scenario, key: str) -> Any:
@@ -36,11 +37,17 @@ def _holder(scenario: Scenario, key: str) -> Any:
 
 
 def _range(holder: Any, name: str) -> Range:
-    bounds = next((item.metadata.get("bounds") for item in fields(holder) if item.name == name), None)
+    bounds = next(
+        (item.metadata.get("bounds") for item in fields(holder) if item.name == name), None
+    )
     if bounds is None:
         return -LARGEST, LARGEST
-    low = _first(bounds.minimum, None if bounds.above is None else bounds.above + SMALLEST, -LARGEST)
-    high = _first(bounds.maximum, None if bounds.below is None else bounds.below - SMALLEST, LARGEST)
+    low = _first(
+        bounds.minimum, None if bounds.above is None else bounds.above + SMALLEST, -LARGEST
+    )
+    high = _first(
+        bounds.maximum, None if bounds.below is None else bounds.below - SMALLEST, LARGEST
+    )
     return low, high
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 
 from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems
@@ -17,12 +17,24 @@ from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
 KEYS = (
-    "initial.pose", "initial.velocity", "clock.control", "clock.plant", "limits.v_u1", "sensor.pose_period",
-    "sensor.pose_noise", "sensor.correction", "sensor.velocity_noise", "disturbance.std", "disturbance.truncate",
-    "actuator.lag", "actuator.delay",
-)  # fmt: skip
+    "initial.pose",
+    "initial.velocity",
+    "clock.control",
+    "clock.plant",
+    "limits.v_u1",
+    "sensor.pose_period",
+    "sensor.pose_noise",
+    "sensor.correction",
+    "sensor.velocity_noise",
+    "disturbance.std",
+    "disturbance.truncate",
+    "actuator.lag",
+    "actuator.delay",
+)
 """What the loop reads from its parameters besides those of its Systems."""
-MAX_ABS_V = Signal("max_abs_v", "m/s, rad/s", "largest |v1| and |omega| so far, over all plant steps", 2)
+MAX_ABS_V = Signal(
+    "max_abs_v", "m/s, rad/s", "largest |v1| and |omega| so far, over all plant steps", 2
+)
 VIOLATIONS = Signal("violations", "1", "plant steps beyond a velocity limit so far")
 SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
@@ -37,14 +49,27 @@ def closed_loop_model(scenario: Scenario, law: str) -> Model:
     ranges["actuator.delay"] = (0.0, _delay_room(scenario) * scenario.clock.plant)
     parameters = [TIME, *parameter_rows(ports, ranges), _seed(), *_changes(scenario)]
     columns = (*LOG_HEAD[1:], *own_diagnostics(systems.controller))
-    outputs = [*output_rows((*columns, MAX_ABS_V), discrete=True),
-               *output_rows((VIOLATIONS,), discrete=True, integer=True)]
-    rows = tuple([*parameters, *outputs])
+    outputs = [
+        *output_rows((*columns, MAX_ABS_V), discrete=True),
+        *output_rows((VIOLATIONS,), discrete=True, integer=True),
+    ]
+    rows = (*parameters, *outputs)
     return Model(
-        "closed-loop", f"Closed loop: {LAWS[law].title}", "loop", scenario, rows, systems.by_role(),
-        loop_kernels(systems), (), _layout(rows, len(parameters), scenario), _tables(rows, systems, scenario), None, False,
-        scenario.clock.control, "",
-    )  # fmt: skip
+        "closed-loop",
+        f"Closed loop: {LAWS[law].title}",
+        "loop",
+        scenario,
+        rows,
+        systems.by_role(),
+        loop_kernels(systems),
+        (),
+        _layout(rows, len(parameters), scenario),
+        _tables(rows, systems, scenario),
+        None,
+        False,
+        scenario.clock.control,
+        "",
+    )
 
 
 def _ports(scenario: Scenario, roles: Mapping[str, System]) -> tuple[Port, ...]:
@@ -72,8 +97,15 @@ def _changes(scenario: Scenario) -> Iterable[Variable]:
             value = getattr(change, item.name)
             if value is not None:
                 low, high = _change_range(item.name)
-                yield Variable(f"changes[{k}].{item.name}", item.metadata["unit"], item.metadata["doc"],
-                               Role.FIXED, float(value), low, high)  # fmt: skip
+                yield Variable(
+                    f"changes[{k}].{item.name}",
+                    item.metadata["unit"],
+                    item.metadata["doc"],
+                    Role.FIXED,
+                    float(value),
+                    low,
+                    high,
+                )
 
 
 def _change_range(name: str) -> Range:
@@ -88,25 +120,55 @@ def _delay_room(scenario: Scenario) -> int:
 
 def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -> dict[str, int]:
     at = {row.name: i for i, row in enumerate(rows)}
-    named = {f"AT_{key.replace('.', '_').upper()}": at.get(key, at.get(f"{key}[1]", 0)) for key in KEYS[2:]}
+    named = {
+        f"AT_{key.replace('.', '_').upper()}": at.get(key, at.get(f"{key}[1]", 0))
+        for key in KEYS[2:]
+    }
     return {
-        "ROWS": len(rows), "Z": 1, "NZ": first_output - 1, "U": 1, "P": 1, "NP": first_output - 1,
-        "X": first_output, "NX": 0, "W": first_output, "Y": first_output, "NW": len(rows) - first_output,
-        "CONTINUOUS_STATES": 0, "HAS_ME": 0, "CHANGES": len(scenario.changes), "DELAY_MAX": _delay_room(scenario),
-        "AT_INITIAL": at["initial.pose[1]"], "AT_SEED": at["seed"], "AT_MAX_ABS_V": at["max_abs_v[1]"],
-        "AT_VIOLATIONS": at["violations"], **named,
-    }  # fmt: skip
+        "ROWS": len(rows),
+        "Z": 1,
+        "NZ": first_output - 1,
+        "U": 1,
+        "P": 1,
+        "NP": first_output - 1,
+        "X": first_output,
+        "NX": 0,
+        "W": first_output,
+        "Y": first_output,
+        "NW": len(rows) - first_output,
+        "CONTINUOUS_STATES": 0,
+        "HAS_ME": 0,
+        "CHANGES": len(scenario.changes),
+        "DELAY_MAX": _delay_room(scenario),
+        "AT_INITIAL": at["initial.pose[1]"],
+        "AT_SEED": at["seed"],
+        "AT_MAX_ABS_V": at["max_abs_v[1]"],
+        "AT_VIOLATIONS": at["violations"],
+        **named,
+    }
 
 
-def _tables(rows: tuple[Variable, ...], systems: LoopSystems, scenario: Scenario) -> dict[str, list[list[float]]]:
-    """Rows that each System's parameters are read from, and what each change puts in their place."""
+def _tables(
+    rows: tuple[Variable, ...], systems: LoopSystems, scenario: Scenario
+) -> dict[str, Sequence[Sequence[float]]]:
+    """Rows that the Systems' parameters are read from, and what each change puts there."""
     at = {row.name: i for i, row in enumerate(rows)}
     names = {role: _names(system) for role, system in systems.by_role().items()}
-    changed = [[at.get(f"changes[{k}].{name.removeprefix('robot.')}", 0) if name.startswith("robot.") else 0
-                for name in names["plant"]] for k in range(1, len(scenario.changes) + 1)]
+    changed = [
+        [
+            at.get(f"changes[{k}].{name.removeprefix('robot.')}", 0)
+            if name.startswith("robot.")
+            else 0
+            for name in names["plant"]
+        ]
+        for k in range(1, len(scenario.changes) + 1)
+    ]
     times = [at[f"changes[{k}].t"] for k in range(1, len(scenario.changes) + 1)]
     return {
-        **{f"{role.upper()}_ROWS": [[at[name] for name in listed]] for role, listed in names.items()},
+        **{
+            f"{role.upper()}_ROWS": [[at[name] for name in listed]]
+            for role, listed in names.items()
+        },
         "CHANGE_ROWS": [*changed, [0] * len(names["plant"])],
         "CHANGE_TIME_ROWS": [[*times, 0]],
         "CONTROLLER_START": [systems.controller.x0],

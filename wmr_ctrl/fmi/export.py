@@ -94,8 +94,15 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
     raise UnknownNameError("FMU", what, (*FIXED, *LAWS))
 
 
-def write_fmu(model: Model, version: int, targets: tuple[Target, ...], path: Path, *, arrays: bool = True,
-              result: bool = True) -> Path:  # fmt: skip
+def write_fmu(
+    model: Model,
+    version: int,
+    targets: tuple[Target, ...],
+    path: Path,
+    *,
+    arrays: bool = True,
+    result: bool = True,
+) -> Path:
     """Build and pack one file; ``result``: with a reference result, which takes a simulation."""
     sources = sources_of(model, version, arrays=arrays)
     files = {"modelDescription.xml": xml.description(model, sources, version, TOOL, arrays=arrays)}
@@ -120,7 +127,9 @@ def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, 
         yield f"sources/{name}", text
 
 
-def binaries(model: Model, sources: Sources, version: int, targets: tuple[Target, ...]) -> dict[str, bytes]:
+def binaries(
+    model: Model, sources: Sources, version: int, targets: tuple[Target, ...]
+) -> dict[str, bytes]:
     """Libraries by their place in the FMU."""
     built = {t.name: (t, compile_for(t, sources, model.identifier).read_bytes()) for t in targets}
     packed = {_place(model, version, target): library for target, library in built.values()}

@@ -11,7 +11,11 @@ from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 
 KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}
-RUNTIME = {"continuous": (), "sampled": (), "loop": ("loop.c", "loop.h", "noise.c", "noise.h", "seed.c", "seed.h")}
+RUNTIME = {
+    "continuous": (),
+    "sampled": (),
+    "loop": ("loop.c", "loop.h", "noise.c", "noise.h", "seed.c", "seed.h"),
+}
 """Files of fmu/runtime that a kind of model needs besides wmr_math.h."""
 
 
@@ -55,7 +59,11 @@ class Model:
     @property
     def states(self) -> tuple[int, ...]:
         """Rows of the continuous states."""
-        return tuple(i for i, v in enumerate(self.variables) if self.kind == "continuous" and v.role is Role.START)
+        return tuple(
+            i
+            for i, v in enumerate(self.variables)
+            if self.kind == "continuous" and v.role is Role.START
+        )
 
     def row(self, name: str) -> int:
         """Row of the variable called ``name``."""

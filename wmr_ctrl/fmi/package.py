@@ -14,7 +14,10 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 def write_archive(path: Path, files: Mapping[str, bytes]) -> Path:
     """Write ``files`` (name inside the archive to content) to ``path``, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_path(path) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+    with (
+        atomic_path(path) as partial,
+        zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED

@@ -27,10 +27,15 @@ def reference_result(model: Model, files: Mapping[str, bytes]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = write_archive(Path(folder) / "model.fmu", files)
         result = simulate_fmu(
-            str(path), stop_time=min(SECONDS, model.scenario.clock.duration), output_interval=model.step,
-            step_size=model.step, start_values=TORQUES if model.what == "plant" else {}, output=names,
-            fmi_type="CoSimulation", debug_logging=False,
-        )  # fmt: skip
+            str(path),
+            stop_time=min(SECONDS, model.scenario.clock.duration),
+            output_interval=model.step,
+            step_size=model.step,
+            start_values=TORQUES if model.what == "plant" else {},
+            output=names,
+            fmi_type="CoSimulation",
+            debug_logging=False,
+        )
     return _csv(result)
 
 

@@ -17,8 +17,19 @@ from wmr_ctrl.fmi.model import KINDS, RUNTIME, Model
 from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.variables import Variable
 
-COMMON = ("instance.c", "instance.h", "kind.h", "calls.h", "variables.h", "values.c", "values.h", "snapshot.c",
-          "snapshot.h", "derivatives.c", "derivatives.h")  # fmt: skip
+COMMON = (
+    "instance.c",
+    "instance.h",
+    "kind.h",
+    "calls.h",
+    "variables.h",
+    "values.c",
+    "values.h",
+    "snapshot.c",
+    "snapshot.h",
+    "derivatives.c",
+    "derivatives.h",
+)
 NAMESPACE = uuid.UUID("a2f3b9a0-6d0c-5b58-9a53-0d5f5c3f8f5e")
 
 
@@ -41,15 +52,24 @@ def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
     files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
     files |= plain_sources(model.derivatives, "jacobian") if model.derivatives else {}
     files |= {name: _read(fmu_dir() / "fmi" / name) for name in (*COMMON, f"kind_{model.kind}.c")}
-    files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi").glob(f"fmi{version}*.c"))}
-    files |= {path.name: _read(path) for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))}
+    files |= {
+        path.name: _read(path) for path in sorted((fmu_dir() / "fmi").glob(f"fmi{version}*.c"))
+    }
+    files |= {
+        path.name: _read(path)
+        for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))
+    }
     files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], "wmr_math.h")}
-    files["model.c"] = render("model.c", identifier=model.identifier, variables=_rows(model, arrays and version == 3))
+    files["model.c"] = render(
+        "model.c", identifier=model.identifier, variables=_rows(model, arrays and version == 3)
+    )
     if model.tables:
         files["loop_tables.h"] = render("loop_tables.h", tables=_tables(model))
     token = _token(model, files)
     layout = list(model.layout.items())
-    files["model.h"] = render("model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout)
+    files["model.h"] = render(
+        "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
+    )
     return Sources(files, token)
 
 
@@ -66,11 +86,16 @@ def _token(model: Model, files: dict[str, str]) -> str:
 def _rows(model: Model, arrays: bool) -> list[dict[str, str]]:
     return [
         {
-            "name": v.name, "type": "WMR_INTEGER" if v.integer else "WMR_REAL", "role": v.role.value,
-            "size": str(row_size(v, arrays)), "start": _number(v.start), "low": _number(v.low), "high": _number(v.high),
+            "name": v.name,
+            "type": "WMR_INTEGER" if v.integer else "WMR_REAL",
+            "role": v.role.value,
+            "size": str(row_size(v, arrays)),
+            "start": _number(v.start),
+            "low": _number(v.low),
+            "high": _number(v.high),
         }
         for v in model.variables
-    ]  # fmt: skip
+    ]
 
 
 def row_size(variable: Variable, arrays: bool) -> int:
@@ -92,6 +117,13 @@ def _table(model: Model, name: str, rows: Sequence[Sequence[float]]) -> dict[str
     """One constant array; an empty one still has an element, as C wants it."""
     bodies = ["{" + ", ".join(repr(number) for number in row or [0]) + "}" for row in rows]
     if name == "CHANGE_ROWS":
-        return {"type": "int", "name": name, "shape": f"[{len(rows)}][{len(rows[0])}]", "body": f"{{{', '.join(bodies)}}}"}
-    kind, shape = ("double", "[WMR_CONTROLLER_NX + 1]") if name == "CONTROLLER_START" else ("int", "[]")
+        return {
+            "type": "int",
+            "name": name,
+            "shape": f"[{len(rows)}][{len(rows[0])}]",
+            "body": f"{{{', '.join(bodies)}}}",
+        }
+    kind, shape = (
+        ("double", "[WMR_CONTROLLER_NX + 1]") if name == "CONTROLLER_START" else ("int", "[]")
+    )
     return {"type": kind, "name": name, "shape": shape, "body": bodies[0]}

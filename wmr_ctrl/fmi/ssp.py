@@ -33,13 +33,16 @@ def export_ssp(
     out: str | Path = ".",
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of ``law``, its reference and the plant.
+    """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
     delay does to each law.  Raises UnknownNameError, ScenarioError or CompilerError.
     """
     found = settled(scenario)
-    models = {name: parallel(model_of(law if name == "controller" else name, law, found)) for name in ORDER}
+    models = {
+        name: parallel(model_of(law if name == "controller" else name, law, found))
+        for name in ORDER
+    }
     files = {"SystemStructure.ssd": _structure(models, found).encode()}
     for name, model in models.items():
         files[f"resources/{name}.ssv"] = _parameters(name, model).encode()
@@ -59,27 +62,47 @@ def _fmu(model: Model, target: str) -> bytes:
 def _structure(models: dict[str, Model], scenario: Scenario) -> str:
     ports = {name: list(_ports(model)) for name, model in models.items()}
     every = [port["unit"] for listed in ports.values() for port in listed]
-    return render("SystemStructure.ssd", m={
-        "tool": TOOL, "title": scenario.title or scenario.name, "stop": repr(scenario.clock.duration),
-        "ports": [{"name": n, "kind": k, "unit": _unit_of(models, n)} for n, k in _outside(models)],
-        "parts": [_part(name, model, ports[name]) for name, model in models.items()],
-        "connections": list(_connections(models)), "units": _units(every),
-    })  # fmt: skip
+    return render(
+        "SystemStructure.ssd",
+        m={
+            "tool": TOOL,
+            "title": scenario.title or scenario.name,
+            "stop": repr(scenario.clock.duration),
+            "ports": [
+                {"name": n, "kind": k, "unit": _unit_of(models, n)} for n, k in _outside(models)
+            ],
+            "parts": [_part(name, model, ports[name]) for name, model in models.items()],
+            "connections": list(_connections(models)),
+            "units": _units(every),
+        },
+    )
 
 
 def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any]:
-    return {"name": name, "source": f"resources/{model.identifier}.fmu", "parameters": f"resources/{name}.ssv", "ports": ports}
+    return {
+        "name": name,
+        "source": f"resources/{model.identifier}.fmu",
+        "parameters": f"resources/{name}.ssv",
+        "ports": ports,
+    }
 
 
 def _ports(model: Model) -> Iterator[dict[str, str]]:
     for v in model.variables:
         if v.role is Role.INPUT or (v.output and not v.array):
-            yield {"name": v.name, "kind": "input" if v.role is Role.INPUT else "output", "unit": v.unit}
+            yield {
+                "name": v.name,
+                "kind": "input" if v.role is Role.INPUT else "output",
+                "unit": v.unit,
+            }
 
 
 def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
     names = {v.name for model in models.values() for v in model.variables if v.output}
-    return [*((name, "input") for name in DISTURBANCE), *((name, "output") for name in SHOWN if name in names)]
+    return [
+        *((name, "input") for name in DISTURBANCE),
+        *((name, "output") for name in SHOWN if name in names),
+    ]
 
 
 def _unit_of(models: dict[str, Model], name: str) -> str:
@@ -105,10 +128,17 @@ def _line(owner: dict[str, str], source: str, part: str, v: Variable) -> list[tu
 
 def _parameters(name: str, model: Model) -> str:
     listed = [v for v in model.variables if v.parameter and not v.integer]
-    return render("parameters.ssv", m={
-        "name": name, "tool": TOOL, "units": _units([v.unit for v in listed]),
-        "parameters": [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed],
-    })  # fmt: skip
+    return render(
+        "parameters.ssv",
+        m={
+            "name": name,
+            "tool": TOOL,
+            "units": _units([v.unit for v in listed]),
+            "parameters": [
+                {"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed
+            ],
+        },
+    )
 
 
 def _units(names: list[str]) -> list[dict[str, Any]]:

@@ -14,7 +14,7 @@ Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]
 
 
 def outputs(model: Model) -> list[Unknown]:
-    """Every output; those of a sampled model depend on inputs, of a continuous one on states too."""
+    """Every output; in sampled models they depend on inputs, in continuous ones on states too."""
     return [_entry(model, i, at_start=False) for i, v in enumerate(model.variables) if v.output]
 
 
@@ -25,7 +25,11 @@ def rates(model: Model) -> list[Unknown]:
 
 def initial_unknowns(model: Model) -> list[Unknown]:
     """What is calculated in initialization mode, from inputs, parameters and start values."""
-    return [_entry(model, i, at_start=True) for i, v in enumerate(model.variables) if v.role is Role.CALCULATED]
+    return [
+        _entry(model, i, at_start=True)
+        for i, v in enumerate(model.variables)
+        if v.role is Role.CALCULATED
+    ]
 
 
 def headed(model: Model, on: Iterable[tuple[int, bool]], arrays: bool) -> list[tuple[int, bool]]:

@@ -17,7 +17,6 @@ from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
 
-
 VARIABLE = "WMR_CTRL_FMU_CC"
 """Environment variable that names the C compiler of FMUs for this machine."""
 
@@ -61,8 +60,11 @@ def targets_of(name: str) -> tuple[Target, ...]:
     return found
 
 
-HEAVY = {"kernels.c": ("kernels.c", "kernels.h", "wmr_math.h"), "jacobian.c": ("jacobian.c", "jacobian.h", "wmr_math.h")}
-"""Units that take long to compile, with all that they read: models that differ in numbers share them."""
+HEAVY = {
+    "kernels.c": ("kernels.c", "kernels.h", "wmr_math.h"),
+    "jacobian.c": ("jacobian.c", "jacobian.h", "wmr_math.h"),
+}
+"""Units that take long to compile, with all that they read: models share them across scenarios."""
 
 
 def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
@@ -76,16 +78,24 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
 
     def compile_in(folder: Path) -> Path:
         paths = [*(folder / name for name in units), *objects]
-        return compile_library(chain, paths, folder / f"{identifier}{target.suffix}", include=[folder])
+        return compile_library(
+            chain, paths, folder / f"{identifier}{target.suffix}", include=[folder]
+        )
 
-    return build_cached(sources.files, compile_in, key=(*chain.key, identifier, *(str(o.parent.name) for o in objects)))
+    return build_cached(
+        sources.files,
+        compile_in,
+        key=(*chain.key, identifier, *(str(o.parent.name) for o in objects)),
+    )
 
 
 def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:
     files = {name: sources.files[name] for name in HEAVY[unit]}
 
     def compile_in(folder: Path) -> Path:
-        return compile_library(chain, [folder / unit], folder / f"{unit}.o", include=[folder], flags=("-c",))
+        return compile_library(
+            chain, [folder / unit], folder / f"{unit}.o", include=[folder], flags=("-c",)
+        )
 
     return build_cached(files, compile_in, key=(*chain.key, "object"))
 
@@ -102,7 +112,8 @@ def _toolchain(target: Target) -> Toolchain:
         return _zig(target)
     if target.name != host():
         raise CompilerError(
-            f"building for {target.name} needs zig: `pip install ziglang`, or export with --target host."
+            f"building for {target.name} needs zig: `pip install ziglang`, or export with "
+            "--target host."
         )
     return find_toolchain()
 

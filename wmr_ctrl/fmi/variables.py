@@ -64,7 +64,9 @@ def finite(value: float) -> float:
     return math.copysign(LARGEST, value) if math.isinf(value) else float(value)
 
 
-def parameter_rows(ports: Iterable[Port], ranges: Mapping[str, Range], tunable: Iterable[str] = ()) -> Iterator[Variable]:
+def parameter_rows(
+    ports: Iterable[Port], ranges: Mapping[str, Range], tunable: Iterable[str] = ()
+) -> Iterator[Variable]:
     """Rows of parameters, with the ranges that their scenario fields have."""
     changing = set(tunable)
     for port in ports:
@@ -76,16 +78,26 @@ def parameter_rows(ports: Iterable[Port], ranges: Mapping[str, Range], tunable: 
 def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[Variable]:
     """Rows of inputs; start values by the elements' names."""
     for port in ports:
-        values = (starts.get(name, value) for name, value in zip(port.signal.elements, port.value, strict=True))
+        values = (
+            starts.get(name, value)
+            for name, value in zip(port.signal.elements, port.value, strict=True)
+        )
         yield from _rows(port.signal, Role.INPUT, values)
 
 
-def state_rows(ports: Iterable[Port], outputs: set[str], taken: set[str], *, discrete: bool) -> Iterator[Variable]:
+def state_rows(
+    ports: Iterable[Port], outputs: set[str], taken: set[str], *, discrete: bool
+) -> Iterator[Variable]:
     """Rows of states: outputs where the System publishes them under their own names."""
     for port in ports:
         name = port.signal.name
         clash = name in taken and name not in outputs
-        signal = Signal(f"state.{name}" if clash else name, port.signal.unit, port.signal.meaning, port.signal.size)
+        signal = Signal(
+            f"state.{name}" if clash else name,
+            port.signal.unit,
+            port.signal.meaning,
+            port.signal.size,
+        )
         yield from _rows(signal, Role.START, port.value, output=name in outputs, discrete=discrete)
 
 
@@ -93,27 +105,55 @@ def rate_rows(states: Iterable[Variable]) -> Iterator[Variable]:
     """Rows of the states' rates, der(x)."""
     for state in states:
         unit = f"{state.unit}/s" if "/" not in state.unit else f"{state.unit.split('/')[0]}/s2"
-        yield Variable(f"der({state.name})", unit, f"rate of {state.name}", Role.CALCULATED, rate_of=state.name)
+        yield Variable(
+            f"der({state.name})", unit, f"rate of {state.name}", Role.CALCULATED, rate_of=state.name
+        )
 
 
-def output_rows(signals: Iterable[Signal], *, discrete: bool, integer: bool = False) -> Iterator[Variable]:
+def output_rows(
+    signals: Iterable[Signal], *, discrete: bool, integer: bool = False
+) -> Iterator[Variable]:
     """Rows of calculated outputs."""
     for signal in signals:
         zeros = (0.0,) * signal.size
-        yield from _rows(signal, Role.CALCULATED, zeros, output=True, discrete=discrete, integer=integer)
+        yield from _rows(
+            signal, Role.CALCULATED, zeros, output=True, discrete=discrete, integer=integer
+        )
 
 
 def _rows(
-    signal: Signal, role: Role, values: Iterable[float], *, low: float = -math.inf, high: float = math.inf,
-    output: bool = False, discrete: bool = False, integer: bool = False,
+    signal: Signal,
+    role: Role,
+    values: Iterable[float],
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    output: bool = False,
+    discrete: bool = False,
+    integer: bool = False,
 ) -> Iterator[Variable]:
     array = signal.size >= ARRAY_FROM and len(set(signal.units)) == 1
     for i, value in enumerate(values):
         yield Variable(
-            signal.elements[i], signal.units[i], _meaning(signal, i), role, float(value), low, high, integer,
-            discrete, output, array=signal.name if array else "", index=i, size=signal.size if array else 1,
-        )  # fmt: skip
+            signal.elements[i],
+            signal.units[i],
+            _meaning(signal, i),
+            role,
+            float(value),
+            low,
+            high,
+            integer,
+            discrete,
+            output,
+            array=signal.name if array else "",
+            index=i,
+            size=signal.size if array else 1,
+        )
 
 
 def _meaning(signal: Signal, i: int) -> str:
-    return signal.meaning if signal.size == 1 else f"{signal.meaning}, element {i + 1} of {signal.size}"
+    return (
+        signal.meaning
+        if signal.size == 1
+        else f"{signal.meaning}, element {i + 1} of {signal.size}"
+    )

@@ -30,26 +30,47 @@ TERMINALS = (
 )
 CAN = "true"
 _CAUSALITY = {
-    Role.INDEPENDENT: "independent", Role.INPUT: "input", Role.FIXED: "parameter", Role.TUNABLE: "parameter",
-}  # fmt: skip
+    Role.INDEPENDENT: "independent",
+    Role.INPUT: "input",
+    Role.FIXED: "parameter",
+    Role.TUNABLE: "parameter",
+}
 
 
-def description(model: Model, sources: Sources, version: int, tool: str, *, arrays: bool = True) -> str:
+def description(
+    model: Model, sources: Sources, version: int, tool: str, *, arrays: bool = True
+) -> str:
     """Text of modelDescription.xml for FMI 2 or 3."""
     arrays = arrays and version == 3
     common = _common(model, sources, tool)
     if version == 2:
         listed = [_fmi2_variable(model, i, v) for i, v in enumerate(model.variables)]
-        return render("fmi2.xml", m={**common, "interfaces": _fmi2_interfaces(model), "variables": listed,
-                                     "structure": _structure(model, FMI2, False)})  # fmt: skip
+        return render(
+            "fmi2.xml",
+            m={
+                **common,
+                "interfaces": _fmi2_interfaces(model),
+                "variables": listed,
+                "structure": _structure(model, FMI2, False),
+            },
+        )
     rows = [(i, v) for i, v in enumerate(model.variables) if row_size(v, arrays)]
-    return render("fmi3.xml", m={**common, "interfaces": _fmi3_interfaces(model), "structure": _structure(model, FMI3, arrays),
-                                 "variables": [_fmi3_variable(model, i, v, arrays) for i, v in rows]})  # fmt: skip
+    return render(
+        "fmi3.xml",
+        m={
+            **common,
+            "interfaces": _fmi3_interfaces(model),
+            "structure": _structure(model, FMI3, arrays),
+            "variables": [_fmi3_variable(model, i, v, arrays) for i, v in rows],
+        },
+    )
 
 
 def build_description(model: Model, sources: Sources) -> str:
     """Text of sources/buildDescription.xml, FMI 3."""
-    return render("buildDescription.xml", m={"identifier": model.identifier, "units": sources.units})
+    return render(
+        "buildDescription.xml", m={"identifier": model.identifier, "units": sources.units}
+    )
 
 
 def terminals(model: Model) -> str:
@@ -65,20 +86,42 @@ def terminals(model: Model) -> str:
 
 def documentation(model: Model, tool: str) -> str:
     """Text of documentation/index.html."""
-    rows = [{"name": v.name, "unit": v.unit, "kind": _causality(v), "meaning": v.meaning,
-             "start": "" if _start(v) is None else f"{v.start:.6g}"} for v in model.variables]  # fmt: skip
-    return render("index.html", m={"identifier": model.identifier, "title": model.title, "tool": tool,
-                                   "scenario": model.scenario.name, "notes": notes_of(model), "documented": rows})
+    rows = [
+        {
+            "name": v.name,
+            "unit": v.unit,
+            "kind": _causality(v),
+            "meaning": v.meaning,
+            "start": "" if _start(v) is None else f"{v.start:.6g}",
+        }
+        for v in model.variables
+    ]
+    return render(
+        "index.html",
+        m={
+            "identifier": model.identifier,
+            "title": model.title,
+            "tool": tool,
+            "scenario": model.scenario.name,
+            "notes": notes_of(model),
+            "documented": rows,
+        },
+    )
 
 
 def _common(model: Model, sources: Sources, tool: str) -> dict[str, Any]:
     return {
-        "identifier": model.identifier, "token": sources.token, "title": model.title, "tool": tool,
-        "version": tool.rpartition(" ")[2], "license": "BSD-3-Clause", "units": sources.units,
+        "identifier": model.identifier,
+        "token": sources.token,
+        "title": model.title,
+        "tool": tool,
+        "version": tool.rpartition(" ")[2],
+        "license": "BSD-3-Clause",
+        "units": sources.units,
         "unit_definitions": [_unit(unit) for unit in units_of(v.unit for v in model.variables)],
         "categories": [{"name": name, "text": text} for name, text in CATEGORIES],
         "experiment": _experiment(model),
-    }  # fmt: skip
+    }
 
 
 def _unit(unit: Unit) -> dict[str, Any]:
@@ -89,24 +132,48 @@ def _unit(unit: Unit) -> dict[str, Any]:
 
 def _experiment(model: Model) -> Attributes:
     duration = model.scenario.clock.duration
-    return [("startTime", "0"), ("stopTime", repr(duration)), ("tolerance", "1e-08"), ("stepSize", repr(model.step))]
+    return [
+        ("startTime", "0"),
+        ("stopTime", repr(duration)),
+        ("tolerance", "1e-08"),
+        ("stepSize", repr(model.step)),
+    ]
 
 
 def _fmi2_interfaces(model: Model) -> list[dict[str, Any]]:
     derivative = [("providesDirectionalDerivative", CAN)] if model.graph else []
-    common = [("modelIdentifier", model.identifier), ("canNotUseMemoryManagementFunctions", CAN),
-              ("canGetAndSetFMUstate", CAN), ("canSerializeFMUstate", CAN), *derivative]  # fmt: skip
+    common = [
+        ("modelIdentifier", model.identifier),
+        ("canNotUseMemoryManagementFunctions", CAN),
+        ("canGetAndSetFMUstate", CAN),
+        ("canSerializeFMUstate", CAN),
+        *derivative,
+    ]
     exchange = [{"name": "ModelExchange", "attributes": common}] if model.model_exchange else []
     stepping = [*common, ("canHandleVariableCommunicationStepSize", CAN)]
     return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
 
 
 def _fmi3_interfaces(model: Model) -> list[dict[str, Any]]:
-    derivative = [("providesDirectionalDerivatives", CAN), ("providesAdjointDerivatives", CAN)] if model.graph else []
-    common = [("modelIdentifier", model.identifier), ("canGetAndSetFMUState", CAN), ("canSerializeFMUState", CAN), *derivative]
+    derivative = (
+        [("providesDirectionalDerivatives", CAN), ("providesAdjointDerivatives", CAN)]
+        if model.graph
+        else []
+    )
+    common = [
+        ("modelIdentifier", model.identifier),
+        ("canGetAndSetFMUState", CAN),
+        ("canSerializeFMUState", CAN),
+        *derivative,
+    ]
     exchange = [{"name": "ModelExchange", "attributes": common}] if model.model_exchange else []
-    stepping = [*common, ("canHandleVariableCommunicationStepSize", CAN), ("providesIntermediateUpdate", CAN),
-                ("mightReturnEarlyFromDoStep", CAN), ("canReturnEarlyAfterIntermediateUpdate", CAN)]  # fmt: skip
+    stepping = [
+        *common,
+        ("canHandleVariableCommunicationStepSize", CAN),
+        ("providesIntermediateUpdate", CAN),
+        ("mightReturnEarlyFromDoStep", CAN),
+        ("canReturnEarlyAfterIntermediateUpdate", CAN),
+    ]
     return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
 
 
@@ -134,7 +201,9 @@ def _start(v: Variable) -> str | None:
 
 def _range(v: Variable) -> Attributes:
     ends = (("min", v.low), ("max", v.high))
-    return [(key, str(int(end)) if v.integer else repr(end)) for key, end in ends if math.isfinite(end)]
+    return [
+        (key, str(int(end)) if v.integer else repr(end)) for key, end in ends if math.isfinite(end)
+    ]
 
 
 def _typed(model: Model, v: Variable) -> Attributes:
@@ -143,12 +212,23 @@ def _typed(model: Model, v: Variable) -> Attributes:
         return _range(v)
     display = {"rad": "deg", "rad/s": "deg/s"}.get(v.unit)
     nominal = [("nominal", "1.0")] if model.kind == "continuous" and v.role is Role.START else []
-    return [("unit", v.unit), *([("displayUnit", display)] if display else []), *_range(v), *nominal]
+    return [
+        ("unit", v.unit),
+        *([("displayUnit", display)] if display else []),
+        *_range(v),
+        *nominal,
+    ]
 
 
 def _fmi2_variable(model: Model, row: int, v: Variable) -> dict[str, Any]:
-    scalar = [("name", v.name), ("valueReference", str(row)), ("description", v.meaning),
-              ("causality", _causality(v)), ("variability", _variability(v)), *_initial(v)]  # fmt: skip
+    scalar = [
+        ("name", v.name),
+        ("valueReference", str(row)),
+        ("description", v.meaning),
+        ("causality", _causality(v)),
+        ("variability", _variability(v)),
+        *_initial(v),
+    ]
     start = _start(v)
     typed = [*_typed(model, v), *([] if start is None else [("start", start)])]
     if v.rate_of:
@@ -161,25 +241,50 @@ def _fmi3_variable(model: Model, row: int, v: Variable, arrays: bool) -> dict[st
     whole = bool(arrays and v.array)
     elements = model.variables[row : row + size]
     starts = [start for start in map(_start, elements) if start is not None]
-    attributes = [("name", v.array if whole else v.name), ("valueReference", str(row)),
-                  ("description", v.meaning.partition(", element")[0] if whole else v.meaning),
-                  ("causality", _causality(v)), ("variability", _variability(v)), *_initial(v), *_typed(model, v)]  # fmt: skip
+    attributes = [
+        ("name", v.array if whole else v.name),
+        ("valueReference", str(row)),
+        ("description", v.meaning.partition(", element")[0] if whole else v.meaning),
+        ("causality", _causality(v)),
+        ("variability", _variability(v)),
+        *_initial(v),
+        *_typed(model, v),
+    ]
     if v.rate_of:
         attributes.append(("derivative", str(model.row(v.rate_of))))
     attributes += [("start", " ".join(starts))] if starts else []
-    return {"type": "Int64" if v.integer else "Float64", "attributes": attributes, "dimensions": [size] if whole else []}
+    return {
+        "type": "Int64" if v.integer else "Float64",
+        "attributes": attributes,
+        "dimensions": [size] if whole else [],
+    }
 
 
-FMI2 = ("index", 1, (("Outputs", outputs), ("Derivatives", rates), ("InitialUnknowns", initial_unknowns)))
-FMI3 = ("valueReference", 0, (("Output", outputs), ("ContinuousStateDerivative", rates), ("InitialUnknown", initial_unknowns)))
+FMI2 = (
+    "index",
+    1,
+    (("Outputs", outputs), ("Derivatives", rates), ("InitialUnknowns", initial_unknowns)),
+)
+FMI3 = (
+    "valueReference",
+    0,
+    (
+        ("Output", outputs),
+        ("ContinuousStateDerivative", rates),
+        ("InitialUnknown", initial_unknowns),
+    ),
+)
 
 
 def _structure(model: Model, dialect: tuple[str, int, Any], arrays: bool) -> list[dict[str, Any]]:
     """Sections with at least one entry; FMI 2 counts variables from 1, FMI 3 names references."""
     name, base, sections = dialect
     listed = ((title, list(find(model))) for title, find in sections)
-    return [{"name": title, "unknowns": [_unknown(model, item, name, base, arrays) for item in found]}
-            for title, found in listed if found]  # fmt: skip
+    return [
+        {"name": title, "unknowns": [_unknown(model, item, name, base, arrays) for item in found]}
+        for title, found in listed
+        if found
+    ]
 
 
 def _unknown(model: Model, unknown: Unknown, name: str, base: int, arrays: bool) -> Attributes:
@@ -187,8 +292,14 @@ def _unknown(model: Model, unknown: Unknown, name: str, base: int, arrays: bool)
     if on is None:
         return [(name, str(row + base))]
     rows = headed(model, on, arrays)
-    return [(name, str(row + base)), ("dependencies", _words(i + base for i, _ in rows)),
-            ("dependenciesKind", _words("constant" if constant else "dependent" for _, constant in rows))]  # fmt: skip
+    return [
+        (name, str(row + base)),
+        ("dependencies", _words(i + base for i, _ in rows)),
+        (
+            "dependenciesKind",
+            _words("constant" if constant else "dependent" for _, constant in rows),
+        ),
+    ]
 
 
 def _words(items: Iterable[object]) -> str:

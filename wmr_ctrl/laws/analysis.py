@@ -71,7 +71,7 @@ def decay_rate(rho1: ca.SX, mass: ca.SX, sigma: ca.SX, gamma: ca.SX) -> ca.SX:
 
 
 def leftover(eps2: ca.SX, sigma: ca.SX, weight: ca.SX, mass: ca.SX) -> ca.SX:
-    """C_i of Eq. (87): (eps2^2 + sigma_i |W*_i|^2)/(2 M1ii), one axis; (88) is their sum."""
+    """C_i of Eq. (87): (eps2^2 + sigma_i |W*_i|^2)/(2 M1ii), one axis; C3 of Eq. (88) is their sum."""
     return 0.5 * eps2**2 / mass + 0.5 * sigma * ca.sumsqr(weight) / mass
 
 

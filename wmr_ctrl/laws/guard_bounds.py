@@ -158,10 +158,17 @@ def _check_push(scenario: Scenario, guard: Guard, i: int) -> None:
         f"guard: no force can keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
         f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed) is needed on axis {i + 1}, but "
         f"{need:g} > {low:g} * {alpha:g} * {room:g} = {have:.6g} {UNITS[i]}. It holds "
-        f"from clock.control <= {low * room / need:.4g} s on (alpha = 1/T), or with "
+        f"{_faster(need / (low * room), scenario.clock.control)}, or with "
         f"guard.dbar[{i + 1}] <= {have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with "
         f"guard.M_min[{i + 1}] >= {need / (alpha * room):.4g}."
     )
+
+
+def _faster(alpha: float, period: float) -> str:
+    """The remedy by time: a larger alpha where T allows it, else a shorter T."""
+    if alpha * period <= 1.0:
+        return f"from guard.alpha >= {alpha:.4g} 1/s on"
+    return f"from clock.control <= {1.0 / alpha:.4g} s on (alpha = 1/T)"
 
 
 def _derived_brake(scenario: Scenario, guard: Guard, tau_max: float) -> Pair:

@@ -35,16 +35,25 @@ def estimate_variance(scenario: Scenario, gain: float) -> float:
 def noise_ise(scenario: Scenario, law: str, gain: float) -> float:
     """Expected part of the position ISE [m^2 s] that pose errors make over the run, linearly."""
     step, show = _matrices(scenario, law)
-    every = _pose_every(scenario)
-    covariance = np.zeros_like(step)
+    every, clock = _pose_every(scenario), scenario.clock
+    move, weight = _between_poses(step, show, every)
+    covariance, total = np.zeros_like(step), 0.0
     covariance[-2:, -2:] = pose_variance(scenario) * np.eye(2)
-    total = 0.0
-    for k in range(scenario.clock.samples):
-        if k and k % every == 0:
+    for k in range(clock.samples // every):
+        if k:
             covariance = _corrected(covariance, gain, pose_variance(scenario))
-        total += float(np.trace(show @ covariance @ show.T))
-        covariance = step @ covariance @ step.T
-    return total * scenario.clock.control
+        total += float(np.trace(weight @ covariance))
+        covariance = move @ covariance @ move.T
+    return total * clock.control
+
+
+def _between_poses(step: Floats, show: Floats, every: int) -> tuple[Floats, Floats]:
+    """Matrix from one pose to the next, and the weight that sums position errors in between."""
+    power, weight = np.eye(len(step)), np.zeros_like(step)
+    for _ in range(every):
+        weight += power.T @ show.T @ show @ power
+        power = step @ power
+    return power, weight
 
 
 def best_gain(scenario: Scenario, law: str) -> float:

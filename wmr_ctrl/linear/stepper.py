@@ -71,7 +71,7 @@ class Stepper:
         every = self.step.mapaccum("course", count)
         found: tuple[Floats, ...] = tuple(np.array(part).T for part in every(start, rows.T))
         path, force = found
-        states = np.vstack((start, path[:-1]))[:, :5]
+        states = np.ascontiguousarray(np.vstack((start, path[:-1]))[:, :5], dtype=np.float64)
         return Course(np.arange(count) * self.period, states, force)
 
 

@@ -63,9 +63,7 @@ def recheck(claim: Claim, entry: Entry) -> bool:
 
 def read_point(text: Mapping[str, str]) -> dict[str, Any]:
     """An exact point from its text."""
-    from wmr_ctrl.proofs.methods.point import Pi
-
-    return {n: Pi(Fraction(v.split()[0])) if v.endswith("pi") else Fraction(v) for n, v in text.items()}
+    return {name: value if value.endswith("pi") else Fraction(value) for name, value in text.items()}
 
 
 def _mutated(claim: Claim, method: Method) -> bool:

@@ -25,5 +25,5 @@ class Finding:
 
 
 def written(point: Mapping[str, Any]) -> dict[str, str]:
-    """A point as exact text: ``p/q``, or ``pi`` times a rational."""
-    return {name: f"{v.times} pi" if hasattr(v, "times") else str(Fraction(v)) for name, v in point.items()}
+    """A point as exact text: ``p/q``, or ``1 pi``."""
+    return {name: v if isinstance(v, str) else str(Fraction(v)) for name, v in point.items()}

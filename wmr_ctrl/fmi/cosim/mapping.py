@@ -29,6 +29,8 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.units import Unit, unit_of
 
 UnitOf = Callable[[str], str | None]
+Units = Callable[[str, str], Unit]
+"""From a name, and the key of the row that needs it, to its unit."""
 _KEYS = {"terms", "offset", "unit", "coefficient_unit"}
 _SECTIONS = {"inputs", "outputs", "parameters", "start", "step"}
 
@@ -79,27 +81,43 @@ def _part(part: str, table: Any) -> PartMap:
     step = table.get("step")
     if step is not None and not (isinstance(step, int | float) and step > 0):
         raise ArgumentError(f"{part}.step = {step!r} must be a positive number of seconds.")
-    sections = (table.get(name, {}) for name in ("inputs", "outputs", "parameters", "start"))
-    return PartMap(*sections, None if step is None else float(step))
+    inputs, outputs, parameters, start = (
+        table.get(name, {}) for name in ("inputs", "outputs", "parameters", "start")
+    )
+    return PartMap(inputs, outputs, parameters, start, None if step is None else float(step))
 
 
-def input_rows(raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str) -> list[Row]:
-    """Rows that give their inputs; ``ours``: units of our sources, ``theirs``: of their variables."""
-    return [_row(f"{part}.inputs.{name}", name, entry, _Side(theirs, entry), _ours(ours), False) for name, entry in raw.items()]
+def input_rows(
+    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
+) -> list[Row]:
+    """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables."""
+    return [
+        _row(f"{part}.inputs.{name}", name, entry, _Side(theirs, entry), _ours(ours))
+        for name, entry in raw.items()
+    ]
 
 
-def output_rows(raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str) -> list[Row]:
+def output_rows(
+    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
+) -> list[Row]:
     """Rows that give our quantities from their outputs."""
-    return [_row(f"{part}.outputs.{name}", name, entry, _ours(ours), _Side(theirs, entry), True) for name, entry in raw.items()]
+    return [
+        _row(f"{part}.outputs.{name}", name, entry, _ours(ours), _Side(theirs, entry))
+        for name, entry in raw.items()
+    ]
 
 
-def compiled(rows: Sequence[Row], sources: Sequence[str]) -> Callable[[Sequence[float]], Sequence[float]]:
+def compiled(
+    rows: Sequence[Row], sources: Sequence[str]
+) -> Callable[[Sequence[float]], Sequence[float]]:
     """A function from the values of ``sources`` to those of the rows' targets."""
     place = {name: i for i, name in enumerate(sources)}
     if len(rows) > 1 and all(row.plain for row in rows):
         return itemgetter(*(place[row.terms[0][0]] for row in rows))
     table = [([(place[name], factor) for name, factor in row.terms], row.offset) for row in rows]
-    return lambda values: [sum(values[i] * factor for i, factor in terms) + offset for terms, offset in table]
+    return lambda values: [
+        sum(values[i] * factor for i, factor in terms) + offset for terms, offset in table
+    ]
 
 
 def identity(names: Sequence[str]) -> list[Row]:
@@ -117,11 +135,13 @@ class _Side:
     def __call__(self, name: str, key: str) -> Unit:
         unit = self.stated or self.declared(name)
         if unit is None:
-            raise ArgumentError(f"{key}: the FMU gives no unit for {name}. State it: unit = \"rad/s\", say.")
+            raise ArgumentError(
+                f'{key}: the FMU gives no unit for {name}. State it: unit = "rad/s", say.'
+            )
         return unit_of(unit)
 
 
-def _ours(units: Mapping[str, str]) -> Callable[[str, str], Unit]:
+def _ours(units: Mapping[str, str]) -> Units:
     def unit(name: str, key: str) -> Unit:
         if name not in units:
             raise UnknownNameError(f"quantity of ours (in {key})", name, units)
@@ -130,8 +150,7 @@ def _ours(units: Mapping[str, str]) -> Callable[[str, str], Unit]:
     return unit
 
 
-def _row(key: str, target: str, entry: Any, unit_of_target: Callable[[str, str], Unit],
-         unit_of_source: Callable[[str, str], Unit], _inward: bool) -> Row:  # fmt: skip
+def _row(key: str, target: str, entry: Any, unit_of_target: Units, unit_of_source: Units) -> Row:
     terms, offset, factor_unit = _entry(key, entry)
     wanted = unit_of_target(target, key)
     found = []
@@ -146,8 +165,15 @@ def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, Unit]:
     """Terms, offset (in the target's unit) and the coefficients' unit."""
     if isinstance(entry, str):
         return {entry: 1.0}, 0.0, unit_of("1")
-    if not isinstance(entry, dict) or not set(entry) <= _KEYS or not isinstance(entry.get("terms"), dict):
-        raise ArgumentError(f"{key} must be a name, or a table with terms and, if need be, {', '.join(sorted(_KEYS))}.")
+    if (
+        not isinstance(entry, dict)
+        or not set(entry) <= _KEYS
+        or not isinstance(entry.get("terms"), dict)
+    ):
+        raise ArgumentError(
+            f"{key} must be a name, or a table with terms and, if need be, "
+            f"{', '.join(sorted(_KEYS - {'terms'}))}."
+        )
     terms = {name: float(factor) for name, factor in entry["terms"].items()}
     return terms, float(entry.get("offset", 0.0)), unit_of(entry.get("coefficient_unit", "1"))
 
@@ -157,8 +183,8 @@ def _check(key: str, wanted: Unit, given: Unit, factor: Unit, name: str) -> None
     keys = {*given.exponents, *factor.exponents}
     product = {k: given.exponents.get(k, 0) + factor.exponents.get(k, 0) for k in keys}
     if not Unit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
+        told = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
         raise ArgumentError(
-            f"{key}: {name} in {given.name} does not give {wanted.name}"
-            f"{'' if factor.name == '1' else f' with a coefficient in {factor.name}'}. Give the coefficient's unit as "
-            "coefficient_unit, or map another variable."
+            f"{key}: {name} in {given.name} does not give {wanted.name}{told}. Give the "
+            "coefficient's unit as coefficient_unit, or map another variable."
         )

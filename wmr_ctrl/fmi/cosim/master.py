@@ -17,6 +17,7 @@ from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.sim.oracle.actuator import Actuator
 from wmr_ctrl.sim.oracle.monitor import Watch
 from wmr_ctrl.sim.oracle.noise import key_of
+from wmr_ctrl.sim.oracle.plant import State
 from wmr_ctrl.sim.oracle.sensing import Sensor
 
 Progress = Callable[[float], None]
@@ -36,13 +37,15 @@ class Parts:
 class Master:
     """One co-simulation: rows of the log, and what was watched at communication points."""
 
-    def __init__(self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int) -> None:
+    def __init__(
+        self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int
+    ) -> None:
         """Everything is initialised already; the first step begins at t = 0."""
         self.scenario, self.clock, self.parts, self.noise = scenario, scenario.clock, parts, noise
         self.sensor = Sensor(scenario.sensor, scenario.clock, key_of(seed))
         self.actuator = Actuator(scenario.actuator, scenario.clock.plant)
         self.ideal = scenario.actuator.ideal
-        self.state: Sequence[float] = (*scenario.initial.pose, *scenario.initial.velocity)
+        self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
         self.applied: Sequence[float] = (0.0, 0.0)
         self.changes = sorted(scenario.changes, key=lambda change: change.t)
         self.watch = Watch(scenario.limits.v_u1)
@@ -50,7 +53,7 @@ class Master:
 
     def run(self, progress: Progress | None) -> None:
         """All control samples, or those before the run must end."""
-        ended = self.watch.see(0.0, tuple(self.state))
+        ended = self.watch.see(0.0, self.state)
         for k in range(self.clock.samples):
             if ended:
                 break
@@ -68,16 +71,22 @@ class Master:
         given = self.parts.controller.read()
         self.log(t, desired, given[:2], self.noise[k], given[2:])
         self.drive(k, given[:2], self.noise[k])
-        self.state = self.parts.plant.read()
-        return self.watch.see(t + h, tuple(self.state))
+        self.state = state_of(self.parts.plant.read())
+        return self.watch.see(t + h, self.state)
 
     def seen(self, k: int, desired: Sequence[float]) -> list[float]:
         """What the controller is shown at sample k, in the order of SEEN."""
-        pose, v = self.sensor.look(k, tuple(self.state))
+        pose, v = self.sensor.look(k, self.state)
         return [*desired, *pose, *v, *self.applied, *ready((*pose, *v), self.scenario.robot)]
 
-    def log(self, t: float, desired: Sequence[float], torque: Sequence[float], noise: Sequence[float],
-            further: Sequence[float]) -> None:  # fmt: skip
+    def log(
+        self,
+        t: float,
+        desired: Sequence[float],
+        torque: Sequence[float],
+        noise: Sequence[float],
+        further: Sequence[float],
+    ) -> None:
         """One row: state at t, torques over the step, what the controller published."""
         self.rows.append((t, *self.state, *desired, *torque, *noise, *further))
 
@@ -114,7 +123,9 @@ class Master:
 class Jacobi(Master):
     """All parts step with what was known before; the first torque that acts is zero."""
 
-    def __init__(self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int) -> None:
+    def __init__(
+        self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int
+    ) -> None:
         """As Master."""
         super().__init__(scenario, parts, noise, seed)
         self.desired = list(parts.reference.read())
@@ -130,11 +141,17 @@ class Jacobi(Master):
         given = self.parts.controller.read()
         self.log(t, self.desired, self.given, self.noise[k], given[2:])
         self.drive(k, self.given, self.noise[k])
-        self.state, self.given = self.parts.plant.read(), given[:2]
+        self.state, self.given = state_of(self.parts.plant.read()), given[:2]
         self.desired = list(self.parts.reference.read())
         if k + 1 < self.clock.samples:
             self.shown = self.seen(k + 1, self.desired)
-        return self.watch.see(t + h, tuple(self.state))
+        return self.watch.see(t + h, self.state)
+
+
+def state_of(values: Sequence[float]) -> State:
+    """Pose and velocity as the oracle's parts take them."""
+    x, y, theta, v1, omega = values
+    return x, y, theta, v1, omega
 
 
 def driven(torque: Sequence[float], noise: Sequence[float]) -> tuple[float, ...]:

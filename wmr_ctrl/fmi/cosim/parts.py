@@ -19,8 +19,10 @@ APPLIED = TAU_APPLIED.elements
 UNITS = {
     **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE)},
     **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
-    "psi": "rad", "w_right": "rad/s", "w_left": "rad/s",
-}  # fmt: skip
+    "psi": "rad",
+    "w_right": "rad/s",
+    "w_left": "rad/s",
+}
 """Ours, with the ready ones: psi, the wheels' speeds, and torques with the disturbance in them."""
 READY = ("psi", "w_right", "w_left")
 DRIVEN = (*TORQUES, *NOISES, "torque_right", "torque_left")
@@ -33,14 +35,22 @@ class Part:
     ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``.
     """
 
-    def __init__(self, slave: Slave, inputs: Sequence[Row], outputs: Sequence[Row], sources: Sequence[str],
-                 step: float | None = None) -> None:  # fmt: skip
+    def __init__(
+        self,
+        slave: Slave,
+        inputs: Sequence[Row],
+        outputs: Sequence[Row],
+        sources: Sequence[str],
+        step: float | None = None,
+    ) -> None:
         self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
         self._inward = compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
-        self._same = all(row.plain for row in outputs) and theirs == [row.terms[0][0] for row in outputs]
+        self._same = all(row.plain for row in outputs) and theirs == [
+            row.terms[0][0] for row in outputs
+        ]
 
     def write(self, values: Sequence[float]) -> None:
         """Set the inputs from our quantities."""
@@ -69,13 +79,23 @@ def reference_part(slave: Slave) -> Part:
 def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[str]) -> Part:
     """Ours, by its own names, or one with a map; the diagnostics are read where they exist."""
     if part is None:
-        known = [name for name in SEEN if name in slave.variables and slave.variables[name].causality == "input"]
+        known = [
+            name
+            for name in SEEN
+            if name in slave.variables and slave.variables[name].causality == "input"
+        ]
         outputs = (*TORQUES, *(name for name in diagnostics if name in slave.variables))
         _need(slave, outputs[:2])
         return Part(slave, identity(known), identity(outputs), SEEN)
     outputs_ = output_rows(part.outputs, UNITS, slave.unit, "controller")
     _complete(outputs_, TORQUES, "controller")
-    return Part(slave, input_rows(part.inputs, UNITS, slave.unit, "controller"), _sorted(outputs_, TORQUES), SEEN, part.step)
+    return Part(
+        slave,
+        input_rows(part.inputs, UNITS, slave.unit, "controller"),
+        _sorted(outputs_, TORQUES),
+        SEEN,
+        part.step,
+    )
 
 
 def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
@@ -86,7 +106,13 @@ def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
         return Part(slave, identity(inputs), identity(STATE), DRIVEN)
     outputs = _without_ready(output_rows(part.outputs, UNITS, slave.unit, "plant"), robot)
     _complete(outputs, STATE, "plant")
-    return Part(slave, input_rows(part.inputs, UNITS, slave.unit, "plant"), _sorted(outputs, STATE), DRIVEN, part.step)
+    return Part(
+        slave,
+        input_rows(part.inputs, UNITS, slave.unit, "plant"),
+        _sorted(outputs, STATE),
+        DRIVEN,
+        part.step,
+    )
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
@@ -105,12 +131,16 @@ def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:
     if {"w_right", "w_left"} <= found.keys():
         right, left = found.pop("w_right"), found.pop("w_left")
         found["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
-        found["omega"] = _combined("omega", {right: robot.r / (2 * robot.l), left: -robot.r / (2 * robot.l)})
+        found["omega"] = _combined(
+            "omega", {right: robot.r / (2 * robot.l), left: -robot.r / (2 * robot.l)}
+        )
     return list(found.values())
 
 
 def _combined(target: str, parts: Mapping[Row, float]) -> Row:
-    terms = tuple((name, share * factor) for row, share in parts.items() for name, factor in row.terms)
+    terms = tuple(
+        (name, share * factor) for row, share in parts.items() for name, factor in row.terms
+    )
     return Row(target, terms, sum(share * row.offset for row, share in parts.items()))
 
 
@@ -122,8 +152,8 @@ def _complete(rows: Sequence[Row], wanted: Sequence[str], part: str) -> None:
     missing = sorted(set(wanted) - {row.target for row in rows})
     if missing:
         raise ArgumentError(
-            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, or for the ready "
-            f"names {', '.join(READY)} that they follow from."
+            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, or "
+            f"for the ready names {', '.join(READY)} that they follow from."
         )
 
 
@@ -131,6 +161,6 @@ def _need(slave: Slave, names: Sequence[str]) -> None:
     missing = [name for name in names if name not in slave.variables]
     if missing:
         raise ArgumentError(
-            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of ours, give a map "
-            "of its names and units (--map FILE.toml)."
+            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
+            "ours, give a map of its names and units (--map FILE.toml)."
         )

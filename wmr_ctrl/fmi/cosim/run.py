@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,14 @@ from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
 from wmr_ctrl.fmi.cosim.noise import torque_noise
-from wmr_ctrl.fmi.cosim.parts import NOISES, TORQUES, Part, controller_part, plant_part, reference_part
+from wmr_ctrl.fmi.cosim.parts import (
+    NOISES,
+    TORQUES,
+    Part,
+    controller_part,
+    plant_part,
+    reference_part,
+)
 from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.fmi.export import model_of, settled, write_fmu
 from wmr_ctrl.fmi.targets import targets_of
@@ -62,7 +69,7 @@ def cosimulate(
     Returns
     -------
     Run with engine "fmu".  Its monitor saw communication points, not every plant step.  Raises
-    FmuError, which names the FMU, where one fails; its ``run`` holds the rows so far.
+    FmuError, which names the FMU and the time, where one fails.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
@@ -78,8 +85,15 @@ def cosimulate(
                 slave.end()
 
 
-def _slaves(scenario: Scenario, law: str, files: dict[str, str | Path | None], fmi: int, folder: Path, *,
-            at_once: bool) -> dict[str, Slave]:  # fmt: skip
+def _slaves(
+    scenario: Scenario,
+    law: str,
+    files: dict[str, str | Path | None],
+    fmi: int,
+    folder: Path,
+    *,
+    at_once: bool,
+) -> dict[str, Slave]:
     slaves: dict[str, Slave] = {}
     for name, given in files.items():
         path = Path(given) if given is not None else folder / f"{name}.fmu"
@@ -91,62 +105,103 @@ def _slaves(scenario: Scenario, law: str, files: dict[str, str | Path | None], f
     return slaves
 
 
-def _run(scenario: Scenario, law: str, slaves: dict[str, Slave], maps: dict[str, PartMap], master: str, seed: int,
-         progress: Progress | None) -> Run:  # fmt: skip
+def _run(
+    scenario: Scenario,
+    law: str,
+    slaves: dict[str, Slave],
+    maps: dict[str, PartMap],
+    master: str,
+    seed: int,
+    progress: Progress | None,
+) -> Run:
     system = composed(scenario, law)
     further = [name for item in system.diagnostics for name in item.signal.elements]
     parts = Parts(
-        reference_part(slaves["reference"]), controller_part(slaves["controller"], maps.get("controller"), further),
+        reference_part(slaves["reference"]),
+        controller_part(slaves["controller"], maps.get("controller"), further),
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot),
         _changer(scenario, slaves["plant"], maps.get("plant")),
-    )  # fmt: skip
+    )
     for name, slave in slaves.items():
         starts = maps[name].start if name in maps else _starts(scenario, law, slave)
         slave.begin(scenario.clock.duration, starts)
     loop: Master = MASTERS[master](scenario, parts, torque_noise(scenario, seed), seed)
     loop.run(progress)
-    return _result(scenario, law, system, loop, parts.controller, seed, {"master": master, **_paths(slaves)})
+    return _result(
+        scenario, law, system, loop, parts.controller, seed, {"master": master, **_paths(slaves)}
+    )
 
 
 def _starts(scenario: Scenario, law: str, slave: Slave) -> dict[str, float]:
     """The scenario's numbers for an FMU of ours that may come from another scenario."""
     model = model_of(law if slave.name == "controller" else slave.name, law, scenario)
-    numbers = (v for v in model.variables if (v.parameter or v.role is Role.START) and not (v.array or v.integer))
+    numbers = (
+        v
+        for v in model.variables
+        if (v.parameter or v.role is Role.START) and not (v.array or v.integer)
+    )
     numbers = (v for v in numbers if v.name != PARALLEL.name)
     return {v.name: v.start for v in numbers if v.name in slave.variables}
 
 
-def _changer(scenario: Scenario, slave: Slave, part: PartMap | None):  # noqa: ANN202
+def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
     """A function that changes the plant's parameters; refused where its map has no name for one."""
-    names = {f"robot.{key}" for c in scenario.changes for key in CHANGEABLE if getattr(c, key) is not None}
+    names = {
+        f"robot.{key}"
+        for c in scenario.changes
+        for key in CHANGEABLE
+        if getattr(c, key) is not None
+    }
     known = {name: name for name in names} if part is None else dict(part.parameters)
     missing = sorted(names - known.keys())
     if missing:
         raise ArgumentError(
-            f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] has no name for it. Add "
-            f'"{missing[0]}" = "their name", or take a scenario without changes.'
+            f"the scenario changes {', '.join(missing)}, and the map's [plant.parameters] has no "
+            f'name for it. Add "{missing[0]}" = "their name", or take a scenario without changes.'
         )
 
     def change(what: Change) -> None:
         values = {key: getattr(what, key) for key in CHANGEABLE}
-        slave.set({known[f"robot.{key}"]: value for key, value in values.items() if value is not None})
+        slave.set(
+            {known[f"robot.{key}"]: value for key, value in values.items() if value is not None}
+        )
 
     return change
 
 
 def _paths(slaves: dict[str, Slave]) -> dict[str, str]:
-    return {f"fmu_{name}": f"{Path(slave.path).name} (FMI {slave.description.fmiVersion})" for name, slave in slaves.items()}
+    return {
+        f"fmu_{name}": f"{Path(slave.path).name} (FMI {slave.description.fmiVersion})"
+        for name, slave in slaves.items()
+    }
 
 
-def _result(scenario: Scenario, law: str, system: System, loop: Master, part: Part, seed: int, facts: dict[str, str]) -> Run:
+def _result(
+    scenario: Scenario,
+    law: str,
+    system: System,
+    loop: Master,
+    part: Part,
+    seed: int,
+    facts: dict[str, str],
+) -> Run:
     signals = (*LOG_HEAD, *own_diagnostics(system))
     table = _table(loop, (*HEAD, *TORQUES, *NOISES, *part.targets[2:]))
     monitor = Monitor(**loop.watch.numbers())
     guard = bool(getattr(getattr(scenario, "guard", None), "enabled", False))
     return Run(
-        scenario.name, law, guard, seed, "fmu", _settings(scenario), signals, _columns(signals, table), monitor,
-        outcome_of(monitor), {**_provenance(scenario), **facts},
-    )  # fmt: skip
+        scenario.name,
+        law,
+        guard,
+        seed,
+        "fmu",
+        _settings(scenario),
+        signals,
+        _columns(signals, table),
+        monitor,
+        outcome_of(monitor),
+        {**_provenance(scenario), **facts},
+    )
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
@@ -154,7 +209,10 @@ def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
     table[PSI.name] = table["theta"] + np.pi / 2
-    errors = [tracking_error(Target(*desired), pose) for desired, pose in zip(rows[:, 6:13], rows[:, 1:4], strict=True)]
+    errors = [
+        tracking_error(Target(*desired), pose)
+        for desired, pose in zip(rows[:, 6:13], rows[:, 1:4], strict=True)
+    ]
     for i, name in enumerate(TRACKING_ERROR.elements):
         table[name] = np.array([e[i] for e in errors])
     return table
@@ -163,18 +221,33 @@ def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
 def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns by signal; what a foreign controller does not publish is not a number."""
     nothing = np.full(len(table["t"]), np.nan)
-    return {s.name: table.get(s.name, nothing) if s.size == 1
-            else np.column_stack([table.get(name, nothing) for name in s.elements]) for s in signals}  # fmt: skip
+    return {
+        s.name: table.get(s.name, nothing)
+        if s.size == 1
+        else np.column_stack([table.get(name, nothing) for name in s.elements])
+        for s in signals
+    }
 
 
 def _settings(scenario: Scenario) -> Settings:
     clock, metrics = scenario.clock, scenario.metrics
-    return Settings(clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split, metrics.rms_from)
+    return Settings(
+        clock.control,
+        clock.plant,
+        clock.duration,
+        scenario.limits.v_u1,
+        scenario.split,
+        metrics.rms_from,
+    )
 
 
 def _provenance(scenario: Scenario) -> dict[str, str]:
     text = to_toml(scenario, comments=False)
     return {
-        "version": __version__, "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16], "scenario_toml": text,
-        "python": platform.python_version(), "numpy": np.__version__, "machine": platform.machine(),
-    }  # fmt: skip
+        "version": __version__,
+        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
+        "scenario_toml": text,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "machine": platform.machine(),
+    }

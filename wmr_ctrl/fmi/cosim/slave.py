@@ -45,9 +45,11 @@ class Slave:
             raise ArgumentError("it has no co-simulation interface. Export it for co-simulation.")
         kind = FMU2Slave if self.version == 2 else FMU3Slave
         fmu = kind(
-            guid=self.description.guid, unzipDirectory=folder, instanceName=self.name,
+            guid=self.description.guid,
+            unzipDirectory=folder,
+            instanceName=self.name,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
-        )  # fmt: skip
+        )
         self._instantiate(fmu)
         return fmu
 
@@ -64,7 +66,9 @@ class Slave:
         self._callbacks = callbacks
         fmu.instantiate(callbacks=callbacks)
 
-    def _hear2(self, _env: Any, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+    def _hear2(
+        self, _env: Any, _name: bytes, _status: int, _category: bytes, message: bytes
+    ) -> None:
         self.messages.append((message or b"").decode(errors="replace"))
 
     def _hear3(self, _env: Any, _status: int, _category: bytes, message: bytes) -> None:
@@ -82,12 +86,15 @@ class Slave:
             raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
         variable = self.variables[name]
         if variable.type not in ("Real", "Float64"):
-            raise ArgumentError(f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be used.")
+            raise ArgumentError(
+                f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be "
+                "used. Map another variable."
+            )
         return variable
 
     def begin(self, stop: float, values: Mapping[str, float]) -> None:
         """Set start values and initialise at t = 0 s."""
-        with _telling(self, "initialisation"):
+        with _Telling(self, "initialisation"):
             if self.version == 2:
                 self._fmu.setupExperiment(startTime=0.0, stopTime=stop)
                 self.set(values)
@@ -158,11 +165,16 @@ class Slave:
     def _step3(self, t: float, h: float) -> None:
         _event, end, early, _last = self._fmu.doStep(t, h)
         if end or early:
-            raise FmuError(f"the FMU {self.path} ({self.name}) ended its step at t = {t:.9g} s early.")
+            raise FmuError(
+                f"the FMU {self.path} ({self.name}) ended its step at t = {t:.9g} s early."
+            )
 
     def _failure(self, what: str, error: Exception) -> FmuError:
         said = f" It said: {self.messages[-1]}" if self.messages else ""
-        return FmuError(f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}: {error}.{said}")
+        return FmuError(
+            f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}: {error}."
+            f"{said}"
+        )
 
     def end(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
@@ -173,7 +185,7 @@ class Slave:
                 continue
 
 
-class _telling:
+class _Telling:
     """Turns whatever an FMU raises into an FmuError that names it."""
 
     def __init__(self, slave: Slave, what: str) -> None:

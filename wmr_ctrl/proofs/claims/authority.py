@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 from math import log, sqrt
 
 import casadi as ca
@@ -113,6 +113,12 @@ class Numbers:
         return low
 
 
+@lru_cache(maxsize=2)
+def rows(axis: int) -> tuple[Row, ...]:
+    """The table of one axis; chosen in doubles, so it does not depend on any graph."""
+    return tuple(AXES[axis].rows())
+
+
 AXES = (Numbers(1.0, 0.8, 15.0), Numbers(1.5, 1.3, 57.6))
 
 
@@ -123,21 +129,21 @@ def _exact(**values: float) -> Point:
 def low_points(axis: int) -> list[Point]:
     """One point per row."""
     n = AXES[axis]
-    return [_exact(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in n.rows()]
+    return [_exact(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in rows(axis)]
 
 
 def high_points(axis: int) -> list[Point]:
     """The chain of intervals of every row."""
     n = AXES[axis]
     return [
-        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high) for r in n.rows() for a, b in n.steps(r)
+        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high) for r in rows(axis) for a, b in n.steps(r)
     ]
 
 
 def ratio_points(axis: int) -> list[Point]:
     """Neighbouring rows."""
-    rows = AXES[axis].rows()
-    return [_exact(high=a.high, low=b.low) for a, b in zip(rows, rows[1:], strict=False)]
+    table = rows(axis)
+    return [_exact(high=a.high, low=b.low) for a, b in zip(table, table[1:], strict=False)]
 
 
 def _falls_with_target(flip: float) -> Statement:

@@ -66,11 +66,13 @@ def _stationary(flip: float) -> Statement:
 
 
 def _slope(flip: float) -> Statement:
+    """Eq. (74)."""
     a = BarrierAxis()
     return Statement(a.symbols, (equal(ca.gradient(a.V, a.all[0]), flip * a.A),))
 
 
 def _curvature(flip: float) -> Statement:
+    """Eq. (75)."""
     a = BarrierAxis()
     v, _, u1, u2 = a.all
     second = ca.hessian(a.V, v)[0]
@@ -79,6 +81,7 @@ def _curvature(flip: float) -> Statement:
 
 
 def _half_square(flip: float) -> Statement:
+    """Eqs. (76), (77)."""
     a = BarrierAxis()
     v = a.all[0]
     square = 0.5 * a.w**2
@@ -86,18 +89,21 @@ def _half_square(flip: float) -> Statement:
 
 
 def _zero_at_target(flip: float) -> Statement:
+    """Eq. (78)."""
     a = BarrierAxis()
     _, c, u1, u2 = a.all
     return Statement(a.symbols, (equal(barrier.lyapunov(flip * a.x, c, u1, u2)),))
 
 
 def _flat_at_target(flip: float) -> Statement:
+    """Eq. (79)."""
     a = BarrierAxis()
     _, c, u1, u2 = a.all
     return Statement(a.symbols, (equal(barrier.a_term(a.x, flip * c, u1, u2)),))
 
 
 def _curvatures_compared(flip: float) -> Statement:
+    """Eq. (80)."""
     a = BarrierAxis()
     v = a.all[0]
     second, plain = ca.hessian(a.V, v)[0], ca.hessian(0.5 * a.w**2, v)[0]
@@ -105,6 +111,7 @@ def _curvatures_compared(flip: float) -> Statement:
 
 
 def _lower_bound(flip: float) -> Statement:
+    """Eq. (81)."""
     a = BarrierAxis()
     return Statement(a.symbols, (at_least(a.V, (0.5 if flip > 0 else 0.6) * a.w**2),))
 

@@ -39,6 +39,7 @@ class Moving(BarrierAxis):
 
 
 def _sum_rule(flip: float) -> Statement:
+    """Eq. (21): V1i' = z z' + f' + g'."""
     m = Moving()
     v, c, u1, u2 = m.all
     v_dot, c_dot = m.rates.values()
@@ -47,6 +48,7 @@ def _sum_rule(flip: float) -> Statement:
 
 
 def _barrier_rate(flip: float) -> Statement:
+    """Eq. (22): f' where |v| > v_u2."""
     m = Moving()
     v, _, u1, u2 = m.all
     written = ca.if_else(barrier.h(v, u2), flip * barrier.sign(v) * m.rates["vdot"] / (u1 - ca.fabs(v)), 0)
@@ -66,6 +68,7 @@ def _at_target(m: Moving) -> ca.SX:
 
 
 def _minimum_rate(flip: float) -> Statement:
+    """Eq. (23): g' by the chain rule."""
     m = Moving()
     _, c, u1, u2 = m.all
     written = -(m.x - c) * (_x_rate(m) - m.rates["cdot"]) - flip * _at_target(m)
@@ -73,24 +76,27 @@ def _minimum_rate(flip: float) -> Statement:
 
 
 def _envelope(flip: float) -> Statement:
+    """Eq. (24)."""
     m = Moving()
     return Statement(m.names, (equal((m.x - m.all[1]) * _x_rate(m) + flip * _at_target(m)),))
 
 
 def _g_rate(sign: float) -> Statement:
+    """Eq. (25), with sign +1 as corrected."""
     m = Moving()
     _, c, u1, u2 = m.all
     return Statement(m.names, (equal(m.along(barrier.g(c, u1, u2)), sign * (m.x - c) * m.rates["cdot"]),))
 
 
 def _per_axis(flip: float) -> Statement:
+    """Eq. (28)."""
     m = Moving()
     v_dot, c_dot = m.rates.values()
     return Statement(m.names, (equal(m.along(m.V), m.A * v_dot - flip * m.w * c_dot),))
 
 
 def _both_axes(flip: float) -> Statement:
-    """Left: the derivative of the sum of both; right: A' v' - (v - v_c1)' v_c0'."""
+    """Eq. (26). Left: the derivative of the sum of both; right: A' v' - (v - v_c1)' v_c0'."""
     m, n = Moving("1"), Moving("2")
     columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
     point = ca.vertcat(*m.all[:2], *n.all[:2])
@@ -100,6 +106,7 @@ def _both_axes(flip: float) -> Statement:
 
 
 def _split(flip: float) -> Statement:
+    """Eq. (27)."""
     m, n = Moving("1"), Moving("2")
     columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
     point = ca.vertcat(*m.all[:2], *n.all[:2])
@@ -108,7 +115,7 @@ def _split(flip: float) -> Statement:
 
 
 def decay(sign: float, axis: int = 0) -> Statement:
-    """V1i' + sign rho_i V1i = 0 for the model-based law's own graph in the model's own dynamics.
+    """Eqs. (29), (30): V1i' + sign rho_i V1i = 0 for the law's own graph in the model's dynamics.
 
     V1i is the paper's; the force is the System's, with v_c0 and v_c0' free.
     """
@@ -125,7 +132,7 @@ def decay(sign: float, axis: int = 0) -> Statement:
 
 
 def _literal_decay(sign: float) -> Statement:
-    """The same for the command of (9) as printed, where A is not 0."""
+    """Eq. (29) for the command of (9) as printed, where A is not 0."""
     m = Moving()
     v, c, u1, u2 = m.all
     rho, c_dot = ca.SX.sym("rho"), m.rates["cdot"]
@@ -135,7 +142,7 @@ def _literal_decay(sign: float) -> Statement:
 
 
 def _command(flip: float, axis: int = 0) -> Statement:
-    """(9) times A: A F = M (-rho V1i + (v - v_c1) v_c0') + A F1, on the law's graph."""
+    """Eq. (9) times A: A F = M (-rho V1i + (v - v_c1) v_c0') + A F1, on the law's graph."""
     law = LawGraph("mb")
     k, t = axis + 1, law.symbols
     v, u1, u2 = t[("v1", "omega")[axis]], t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"]

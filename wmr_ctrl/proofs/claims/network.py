@@ -145,13 +145,13 @@ def _weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
 
 
 def _differentiated(flip: float) -> Statement:
-    """(63), (65), (66): V3i' = V1i' + M1^-1 Gamma^-1 W~' W~'."""
+    """Eqs. (63), (65), (66): V3i' = V1i' + M1^-1 Gamma^-1 W~' W~'."""
     n = network_axis(0)
     return n.statement(equal(n.rate, n.barrier_rate + flip * _weights_part(n, n.weight_rate)))
 
 
 def _substituted(flip: float) -> Statement:
-    """(67), (68): with (28) and (4)."""
+    """Eqs. (67), (68): with (28) and (4)."""
     n = network_axis(0)
     f = n.free
     pushed = f["A"] / f["mass"] * (n.law.force[0] - f["friction"])
@@ -159,7 +159,7 @@ def _substituted(flip: float) -> Statement:
 
 
 def _with_law(flip: float) -> Statement:
-    """(69): with (57)."""
+    """Eq. (69): with (57)."""
     n = network_axis(0)
     f = n.free
     learnt = f["w"] / f["mass"] * _dot(n.best + n.error, n.basis)
@@ -169,7 +169,7 @@ def _with_law(flip: float) -> Statement:
 
 
 def _with_target(flip: float) -> Statement:
-    """(70): with (59) as the definition of eps2."""
+    """Eq. (70): with (59) as the definition of eps2."""
     n = network_axis(0)
     f = n.free
     rest = f["w"] / f["mass"] * (_dot(n.error, n.basis) + flip * n.residual)
@@ -178,7 +178,7 @@ def _with_target(flip: float) -> Statement:
 
 
 def _with_adaptation(flip: float) -> Statement:
-    """(71): with (58)."""
+    """Eq. (71): with (58)."""
     n = network_axis(0)
     f, mass = n.free, n.free["mass"]
     leak = n.gain("sigma") / mass * _dot(n.error, n.weights)
@@ -187,7 +187,7 @@ def _with_adaptation(flip: float) -> Statement:
 
 
 def _bounded(flip: float, combined: bool) -> Statement:
-    """(72) or, with the weights' product bounded, too, (73): what the bound leaves over is >= 0."""
+    """Eqs. (72), (73), the latter with the weights' product bounded, too: what the bound leaves over is >= 0."""
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
     base = -n.gain("rho1") / mass * f["V"] + 0.5 / mass * (f["w"] ** 2 + n.residual**2)
@@ -198,7 +198,7 @@ def _bounded(flip: float, combined: bool) -> Statement:
 
 
 def _decay(flip: float) -> Statement:
-    """(82)-(85), (87): V3i' <= -rho2 V3i + C_i for any rho2 below both of (86)."""
+    """Eqs. (82)-(85), (87): V3i' <= -rho2 V3i + C_i for any rho2 below both of (86)."""
     n = network_axis(0)
     f = n.free
     leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f["mass"])
@@ -208,7 +208,7 @@ def _decay(flip: float) -> Statement:
 
 
 def _printed_step(flip: float) -> Statement:
-    """(82), (83): with (81) in (73)."""
+    """Eqs. (82), (83): with (81) in (73)."""
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
     bound = -(n.gain("rho1") - flip) / mass * f["V"] + 0.5 / mass * n.residual**2
@@ -217,7 +217,7 @@ def _printed_step(flip: float) -> Statement:
 
 
 def _rate_is_least(flip: float) -> Statement:
-    """(86): rho2 is below each of the four rates."""
+    """Eq. (86): rho2 is below each of the four rates."""
     t = {**column("rho", 2), **column("M", 2), **column("sigma", 2), **column("gamma", 2)}
     rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
     least = flip * analysis.decay_rate(rho, mass, sigma, gamma)
@@ -229,7 +229,7 @@ def _rate_is_least(flip: float) -> Statement:
 
 
 def _end_bound(flip: float) -> Statement:
-    """(60), (88): once V3 <= 2 C3/rho2, |z| <= sqrt(4 C3/rho2) where v_c1 = v_c0."""
+    """Eqs. (60), (88): once V3 <= 2 C3/rho2, |z| <= sqrt(4 C3/rho2) where v_c1 = v_c0."""
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t["z1"] ** 2 + t["z2"] ** 2
     given = (above(t["rho2"]), at_least(2 * (t["C1"] + t["C2"]), t["V"] * t["rho2"]), at_least(2 * t["V"], square))

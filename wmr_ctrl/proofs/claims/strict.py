@@ -144,6 +144,7 @@ LIMITS = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
 GAINS = {"k1": 10, "k2": 5, "k3": 4}
 FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, **GAINS, **LIMITS),)
 SIDEWAYS = (at(e1=0, e2=3, e3="1/2", v1d="1/5", v2d="1/10", **GAINS, **LIMITS),)
+RATES = tuple(at(e1=1, e2=0, e3=0, value=1, rate=rate) for rate in ("-1/2000", "-1/500"))
 START = {name: (Fraction(low), Fraction(high)) for name, low, high in (
     ("e1", "0.70452", "0.70454"), ("e2", "-0.06032", "-0.06030"), ("e3", "-0.87081", "-0.87079"), ("k2", "5", "5"))}
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
@@ -157,7 +158,7 @@ CLAIMS = (
           "W measures the distance from the path.", NEAR, _between, Z3(timeout=60)),
     Claim("strict.rate", (31,), OURS, "W' <= -W/1000: the error decays exponentially", "The robot returns to the path "
           "exponentially, at a guaranteed (if small) rate; the paper only says that it converges.", NEAR, _exponential,
-          Z3(points=(at(e1=1, e2=0, e3=0, value=1, rate="-1/2000"),)), uses=("strict.falls", "strict.bounds")),
+          Z3(points=RATES), uses=("strict.falls", "strict.bounds")),
     Claim("strict.region", (31,), OURS, "W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4", "From inside this set the "
           "robot never leaves the region where the rate holds.", "k2 = 5, eps = 1/50", _stays, Z3(timeout=60)),
     Claim("level.pull", (7, 18), OURS, "(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1",

@@ -19,7 +19,7 @@ def _positive(*items: ca.SX) -> tuple[Relation, ...]:
 
 
 def _start(flip: float) -> Statement:
-    """(40), with 1 - cos e3 <= e3^2/2 as the only fact about the cosine."""
+    """Eq. (40), with 1 - cos e3 <= e3^2/2 as the only fact about the cosine."""
     t = Tracking()
     names = {**t.names, **symbols("l")}
     e, k2, l = t.e, t.k[1], names["l"]
@@ -41,7 +41,7 @@ def _growth(flip: float) -> Statement:
 
 
 def _window_value(flip: float) -> Statement:
-    """(42): V0 (1 + k3 T/(2 l^2 k2)) < 1.1 V0 < 0.594 E^2."""
+    """Eq. (42): V0 (1 + k3 T/(2 l^2 k2)) < 1.1 V0 < 0.594 E^2."""
     t = symbols("l k2 k3 T V0 E")
     l, k2, k3, T, V0, E = t.values()
     grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
@@ -52,7 +52,7 @@ def _window_value(flip: float) -> Statement:
 
 
 def _side_bound(flip: float, index: int = 1) -> Statement:
-    """(43), (44): e_i^2 <= 2 V2 < 1.188 E^2 < 1.21 E^2."""
+    """Eqs. (43), (44): e_i^2 <= 2 V2 < 1.188 E^2 < 1.21 E^2."""
     t = Tracking()
     names = {**t.names, **symbols("E")}
     value = analysis.position_lyapunov(t.e, t.k[1])
@@ -62,7 +62,7 @@ def _side_bound(flip: float, index: int = 1) -> Statement:
 
 
 def _angle_rate(flip: float) -> Statement:
-    """The integrand of (45)."""
+    """The integrand of Eq. (45)."""
     t = Tracking()
     k, e = t.k, t.e
     written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - flip * t.z[1]
@@ -70,7 +70,7 @@ def _angle_rate(flip: float) -> Statement:
 
 
 def _angle_grows(flip: float) -> Statement:
-    """(46) pointwise: sgn(e3) e3' <= |-k2 v1d e2 - z2| while e3 sin e3 >= 0."""
+    """Eq. (46) pointwise: sgn(e3) e3' <= |-k2 v1d e2 - z2| while e3 sin e3 >= 0."""
     t = Tracking()
     k, e = t.k, t.e
     push = ca.fabs(-k[1] * t.v_d[0] * e[1] - flip * t.z[1])
@@ -79,7 +79,7 @@ def _angle_grows(flip: float) -> Statement:
 
 
 def _angle_bound(flip: float) -> Statement:
-    """(47): |e3(t0)| + (k2 v1dmax 1.1 E + |z2|) T, T of the window."""
+    """Eq. (47): |e3(t0)| + (k2 v1dmax 1.1 E + |z2|) T, T of the window."""
     t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
     l, k2, k3, low, high, E, e3, z2 = t.values()
     T = theorem1.window(l, k2, low)
@@ -91,7 +91,7 @@ def _angle_bound(flip: float) -> Statement:
 
 
 def _side_rate(flip: float) -> Statement:
-    """(48) pointwise: |e2'| <= |e1| |v2| + v1d |e3|, with |sin e3| <= |e3|."""
+    """Eq. (48) pointwise: |e2'| <= |e1| |v2| + v1d |e3|, with |sin e3| <= |e3|."""
     t = Tracking()
     e, v2 = t.e, t.followed[1]
     given = (above(t.v_d[0]), at_least(ca.fabs(e[2]), ca.fabs(ca.sin(e[2]))))
@@ -105,7 +105,7 @@ def _conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
 
 
 def _side_stays(flip: float) -> Statement:
-    """(49): E - (1.1 E v2max + v1dmax angle bound) T > 0.8 E by the fifth condition."""
+    """Eq. (49): E - (1.1 E v2max + v1dmax angle bound) T > 0.8 E by the fifth condition."""
     t = symbols("l k2 k3 v1dmin v1dmax v2max E")
     l, k2, k3, low, high, v2, E = t.values()
     T = theorem1.window(l, k2, low)
@@ -116,7 +116,7 @@ def _side_stays(flip: float) -> Statement:
 
 
 def _angle_falls(flip: float) -> Statement:
-    """(50): e3' < -0.8 k2 v1d E + k3 (|sin e3| + E/l), e2 > 0.8 E."""
+    """Eq. (50): e3' < -0.8 k2 v1d E + k3 (|sin e3| + E/l), e2 > 0.8 E."""
     t = Tracking()
     names = {**t.names, **symbols("l E")}
     l, E = names["l"], names["E"]
@@ -127,7 +127,7 @@ def _angle_falls(flip: float) -> Statement:
 
 
 def _angle_speed(flip: float) -> Statement:
-    """(51): the bound of (50) is below -0.5 k2 v1dmin E, by the fourth and sixth condition."""
+    """Eq. (51): the bound of (50) is below -0.5 k2 v1dmin E, by the fourth and sixth condition."""
     t = symbols("l k2 k3 v1dmin v1dmax v2max E v1d sine")
     l, k2, k3, low, high, _, E, v1d, sine = t.values()
     six = _conditions(t)
@@ -140,7 +140,7 @@ def _angle_speed(flip: float) -> Statement:
 
 
 def _printed_share(_: float) -> Statement:
-    """(51) as printed against what (47) gives."""
+    """Eq. (51) as printed against what (47) gives."""
     t = symbols("k2 k3 v1dmin v1dmax")
     k2, k3, low, high = t.values()
     pair = [theorem1.angle_share(k2, k3, low, high, printed) for printed in (False, True)]
@@ -157,7 +157,7 @@ def _share(flip: float) -> Statement:
 
 
 def _rise(flip: float) -> Statement:
-    """(52): V2' < eps1 wherever (39) holds."""
+    """Eq. (52): V2' < eps1 wherever (39) holds."""
     t = Tracking()
     names = {**t.names, **symbols("eps1")}
     given = _positive(*(t.k[i] for i in range(3)))
@@ -166,7 +166,7 @@ def _rise(flip: float) -> Statement:
 
 
 def _angle_end(flip: float) -> Statement:
-    """(53), and (54) mirrored: from 3 T/5 on, |e3| has passed 4 (root + |z2|/(2 k3))."""
+    """Eq. (53), and (54) mirrored: from 3 T/5 on, |e3| has passed 4 (root + |z2|/(2 k3))."""
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
     T = theorem1.window(l, k2, low)
@@ -179,7 +179,7 @@ def _angle_end(flip: float) -> Statement:
 
 
 def _fast_fall(flip: float, repaired: bool) -> Statement:
-    """(55): |e3| >= 4 x gives -(k3/k2)(sin e3 + z2/(2 k3))^2 + eps1 < -3 eps1."""
+    """Eq. (55): |e3| >= 4 x gives -(k3/k2)(sin e3 + z2/(2 k3))^2 + eps1 < -3 eps1."""
     t = Tracking()
     names = {**t.names, **symbols("root eps1 x")}
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]

@@ -67,7 +67,7 @@ class Tracking:
 
 
 def _derivative(flip: float) -> Statement:
-    """(32) and (36): for a free v."""
+    """Eq. (32) and (36): for a free v."""
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     rate = error_rate(e, v, v_d)
@@ -76,6 +76,7 @@ def _derivative(flip: float) -> Statement:
 
 
 def _expanded(flip: float) -> Statement:
+    """Eq. (36): with (33)-(35)."""
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     s, c = ca.sin(e[2]), ca.cos(e[2])
@@ -84,6 +85,7 @@ def _expanded(flip: float) -> Statement:
 
 
 def _with_targets(flip: float) -> Statement:
+    """Eq. (37): with v = v_c0 + z."""
     t = Tracking()
     e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
     written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - flip * z[1] * s / k[1]

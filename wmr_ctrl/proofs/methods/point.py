@@ -45,7 +45,8 @@ class PointArithmetic:
 
     def variable(self, name: str) -> Any:
         """Coordinate of the point."""
-        return self.point[name]
+        value = self.point[name]
+        return Pi(Fraction(value.split()[0])) if isinstance(value, str) else value
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Exact where every operand is rational and the operation keeps it so."""

@@ -137,7 +137,8 @@ def _unless_vacuous(
     answer, model = _ask(base, z3.BoolVal(True), method)
     if answer != z3.sat:
         return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
-    exact = (p for p in _points(statement, arithmetic, model) if judge(statement, p)[0])
+    tried = [*method.points, *_points(statement, arithmetic, model)]
+    exact = (point for point in tried if judge(statement, point)[0])
     return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
 
 

@@ -1,0 +1,84 @@
+"""One step of the plant FMU by FMPy, and the same call into a library that does nothing."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import partial
+from pathlib import Path
+from shutil import copyfile, unpack_archive
+from typing import Any
+
+from wmr_ctrl.codegen.toolchain import build_library
+
+from .timing import Candidate
+
+_STEP = 1e-3
+_FUNCTIONS = """
+GetVersion SetDebugLogging FreeInstance SetupExperiment EnterInitializationMode
+ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal SetInteger
+SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate
+DeSerializeFMUstate GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives
+DoStep CancelStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus
+EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
+SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
+GetNominalsOfContinuousStates
+"""
+_EXPORTED = '__attribute__((visibility("default")))'
+
+
+def candidates(steps: int) -> dict[str, Candidate]:
+    """``fmu_plant`` and ``fmu_empty``; none where FMPy or the exporter is not there."""
+    try:
+        from fmpy.fmi2 import FMU2Slave
+
+        from wmr_ctrl.fmi.export import export_fmu
+    except ImportError:
+        return {}
+    folder = Path(tempfile.mkdtemp(prefix="wmr_ctrl-bench-"))
+    (archive,) = export_fmu("plant", fmi=2, out=folder)
+    unpack_archive(archive, folder / "plant", "zip")
+    identifier = next((folder / "plant" / "binaries").rglob("*.*")).stem
+    slave = FMU2Slave(
+        guid=_guid(folder / "plant"), unzipDirectory=str(folder / "plant"),
+        modelIdentifier=identifier, instanceName="plant",
+    )  # fmt: skip
+    empty = FMU2Slave(
+        guid="", unzipDirectory=str(_nothing(folder, identifier)), modelIdentifier=identifier,
+        instanceName="empty",
+    )  # fmt: skip
+    return {
+        "fmu_plant": Candidate(partial(_steps, slave, steps), steps),
+        "fmu_empty": Candidate(partial(_steps, empty, steps), steps),
+    }
+
+
+def _steps(slave: Any, steps: int) -> None:
+    """A run of ``steps`` steps from a fresh start."""
+    if not getattr(slave, "wmr_started", False):
+        slave.instantiate()
+        slave.wmr_started = True
+    else:
+        slave.reset()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    for k in range(steps):
+        slave.doStep(currentCommunicationPoint=k * _STEP, communicationStepSize=_STEP)
+
+
+def _nothing(folder: Path, identifier: str) -> Path:
+    """An unpacked FMU all of whose functions return at once."""
+    lines = [f"{_EXPORTED} int fmi2{name}(void) {{ return 0; }}" for name in _FUNCTIONS.split()]
+    lines.append(f"{_EXPORTED} void *fmi2Instantiate(void) {{ static int one; return &one; }}")
+    lines.append(f'{_EXPORTED} const char *fmi2GetTypesPlatform(void) {{ return "default"; }}')
+    library = build_library({"empty.c": "\n".join(lines) + "\n"}, name="empty")
+    source = next((folder / "plant" / "binaries").rglob(f"{identifier}.*"))
+    target = folder / "empty" / source.relative_to(folder / "plant")
+    target.parent.mkdir(parents=True)
+    copyfile(library, target)
+    return folder / "empty"
+
+
+def _guid(folder: Path) -> str:
+    text = (folder / "modelDescription.xml").read_text(encoding="utf-8")
+    return text.split('guid="')[1].split('"')[0]

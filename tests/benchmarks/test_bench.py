@@ -1,0 +1,54 @@
+"""What ``wmr-ctrl bench`` reports: the ratios' names, medians of rounds, a table; and the limits."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from benchmarks import bench
+from benchmarks.timing import Timing
+
+NAMED = {
+    "nn_step_vs_hand_c", "mb_step_vs_hand_c", "nn_step_numpy_vs_native", "nn_step_vm_vs_native",
+    "closed_loop_nn_vs_hand_c", "closed_loop_numpy_vs_native",
+    "batch_nn_per_core_vs_scalar_hand_c", "nn_call_from_python_vs_hand_c",
+    "fmu_plant_step_vs_empty_call",
+}  # fmt: skip
+
+
+def timing(name: str, ratios: tuple[float, ...]) -> Timing:
+    return Timing(name, 100.0, ratios[1], ratios[0], ratios[2], ratios)
+
+
+def test_ratios_have_their_names_and_come_from_within_rounds() -> None:
+    found = {"nn": timing("nn", (1.0, 4.0, 3.0)), "nn_hand": timing("nn_hand", (1.0, 2.0, 3.0))}
+    result = bench.summary(found)
+
+    assert set(result["ratios"]) >= NAMED
+    assert result["ratios"]["nn_step_vs_hand_c"] == 1.0
+    assert result["ratios"]["fmu_plant_step_vs_empty_call"] is None
+    assert json.loads(json.dumps(result)) == result
+
+
+def test_table_says_what_was_not_measured() -> None:
+    text = bench.table(bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))}))
+
+    assert "not measured" in text
+    assert "1.4294 s" in text
+
+
+@pytest.mark.slow
+def test_targets_are_met_with_room_for_a_busy_machine() -> None:
+    shares: list[float] = []
+    result = bench.run_bench(progress=shares.append)
+    ratios = result["ratios"]
+
+    assert shares[-1] == pytest.approx(1.0)
+    assert ratios["nn_step_vs_hand_c"] < 1.4
+    assert ratios["mb_step_vs_hand_c"] < 1.4
+    assert ratios["closed_loop_nn_vs_hand_c"] < 1.4
+    assert ratios["nn_step_numpy_vs_native"] > 150
+    assert ratios["nn_step_vm_vs_native"] > 100
+    assert ratios["nn_call_from_python_vs_hand_c"] < 7
+    assert ratios["batch_nn_per_core_vs_scalar_hand_c"] > 1.2

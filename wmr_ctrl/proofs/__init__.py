@@ -1,0 +1,14 @@
+"""Claims about the product's own graphs, methods that check them, and the ledger of verdicts.
+
+>>> from wmr_ctrl.proofs import prove
+>>> ledger = prove(only=["eq25"])  # doctest: +SKIP
+>>> ledger.tally()  # doctest: +SKIP
+{'PROVED': 1, 'REFUTED': 1}
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.proofs.ledger import Entry as Entry
+from wmr_ctrl.proofs.ledger import Ledger as Ledger
+from wmr_ctrl.proofs.ledger import load as load
+from wmr_ctrl.proofs.runner import prove as prove

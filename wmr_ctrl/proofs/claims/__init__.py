@@ -1,0 +1,58 @@
+"""Claims by theme, in the order of the ledger."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from importlib import import_module
+
+from wmr_ctrl.paper import equations
+from wmr_ctrl.proofs.claim import PRINTED, Claim
+
+THEMES = (
+    ("kinematics", "Motion of the robot"),
+    ("cover", "Regions"),
+    ("barrier", "The barrier function"),
+    ("structure", "Why it works"),
+    ("forms", "What the generated C evaluates"),
+    ("lyapunov", "The model-based law"),
+    ("tracking", "Position errors"),
+    ("theorem1", "The window argument of Theorem 1"),
+    ("network", "The adaptive network"),
+    ("errata", "What does not hold as printed"),
+    ("authority", "Which disturbance the barrier withstands"),
+    ("sampled", "The limits under a held command"),
+    ("strict", "A strict Lyapunov function and an invariant set"),
+    ("guard", "The velocity guard"),
+    ("wheel_maps", "Wheels behind the guard"),
+    ("resolvent", "The barrier's proximal map"),
+    ("prox", "The sampled-data law"),
+    ("hand", "Arguments by hand, assumptions, open ends"),
+)
+DEFINITIONS = "Definitions"
+
+
+@lru_cache(maxsize=1)
+def all_claims() -> tuple[Claim, ...]:
+    """Every claim, with its theme; definitions that no claim is about come last."""
+    found: list[Claim] = []
+    for name, title in THEMES:
+        module = import_module(f"wmr_ctrl.proofs.claims.{name}")
+        found += [replace(claim, theme=title) for claim in module.CLAIMS]
+    return (*found, *_definitions(found))
+
+
+def forget() -> None:
+    """Drop graphs that were kept, after a change of the product's functions in memory."""
+    from wmr_ctrl.proofs.claims.network import network_axis
+
+    network_axis.cache_clear()
+
+
+def _definitions(found: list[Claim]) -> list[Claim]:
+    spoken_for = {number for claim in found for number in claim.equations}
+    return [
+        Claim(f"eq{row.number:02}", (row.number,), PRINTED, row.title, row.note, verdict="DEFINITION", theme=DEFINITIONS)
+        for row in equations()
+        if row.role == "definition" and row.number not in spoken_for
+    ]

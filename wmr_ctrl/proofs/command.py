@@ -1,0 +1,31 @@
+"""What `wmr-ctrl prove` does: run, print, compare with the committed ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from wmr_ctrl.proofs.ledger import COMMITTED, Ledger, differences, exit_code, load
+from wmr_ctrl.proofs.runner import Progress, prove
+
+REMEDY = "Some entries were not checked; install the proving packages with: pip install 'wmr_ctrl[proofs]'"
+
+
+def run_prove(only: Iterable[str] = (), json_file: Path | None = None, progress: Progress | None = None) -> int:
+    """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`."""
+    asked = tuple(only)
+    ledger = prove(asked, progress)
+    committed = load() if COMMITTED.exists() else Ledger(())
+    if json_file is not None:
+        json_file.write_text(ledger.to_json() + "\n", encoding="utf-8")
+    print("\n".join(summary(ledger, committed, complete=not asked)))
+    return exit_code(ledger, committed, complete=not asked)
+
+
+def summary(ledger: Ledger, committed: Ledger, complete: bool) -> list[str]:
+    """Counts, then every difference from the committed ledger, then what is missing."""
+    lines = [", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())]
+    lines += [f"{d.id}: {d.now}, committed {d.committed}" for d in differences(ledger, committed, complete)]
+    if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries):
+        lines.append(REMEDY)
+    return lines

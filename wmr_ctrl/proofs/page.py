@@ -1,0 +1,94 @@
+"""The ledger as a page of the documentation.  Standard library only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from itertools import groupby
+
+from wmr_ctrl.paper import Equation, equations
+from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
+
+HEAD = """\
+# What is proved, and what is not
+
+Every numbered equation of the paper, and what this project adds to it, as claims that a machine has
+checked - on the same expressions from which the C code is generated, not on a copy of the formulas.
+`wmr-ctrl prove` checks all of them again and compares with this page.
+
+| verdict | means |
+|---|---|
+| PROVED | shown for every value that the hypotheses allow; the same method refuted the claim with one sign or constant altered, and a point that satisfies the hypotheses is on file |
+| REFUTED | false: an exact point is given at which the hypotheses hold and the claim does not |
+| DEFINITION | nothing to prove: a name is given to something |
+| HAND | rests on an argument that a person made; it is in [lemmas.md](lemmas.md) |
+| OPEN | not shown |
+| NOT_CHECKED | a package that the method needs was not installed |
+
+Methods: RING is exact algebra with rational coefficients, all parameters free, one region after the
+other (sympy); Z3 is the solver of that name on the same expressions; INTERVAL cuts a box into parts
+until interval arithmetic decides each (logarithms by flint), "rounding included" meaning that the
+intervals also hold what the compiled code computes in double precision; POINT evaluates at exact
+points. "trusted" names the packages whose correctness a verdict rests on.
+"""
+
+COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|---|---|"
+
+
+def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
+    """Markdown of the whole ledger (the committed one by default); ``stale`` ids are marked."""
+    shown = ledger or load()
+    marked = set(stale)
+    parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
+    for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
+        parts.append(f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n")
+    parts += ["## Counterexamples\n", _counterexamples(shown)]
+    return "\n".join(parts)
+
+
+def _tally(ledger: Ledger) -> str:
+    counted = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
+    return f"{len(ledger.entries)} entries: {counted}.\n"
+
+
+def _index(ledger: Ledger) -> str:
+    rows = "\n".join(_equation_row(item, of_equation(ledger.entries, item.number)) for item in equations())
+    return f"| eq. | what it is | status | note | entries |\n|---|---|---|---|---|\n{rows}\n"
+
+
+def _equation_row(item: Equation, entries: list[Entry]) -> str:
+    named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
+    return f"| ({item.number}) | {_cell(item.title)} | {item.status} | {_cell(item.note)} | {named} |"
+
+
+def _row(entry: Entry, is_stale: bool) -> str:
+    numbers = ", ".join(f"({n})" for n in entry.equations)
+    claim = f"{entry.claim} [{entry.form}]" + (f" - *{entry.hypotheses}*" if entry.hypotheses else "")
+    verdict = f"**{entry.verdict}**" + (" (the graph has changed since)" if is_stale else "")
+    return f"| {entry.id} | {numbers} | {_cell(claim)} | {_cell(entry.meaning)} | {verdict} | {_cell(how(entry))} |"
+
+
+def how(entry: Entry) -> str:
+    """Why the verdict is what it is, in one phrase."""
+    if entry.verdict == "HAND":
+        return f"by hand, see lemmas.md{_rests(entry)}"
+    if not entry.method:
+        return _rests(entry).strip(" ;") or "-"
+    trusted = f"; trusted: {', '.join(entry.trusted)}" if entry.trusted else ""
+    return f"{entry.method}{trusted}{_rests(entry)}"
+
+
+def _rests(entry: Entry) -> str:
+    return f"; rests on {', '.join(entry.uses)}" if entry.uses else ""
+
+
+def _counterexamples(ledger: Ledger) -> str:
+    lines = [f"- {e.id}: {_point(e.counterexample)}" for e in ledger.entries if e.counterexample]
+    return "Exact values of the inputs; with them the claim can be checked by hand.\n\n" + "\n".join(lines) + "\n"
+
+
+def _point(point: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in point.items())
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "&#124;").replace("*'", "\\*'").replace("W*", "W\\*")
