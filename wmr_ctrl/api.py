@@ -173,6 +173,41 @@ def reproduce(
     )
 
 
+def export_fmu(what: str, **options: Any) -> list[Path]:
+    """Write FMUs (or ``what = "ssp"``: the SSP package); returns the files' paths.
+
+    Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.
+    """
+    if what == "ssp":
+        from wmr_ctrl.fmi.ssp import export_ssp
+
+        return export_ssp(**{key: item for key, item in options.items() if key != "fmi"})
+    from wmr_ctrl.fmi.export import export_fmu as write_fmus
+
+    return write_fmus(what, **options)
+
+
+def cosimulate(scenario: str | Path | Scenario, law: str = "nn", **options: Any) -> Run:
+    """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.fmi.cosim`."""
+    from wmr_ctrl.fmi.cosim import cosimulate as run_fmus
+
+    return run_fmus(scenario, law, **options)
+
+
+def linearize(scenario: str | Path | Scenario, law: str = "nn") -> Any:
+    """Poles, margins and sampled-data limits: a `wmr_ctrl.linear.LinearReport`."""
+    from wmr_ctrl.linear import report_linear
+
+    return report_linear(scenario_of(scenario), law)
+
+
+def prove(only: Iterable[str] = (), progress: Any = None) -> Any:
+    """Check the paper's equations by machine: a `wmr_ctrl.proofs.ledger.Ledger`."""
+    from wmr_ctrl.proofs import prove as check_all
+
+    return check_all(tuple(only), progress)
+
+
 def bench(progress: Progress | None = None) -> dict[str, Any]:
     """Measure the generated code against hand-written C, NumPy and CasADi's virtual machine.
 
@@ -217,7 +252,7 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     >>> law = compile_law("mb")
     >>> law.u[:] = [0, 0, -1.57, 0.2, 0.1, 0, 0, -0.5, -0.5, -0.7, 0, 0]
     >>> right, left = law.step()
-    >>> bool(left > right)          # the target is to the right
+    >>> bool(left > right)  # the target is to the right
     True
     """
     from wmr_ctrl.codegen.build import build_loop

@@ -63,23 +63,62 @@ def test_switching_disturbances_any_mass_and_noise(law: str) -> None:
         assert (worst <= LIMITS * (1 + 1e-14)).all(), (law, case, worst - LIMITS)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("law", NAMES)
+def test_searched_disturbances(law: str) -> None:
+    """A hill climb over period, phase, mass, friction and start finds nothing beyond the limit."""
+    draw = np.random.default_rng(7 + sum(law.encode()))
+    best, worst = None, -np.inf
+    for step in range(120):
+        case = drawn(draw, 1 + 2 * (step % 3)) if step < 60 else moved(draw, best)
+        found = (run_case(law, case, draw) / LIMITS).max()
+        if found > worst:
+            best, worst = case, found
+    assert worst <= 1 + 1e-14
+
+
 def drive(law: str, draw: np.random.Generator, case: int) -> np.ndarray:
-    period = (0.01, 0.05, 0.1)[case % 3]
-    nbar = np.array([0.02, 0.03]) * (case % 2)
-    half = draw.uniform(0.05, 2.0, 2)
-    by_sign, phase = draw.random() < 0.4, draw.uniform(0, 1, 2)
+    return run_case(law, drawn(draw, case), draw)
+
+
+def drawn(draw: np.random.Generator, case: int) -> dict[str, object]:
+    return {
+        "period": (0.01, 0.05, 0.1)[case % 3],
+        "nbar": np.array([0.02, 0.03]) * (case % 2),
+        "half": draw.uniform(0.05, 2.0, 2),
+        "by_sign": draw.random() < 0.4,
+        "phase": draw.uniform(0, 1, 2),
+        "mass": draw.choice([LIGHT, HEAVY, draw.uniform(LIGHT, HEAVY)]),
+        "friction": np.array([draw.choice([0.0, 40.0, 90.0]), draw.choice([0.0, 2.0])]),
+        "v": LIMITS * draw.uniform(-1, 1, 2),
+        "pose": draw.uniform(-3, 3, 3),
+    }
+
+
+def moved(draw: np.random.Generator, case: dict[str, object]) -> dict[str, object]:
+    """A neighbour of a case."""
+    near = {key: case[key] * draw.uniform(0.8, 1.25, 2) for key in ("half", "friction")}
+    near["phase"] = case["phase"] + draw.normal(size=2) * 0.1
+    near["mass"] = np.clip(case["mass"] * draw.uniform(0.9, 1.1, 2), LIGHT, HEAVY)
+    near["v"] = np.clip(case["v"] + draw.normal(size=2) * 0.1, -LIMITS, LIMITS)
+    near["pose"] = case["pose"] + draw.normal(size=3) * 0.3
+    return {**case, **near}
+
+
+def run_case(law: str, case: dict[str, object], draw: np.random.Generator) -> np.ndarray:
+    nbar = case["nbar"]
 
     def switching(t: float, v: np.ndarray) -> np.ndarray:
-        swung = np.where(np.floor(t / half + phase) % 2 == 0, 1.0, -1.0)
-        return MOST * (np.where(v < 0, -1.0, 1.0) if by_sign else swung)
+        swung = np.where(np.floor(t / case["half"] + case["phase"]) % 2 == 0, 1.0, -1.0)
+        return MOST * (np.where(v < 0, -1.0, 1.0) if case["by_sign"] else swung)
 
     robot = Robot(
-        mass=draw.choice([LIGHT, HEAVY, draw.uniform(LIGHT, HEAVY)]),
-        friction=np.array([draw.choice([0.0, 40.0, 90.0]), draw.choice([0.0, 2.0])]),
+        mass=case["mass"],
+        friction=case["friction"],
         disturbance=switching,
         error=lambda: nbar * draw.choice([-1.0, 1.0, draw.uniform(-1, 1)], 2),
-        v=LIMITS * draw.uniform(-1, 1, 2),
-        pose=np.array([*draw.uniform(-3, 3, 2), draw.uniform(-3, 3)]),
+        v=case["v"].copy(),
+        pose=case["pose"].copy(),
     )
-    scenario = guarded(period, **{"guard.nbar": nbar.tolist()})
-    return abs(robot.drive(law, scenario, int(3.0 / period))).max(axis=0)
+    scenario = guarded(case["period"], **{"guard.nbar": nbar.tolist()})
+    return abs(robot.drive(law, scenario, int(3.0 / case["period"]))).max(axis=0)

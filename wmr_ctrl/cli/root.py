@@ -14,10 +14,15 @@ import click
 from wmr_ctrl import __version__
 from wmr_ctrl.cli.bench import bench
 from wmr_ctrl.cli.check import check
+from wmr_ctrl.cli.codegen import codegen
 from wmr_ctrl.cli.compare import compare
+from wmr_ctrl.cli.cosim import cosim
+from wmr_ctrl.cli.export import export
 from wmr_ctrl.cli.failures import BROKEN_PIPE, explain
 from wmr_ctrl.cli.laws import laws
+from wmr_ctrl.cli.linearize import linearize
 from wmr_ctrl.cli.options import debug_option
+from wmr_ctrl.cli.prove import prove
 from wmr_ctrl.cli.reproduce import reproduce
 from wmr_ctrl.cli.run import run
 from wmr_ctrl.cli.scenarios import scenarios
@@ -29,13 +34,15 @@ EPILOG = """\b
 Examples:
   wmr-ctrl reproduce --quick        the paper's Sections V and VI, 3 seeds
   wmr-ctrl run far-start --law mb   one run
+  wmr-ctrl export nn --out fmus     the network law as FMUs
   wmr-ctrl run --help               options and examples of a command
 
 \b
 Exit codes:
   0    done
-  1    `reproduce` found other verdicts, `compare` found a difference
+  1    `reproduce` or `prove` found other verdicts, `compare` found a difference
   2    wrong input, explained in one paragraph on stderr
+  3    `prove` lacks a proving package
   70   a fault of wmr-ctrl itself
   130  interrupted
 """
@@ -109,7 +116,11 @@ def root(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-for _command in (reproduce, run, compare, scenarios, laws, check, bench):
+_COMMANDS = (
+    *(reproduce, run, compare, scenarios, laws, check),
+    *(prove, linearize, export, cosim, codegen, bench),
+)
+for _command in _COMMANDS:
     root.add_command(_command)
 
 

@@ -74,7 +74,7 @@ def run(
     settled = load(scenario, assignments, guard)
     finished = _simulated(settled, law, seed, engine)
     _write(finished, out, plot, animate)
-    _show(finished, as_json)
+    show(finished, as_json)
 
 
 def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
@@ -118,7 +118,8 @@ def _write(run: Run, out: str | None, plot: str | None, animate: str | None) -> 
         say("wrote", animate)
 
 
-def _show(run: Run, as_json: bool) -> None:
+def show(run: Run, as_json: bool) -> None:
+    """Print a finished run: a table, or the JSON document."""
     from wmr_ctrl.results import summary
 
     if as_json:

@@ -15,7 +15,7 @@ import numpy as np
 from wmr_ctrl.linear.crossings import crossings
 from wmr_ctrl.linear.loop import law_at, plant_at, with_inputs
 from wmr_ctrl.linear.names import FORCES, STATES
-from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.numbers import Floats, is_stable
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Model, Scenario
 
@@ -78,7 +78,7 @@ def margins_at(
 ) -> Margins | None:
     """Margins at force ``axis``; None where the closed loop is unstable."""
     loop = open_loop(scenario, law, axis, point, period, memory)
-    if not is_stable(ct.feedback(loop, 1)):
+    if not is_stable(ct.feedback(loop, 1).poles(), bool(loop.dt)):
         return None
     found = crossings(loop, frequencies(loop))
     alpha, disk_gain, disk_phase = disk(loop)
@@ -106,12 +106,6 @@ def frequencies(loop: ct.StateSpace) -> Floats:
     """Frequencies [rad/s] at which the disk margin is searched."""
     top = math.pi / loop.dt if loop.dt else HIGHEST
     return np.geomspace(LOWEST, top * (1 - 1e-9), POINTS)
-
-
-def is_stable(loop: ct.StateSpace) -> bool:
-    """Whether every pole is strictly inside the stable region."""
-    poles = np.asarray(loop.poles())
-    return bool((np.abs(poles) < 1).all() if loop.dt else (poles.real < 0).all())
 
 
 def worst(found: list[Margins | None]) -> Margins | None:

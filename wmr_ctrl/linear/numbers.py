@@ -24,6 +24,18 @@ def bisect(holds: Callable[[float], bool], below: float, above: float, rtol: flo
     return below
 
 
+MARGINAL = 1e-7
+"""Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
+
+
+def is_stable(poles: Any, sampled: bool = False) -> bool:
+    """Whether no pole is outside the stable region; marginal ones count as stable."""
+    found = np.asarray(poles, dtype=complex)
+    return bool(
+        (np.abs(found) <= 1 + MARGINAL).all() if sampled else (found.real <= MARGINAL).all()
+    )
+
+
 def radius(matrix: Floats) -> float:
     """Spectral radius."""
     return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0

@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.sampled import for_own_period
 from wmr_ctrl.linear.velocity import pull_of
 from wmr_ctrl.scenario import Scenario
 
@@ -20,13 +21,17 @@ def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) ->
     """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
 
     The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
-    for a law that does not know the limit.
+    for a law that does not know the limit, inf where no hold is too long.
     """
     loop = Loop(scenario, law)
     if not loop.uses("limits."):
         return None
     asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
-    return np.array([_shortest(scenario, law, axis, asked) for axis in range(2)])
+
+    def limit(other: Scenario) -> Floats:
+        return np.array([_shortest(other, law, axis, asked) for axis in range(2)])
+
+    return for_own_period(scenario, law, limit)
 
 
 def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats) -> float:

@@ -16,7 +16,7 @@ from wmr_ctrl.linear.along import constant_speed
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.loop import closed_loop
 from wmr_ctrl.linear.margins import Margins, margins_at, worst
-from wmr_ctrl.linear.numbers import Floats, radius
+from wmr_ctrl.linear.numbers import Floats, is_stable, radius
 from wmr_ctrl.linear.one_step import one_step_period
 from wmr_ctrl.linear.point import Point, on_reference, settled
 from wmr_ctrl.linear.robustness import ModelError, model_errors
@@ -56,13 +56,13 @@ class LinearReport:
 
     @property
     def stable(self) -> bool:
-        """Whether the continuous loop is stable, estimates and weights held."""
-        return bool((self.poles.real < 0).all())
+        """Whether the continuous loop is stable, estimates and weights held; marginal counts."""
+        return is_stable(self.poles)
 
     @property
     def adaptive_stable(self) -> bool | None:
         """Whether it is stable with them moving; None for a law that does not adapt."""
-        return None if self.adaptive_poles is None else bool((self.adaptive_poles.real < 0).all())
+        return None if self.adaptive_poles is None else is_stable(self.adaptive_poles)
 
     @cached_property
     def damping(self) -> list[tuple[float, float]]:

@@ -72,7 +72,7 @@ class Stepper:
         found: tuple[Floats, ...] = tuple(np.array(part).T for part in every(start, rows.T))
         path, force = found
         states = np.ascontiguousarray(np.vstack((start, path[:-1]))[:, :5], dtype=np.float64)
-        return Course(np.arange(count) * self.period, states, force)
+        return Course(np.asarray(np.arange(count) * self.period, dtype=np.float64), states, force)
 
 
 def stepper(

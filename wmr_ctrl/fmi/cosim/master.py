@@ -77,7 +77,10 @@ class Master:
     def seen(self, k: int, desired: Sequence[float]) -> list[float]:
         """What the controller is shown at sample k, in the order of SEEN."""
         pose, v = self.sensor.look(k, self.state)
-        return [*desired, *pose, *v, *self.applied, *ready((*pose, *v), self.scenario.robot)]
+        shown = [*desired, *pose, *v, *self.applied]
+        if self.parts.controller.wants_ready:
+            shown += ready((*pose, *v), self.scenario.robot)
+        return shown
 
     def log(
         self,
@@ -93,6 +96,11 @@ class Master:
     def drive(self, k: int, torque: Sequence[float], noise: Sequence[float]) -> None:
         """The plant over one control period, cut where its parameters change or a lag wants it."""
         step, first = self.clock.plant, k * self.clock.substeps
+        if self.ideal and not self.changes:
+            self.parts.plant.write(driven(torque, noise))
+            self.parts.plant.step(first * step, self.clock.control)
+            self.applied = torque
+            return
         acted = []
         for start, end in self.cuts(first):
             acting = torque if self.ideal else self.actuator.advance((torque[0], torque[1]))

@@ -45,6 +45,7 @@ class Part:
     ) -> None:
         self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
+        self.wants_ready = any(name in READY for row in inputs for name, _ in row.terms)
         self._inward = compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
@@ -152,8 +153,8 @@ def _complete(rows: Sequence[Row], wanted: Sequence[str], part: str) -> None:
     missing = sorted(set(wanted) - {row.target for row in rows})
     if missing:
         raise ArgumentError(
-            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, or "
-            f"for the ready names {', '.join(READY)} that they follow from."
+            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
+            f"or for the ready names {', '.join(READY)} that they follow from."
         )
 
 

@@ -14,6 +14,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
 
+_WARNING = 1  # the highest status of a call that did what it should
 Read = Callable[[], list[float]]
 Write = Callable[[Sequence[float]], None]
 
@@ -32,6 +33,9 @@ class Slave:
         """Unpack ``path`` below ``folder`` and create one instance."""
         self.name, self.path, self.time = name, os.fspath(path), 0.0
         self.messages: list[str] = []
+        self._flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
+        self._answers = [*map(ct.byref, self._flags), ct.byref(last)]
+        self._keep = last
         try:
             self.description = read_model_description(self.path)
             self.version = 2 if self.description.fmiVersion == "2.0" else 3
@@ -116,10 +120,11 @@ class Slave:
         length = () if self.version == 2 else (count,)
 
         def read() -> list[float]:
-            get(instance, refs, count, buffer, *length)
+            if get(instance, refs, count, buffer, *length) > _WARNING:
+                raise self._failure("reading its outputs")
             return buffer[:]
 
-        return self._guarded(read, "reading outputs") if count else list
+        return read if count else list
 
     def writer(self, names: Iterable[str]) -> Write:
         """A function that writes these variables at once."""
@@ -129,51 +134,40 @@ class Slave:
 
         def write(values: Sequence[float]) -> None:
             buffer[:] = values
-            put(instance, refs, count, buffer, *length)
+            if put(instance, refs, count, buffer, *length) > _WARNING:
+                raise self._failure("setting its inputs")
 
-        return self._guarded(write, "setting inputs") if count else _nothing
+        return write if count else _nothing
 
     def _function(self, verb: str) -> Any:
-        return getattr(self._fmu, f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64")
+        """The C function itself: FMPy set its types when it loaded the library."""
+        name = f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64"
+        return getattr(self._fmu.dll, name)
 
     def _buffers(self, names: Iterable[str]) -> tuple[int, Any, Any]:
         refs = [self.variable(name).valueReference for name in names]
         return len(refs), (ct.c_uint32 * len(refs))(*refs), (ct.c_double * len(refs))()
 
-    def _guarded(self, call: Any, what: str) -> Any:
-        def guarded(*arguments: Any) -> Any:
-            try:
-                return call(*arguments)
-            except Exception as error:
-                raise self._failure(what, error) from error
-
-        return guarded
-
     def step(self, t: float, h: float) -> None:
         """One communication step from t [s] over h [s]."""
         self.time = t
-        try:
-            if self.version == 2:
-                self._fmu.fmi2DoStep(self._fmu.component, t, h, 1)
-            else:
-                self._step3(t, h)
-        except FmuError:
-            raise
-        except Exception as error:
-            raise self._failure("doStep", error) from error
+        if self.version == 3:
+            self._step3(t, h)
+        elif self._fmu.dll.fmi2DoStep(self._fmu.component, t, h, 1) > _WARNING:
+            raise self._failure("doStep")
 
     def _step3(self, t: float, h: float) -> None:
-        _event, end, early, _last = self._fmu.doStep(t, h)
-        if end or early:
-            raise FmuError(
-                f"the FMU {self.path} ({self.name}) ended its step at t = {t:.9g} s early."
-            )
+        call, answers = self._fmu.dll.fmi3DoStep, self._answers
+        if call(self._fmu.component, t, h, True, *answers) > _WARNING:
+            raise self._failure("doStep")
+        if self._flags[1].value or self._flags[2].value:
+            raise self._failure("doStep, which it ended early")
 
-    def _failure(self, what: str, error: Exception) -> FmuError:
-        said = f" It said: {self.messages[-1]}" if self.messages else ""
+    def _failure(self, what: str, error: Exception | None = None) -> FmuError:
+        told = str(error) if error is not None else "; ".join(self.messages[-1:])
         return FmuError(
-            f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}: {error}."
-            f"{said}"
+            f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}"
+            f"{': ' if told else ''}{told}"
         )
 
     def end(self) -> None:

@@ -1,0 +1,36 @@
+"""``wmr-ctrl linearize``: poles, margins and sampled-data limits."""
+
+from __future__ import annotations
+
+import click
+
+from wmr_ctrl.cli.options import (
+    check_folder,
+    debug_option,
+    json_option,
+    load,
+    scenario_argument,
+    set_option,
+)
+
+
+@click.command(short_help="Poles, margins and the largest stable sample time.")
+@scenario_argument
+@click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@set_option
+@click.option("--plot", metavar="DIR", help="Also draw Bode, Nyquist and pole figures into DIR.")
+@json_option("Print all figures as one JSON document.")
+@debug_option
+def linearize(
+    scenario: str, law: str, assignments: tuple[str, ...], plot: str | None, as_json: bool
+) -> None:
+    """Linearise the closed loop along the reference, exactly, and print what that tells.
+
+    Around the circle and the line the loop is time-invariant in error coordinates; along other
+    references it is said where the figures were taken.
+    """
+    from wmr_ctrl.linear.command import run_linearize
+
+    if plot:
+        check_folder(plot, "--plot")
+    raise click.exceptions.Exit(run_linearize(load(scenario, assignments), law, plot, as_json))
