@@ -89,7 +89,7 @@ def test_loop_is_named_and_interconnectable(nominal):
     assert closed_loop(nominal, "mb", period=0.02).dt == 0.02
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [*LAWS, "prox"])
 def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
     """A displacement of a micrometre: quadratic terms are below 1e-9 of it."""
     point = settled(nominal, law)

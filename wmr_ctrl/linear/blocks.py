@@ -18,12 +18,12 @@ import numpy as np
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.linear.names import APPLIED, DISTURBANCE, ERROR_STATE, V_D, V_D_DOT
 from wmr_ctrl.linear.numbers import Floats
-from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
+from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
 from wmr_ctrl.model.tracking import error_rate, error_rotation
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE, POSE, REFERENCE, VELOCITY
+from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
 
 PERIOD = "clock.control"
 
@@ -64,9 +64,10 @@ def _drives(
 def error_law(scenario: Scenario, law: str) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
-    The law's own graph, with the robot at the origin and the reference placed to give e.
+    The law's own graph, with the robot at the origin and the reference placed to give e; a law that
+    asks for the torque applied before is given its own last one, as behind ideal drives.
     """
-    core = LAWS[law].build(scenario)
+    core = _with_own_torque(LAWS[law].build(scenario), scenario)
     e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
     pose_d = error_rotation(ca.SX(0)).T @ e.sym
     known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))
@@ -79,6 +80,17 @@ def error_law(scenario: Scenario, law: str) -> System:
         "law", core.title, inputs, core.state, core.params, update, (Output(FORCE, force),),
         period=core.period,
     )  # fmt: skip
+
+
+def _with_own_torque(core: System, scenario: Scenario) -> System:
+    """The law with its input tau_applied, if it has one, turned into memory of its own torque."""
+    known = {item.signal.name: item for item in core.inputs}
+    if TAU_APPLIED.name not in known:
+        return core
+    torque = force_to_wheel(ca.SX(scenario.robot.r), ca.SX(scenario.robot.l), core.outputs[0].expr)
+    applied = known.pop(TAU_APPLIED.name)
+    state, update = (*core.state, applied), ca.vertcat(core.update, torque)
+    return replace(core, inputs=tuple(known.values()), state=state, update=update)
 
 
 _SAMPLED = tuple(signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))

@@ -105,4 +105,6 @@ def at_period(scenario: Scenario, period: float) -> Scenario:
     drives = replace(scenario.actuator, delay=0.0)
     sensor = replace(scenario.sensor, pose_period=0.0)
     clock = Clock(period, period, 100 * period)
-    return replace(scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics())
+    return replace(
+        scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=()
+    )

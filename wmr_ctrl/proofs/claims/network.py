@@ -270,14 +270,16 @@ def _vanishing_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
-    """F1 chosen such that eps2 is the free number eps2; w = eps2 + n, V1 = w^2/2 + p."""
+    """F1 chosen such that eps2 is the free number eps2; w = eps2 + n, V1 = w^2/2 + p, W* = W^ - E."""
     w = n["eps2"] + n["n"]
     value = w**2 / 2 + n["p"]
-    learnt = sum((n[f"best{j}"] * n[f"S{j}"] for j in range(1, NODES + 1)), 0 * w)
+    best = {f"best{j}": n[f"X{j}"] - n[f"E{j}"] for j in range(1, NODES + 1)}
+    weights = {f"W_hat1[{j}]": n[f"X{j}"] for j in range(1, NODES + 1)}
+    learnt = sum((best[f"best{j}"] * n[f"S{j}"] for j in range(1, NODES + 1)), 0 * w)
     friction = (learnt - n["mass"] * n["cdot"] - n["eps2"]) * w / n["A"]
     found = {"V": value, "w": w, "quotient": value / n["A"], "q": w / n["A"], "friction": friction}
-    kept = ["A", "mass", "cdot", *(f"{name}{j}" for j in range(1, NODES + 1) for name in ("S", "best"))]
-    return {**found, **{name: n[name] for name in kept}}
+    kept = ["A", "mass", "cdot", *(f"S{j}" for j in range(1, NODES + 1))]
+    return {**found, **best, **weights, **{name: n[name] for name in kept}}
 
 
 def _decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
@@ -289,7 +291,7 @@ def _decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 
 
 GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {"clock.control": POSITIVE}
-VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "best")}
+VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "X", "E")}
 SOLVED = {"A": FREE, "mass": POSITIVE, "cdot": FREE, "eps2": FREE, "n": FREE, "p": NONNEGATIVE, **VECTORS}
 FREE_CASES = (Case("A != 0", dict.fromkeys(("A", "V", "w"), FREE), _free_chart, {"mass": POSITIVE, **GAINS}),)
 BOTH_CASES = (*FREE_CASES, Case("A = 0", dict.fromkeys(("quotient", "q"), FREE), _vanishing_chart, {"mass": POSITIVE, **GAINS}))

@@ -16,7 +16,7 @@ from sympy.polys.fields import field
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE
 
-MOST_TERMS = 400
+MOST_TERMS = 60
 """Polynomials longer than this are not factored: their sign is told by coefficients or not at all."""
 
 

@@ -50,7 +50,13 @@ class RingArithmetic:
         known = _TRUTH[op].get(self.algebra.sign(gap) or "?")
         if known is None:
             known = self._stated(op, right)
-        return ask((op, gap)) if known is None else known
+        return self._asked(op, gap, ask) if known is None else known
+
+    def _asked(self, op: str, gap: Any, ask: Callable[[Hashable], bool]) -> bool:
+        """One question per sign, so that related conditions are decided alike."""
+        if op in ("eq", "ne"):
+            return ask(("zero", gap)) == (op == "eq")
+        return ask(("above", gap)) if op == "lt" else not ask(("above", -gap))
 
     def _stated(self, op: str, right: Any) -> bool | None:
         if op != "lt" or not right.numer.is_ground or not right.denom.is_ground:
@@ -87,7 +93,7 @@ class RingArithmetic:
 
     def _upward(self, value: Any) -> bool:
         found = self.algebra.sign(value)
-        return self.ask(("upward", value)) if found is None else found[0] != "-"
+        return not self.ask(("above", -value)) if found is None else found[0] != "-"
 
     def magnitude(self, value: Any) -> Any:
         """|value|."""

@@ -1,0 +1,80 @@
+"""The paper's equations as data: complete, and each with a home that names it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.paper import CITATION, equation, equations, symbols
+from wmr_ctrl.paper.equations import COUNT, ROLES, STATUSES
+
+TAG = re.compile(r"Eqs?\.\s*((?:\(\d+\)[\s,\-]*(?:and\s+)?)+)")
+ITEM = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")
+PACKAGE = Path(wmr_ctrl.__file__).parent
+
+
+def numbers(text: str) -> set[int]:
+    """Equation numbers that a docstring names, ranges filled."""
+    found: set[int] = set()
+    for group in TAG.findall(text):
+        for first, last in ITEM.findall(group):
+            found |= set(range(int(first), int(last or first) + 1))
+    return found
+
+
+def docstrings() -> list[tuple[str, str]]:
+    found = []
+    for path in PACKAGE.rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        kinds = (ast.Module, ast.FunctionDef, ast.ClassDef)
+        found += [(path.name, ast.get_docstring(node) or "") for node in ast.walk(tree) if isinstance(node, kinds)]
+    return found
+
+
+def test_numbers_are_exactly_those_of_the_paper() -> None:
+    assert [item.number for item in equations()] == list(range(1, COUNT + 1))
+
+
+@pytest.mark.parametrize("item", equations(), ids=lambda item: str(item.number))
+def test_home_exists_and_carries_the_number(item) -> None:
+    module, _, name = item.home.partition(":")
+    home = import_module(module)
+    home = getattr(home, name) if name else home
+
+    assert item.number in numbers(home.__doc__ or "")
+
+
+def test_no_docstring_names_an_unknown_equation() -> None:
+    unknown = {(name, n) for name, text in docstrings() for n in numbers(text) if not 1 <= n <= COUNT}
+
+    assert unknown == set()
+
+
+def test_every_equation_is_named_by_some_docstring() -> None:
+    named = set().union(*(numbers(text) for _, text in docstrings()))
+
+    assert named == set(range(1, COUNT + 1))
+
+
+def test_fields_are_of_the_known_kinds() -> None:
+    assert {item.role for item in equations()} <= set(ROLES)
+    assert {item.status for item in equations()} <= set(STATUSES)
+    assert all(item.title for item in equations())
+    assert all(item.note for item in equations() if item.status != "as printed")
+
+
+def test_unknown_number_is_refused() -> None:
+    with pytest.raises(LookupError, match="1 to 88"):
+        equation(89)
+
+
+def test_symbols_and_citation() -> None:
+    names = [item.symbol for item in symbols()]
+
+    assert len(names) == len(set(names)) > 40
+    assert "10.1109/TIE.2020.2989711" in CITATION

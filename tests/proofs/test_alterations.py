@@ -1,0 +1,88 @@
+"""One altered sign or constant in barrier, laws or model, and the ledger's verdict changes.
+
+A copy of the altered function runs in place of the original for the time of the test; only entries
+whose graph holds the altered part are checked.
+"""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FunctionType
+
+import pytest
+
+from wmr_ctrl.laws import auxiliary, barrier, mb, nn, rbf, stable_barrier
+from wmr_ctrl.model import dynamics, kinematics, tracking
+from wmr_ctrl.proofs.check import check, graph_hash
+from wmr_ctrl.proofs.claims import all_claims, forget
+from wmr_ctrl.proofs.ledger import load
+
+AXIS = stable_barrier.Axis
+ALTERATIONS = [
+    (barrier.a_term, "v - c", "v + c", "eq74"),
+    (barrier.a_term, "sign(v)", "-sign(v)", "eq74"),
+    (barrier.f, "-ca.log", "ca.log", "eq22"),
+    (barrier.minimiser, "+ 4", "+ 5", "eq18.stationary"),
+    (barrier.minimiser, "1 / (u1 - u2)", "2 / (u1 - u2)", "eq24"),
+    (barrier.g, "0.5 *", "0.4 *", "eq78"),
+    (barrier.lyapunov, "0.5 *", "0.6 *", "eq76-77 eq20"),
+    (AXIS.far_slope.func, "t * t + 4", "t * t + 5", "forms.v_c1"),
+    (AXIS.divisor.func, "1 + curvature", "1 - curvature", "forms.q"),
+    (AXIS.lyapunov.func, "0.5 *", "0.6 *", "forms.V1"),
+    (stable_barrier._chi, "1 / order", "1 / (order + 1)", "forms.series"),
+    (mb.build, 'sample.per_axis("q")', '2 * sample.per_axis("q")', "P8"),
+    (nn._adapted, "- learning * basis", "+ learning * basis", "eq58"),
+    (nn.build, '-sample.gain("rho1")', 'sample.gain("rho1")', "eq57"),
+    (rbf.corner_basis, "-4 * node", "-2 * node", "eq58.basis"),
+    (auxiliary.auxiliary_velocity, "k[2] * ca.sin", "-k[2] * ca.sin", "eq37"),
+    (tracking.error_rate, "- v[0]", "+ v[0]", "eq33-35"),
+    (tracking.tracking_error, "-c * d[0]", "c * d[0]", "eq33-35"),
+    (kinematics.pose_rate, "-ca.sin", "ca.sin", "eq03"),
+    (dynamics.wheel_to_force, "tau[0] - tau[1]", "tau[0] + tau[1]", "eq04.wheels"),
+    (dynamics.acceleration, "force - friction_force", "force + friction_force", "eq04.plant"),
+]
+
+
+@contextmanager
+def altered(function: Callable, old: str, new: str) -> Iterator[None]:
+    """The function with ``new`` for the first ``old``, wherever it was imported to."""
+    assert isinstance(function, FunctionType)
+    lines = textwrap.dedent(inspect.getsource(function)).splitlines()
+    source = "\n".join(line for line in lines if not line.startswith("@"))
+    head, body = source.split('"""', 1)[0], source.split('"""', 2)[2]
+    assert old in body, source
+    space: dict = {}
+    exec(compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"), dict(function.__globals__), space)
+    original = function.__code__
+    function.__code__ = space[function.__name__].__code__
+    forget()
+    try:
+        yield
+    finally:
+        function.__code__ = original
+        forget()
+
+
+@pytest.mark.parametrize(
+    ("function", "old", "new", "ids"), ALTERATIONS, ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS]
+)
+def test_an_alteration_changes_a_verdict(function, old, new, ids) -> None:
+    committed = load().by_id()
+    claims = [claim for claim in all_claims() if claim.id in ids.split()]
+    with altered(function, old, new):
+        touched = [claim for claim in claims if graph_hash(claim) != committed[claim.id].graph_hash]
+        assert touched, "the graph does not hold the altered part"
+
+        assert any(check(claim).verdict != committed[claim.id].verdict for claim in touched)
+
+
+def test_the_original_is_put_back() -> None:
+    claim = next(claim for claim in all_claims() if claim.id == "eq74")
+    before = graph_hash(claim)
+    with altered(barrier.a_term, "v - c", "v + c"):
+        assert graph_hash(claim) != before
+
+    assert graph_hash(claim) == before

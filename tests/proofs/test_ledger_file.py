@@ -1,0 +1,102 @@
+"""The ledger as data: keys, comparison, exit codes, page. No proving package is needed."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.paper import equations
+from wmr_ctrl.proofs.ledger import (
+    PUBLIC_KEYS,
+    VERDICTS,
+    Entry,
+    Ledger,
+    differences,
+    exit_code,
+    load,
+    stale,
+)
+from wmr_ctrl.proofs.page import page
+
+ROOT = Path(__file__).parents[2]
+ONE = Entry("a", (1,), "claim", "printed", "PROVED", graph_hash="00")
+
+
+def test_round_trip(tmp_path) -> None:
+    load().save(tmp_path / "ledger.json")
+
+    assert load(tmp_path / "ledger.json") == load()
+
+
+def test_public_json_has_the_stated_keys() -> None:
+    rows = json.loads(load().to_json())["entries"]
+
+    assert all(tuple(row) == PUBLIC_KEYS for row in rows)
+    assert {row["verdict"] for row in rows} <= set(VERDICTS)
+    assert all(isinstance(row["equations"], list) for row in rows)
+
+
+@pytest.mark.parametrize(("verdict", "code"), [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)])
+def test_exit_codes(verdict, code) -> None:
+    assert exit_code(Ledger((replace(ONE, verdict=verdict),)), Ledger((ONE,))) == code
+
+
+def test_a_missing_or_new_entry_is_a_difference_only_in_a_complete_run() -> None:
+    two = replace(ONE, id="b")
+
+    assert [d.id for d in differences(Ledger((ONE,)), Ledger((ONE, two)))] == ["b"]
+    assert [d.id for d in differences(Ledger((ONE, two)), Ledger((ONE,)))] == ["b"]
+    assert differences(Ledger((ONE,)), Ledger((ONE, two)), complete=False) == []
+
+
+def test_stale_hashes_are_named() -> None:
+    assert stale({"a": "01"}, Ledger((ONE,))) == ["a"]
+    assert stale({"a": "00"}, Ledger((ONE,))) == []
+
+
+def test_every_identity_and_inequality_has_an_entry() -> None:
+    spoken_for = {number for entry in load().entries for number in entry.equations}
+
+    assert spoken_for == {item.number for item in equations()}
+
+
+def test_proved_entries_are_backed() -> None:
+    for entry in load().entries:
+        if entry.verdict == "PROVED":
+            assert entry.mutation_refuted, entry.id
+            assert entry.satisfied_at is not None, entry.id
+            assert entry.trusted, entry.id
+            assert len(entry.graph_hash) == 64, entry.id
+        if entry.verdict == "REFUTED":
+            assert entry.counterexample, entry.id
+
+
+def test_uses_name_entries_and_hand_entries_have_their_argument() -> None:
+    known = load().by_id()
+    lemmas = (ROOT / "docs" / "lemmas.md").read_text(encoding="utf-8")
+    for entry in known.values():
+        assert set(entry.uses) <= set(known), entry.id
+        if entry.verdict == "HAND":
+            assert f"## {entry.id}\n" in lemmas, entry.id
+
+
+def test_page_is_current() -> None:
+    assert (ROOT / "docs" / "proofs.md").read_text(encoding="utf-8") == page()
+
+
+def test_page_marks_stale_entries() -> None:
+    entry = load().entries[0]
+
+    assert "the graph has changed" in page(stale=[entry.id])
+
+
+def test_ledger_and_page_load_nothing_heavy() -> None:
+    code = "import sys, wmr_ctrl.proofs.page as p; p.page(); print([m for m in ('casadi', 'sympy', 'z3', 'flint') if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+
+    assert out.stdout.strip() == "[]"

@@ -1,0 +1,99 @@
+"""Each method: what it must prove, must refute, and must leave open."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.proofs.case import POSITIVE, Case, at
+from wmr_ctrl.proofs.methods.spec import Ball, Both, Refute, Ring, Table, Z3
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+
+
+def about(names: str, build) -> Statement:
+    t = symbols(names)
+    goals, given = build(*t.values())
+    return Statement(t, tuple(goals), tuple(given))
+
+
+SQUARE = about("x y", lambda x, y: ([equal((x + y) ** 2, x**2 + 2 * x * y + y**2)], []))
+WRONG_SQUARE = about("x y", lambda x, y: ([equal((x + y) ** 2, x**2 + y**2)], []))
+ROOT = about("x", lambda x: ([equal(ca.sqrt(x**2 + 2 * x + 1), x + 1)], []))
+ANGLE = about("x y", lambda x, y: ([equal(ca.sin(x + y), ca.sin(x) * ca.cos(y) + ca.cos(x) * ca.sin(y))], []))
+LOG = about("x", lambda x: ([at_least(x - 1, ca.log(x))], []))
+EXP = about("x", lambda x: ([at_least(ca.exp(x), 1 + x)], []))
+POSITIVE_X = (Case("x > 0", {"x": POSITIVE}, lambda n: {"x": n["x"]}),)
+TWO_WAYS = about("x", lambda x: ([equal(ca.if_else(x > 1, x, ca.if_else(x <= 1, x, 0)), x)], []))
+BRANCH = about("x", lambda x: ([at_least(ca.if_else(x > 0, x, -x))], []))
+DIVIDED = about("x", lambda x: ([equal(ca.if_else(x > 0, 1 / x, 0) * x, 1)], []))
+UNIT = {"x": (Fraction(0), Fraction(1))}
+
+
+@pytest.mark.parametrize(
+    ("method", "statement", "verdict"),
+    [
+        (Ring(), SQUARE, "PROVED"),
+        (Ring(), WRONG_SQUARE, "REFUTED"),
+        (Ring(POSITIVE_X), ROOT, "PROVED"),
+        (Ring(), ANGLE, "PROVED"),
+        (Ring(POSITIVE_X), TWO_WAYS, "PROVED"),
+        (Ring(POSITIVE_X), DIVIDED, "PROVED"),
+        (Ring(POSITIVE_X), LOG, "OPEN"),
+        (Ring(POSITIVE_X, log_lemma=True), LOG, "PROVED"),
+        (Ring(), EXP, "OPEN"),
+        (Z3(), SQUARE, "PROVED"),
+        (Z3(), WRONG_SQUARE, "REFUTED"),
+        (Z3(), BRANCH, "PROVED"),
+        (Z3(), EXP, "OPEN"),
+        (Z3(), ANGLE, "OPEN"),
+        (Ball(box=UNIT), BRANCH, "PROVED"),
+        (Ball(box=UNIT), about("x", lambda x: ([above(ca.exp(x), 0.9 + x)], [])), "PROVED"),
+        (Ball(box=UNIT), about("x", lambda x: ([above(ca.exp(x), 1.1 + x)], [])), "REFUTED"),
+        (Ball(box=UNIT, budget=50), EXP, "OPEN"),
+        (Ball(box=UNIT), about("x", lambda x: ([above(ca.log(ca.if_else(x > 0.5, x, 1)), -1)], [])), "PROVED"),
+        (Refute((at(x=1, y=1),)), WRONG_SQUARE, "REFUTED"),
+        (Refute((at(x=0, y=1),)), WRONG_SQUARE, "OPEN"),
+        (Table(lambda: (at(x=1, y=1), at(x=2, y=-3))), SQUARE, "PROVED"),
+        (Table(lambda: (at(x=0, y=1), at(x=2, y=-3))), WRONG_SQUARE, "REFUTED"),
+        (Table(lambda: (at(x=1),)), about("x", lambda x: ([at_least(ca.sin(x) ** 2 + ca.cos(x) ** 2, 1)], [])), "OPEN"),
+        (Both(Ring(), Z3()), SQUARE, "PROVED"),
+        (Both(Ring(), Z3()), WRONG_SQUARE, "REFUTED"),
+        (Both(Ring(), Z3()), ANGLE, "OPEN"),
+    ],
+)
+def test_verdicts(method, statement, verdict) -> None:
+    assert method.decide(statement).verdict == verdict
+
+
+def test_z3_leaves_a_claim_open_whose_hypotheses_contradict_each_other() -> None:
+    nonsense = about("x", lambda x: ([above(x, 5)], [above(x), above(-x)]))
+
+    assert Z3().decide(nonsense).verdict == "OPEN"
+
+
+def test_ring_requires_its_cases_to_lie_inside_the_hypotheses() -> None:
+    outside = about("x", lambda x: ([above(x)], [above(x, 1)]))
+
+    assert Ring(POSITIVE_X).decide(outside).verdict == "OPEN"
+
+
+def test_a_counterexample_must_keep_the_hypotheses() -> None:
+    positive = about("x", lambda x: ([above(x)], [above(x, -1)]))
+
+    assert Refute((at(x=-2),)).decide(positive).verdict == "OPEN"
+    assert Refute((at(x="-1/2"),)).decide(positive).verdict == "REFUTED"
+
+
+def test_pi_is_exact() -> None:
+    still = about("x", lambda x: ([above(ca.fabs(ca.sin(x)))], [above(x)]))
+
+    assert Refute(({"x": "1 pi"},)).decide(still).verdict == "REFUTED"
+
+
+def test_a_free_symbol_is_refused() -> None:
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+
+    with pytest.raises(ValueError, match="does not name"):
+        _ = Statement({"x": x}, (equal(x * y),)).graph
