@@ -1,0 +1,32 @@
+"""The README's commands and example are those of the program."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from wmr_ctrl.cli.root import root
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_commands_and_their_options_exist() -> None:
+    for call in re.findall(r"`wmr-ctrl ([^`]+)`", TEXT):
+        words = call.split()
+        command = root.commands[words[0]]
+        known = {name for item in command.params for name in (*item.opts, *item.secondary_opts)}
+        assert {word for word in words if word.startswith("--")} <= known | {"--help"}, call
+        assert CliRunner().invoke(command, ["--help"]).exit_code == 0
+
+
+def test_links_lead_somewhere() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", TEXT):
+        assert (ROOT / target).exists(), target
+
+
+def test_python_example_runs() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.S)
+    exec(compile(code, "README.md", "exec"), {})
