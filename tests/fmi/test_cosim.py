@@ -83,7 +83,18 @@ def test_an_fmu_that_fails_is_named(foreign, mapped):
     plant = foreign("TheirFailure", FAILING)
     with pytest.raises(FmuError, match=r"TheirFailure\.fmu.*plant.*t = 0\.5") as failure:
         cosimulate(NOISY, "nn", plant=plant, map_file=mapped(PLANT_MAP))
-    assert "TheirFailure" in str(failure.value)
+    run = failure.value.run
+    assert 49 <= run.rows <= 51
+    assert "TheirFailure" in run.provenance["failure"]
+
+
+def test_divergence_is_an_outcome():
+    wild = {"gains.pid.Kp": [2e4, 2e3]}
+    run = cosimulate(override(load_scenario("paper-experiment-literal"), wild), "pid")
+    assert run.outcome == "diverged"
+    assert np.array_equal(
+        run["v1"][:3], simulate("paper-experiment-literal", "pid", overrides=wild)["v1"][:3]
+    )
 
 
 def test_an_fmu_that_is_none_is_named(tmp_path):

@@ -20,7 +20,7 @@ from wmr_ctrl.model.plant import plant
 from wmr_ctrl.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
-WHAT = ("plant", "reference", "closed-loop", *LAWS)
+WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
 every_fmu = pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
 
 

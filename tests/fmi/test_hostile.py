@@ -16,7 +16,7 @@ from wmr_ctrl.laws import LAWS
 FULL = [(what, version) for what in ("plant", "nn") for version in (2, 3)]
 SMOKE = [
     (what, version)
-    for what in ("reference", "closed-loop", *LAWS)
+    for what in ("reference", "guard", "closed-loop", *LAWS)
     if what != "nn"
     for version in (2, 3)
 ]

@@ -23,7 +23,7 @@ from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.fmi.fat import joined
 from wmr_ctrl.laws import LAWS
 
-WHAT = ("plant", "reference", "closed-loop", *LAWS)
+WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
 HEADERS = fmu_dir() / "fmi" / "headers"
 ROOT = Path(__file__).resolve().parents[2]
 zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not there")

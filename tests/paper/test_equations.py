@@ -32,7 +32,11 @@ def docstrings() -> list[tuple[str, str]]:
     for path in PACKAGE.rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         kinds = (ast.Module, ast.FunctionDef, ast.ClassDef)
-        found += [(path.name, ast.get_docstring(node) or "") for node in ast.walk(tree) if isinstance(node, kinds)]
+        found += [
+            (path.name, ast.get_docstring(node) or "")
+            for node in ast.walk(tree)
+            if isinstance(node, kinds)
+        ]
     return found
 
 
@@ -50,7 +54,9 @@ def test_home_exists_and_carries_the_number(item) -> None:
 
 
 def test_no_docstring_names_an_unknown_equation() -> None:
-    unknown = {(name, n) for name, text in docstrings() for n in numbers(text) if not 1 <= n <= COUNT}
+    unknown = {
+        (name, n) for name, text in docstrings() for n in numbers(text) if not 1 <= n <= COUNT
+    }
 
     assert unknown == set()
 

@@ -55,7 +55,11 @@ def altered(function: Callable, old: str, new: str) -> Iterator[None]:
     head, body = source.split('"""', 1)[0], source.split('"""', 2)[2]
     assert old in body, source
     space: dict = {}
-    exec(compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"), dict(function.__globals__), space)
+    exec(
+        compile(head + "pass" + body.replace(old, new, 1), "altered", "exec"),
+        dict(function.__globals__),
+        space,
+    )
     original = function.__code__
     function.__code__ = space[function.__name__].__code__
     forget()
@@ -67,7 +71,9 @@ def altered(function: Callable, old: str, new: str) -> Iterator[None]:
 
 
 @pytest.mark.parametrize(
-    ("function", "old", "new", "ids"), ALTERATIONS, ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS]
+    ("function", "old", "new", "ids"),
+    ALTERATIONS,
+    ids=[f"{row[0].__qualname__}: {row[2]}" for row in ALTERATIONS],
 )
 def test_an_alteration_changes_a_verdict(function, old, new, ids) -> None:
     committed = load().by_id()

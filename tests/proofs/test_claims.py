@@ -10,7 +10,16 @@ from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import exit_code, load, stale
 from wmr_ctrl.proofs.runner import hashes, selected
 
-QUICK = ["eq03", "eq25", "eq25.printed", "eq79.printed", "eq86", "thm1.global", "authority.limit-reached", "lemma.log"]
+QUICK = [
+    "eq03",
+    "eq25",
+    "eq25.printed",
+    "eq79.printed",
+    "eq86",
+    "thm1.global",
+    "authority.limit-reached",
+    "lemma.log",
+]
 
 
 def test_ids_are_unique_and_those_of_the_committed_ledger() -> None:

@@ -32,7 +32,9 @@ def test_operations_hold_exact_and_rounded_results(name) -> None:
         found = enclose(Interval(*a), Interval(*b))
         if found is None:
             continue
-        x, y = (rng.choice((*ends, ends[0] + rng.random() * (ends[1] - ends[0]))) for ends in (a, b))
+        x, y = (
+            rng.choice((*ends, ends[0] + rng.random() * (ends[1] - ends[0]))) for ends in (a, b)
+        )
         exact, rounded = compute(Fraction(x), Fraction(y)), compute(x, y)
 
         assert Fraction(found.lo) <= exact <= Fraction(found.hi)
@@ -51,7 +53,9 @@ def test_quotient_of_forms_is_bounded_at_zero() -> None:
     assert found.hi < 1 + 1e-12
 
 
-@pytest.mark.parametrize(("name", "low", "high"), [("log", -300, 300), ("exp", -8, 8), ("tanh", -8, 3)])
+@pytest.mark.parametrize(
+    ("name", "low", "high"), [("log", -300, 300), ("exp", -8, 8), ("tanh", -8, 3)]
+)
 def test_the_c_library_is_as_accurate_as_assumed(name, low, high) -> None:
     """assumption.libm: right to 2^-51 relative, on random arguments, near 1 in particular."""
     ctx.prec = 300

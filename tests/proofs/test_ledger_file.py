@@ -41,7 +41,9 @@ def test_public_json_has_the_stated_keys() -> None:
     assert all(isinstance(row["equations"], list) for row in rows)
 
 
-@pytest.mark.parametrize(("verdict", "code"), [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)])
+@pytest.mark.parametrize(
+    ("verdict", "code"), [("PROVED", 0), ("REFUTED", 1), ("OPEN", 1), ("NOT_CHECKED", 3)]
+)
 def test_exit_codes(verdict, code) -> None:
     assert exit_code(Ledger((replace(ONE, verdict=verdict),)), Ledger((ONE,))) == code
 
@@ -96,7 +98,11 @@ def test_page_marks_stale_entries() -> None:
 
 
 def test_ledger_and_page_load_nothing_heavy() -> None:
-    code = "import sys, wmr_ctrl.proofs.page as p; p.page(); print([m for m in ('casadi', 'sympy', 'z3', 'flint') if m in sys.modules])"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    heavy = ("casadi", "sympy", "z3", "flint")
+    code = "import sys, wmr_ctrl.proofs.page as p; p.page(); "
+    code += f"print([m for m in {heavy} if m in sys.modules])"
+    out = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
 
     assert out.stdout.strip() == "[]"

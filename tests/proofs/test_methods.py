@@ -8,7 +8,7 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
-from wmr_ctrl.proofs.methods.spec import Ball, Both, Refute, Ring, Table, Z3
+from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 
@@ -21,7 +21,9 @@ def about(names: str, build) -> Statement:
 SQUARE = about("x y", lambda x, y: ([equal((x + y) ** 2, x**2 + 2 * x * y + y**2)], []))
 WRONG_SQUARE = about("x y", lambda x, y: ([equal((x + y) ** 2, x**2 + y**2)], []))
 ROOT = about("x", lambda x: ([equal(ca.sqrt(x**2 + 2 * x + 1), x + 1)], []))
-ANGLE = about("x y", lambda x, y: ([equal(ca.sin(x + y), ca.sin(x) * ca.cos(y) + ca.cos(x) * ca.sin(y))], []))
+ANGLE = about(
+    "x y", lambda x, y: ([equal(ca.sin(x + y), ca.sin(x) * ca.cos(y) + ca.cos(x) * ca.sin(y))], [])
+)
 LOG = about("x", lambda x: ([at_least(x - 1, ca.log(x))], []))
 EXP = about("x", lambda x: ([at_least(ca.exp(x), 1 + x)], []))
 POSITIVE_X = (Case("x > 0", {"x": POSITIVE}, lambda n: {"x": n["x"]}),)
@@ -52,12 +54,20 @@ UNIT = {"x": (Fraction(0), Fraction(1))}
         (Ball(box=UNIT), about("x", lambda x: ([above(ca.exp(x), 0.9 + x)], [])), "PROVED"),
         (Ball(box=UNIT), about("x", lambda x: ([above(ca.exp(x), 1.1 + x)], [])), "REFUTED"),
         (Ball(box=UNIT, budget=50), EXP, "OPEN"),
-        (Ball(box=UNIT), about("x", lambda x: ([above(ca.log(ca.if_else(x > 0.5, x, 1)), -1)], [])), "PROVED"),
+        (
+            Ball(box=UNIT),
+            about("x", lambda x: ([above(ca.log(ca.if_else(x > 0.5, x, 1)), -1)], [])),
+            "PROVED",
+        ),
         (Refute((at(x=1, y=1),)), WRONG_SQUARE, "REFUTED"),
         (Refute((at(x=0, y=1),)), WRONG_SQUARE, "OPEN"),
         (Table(lambda: (at(x=1, y=1), at(x=2, y=-3))), SQUARE, "PROVED"),
         (Table(lambda: (at(x=0, y=1), at(x=2, y=-3))), WRONG_SQUARE, "REFUTED"),
-        (Table(lambda: (at(x=1),)), about("x", lambda x: ([at_least(ca.sin(x) ** 2 + ca.cos(x) ** 2, 1)], [])), "OPEN"),
+        (
+            Table(lambda: (at(x=1),)),
+            about("x", lambda x: ([at_least(ca.sin(x) ** 2 + ca.cos(x) ** 2, 1)], [])),
+            "OPEN",
+        ),
         (Both(Ring(), Z3()), SQUARE, "PROVED"),
         (Both(Ring(), Z3()), WRONG_SQUARE, "REFUTED"),
         (Both(Ring(), Z3()), ANGLE, "OPEN"),

@@ -28,5 +28,9 @@ def prove(only: tuple[str, ...], file: str | None) -> None:
 
     check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
-        code = run_prove(only, Path(file) if file else None, progress)
+
+        def told(done: int, total: int, _entry: object) -> None:
+            progress(done / total)
+
+        code = run_prove(only, Path(file) if file else None, told)
     raise click.exceptions.Exit(code)

@@ -12,6 +12,7 @@ import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.guard import guard
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.reference import reference
@@ -65,6 +66,12 @@ def plant_block(scenario: Scenario) -> Block:
 def law_block(scenario: Scenario, law: str) -> Block:
     """The controller of ``law``: one sample with its memory."""
     system = controller(scenario, law)
+    return _block(replace(system, params=(*system.params, port(PARALLEL))))
+
+
+def guard_block(scenario: Scenario) -> Block:
+    """The velocity guard by itself: asked force and measured velocity to wheel torques."""
+    system = guard(scenario)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 

@@ -63,24 +63,25 @@ def build_batch(scenario: Scenario, law: str, vectors: str | None = None) -> Ker
     return Kernels(library, described(scenario, law, systems), digest(generated))
 
 
-def _first_built(files: dict[str, str | bytes], sets: tuple[str, ...]) -> str:
-    toolchain, last = find_toolchain(), None
-    for name in sets:
-        try:
-            flags = _flags(toolchain, VECTORS[name])
-            return str(build_library(files, flags, name="batch"))
-        except CompilerError as error:
-            last = error
-    raise last or CompilerError("there is no set of vector instructions to compile for.")
-
-
-def _flags(toolchain: Toolchain, vectors: Vectors) -> Toolchain:
+def toolchain_for(vectors: Vectors) -> Toolchain:
+    """This machine's compiler with the flags for a set of vector instructions."""
+    found = find_toolchain()
     flags = [f"-DWMR_LANES={vectors.lanes}"]
-    if vectors.target and is_zig(toolchain.command):
+    if vectors.target and is_zig(found.command):
         flags.append(f"-mcpu={vectors.target.replace('-', '_')}")
     elif vectors.target:
         flags.append(f"-march={vectors.target}")
-    return toolchain.with_flags(*flags)
+    return found.with_flags(*flags)
+
+
+def _first_built(files: dict[str, str | bytes], sets: tuple[str, ...]) -> str:
+    last: CompilerError | None = None
+    for name in sets:
+        try:
+            return str(build_library(files, toolchain_for(VECTORS[name]), name="batch"))
+        except CompilerError as error:
+            last = error
+    raise last or CompilerError("there is no set of vector instructions to compile for.")
 
 
 def _features() -> dict[str, Any]:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from wmr_ctrl.codegen.source import sizes
-from wmr_ctrl.model.system import System, values
+from wmr_ctrl.model.system import Output, Port, System, values
 from wmr_ctrl.signals import LOG_HEAD, Signal
 
 
@@ -31,7 +31,7 @@ def manifest(
 
 
 def _role(system: System) -> dict[str, Any]:
-    groups = {
+    groups: dict[str, tuple[Port | Output, ...]] = {
         "inputs": system.inputs,
         "state": system.state,
         "parameters": system.params,

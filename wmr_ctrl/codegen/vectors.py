@@ -56,4 +56,5 @@ def _inputs() -> Floats:
 
 
 def _rounded(values: Floats) -> Floats:
-    return values.astype(np.float32).astype(np.float64)
+    single: Floats = values.astype(np.float32).astype(np.float64)
+    return single

@@ -7,7 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmr_ctrl.codegen.block import PARALLEL, Block, law_block, plant_block, reference_block
+from wmr_ctrl.codegen.block import (
+    PARALLEL,
+    Block,
+    guard_block,
+    law_block,
+    plant_block,
+    reference_block,
+)
 from wmr_ctrl.fmi.bounds import ranges_of
 from wmr_ctrl.fmi.model import Dependency, Model
 from wmr_ctrl.fmi.variables import (
@@ -39,6 +46,11 @@ def plant_model(scenario: Scenario) -> Model:
 def law_model(scenario: Scenario, law: str) -> Model:
     """One control law: reference, pose and velocity in, torques and diagnostics out."""
     return _model(law, f"Control law: {LAWS[law].title}", scenario, law_block(scenario, law))
+
+
+def guard_model(scenario: Scenario) -> Model:
+    """The velocity guard behind any law: asked force in, torques out."""
+    return _model("guard", "Velocity guard", scenario, guard_block(scenario))
 
 
 def reference_model(scenario: Scenario) -> Model:
@@ -115,7 +127,12 @@ def _sections(
         "P": list(parameter_rows(system.params, ranges, tunable)),
         "X": states,
         "rates": [] if discrete else list(rate_rows(states)),
-        "results": list(output_rows((item.signal for item in block.results), discrete=discrete)),
+        "results": list(
+            output_rows(
+                (item.signal for item in block.results),
+                discrete=discrete and not _follows_time(system),
+            )
+        ),
     }
 
 

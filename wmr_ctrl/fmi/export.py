@@ -8,7 +8,7 @@ from pathlib import Path
 from wmr_ctrl import __version__
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
-from wmr_ctrl.fmi.blocks import law_model, plant_model, reference_model
+from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.fat import joined
 from wmr_ctrl.fmi.model import Model
@@ -22,7 +22,7 @@ from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
 
 TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}
-FIXED = ("plant", "reference", "closed-loop")
+FIXED = ("plant", "reference", "guard", "closed-loop")
 
 Progress = Callable[[str], None]
 
@@ -43,7 +43,7 @@ def export_fmu(
     Parameters
     ----------
     what
-        "plant", "reference", "closed-loop" (of ``law``), or a law's name.
+        "plant", "reference", "guard", "closed-loop" (of ``law``), or a law's name.
     fmi
         "2", "3" or "both".
     target
@@ -87,6 +87,8 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
         return plant_model(scenario)
     if what == "reference":
         return reference_model(scenario)
+    if what == "guard":
+        return guard_model(scenario)
     if what == "closed-loop":
         return closed_loop_model(scenario, LAWS[law].name)
     if what in LAWS:

@@ -149,7 +149,8 @@ def _fmi2_interfaces(model: Model) -> list[dict[str, Any]]:
         ("canSerializeFMUstate", CAN),
         *derivative,
     ]
-    exchange = [{"name": "ModelExchange", "attributes": common}] if model.model_exchange else []
+    solving = [*common, ("completedIntegratorStepNotNeeded", CAN)]
+    exchange = [{"name": "ModelExchange", "attributes": solving}] if model.model_exchange else []
     stepping = [*common, ("canHandleVariableCommunicationStepSize", CAN)]
     return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
 

@@ -32,7 +32,10 @@ def position_rate(e: ca.SX, v: ca.SX, v_d: ca.SX, k2: ca.SX) -> ca.SX:
 
 def position_rate_bound(e: ca.SX, z: ca.SX, k: ca.SX) -> ca.SX:
     """The completed squares of Eq. (38), without what they leave over: see `square_rest`."""
-    return -k[0] * (e[0] + z[0] / (2 * k[0])) ** 2 - k[2] / k[1] * (ca.sin(e[2]) + z[1] / (2 * k[2])) ** 2
+    return (
+        -k[0] * (e[0] + z[0] / (2 * k[0])) ** 2
+        - k[2] / k[1] * (ca.sin(e[2]) + z[1] / (2 * k[2])) ** 2
+    )
 
 
 def square_rest(z1_squared: ca.SX, z2_squared: ca.SX, k: ca.SX) -> ca.SX:
@@ -47,7 +50,7 @@ def target_rate(c: ca.SX, c_dot: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
 
 
 def printed_command(rho: ca.SX, v: ca.SX, c: ca.SX, c_dot: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
-    """The bracket of Eq. (9) as printed: -rho A^- V1i + A^- (v - v_c1) v_c0', A^- = 0 where A = 0."""
+    """The bracket of Eq. (9) as printed: A^- (-rho V1i + (v - v_c1) v_c0'), A^- = 0 where A = 0."""
     a = a_term(v, c, u1, u2)
     zero = ca.eq(a, 0)
     inverse = ca.if_else(zero, 0, 1 / ca.if_else(zero, 1, a))
@@ -71,7 +74,7 @@ def decay_rate(rho1: ca.SX, mass: ca.SX, sigma: ca.SX, gamma: ca.SX) -> ca.SX:
 
 
 def leftover(eps2: ca.SX, sigma: ca.SX, weight: ca.SX, mass: ca.SX) -> ca.SX:
-    """C_i of Eq. (87): (eps2^2 + sigma_i |W*_i|^2)/(2 M1ii), one axis; C3 of Eq. (88) is their sum."""
+    """C_i of Eq. (87): (eps2^2 + sigma_i |W*_i|^2)/(2 M1ii); C3 of Eq. (88) is their sum."""
     return 0.5 * eps2**2 / mass + 0.5 * sigma * ca.sumsqr(weight) / mass
 
 
@@ -89,7 +92,7 @@ def strict_rate(e: ca.SX, v_d: ca.SX, k: ca.SX, eps: ca.SX) -> ca.SX:
 
 
 def authority_limit(s: ca.SX) -> ca.SX:
-    """s (s - 1 - ln s)/(1 - s): (|v_c0| - u1) V1i/A_i far from the target, s = (u1 - |v|)/(u1 - |v_c1|).
+    """s (s - 1 - ln s)/(1 - s), s = (u1 - |v|)/(u1 - |v_c1|): (|v_c0| - u1) V1i/A_i far away.
 
     Its maximum over 0 < s < 1, about 0.2162, times rho is what the barrier withstands there (not in
     the paper).

@@ -36,13 +36,17 @@ def angle_share(k2: ca.SX, k3: ca.SX, v1dmin: ca.SX, v1dmax: ca.SX, printed: boo
     return 1 + 11 * v1dmax / v1dmin * (k2 if printed else 1) + k3 / 5
 
 
-def conditions(l: ca.SX, k: ca.SX, v1dmin: ca.SX, v1dmax: ca.SX, v2max: ca.SX, printed: bool = False) -> ca.SX:
+def conditions(
+    l: ca.SX, k: ca.SX, v1dmin: ca.SX, v1dmax: ca.SX, v2max: ca.SX, printed: bool = False
+) -> ca.SX:
     """The six conditions on l before Eq. (40), each as a number that must be positive."""
     T, k2, k3 = window(l, k[1], v1dmin), k[1], k[2]
     drift = (11 * v2max + 10 * v1dmax * angle_bound(l, k3, v1dmin, v1dmax, ca.SX(1))) * T
     turn = k3 / (l * k2 * v1dmin)
     share = angle_share(k2, k3, v1dmin, v1dmax, printed)
-    return ca.vertcat(l - 5, 1 - 5 * T, 1 - k3 / (k2 * l**2), 1 - 10 * turn, 2 - drift, 1 - 5 * turn * share)
+    return ca.vertcat(
+        l - 5, 1 - 5 * T, 1 - k3 / (k2 * l**2), 1 - 10 * turn, 2 - drift, 1 - 5 * turn * share
+    )
 
 
 def angle_rate_bound(l: ca.SX, k: ca.SX, v1d: ca.SX, sine: ca.SX, E: ca.SX) -> ca.SX:

@@ -32,11 +32,15 @@ LONGEST_STEP = 2e-3
 
 @dataclass(frozen=True)
 class Course:
-    """A run: time (N,), s = (e, v) (N, 5), force (N, 2), at the control samples."""
+    """A run: time (N,), s = (e, v) (N, 5), force (N, 2), at the control samples.
+
+    ``memory`` (n) is the law's after the last sample.
+    """
 
     t: Floats
     s: Floats
     force: Floats
+    memory: Floats
 
     @property
     def e(self) -> Floats:
@@ -72,7 +76,8 @@ class Stepper:
         found: tuple[Floats, ...] = tuple(np.array(part).T for part in every(start, rows.T))
         path, force = found
         states = np.ascontiguousarray(np.vstack((start, path[:-1]))[:, :5], dtype=np.float64)
-        return Course(np.asarray(np.arange(count) * self.period, dtype=np.float64), states, force)
+        times = np.asarray(np.arange(count) * self.period, dtype=np.float64)
+        return Course(times, states, force, path[-1, self.states :])
 
 
 def stepper(

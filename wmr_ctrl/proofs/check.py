@@ -63,7 +63,9 @@ def recheck(claim: Claim, entry: Entry) -> bool:
 
 def read_point(text: Mapping[str, str]) -> dict[str, Any]:
     """An exact point from its text."""
-    return {name: value if value.endswith("pi") else Fraction(value) for name, value in text.items()}
+    return {
+        name: value if value.endswith("pi") else Fraction(value) for name, value in text.items()
+    }
 
 
 def _mutated(claim: Claim, method: Method) -> bool:
@@ -74,7 +76,9 @@ def _mutated(claim: Claim, method: Method) -> bool:
 def _quick(method: Method) -> Method:
     """For the mutation, the first case that fails is enough; of two methods each must refute."""
     if isinstance(method, Both):
-        return replace(method, first=_quick(method.first), second=_quick(method.second), all_refute=True)
+        return replace(
+            method, first=_quick(method.first), second=_quick(method.second), all_refute=True
+        )
     return replace(method, quick=True) if isinstance(method, Ring) else method
 
 
@@ -90,7 +94,9 @@ def _guarded(finding: Finding, mutated: bool | None) -> tuple[str, dict[str, str
 
 
 def _described(method: Method, finding: Finding) -> str:
-    counts = [f"{finding.evidence[key]} {key}" for key in ("cases", "boxes") if key in finding.evidence]
+    counts = [
+        f"{finding.evidence[key]} {key}" for key in ("cases", "boxes") if key in finding.evidence
+    ]
     return ", ".join([named(method), *counts])
 
 
@@ -100,6 +106,14 @@ def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
 
 def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:
     return Entry(
-        claim.id, claim.equations, claim.claim, claim.form, verdict, **found,
-        meaning=claim.meaning, hypotheses=claim.hypotheses, uses=claim.uses, theme=claim.theme,
+        claim.id,
+        claim.equations,
+        claim.claim,
+        claim.form,
+        verdict,
+        **found,
+        meaning=claim.meaning,
+        hypotheses=claim.hypotheses,
+        uses=claim.uses,
+        theme=claim.theme,
     )

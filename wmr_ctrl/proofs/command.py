@@ -8,10 +8,15 @@ from pathlib import Path
 from wmr_ctrl.proofs.ledger import COMMITTED, Ledger, differences, exit_code, load
 from wmr_ctrl.proofs.runner import Progress, prove
 
-REMEDY = "Some entries were not checked; install the proving packages with: pip install 'wmr_ctrl[proofs]'"
+REMEDY = (
+    "Some entries were not checked; install the proving packages with: "
+    "pip install 'wmr_ctrl[proofs]'"
+)
 
 
-def run_prove(only: Iterable[str] = (), json_file: Path | None = None, progress: Progress | None = None) -> int:
+def run_prove(
+    only: Iterable[str] = (), json_file: Path | None = None, progress: Progress | None = None
+) -> int:
     """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`."""
     asked = tuple(only)
     ledger = prove(asked, progress)
@@ -25,7 +30,10 @@ def run_prove(only: Iterable[str] = (), json_file: Path | None = None, progress:
 def summary(ledger: Ledger, committed: Ledger, complete: bool) -> list[str]:
     """Counts, then every difference from the committed ledger, then what is missing."""
     lines = [", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())]
-    lines += [f"{d.id}: {d.now}, committed {d.committed}" for d in differences(ledger, committed, complete)]
+    lines += [
+        f"{d.id}: {d.now}, committed {d.committed}"
+        for d in differences(ledger, committed, complete)
+    ]
     if any(entry.verdict == "NOT_CHECKED" for entry in ledger.entries):
         lines.append(REMEDY)
     return lines

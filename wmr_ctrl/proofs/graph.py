@@ -1,8 +1,8 @@
 """Graph: a CasADi function as a list of nodes that any method of proof can walk.
 
 The nodes are the instructions of the very function that code generation reads, after common
-subexpressions were merged.  ``(c ? a : 0) + (!c ? b : 0)``, which is how an if_else arrives, becomes
-one node ``choose``, so that a method never looks at a branch that is not taken.
+subexpressions were merged.  ``(c ? a : 0) + (!c ? b : 0)``, which is how an if_else arrives, is
+made one node ``choose``, so that a method never looks at a branch that is not taken.
 """
 
 from __future__ import annotations
@@ -45,7 +45,11 @@ class Graph:
     def digest(self) -> str:
         """sha256 of what the outputs depend on, with constants to the bit."""
         used = self._reached()
-        rows = [f"{k} {n.op} {n.args} {float(n.value).hex()} {n.name}" for k, n in enumerate(self.nodes) if k in used]
+        rows = [
+            f"{k} {n.op} {n.args} {float(n.value).hex()} {n.name}"
+            for k, n in enumerate(self.nodes)
+            if k in used
+        ]
         return hashlib.sha256("\n".join([*rows, str(self.outputs)]).encode()).hexdigest()
 
     def _reached(self) -> set[int]:
@@ -69,7 +73,11 @@ def graph_of(
     """
     cut_names = list(cuts or {})
     scalars = [*outputs, *(cuts or {}).values()]
-    loose = [s for s in ca.symvar(ca.vertcat(*scalars)) if not any(ca.is_equal(s, known) for known in inputs.values())]
+    loose = [
+        s
+        for s in ca.symvar(ca.vertcat(*scalars))
+        if not any(ca.is_equal(s, known) for known in inputs.values())
+    ]
     shared = ca.cse([ca.vertcat(*scalars)])
     given = ca.vertcat(*inputs.values(), *loose)
     names = [*inputs, *(f"?{symbol.name()}" for symbol in loose)]
@@ -81,7 +89,9 @@ def graph_of(
     graph = Graph(tuple(nodes), wanted)
     free = [name for name in graph.input_names if name.startswith("?")]
     if free:
-        raise ValueError(f"the graph depends on {', '.join(free)}, which the statement does not name")
+        raise ValueError(
+            f"the graph depends on {', '.join(free)}, which the statement does not name"
+        )
     return _compact(graph)
 
 

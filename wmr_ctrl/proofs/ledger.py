@@ -15,8 +15,17 @@ from typing import Any
 COMMITTED = Path(__file__).with_name("ledger.json")
 VERDICTS = ("PROVED", "REFUTED", "DEFINITION", "HAND", "OPEN", "NOT_CHECKED")
 PUBLIC_KEYS = (
-    "id", "equations", "claim", "form", "verdict", "method", "trusted",
-    "mutation_refuted", "counterexample", "seconds", "graph_hash",
+    "id",
+    "equations",
+    "claim",
+    "form",
+    "verdict",
+    "method",
+    "trusted",
+    "mutation_refuted",
+    "counterexample",
+    "seconds",
+    "graph_hash",
 )
 
 
@@ -24,10 +33,11 @@ PUBLIC_KEYS = (
 class Entry:
     """One checked claim.
 
-    ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours; ``counterexample``
-    maps inputs of the graph to exact rationals as text (or multiples of pi) and is None unless the
-    verdict is REFUTED; ``mutation_refuted`` tells whether the same method refuted the altered claim;
-    ``graph_hash`` is empty where no graph is behind the entry.
+    ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours.
+    ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given
+    where the verdict is REFUTED.  ``mutation_refuted`` tells whether the same method refuted the
+    altered claim, ``satisfied_at`` is a point that meets the hypotheses, ``graph_hash`` is empty
+    where no graph is behind the entry.
     """
 
     id: str
@@ -75,7 +85,9 @@ class Ledger:
 
     def save(self, path: Path) -> None:
         """Write everything, for `load` (this is how the committed ledger is made)."""
-        text = json.dumps({"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False)
+        text = json.dumps(
+            {"entries": [asdict(entry) for entry in self.entries]}, indent=1, ensure_ascii=False
+        )
         path.write_text(text + "\n", encoding="utf-8")
 
 
@@ -87,7 +99,8 @@ def load(path: Path = COMMITTED) -> Ledger:
 
 def _entry(row: Mapping[str, Any]) -> Entry:
     lists = ("equations", "trusted", "uses")
-    return Entry(**{key: tuple(value) if key in lists else value for key, value in row.items()})
+    made: dict[str, Any] = {k: tuple(v) if k in lists else v for k, v in row.items()}
+    return Entry(**made)
 
 
 @dataclass(frozen=True)
@@ -110,7 +123,11 @@ def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> lis
 
 def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
     """Ids whose graph is no longer the one that the committed verdict is about."""
-    return [e.id for e in committed.entries if e.graph_hash and hashes.get(e.id, e.graph_hash) != e.graph_hash]
+    return [
+        e.id
+        for e in committed.entries
+        if e.graph_hash and hashes.get(e.id, e.graph_hash) != e.graph_hash
+    ]
 
 
 def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:

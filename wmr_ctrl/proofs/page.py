@@ -17,12 +17,15 @@ checked - on the same expressions from which the C code is generated, not on a c
 
 | verdict | means |
 |---|---|
-| PROVED | shown for every value that the hypotheses allow; the same method refuted the claim with one sign or constant altered, and a point that satisfies the hypotheses is on file |
+| PROVED | shown for every value that the hypotheses allow; the altered claim was refuted (below) |
 | REFUTED | false: an exact point is given at which the hypotheses hold and the claim does not |
 | DEFINITION | nothing to prove: a name is given to something |
 | HAND | rests on an argument that a person made; it is in [lemmas.md](lemmas.md) |
 | OPEN | not shown |
 | NOT_CHECKED | a package that the method needs was not installed |
+
+Every PROVED entry passed two checks of the checker: the same method refuted the claim with one sign
+or constant altered, and a point that satisfies its hypotheses is on file.
 
 Methods: RING is exact algebra with rational coefficients, all parameters free, one region after the
 other (sympy); Z3 is the solver of that name on the same expressions; INTERVAL cuts a box into parts
@@ -40,7 +43,9 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     marked = set(stale)
     parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
     for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
-        parts.append(f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n")
+        parts.append(
+            f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n"
+        )
     parts += ["## Counterexamples\n", _counterexamples(shown)]
     return "\n".join(parts)
 
@@ -51,20 +56,27 @@ def _tally(ledger: Ledger) -> str:
 
 
 def _index(ledger: Ledger) -> str:
-    rows = "\n".join(_equation_row(item, of_equation(ledger.entries, item.number)) for item in equations())
+    rows = "\n".join(
+        _equation_row(item, of_equation(ledger.entries, item.number)) for item in equations()
+    )
     return f"| eq. | what it is | status | note | entries |\n|---|---|---|---|---|\n{rows}\n"
 
 
 def _equation_row(item: Equation, entries: list[Entry]) -> str:
     named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
-    return f"| ({item.number}) | {_cell(item.title)} | {item.status} | {_cell(item.note)} | {named} |"
+    return (
+        f"| ({item.number}) | {_cell(item.title)} | {item.status} | {_cell(item.note)} | {named} |"
+    )
 
 
 def _row(entry: Entry, is_stale: bool) -> str:
     numbers = ", ".join(f"({n})" for n in entry.equations)
-    claim = f"{entry.claim} [{entry.form}]" + (f" - *{entry.hypotheses}*" if entry.hypotheses else "")
+    claim = f"{entry.claim} [{entry.form}]" + (
+        f" - *{entry.hypotheses}*" if entry.hypotheses else ""
+    )
     verdict = f"**{entry.verdict}**" + (" (the graph has changed since)" if is_stale else "")
-    return f"| {entry.id} | {numbers} | {_cell(claim)} | {_cell(entry.meaning)} | {verdict} | {_cell(how(entry))} |"
+    cells = (entry.id, numbers, _cell(claim), _cell(entry.meaning), verdict, _cell(how(entry)))
+    return f"| {' | '.join(cells)} |"
 
 
 def how(entry: Entry) -> str:
@@ -83,7 +95,11 @@ def _rests(entry: Entry) -> str:
 
 def _counterexamples(ledger: Ledger) -> str:
     lines = [f"- {e.id}: {_point(e.counterexample)}" for e in ledger.entries if e.counterexample]
-    return "Exact values of the inputs; with them the claim can be checked by hand.\n\n" + "\n".join(lines) + "\n"
+    return (
+        "Exact values of the inputs; with them the claim can be checked by hand.\n\n"
+        + "\n".join(lines)
+        + "\n"
+    )
 
 
 def _point(point: Mapping[str, str]) -> str:

@@ -27,7 +27,7 @@ class Axis:
     suffix: str = ""
 
     def case(self, target: str, side: str, order: str = "") -> Case:
-        """One region; ``order`` (``<``, ``=``, ``>``) relates |v| and |target| in a shared interval."""
+        """One region; ``order`` (``<``, ``=``, ``>``) relates |v| and |v_c1| in a shared one."""
         names = [f"u2{self.suffix}", f"b{self.suffix}"]
         names += [f"j{self.suffix}"] if target[:-1] in CHARTED else []
         names += [f"i{self.suffix}"] if side[:-1] in CHARTED and order != "=" else []
@@ -61,14 +61,22 @@ class _Chart:
 def target_value(target: str, u2: Any, b: Any, j: Any) -> Any:
     """v_c0 of a region."""
     d = b / (1 + j)
-    size = {"zero": u2 - u2, "near": u2 * j / (1 + j), "corner": u2, "middle": u2 + j / (1 + j) / b,
-            "edge": u2 + 1 / b, "far": u2 + b - d + 1 / d}[target.rstrip("+-")]
+    size = {
+        "zero": u2 - u2,
+        "near": u2 * j / (1 + j),
+        "corner": u2,
+        "middle": u2 + j / (1 + j) / b,
+        "edge": u2 + 1 / b,
+        "far": u2 + b - d + 1 / d,
+    }[target.rstrip("+-")]
     return -size if target.endswith("-") else size
 
 
 def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
     """v of a region."""
-    size = {"zero": u2 - u2, "in": u2 * i / (1 + i), "kink": u2, "out": u2 + b * i / (1 + i)}[side.rstrip("+-")]
+    size = {"zero": u2 - u2, "in": u2 * i / (1 + i), "kink": u2, "out": u2 + b * i / (1 + i)}[
+        side.rstrip("+-")
+    ]
     return -size if side.endswith("-") else size
 
 

@@ -13,11 +13,12 @@ PROCESSES = 2
 Progress = Callable[[int, int, Entry], None]
 
 
-def prove(only: Iterable[str] = (), progress: Progress | None = None, processes: int = PROCESSES) -> Ledger:
+def prove(
+    only: Iterable[str] = (), progress: Progress | None = None, processes: int = PROCESSES
+) -> Ledger:
     """Check the claims whose id is, or begins with, one of ``only`` (all by default).
 
-    ``progress(done, total, entry)`` is called after each.  Raises UnknownNameError for an id that no
-    claim has.
+    ``progress(done, total, entry)`` is called after each.  UnknownNameError for an unknown id.
     """
     ids = selected(tuple(only))
     found = {entry.id: entry for entry in _run(ids, progress, processes)}
@@ -31,7 +32,9 @@ def selected(only: Sequence[str]) -> list[str]:
     known = [claim.id for claim in all_claims()]
     for asked in only:
         if not any(_matches(key, asked) for key in known):
-            raise UnknownNameError("entry", asked, known, "An entry's beginning up to a dot selects all of its kind.")
+            raise UnknownNameError(
+                "entry", asked, known, "An entry's beginning up to a dot selects all of its kind."
+            )
     return [key for key in known if not only or any(_matches(key, asked) for asked in only)]
 
 

@@ -21,19 +21,19 @@ class Relation:
     kind: str
 
 
-def equal(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+def equal(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
     """left = right."""
-    return Relation(ca.SX(left - right), EQUAL)
+    return Relation(ca.SX(left) - right, EQUAL)
 
 
-def at_least(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+def at_least(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
     """left >= right."""
-    return Relation(ca.SX(left - right), AT_LEAST)
+    return Relation(ca.SX(left) - right, AT_LEAST)
 
 
-def above(left: ca.SX, right: ca.SX | float = 0) -> Relation:
+def above(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
     """left > right."""
-    return Relation(ca.SX(left - right), ABOVE)
+    return Relation(ca.SX(left) - right, ABOVE)
 
 
 def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:

@@ -41,7 +41,9 @@ class Arithmetic(Protocol):
 class Walk:
     """One evaluation of a graph along decided conditions, only of what is needed."""
 
-    def __init__(self, graph: Graph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]) -> None:
+    def __init__(
+        self, graph: Graph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]
+    ) -> None:
         self.graph, self.arithmetic, self.ask = graph, arithmetic, ask
         self.values: dict[int, Any] = {}
 
@@ -80,7 +82,8 @@ class Walk:
         if node.op == "choose":
             return self._choose(node.args)
         if node.op in ("lt", "le", "eq", "ne"):
-            return self.arithmetic.compare(node.op, *(self._numeric(arg) for arg in node.args), self.ask)
+            left, right = (self._numeric(arg) for arg in node.args)
+            return self.arithmetic.compare(node.op, left, right, self.ask)
         if node.op in LOGICAL:
             return self.arithmetic.logic(node.op, [self.values[arg] for arg in node.args])
         return self.arithmetic.apply(node.op, [self._numeric(arg) for arg in node.args])
@@ -96,7 +99,9 @@ class Walk:
         return self.arithmetic.number(value) if self.graph.nodes[k].op in LOGICAL else value
 
 
-def paths(run: Callable[[Callable[[Hashable], bool]], Any], limit: int = 64) -> Iterator[tuple[dict[Hashable, bool], Any]]:
+def paths(
+    run: Callable[[Callable[[Hashable], bool]], Any], limit: int = 64
+) -> Iterator[tuple[dict[Hashable, bool], Any]]:
     """Results of ``run(ask)`` on every way through the undecided conditions.
 
     RuntimeError where there are more than ``limit`` ways.

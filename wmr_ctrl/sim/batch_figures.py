@@ -62,12 +62,13 @@ def monitors(memory: Memory, runs: Sequence[Run]) -> list[Monitor]:
     """What was watched in each run of a batch."""
     found = _from_findings(memory, runs[0].settings)
     return [
-        _monitor({name: values[lane] for name, values in found.items()})
+        monitor({name: values[lane] for name, values in found.items()})
         for lane, _ in enumerate(runs)
     ]
 
 
-def _monitor(one: Mapping[str, Any]) -> Monitor:
+def monitor(one: Mapping[str, Any]) -> Monitor:
+    """What was watched in one run, from its figures by name."""
     first = None
     if one["violations"] > 0:
         first = (float(one["first_violation"]), int(one["first_axis"]))

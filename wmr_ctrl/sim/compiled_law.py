@@ -38,8 +38,10 @@ class CompiledLaw:
         self.x: Floats = self._start.copy()
         self._arrays = (self.u, self.parameters, self.x, self.torque)
         self._pointers = Call(*(item.ctypes.data for item in self._arrays))
-        # The function takes its one argument as it is: conversion would cost as much as the call.
-        self._call = load(kernels.library)["wmr_law_step"]
+        load(kernels.library)  # says what is wrong with a library that cannot be loaded
+        # A step is shorter than letting go of Python's lock; and the function takes its one
+        # argument as it is, since conversion would cost as much as the call.
+        self._call = ct.PyDLL(kernels.library)["wmr_law_step"]
         self._call.restype = None
         self._pointer = ct.byref(self._pointers)
 

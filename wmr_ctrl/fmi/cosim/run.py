@@ -25,7 +25,7 @@ from wmr_ctrl.fmi.cosim.parts import (
     plant_part,
     reference_part,
 )
-from wmr_ctrl.fmi.cosim.slave import Slave
+from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
 from wmr_ctrl.fmi.export import model_of, settled, write_fmu
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
@@ -69,7 +69,7 @@ def cosimulate(
     Returns
     -------
     Run with engine "fmu".  Its monitor saw communication points, not every plant step.  Raises
-    FmuError, which names the FMU and the time, where one fails.
+    FmuError, which names the FMU and the time, where one fails; its ``run`` is the Run so far.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
@@ -126,10 +126,18 @@ def _run(
         starts = maps[name].start if name in maps else _starts(scenario, law, slave)
         slave.begin(scenario.clock.duration, starts)
     loop: Master = MASTERS[master](scenario, parts, torque_noise(scenario, seed), seed)
-    loop.run(progress)
-    return _result(
-        scenario, law, system, loop, parts.controller, seed, {"master": master, **_paths(slaves)}
-    )
+    facts = {"master": master, **_paths(slaves)}
+
+    def result(**further: str) -> Run:
+        told = {**facts, **further}
+        return _result(scenario, law, system, loop, parts.controller, seed, told)
+
+    try:
+        loop.run(progress)
+    except FmuError as error:
+        error.run = result(failure=str(error))
+        raise
+    return result()
 
 
 def _starts(scenario: Scenario, law: str, slave: Slave) -> dict[str, float]:

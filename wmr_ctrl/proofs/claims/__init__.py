@@ -52,7 +52,15 @@ def forget() -> None:
 def _definitions(found: list[Claim]) -> list[Claim]:
     spoken_for = {number for claim in found for number in claim.equations}
     return [
-        Claim(f"eq{row.number:02}", (row.number,), PRINTED, row.title, row.note, verdict="DEFINITION", theme=DEFINITIONS)
+        Claim(
+            f"eq{row.number:02}",
+            (row.number,),
+            PRINTED,
+            row.title,
+            row.note,
+            verdict="DEFINITION",
+            theme=DEFINITIONS,
+        )
         for row in equations()
         if row.role == "definition" and row.number not in spoken_for
     ]

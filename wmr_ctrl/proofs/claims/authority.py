@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, partial
+from itertools import pairwise
 from math import log, sqrt
 
 import casadi as ca
@@ -14,7 +15,7 @@ from wmr_ctrl.laws import barrier
 from wmr_ctrl.laws.analysis import authority_limit
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis
+from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis
 from wmr_ctrl.proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_ctrl.proofs.regions import Axis, open_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
@@ -91,7 +92,11 @@ class Numbers:
         low, high = c, c + 4.0
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.resisted(self.best(middle), middle) > wanted else (low, middle)
+            low, high = (
+                (middle, high)
+                if self.resisted(self.best(middle), middle) > wanted
+                else (low, middle)
+            )
         return low
 
     def steps(self, row: Row) -> Iterator[tuple[float, float]]:
@@ -136,21 +141,25 @@ def high_points(axis: int) -> list[Point]:
     """The chain of intervals of every row."""
     n = AXES[axis]
     return [
-        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high) for r in rows(axis) for a, b in n.steps(r)
+        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
+        for r in rows(axis)
+        for a, b in n.steps(r)
     ]
 
 
 def ratio_points(axis: int) -> list[Point]:
     """Neighbouring rows."""
     table = rows(axis)
-    return [_exact(high=a.high, low=b.low) for a, b in zip(table, table[1:], strict=False)]
+    return [_exact(high=a.high, low=b.low) for a, b in pairwise(table)]
 
 
 def _falls_with_target(flip: float) -> Statement:
     """d/dv_c0 (V1/A) A^2 = V1 - w A <= -w^2/2 <= 0 for c >= 0."""
     a = BarrierAxis()
     slope = ca.gradient(a.V / a.A, a.all[1]) * a.A**2
-    return Statement(a.symbols, (equal(slope, flip * a.V - a.w * a.A), at_least(-0.5 * a.w**2, slope)))
+    return Statement(
+        a.symbols, (equal(slope, flip * a.V - a.w * a.A), at_least(-0.5 * a.w**2, slope))
+    )
 
 
 def _rises(flip: float) -> Statement:
@@ -158,7 +167,9 @@ def _rises(flip: float) -> Statement:
     a = BarrierAxis()
     v = a.all[0]
     rise = ca.gradient(a.A, v)
-    return Statement(a.symbols, (equal(ca.gradient(a.V, v), a.A), at_least(rise, 1 if flip > 0 else 2)))
+    return Statement(
+        a.symbols, (equal(ca.gradient(a.V, v), a.A), at_least(rise, 1 if flip > 0 else 2))
+    )
 
 
 def _low(flip: float) -> Statement:
@@ -174,7 +185,11 @@ def _high(flip: float) -> Statement:
     t = {**a.symbols, **symbols("b rho high")}
     later = barrier.lyapunov(t["b"], c, u1, u2)
     bound = t["high"] if flip > 0 else 0.99 * t["high"]
-    return Statement(t, (at_least(bound * a.A, t["rho"] * later), above(a.A)), (*a.inside, above(t["b"], v), above(u1, t["b"])))
+    return Statement(
+        t,
+        (at_least(bound * a.A, t["rho"] * later), above(a.A)),
+        (*a.inside, above(t["b"], v), above(u1, t["b"])),
+    )
 
 
 def _ratio(flip: float) -> Statement:
@@ -185,14 +200,21 @@ def _ratio(flip: float) -> Statement:
 
 def _shape(flip: float) -> Statement:
     """Beyond the middle region, ahead: with s = gap/d, A d s = (1 - s)(1 + d^2 s) and
-    V1 = d^2 (1 - s)^2/2 - ln s - (1 - s)."""
+    V1 = d^2 (1 - s)^2/2 - ln s - (1 - s).
+    """
     a = BarrierAxis()
     v, c, u1, _ = a.all
     d = u1 - a.x
     s = (u1 - v) / d
     value = 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)
-    return Statement(a.symbols, (equal(a.A * d * s, (1 - s) * (1 + flip * d**2 * s)), equal(a.V, value),
-                                 equal(c - u1, 1 / d - d)))
+    return Statement(
+        a.symbols,
+        (
+            equal(a.A * d * s, (1 - s) * (1 + flip * d**2 * s)),
+            equal(a.V, value),
+            equal(c - u1, 1 / d - d),
+        ),
+    )
 
 
 def _limit(flip: float) -> Statement:
@@ -214,40 +236,110 @@ PAPER = "paper limits and gains, v_c0' = 0, |v| below the clip; mirrored for v_c
 def _table(axis: int) -> tuple[Claim, ...]:
     name, unit = ("linear", "m/s^2") if axis == 0 else ("angular", "rad/s^2")
     return (
-        Claim(f"authority.lower-{name}", (9,), OURS, f"on the {name} axis rho V1/A reaches the tabulated lower bounds of "
-              "d_max, for v_c0 from 0 to 20", f"A disturbance up to the bound [{unit}] is held back before the limit.",
-              PAPER, _low, Table(points=partial(low_points, axis))),
-        Claim(f"authority.upper-{name}", (9,), OURS, f"on the {name} axis rho V1/A nowhere exceeds the tabulated upper "
-              "bounds: on [a, b] it is at most rho V1(b)/A(a)", "A larger constant disturbance pushes the robot over "
-              "its limit, whatever the law does.", PAPER + "; below v_c1 + bound/rho by P5", _high,
-              Table(points=partial(high_points, axis)), uses=("authority.rises", "P5")),
-        Claim(f"authority.98-{name}", (9,), OURS, f"on the {name} axis, between any two neighbouring rows, the lower bound "
-              "is at least 98 % of the upper one", "The bound on the disturbance is known to two per cent for every "
-              "|v_c0| <= 20.", "V1/A falls with v_c0, so rows bracket what is between", _ratio,
-              Table(points=partial(ratio_points, axis)), uses=("authority.falls",)),
+        Claim(
+            f"authority.lower-{name}",
+            (9,),
+            OURS,
+            f"on the {name} axis rho V1/A reaches the tabulated lower bounds of "
+            "d_max, for v_c0 from 0 to 20",
+            f"A disturbance up to the bound [{unit}] is held back before the limit.",
+            PAPER,
+            _low,
+            Table(points=partial(low_points, axis)),
+        ),
+        Claim(
+            f"authority.upper-{name}",
+            (9,),
+            OURS,
+            f"on the {name} axis rho V1/A nowhere exceeds the tabulated upper "
+            "bounds: on [a, b] it is at most rho V1(b)/A(a)",
+            "A larger constant disturbance pushes the robot over its limit, whatever the law does.",
+            PAPER + "; below v_c1 + bound/rho by P5",
+            _high,
+            Table(points=partial(high_points, axis)),
+            uses=("authority.rises", "P5"),
+        ),
+        Claim(
+            f"authority.98-{name}",
+            (9,),
+            OURS,
+            f"on the {name} axis, between any two neighbouring rows, the lower bound "
+            "is at least 98 % of the upper one",
+            "The bound on the disturbance is known to two per cent for every |v_c0| <= 20.",
+            "V1/A falls with v_c0, so rows bracket what is between",
+            _ratio,
+            Table(points=partial(ratio_points, axis)),
+            uses=("authority.falls",),
+        ),
     )
 
 
 CLAIMS = (
-    Claim("authority.falls", (9,), OURS, "V1/A falls as v_c0 rises: its derivative times A^2 is V1 - A w <= -w^2/2",
-          "The farther the robot is from where it should be, the weaker the barrier.", OFF_EDGES, _falls_with_target,
-          Ring(NONZERO, log_lemma=True), uses=("P3", "lemma.log")),
-    Claim("authority.rises", (74, 75), OURS, "V1 and A rise with v beyond v_c1", "Used to bound V1/A between two "
-          "velocities.", OFF_EDGES, _rises, Ring(open_cases())),
+    Claim(
+        "authority.falls",
+        (9,),
+        OURS,
+        "V1/A falls as v_c0 rises: its derivative times A^2 is V1 - A w <= -w^2/2",
+        "The farther the robot is from where it should be, the weaker the barrier.",
+        OFF_EDGES,
+        _falls_with_target,
+        Ring(NONZERO, log_lemma=True),
+        uses=("P3", "lemma.log"),
+    ),
+    Claim(
+        "authority.rises",
+        (74, 75),
+        OURS,
+        "V1 and A rise with v beyond v_c1",
+        "Used to bound V1/A between two velocities.",
+        OFF_EDGES,
+        _rises,
+        Ring(open_cases()),
+    ),
     *_table(0),
     *_table(1),
-    Claim("authority.shape", (9, 12), OURS, "beyond the middle region V1/A = d s (d^2 (1 - s)^2/2 - ln s - 1 + s)/((1 - s)"
-          "(1 + d^2 s)) with s = (v_u1 - v)/d, d = v_u1 - v_c1, and v_c0 - v_u1 = 1/d - d",
-          "The shape of the barrier's resistance far from the target.", "v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2", _shape,
-          Ring(tuple(Axis().case("far+", "out+", order) for order in ("<", ">")))),
-    Claim("authority.limit", (9,), OURS, "s (s - 1 - ln s)/(1 - s) <= 0.2163 for 0 < s <= 0.99: as v_c0 grows, d_max tends "
-          "to at most 0.2163 rho/(v_c0 - v_u1)", "Far away, the barrier's authority fades like one over the distance.",
-          "d -> 0 in authority.shape; for s > 0.99 it is below 1 - s by ln t <= t - 1", _limit,
-          Ball(box=LIMIT_BOX, cuts_at=LIMIT_CUTS), uses=("authority.shape", "lemma.log")),
-    Claim("authority.limit-reached", (9,), OURS, "its maximum is at least 0.2161, so the limit is 0.216 rho/(v_c0 - v_u1) "
-          "to three digits", "The bound is attained.", "s = 0.3162", _limit_reached, Table(points=lambda: (at(s="0.3162"),))),
-    Claim("authority.meaning", (9,), OURS, "a constant disturbance d <= rho max V1/A, met from v <= v_c1 with v_c0 held, never "
-          "carries |v| to the limit; any larger one does", "The paper's theorem has no disturbance; this is what its "
-          "barrier really withstands.", "model exact, v_c0' = 0", verdict="HAND",
-          uses=("authority.lower-linear", "authority.upper-linear", "lemma.comparison")),
+    Claim(
+        "authority.shape",
+        (9, 12),
+        OURS,
+        "beyond the middle region V1/A = d s (d^2 (1 - s)^2/2 - ln s - 1 + s)/((1 - s)"
+        "(1 + d^2 s)) with s = (v_u1 - v)/d, d = v_u1 - v_c1, and v_c0 - v_u1 = 1/d - d",
+        "The shape of the barrier's resistance far from the target.",
+        "v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2",
+        _shape,
+        Ring(tuple(Axis().case("far+", "out+", order) for order in ("<", ">"))),
+    ),
+    Claim(
+        "authority.limit",
+        (9,),
+        OURS,
+        "s (s - 1 - ln s)/(1 - s) <= 0.2163 for 0 < s <= 0.99: as v_c0 grows, d_max tends "
+        "to at most 0.2163 rho/(v_c0 - v_u1)",
+        "Far away, the barrier's authority fades like one over the distance.",
+        "d -> 0 in authority.shape; for s > 0.99 it is below 1 - s by ln t <= t - 1",
+        _limit,
+        Ball(box=LIMIT_BOX, cuts_at=LIMIT_CUTS),
+        uses=("authority.shape", "lemma.log"),
+    ),
+    Claim(
+        "authority.limit-reached",
+        (9,),
+        OURS,
+        "its maximum is at least 0.2161, so the limit is 0.216 rho/(v_c0 - v_u1) to three digits",
+        "The bound is attained.",
+        "s = 0.3162",
+        _limit_reached,
+        Table(points=lambda: (at(s="0.3162"),)),
+    ),
+    Claim(
+        "authority.meaning",
+        (9,),
+        OURS,
+        "a constant disturbance d <= rho max V1/A, met from v <= v_c1 with v_c0 held, never "
+        "carries |v| to the limit; any larger one does",
+        "The paper's theorem has no disturbance; this is what its barrier really withstands.",
+        "model exact, v_c0' = 0",
+        verdict="HAND",
+        uses=("authority.lower-linear", "authority.upper-linear", "lemma.comparison"),
+    ),
 )

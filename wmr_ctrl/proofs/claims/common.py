@@ -20,7 +20,9 @@ VELOCITY_NAMES = ("v1", "omega")
 CLOSED_FORM = {SERIES_BELOW: False}
 ALL_LIMITS = "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0, either sign"
 OFF_EDGES = ALL_LIMITS + "; off |v| = v_u2, |v_c0| = v_u2 and |v_c0| = v_u2 + 1/(v_u1 - v_u2)"
-NO_SERIES = "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
+NO_SERIES = (
+    "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
+)
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,11 @@ class LawGraph:
     def own(self, expr: ca.SX) -> ca.SX:
         """An expression of `sample` in the System's symbols."""
         named = {port.signal.name: port.sym for port in (*self.system.inputs, *self.system.params)}
-        ports = [p for p in (*self.sample.inputs, *self.sample.parameters.ports) if p.signal.name in named]
+        ports = [
+            p
+            for p in (*self.sample.inputs, *self.sample.parameters.ports)
+            if p.signal.name in named
+        ]
         old = ca.vertcat(*(port.sym for port in ports))
         new = ca.vertcat(*(named[port.signal.name] for port in ports))
         return ca.substitute(expr, old, new)
@@ -124,6 +130,6 @@ class LawGraph:
         return ca.fmax(clip - u1, ca.fmin(u1 - clip, self.symbols[VELOCITY_NAMES[axis]]))
 
     def inner(self, axis: int) -> dict[str, ca.SX]:
-        """Cuts: v_c0 and its rate as c and cdot, and the velocity behind the clip as the velocity."""
+        """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""
         target, rate = self.own(self.sample.v_c0), self.own(self.sample.v_c0_dot)
         return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}

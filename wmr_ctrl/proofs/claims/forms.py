@@ -25,7 +25,9 @@ def _target(flip: float) -> Statement:
 
 def _distance(flip: float) -> Statement:
     a = BarrierAxis()
-    return Statement(a.symbols, (equal(a.stable.w, a.all[0] - flip * a.x), equal(a.stable.v_c1, a.x)))
+    return Statement(
+        a.symbols, (equal(a.stable.w, a.all[0] - flip * a.x), equal(a.stable.v_c1, a.x))
+    )
 
 
 def _value(flip: float) -> Statement:
@@ -66,7 +68,9 @@ def _within(sign: int) -> Case:
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         return {"y": sign * n["n"] / (20 * n["n"] + n["m"])}
 
-    return Case(f"{'0 < y < 0.05' if sign > 0 else '-0.05 < y < 0'}", {"n": POSITIVE, "m": POSITIVE}, values)
+    return Case(
+        f"{'0 < y < 0.05' if sign > 0 else '-0.05 < y < 0'}", {"n": POSITIVE, "m": POSITIVE}, values
+    )
 
 
 BEYOND = (
@@ -77,24 +81,79 @@ BEYOND = (
 EVERYWHERE = Ring(all_cases(), CLOSED_FORM)
 
 CLAIMS = (
-    Claim("forms.v_c1", (18,), OURS, "the compiled v_c1 equals (18)", "The generated code aims where the paper aims.",
-          ALL_LIMITS + "; |v_c0| < 1e100", _target, Ring(target_cases())),
-    Claim("forms.w", (18,), OURS, "the compiled v - v_c1 is the difference of v and (18)",
-          "The distance to the target is right even where it is computed in another way.",
-          ALL_LIMITS + "; |v_c0| < 1e100", _distance, Ring(all_cases())),
-    Claim("forms.V1", (12, 20), OURS, "the compiled V1i, a sum of non-negative terms, equals (20)",
-          "No cancellation of large numbers, and still the same function.", ALL_LIMITS + NO_SERIES, _value, EVERYWHERE),
-    Claim("forms.quotient", (9, 20), OURS, "the compiled V1i/A_i times A_i equals V1i",
-          "The feedback term is the paper's, without a division by A = 0.", ALL_LIMITS + NO_SERIES, _quotient,
-          EVERYWHERE),
-    Claim("forms.q", (9, 10), OURS, "the compiled q times A_i equals v - v_c1",
-          "The feed-forward factor is the paper's, with its limit at A = 0.", ALL_LIMITS, _q, EVERYWHERE),
-    Claim("forms.closed", (15,), OURS, "for |y| >= 0.05 the derivative of the compiled y chi(y) is that of phi(y) = "
-          "-ln(1 - y) - y", "The closed form is the logarithm of the paper.", "0.05 <= |y|, y < 1", _closed_slope,
-          Ring(BEYOND, CLOSED_FORM)),
-    Claim("forms.series", (15,), OURS, "for |y| < 0.05 the compiled series has a derivative within 2^-51 |y| of "
-          "phi'(y); integrated from 0, it is within 2^-52 y^2 of phi(y), about one part in 2^51",
-          "Where the logarithm would lose digits a series replaces it; the two cannot be told apart in double "
-          "precision.", "0 < |y| < 0.05, coefficients as the doubles that they are", _series_slope,
-          Ring((_within(1), _within(-1))), uses=("lemma.integration",)),
+    Claim(
+        "forms.v_c1",
+        (18,),
+        OURS,
+        "the compiled v_c1 equals (18)",
+        "The generated code aims where the paper aims.",
+        ALL_LIMITS + "; |v_c0| < 1e100",
+        _target,
+        Ring(target_cases()),
+    ),
+    Claim(
+        "forms.w",
+        (18,),
+        OURS,
+        "the compiled v - v_c1 is the difference of v and (18)",
+        "The distance to the target is right even where it is computed in another way.",
+        ALL_LIMITS + "; |v_c0| < 1e100",
+        _distance,
+        Ring(all_cases()),
+    ),
+    Claim(
+        "forms.V1",
+        (12, 20),
+        OURS,
+        "the compiled V1i, a sum of non-negative terms, equals (20)",
+        "No cancellation of large numbers, and still the same function.",
+        ALL_LIMITS + NO_SERIES,
+        _value,
+        EVERYWHERE,
+    ),
+    Claim(
+        "forms.quotient",
+        (9, 20),
+        OURS,
+        "the compiled V1i/A_i times A_i equals V1i",
+        "The feedback term is the paper's, without a division by A = 0.",
+        ALL_LIMITS + NO_SERIES,
+        _quotient,
+        EVERYWHERE,
+    ),
+    Claim(
+        "forms.q",
+        (9, 10),
+        OURS,
+        "the compiled q times A_i equals v - v_c1",
+        "The feed-forward factor is the paper's, with its limit at A = 0.",
+        ALL_LIMITS,
+        _q,
+        EVERYWHERE,
+    ),
+    Claim(
+        "forms.closed",
+        (15,),
+        OURS,
+        "for |y| >= 0.05 the derivative of the compiled y chi(y) is that of phi(y) = "
+        "-ln(1 - y) - y",
+        "The closed form is the logarithm of the paper.",
+        "0.05 <= |y|, y < 1",
+        _closed_slope,
+        Ring(BEYOND, CLOSED_FORM),
+    ),
+    Claim(
+        "forms.series",
+        (15,),
+        OURS,
+        "for |y| < 0.05 the compiled series has a derivative within 2^-51 |y| of "
+        "phi'(y); integrated from 0, it is within 2^-52 y^2 of phi(y), about one part in 2^51",
+        "Where the logarithm would lose digits a series replaces it; the two cannot be told apart "
+        "in double "
+        "precision.",
+        "0 < |y| < 0.05, coefficients as the doubles that they are",
+        _series_slope,
+        Ring((_within(1), _within(-1))),
+        uses=("lemma.integration",),
+    ),
 )

@@ -5,45 +5,122 @@ from __future__ import annotations
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 
 
-def _hand(key: str, equations: tuple[int, ...], claim: str, meaning: str, uses: tuple[str, ...] = (),
-          form: str = OURS) -> Claim:
+def _hand(
+    key: str,
+    equations: tuple[int, ...],
+    claim: str,
+    meaning: str,
+    uses: tuple[str, ...] = (),
+    form: str = OURS,
+) -> Claim:
     return Claim(key, equations, form, claim, meaning, verdict="HAND", uses=uses)
 
 
-def _open(key: str, equations: tuple[int, ...], claim: str, meaning: str, uses: tuple[str, ...] = ()) -> Claim:
+def _open(
+    key: str, equations: tuple[int, ...], claim: str, meaning: str, uses: tuple[str, ...] = ()
+) -> Claim:
     return Claim(key, equations, PRINTED, claim, meaning, verdict="OPEN", uses=uses)
 
 
 CLAIMS = (
-    _hand("lemma.log", (15,), "ln t <= t - 1 for t > 0", "The one fact about the logarithm that the exact algebra uses."),
-    _hand("lemma.sine", (40, 46, 55), "1 - cos t <= t^2/2, |sin t| <= |t|, and |sin t| >= (2/pi)|t| for |t| <= pi/2",
-          "What the window argument uses about the angle."),
-    _hand("lemma.integration", (41,), "a bound of a derivative, integrated, bounds the function; a derivative bound that "
-          "holds off finitely many points is enough for a continuous function", "From rates to values."),
-    _hand("lemma.almost-everywhere", (30,), "V1 is locally Lipschitz in (v, v_c0) inside the limits; along an absolutely "
-          "continuous motion it is absolutely continuous, and at almost every time either |v| != v_u2 or v' = 0",
-          "Why the corner at v_u2 does no harm in time.", ("eq30.printed",)),
-    _hand("lemma.comparison", (9,), "a scalar motion with v' <= 0 at a level never crosses it from below; with v' >= m > 0 "
-          "up to the level it does", "From the sign of the acceleration to whether the limit is kept.", ("authority.rises",)),
-    _hand("lemma.sampling", (9,), "if |v| <= L implies the same one period later for every disturbance constant over the "
-          "period, |v| <= L holds at all samples by induction, and between them because v moves on a straight line",
-          "From one sample to all times. A disturbance that varies within the period counts by its mean; then the "
-          "statement is about the samples."),
-    _hand("assumption.libm", (15,), "log, exp and tanh of the C library are right to 2^-51 relative, and + - * / sqrt are "
-          "rounded as IEEE 754 says, without fused multiply-add", "A test compares the library with 300-bit arithmetic on "
-          "random arguments; the compiler's flags forbid contraction."),
-    _hand("thm1.limits", (9, 30), "(Theorem 1) with the exact model and no disturbance |v_i| < v_u1i for ever",
-          "True, because V1 would have to become infinite at the limit; but a disturbance, which the theorem does not have, "
-          "changes this (authority.*).", ("eq30",), PRINTED),
-    _hand("thm1.velocity", (30,), "(Theorem 1) z -> 0 where |v_c0i| < v_u2i", "True under the same hypotheses.",
-          ("eq30", "eq81"), PRINTED),
-    _hand("thm1.local", (31, 39), "e -> 0 from V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) once v follows v_c1, for "
-          "constant v1d > 0", "What remains of the theorem's global claim; by level.invariant and LaSalle.",
-          ("level.invariant", "strict.rate"), CORRECTED),
-    _open("thm1.window", (39, 40, 56), "(Theorem 1) as a whole: the windows of length T, put one after the other, bring e into "
-          "Omega_1", "Every algebraic step is an entry; that the windows can be chained, and that Omega_1 is ever needed "
-          "when strict.rate is at hand, is not shown.", ("eq55", "eq56", "eq61.omega")),
-    _open("thm2.bounded", (59, 60, 61, 85), "(Theorem 2) the network law keeps the limits and brings z and e into Omega_2 and "
-          "Omega_3", "The proof assumes that eps2 is bounded, which fails in the middle region (eq59.printed), and it has no "
-          "disturbance. Where |v| <= v_u2 and |v_c0| < v_u2 the steps (63)-(85) hold.", ("eq59.printed", "eq84-85", "eq60.step")),
+    _hand(
+        "lemma.log",
+        (15,),
+        "ln t <= t - 1 for t > 0",
+        "The one fact about the logarithm that the exact algebra uses.",
+    ),
+    _hand(
+        "lemma.sine",
+        (40, 46, 55),
+        "1 - cos t <= t^2/2, |sin t| <= |t|, and |sin t| >= (2/pi)|t| for |t| <= pi/2",
+        "What the window argument uses about the angle.",
+    ),
+    _hand(
+        "lemma.integration",
+        (41,),
+        "a bound of a derivative, integrated, bounds the function; a derivative bound that "
+        "holds off finitely many points is enough for a continuous function",
+        "From rates to values.",
+    ),
+    _hand(
+        "lemma.almost-everywhere",
+        (30,),
+        "V1 is locally Lipschitz in (v, v_c0) inside the limits; along an absolutely "
+        "continuous motion it is absolutely continuous, and at almost every time either |v| != "
+        "v_u2 or v' = 0",
+        "Why the corner at v_u2 does no harm in time.",
+        ("eq30.printed",),
+    ),
+    _hand(
+        "lemma.comparison",
+        (9,),
+        "a scalar motion with v' <= 0 at a level never crosses it from below; with v' >= m > 0 "
+        "up to the level it does",
+        "From the sign of the acceleration to whether the limit is kept.",
+        ("authority.rises",),
+    ),
+    _hand(
+        "lemma.sampling",
+        (9,),
+        "if |v| <= L implies the same one period later for every disturbance constant over the "
+        "period, |v| <= L holds at all samples by induction, and between them because v moves on a "
+        "straight line",
+        "From one sample to all times. A disturbance that varies within the period counts by its "
+        "mean; then the "
+        "statement is about the samples.",
+    ),
+    _hand(
+        "assumption.libm",
+        (15,),
+        "log, exp and tanh of the C library are right to 2^-51 relative, and + - * / sqrt are "
+        "rounded as IEEE 754 says, without fused multiply-add",
+        "A test compares the library with 300-bit arithmetic on "
+        "random arguments; the compiler's flags forbid contraction.",
+    ),
+    _hand(
+        "thm1.limits",
+        (9, 30),
+        "(Theorem 1) with the exact model and no disturbance |v_i| < v_u1i for ever",
+        "True, because V1 would have to become infinite at the limit; but a disturbance, which the "
+        "theorem does not have, "
+        "changes this (authority.*).",
+        ("eq30",),
+        PRINTED,
+    ),
+    _hand(
+        "thm1.velocity",
+        (30,),
+        "(Theorem 1) z -> 0 where |v_c0i| < v_u2i",
+        "True under the same hypotheses.",
+        ("eq30", "eq81"),
+        PRINTED,
+    ),
+    _hand(
+        "thm1.local",
+        (31, 39),
+        "e -> 0 from V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) once v follows v_c1, for "
+        "constant v1d > 0",
+        "What remains of the theorem's global claim; by level.invariant and LaSalle.",
+        ("level.invariant", "strict.rate"),
+        CORRECTED,
+    ),
+    _open(
+        "thm1.window",
+        (39, 40, 56),
+        "(Theorem 1) as a whole: the windows of length T, put one after the other, bring e into "
+        "Omega_1",
+        "Every algebraic step is an entry; that the windows can be chained, and that Omega_1 is "
+        "ever needed "
+        "when strict.rate is at hand, is not shown.",
+        ("eq55", "eq56", "eq61.omega"),
+    ),
+    _open(
+        "thm2.bounded",
+        (59, 60, 61, 85),
+        "(Theorem 2) the network law keeps the limits and brings z and e into Omega_2 and Omega_3",
+        "The proof assumes that eps2 is bounded, which fails in the middle region (eq59.printed), "
+        "and it has no "
+        "disturbance. Where |v| <= v_u2 and |v_c0| < v_u2 the steps (63)-(85) hold.",
+        ("eq59.printed", "eq84-85", "eq60.step"),
+    ),
 )

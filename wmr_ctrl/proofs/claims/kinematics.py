@@ -27,14 +27,18 @@ def _no_sideways(flip: float) -> Statement:
 
 def _null_space(flip: float) -> Statement:
     t = symbols("theta")
-    h = velocity_map(t["theta"]) * ca.vertcat(ca.horzcat(flip, 1), ca.horzcat(1, 1), ca.horzcat(1, 1))
+    h = velocity_map(t["theta"]) * ca.vertcat(
+        ca.horzcat(flip, 1), ca.horzcat(1, 1), ca.horzcat(1, 1)
+    )
     return Statement(t, every(h.T @ constraint(t["theta"]), ca.SX(2, 1)))
 
 
 def _rate_is_map(flip: float) -> Statement:
     t = symbols("theta v1 v2")
     v = ca.vertcat(t["v1"], t["v2"])
-    return Statement(t, every(pose_rate(t["theta"], v), velocity_map(t["theta"]) @ (v * ca.vertcat(flip, 1))))
+    return Statement(
+        t, every(pose_rate(t["theta"], v), velocity_map(t["theta"]) @ (v * ca.vertcat(flip, 1)))
+    )
 
 
 def _velocity_back(flip: float) -> Statement:
@@ -46,7 +50,13 @@ def _velocity_back(flip: float) -> Statement:
 
 def _projection(flip: float) -> Statement:
     """H'(M(H v' + H' v) + F - B tau - A lambda) against M1 v' + H' F - B1 tau."""
-    t = {**symbols("theta m I r l lam"), **column("v", 2), **column("vdot", 2), **column("tau", 2), **column("F", 3)}
+    t = {
+        **symbols("theta m I r l lam"),
+        **column("v", 2),
+        **column("vdot", 2),
+        **column("tau", 2),
+        **column("F", 3),
+    }
     theta, v, tau = t["theta"], stacked(t, "v", 2), stacked(t, "tau", 2)
     h, mass = velocity_map(theta), dynamics.mass_matrix(t["m"], t["I"])
     h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, v[1]), 3, 2)
@@ -82,10 +92,13 @@ def _plant(flip: float) -> Statement:
     tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + flip * t["noise_left"])
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
     left = inertial + dynamics.friction(mu, m, g, v_s, v)
-    return Statement(t, (
-        *every(left, dynamics.wheel_to_force(r, l, tau)),
-        *every(system.update[0:3], velocity_map(t["theta"]) @ v),
-    ))
+    return Statement(
+        t,
+        (
+            *every(left, dynamics.wheel_to_force(r, l, tau)),
+            *every(system.update[0:3], velocity_map(t["theta"]) @ v),
+        ),
+    )
 
 
 def _wheels(flip: float) -> Statement:
@@ -122,26 +135,106 @@ MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIV
 ROBOT = (Case("all", declared={f"robot.{n}": POSITIVE for n in ("m", "I", "r", "l", "v_s")}),)
 
 CLAIMS = (
-    Claim("eq03", (3, 5), CORRECTED, "A(q)' q' = 0 for q' = H(q) v (the text after (3) prints A(q) q' = 0, "
-          "whose sizes do not fit)", "The simulated robot never slides sideways.", ANY, _no_sideways, Ring()),
-    Claim("eq04.null-space", (4, 5), PRINTED, "H(q)' A(q) = 0", "The forces that keep the wheels from sliding drop "
-          "out of the equations of motion.", "any theta", _null_space, Ring()),
-    Claim("eq05", (5,), PRINTED, "the pose rate of the plant is H(q) v (H as printed, transposed)",
-          "Forward is (-sin theta, cos theta): theta counts from the Y axis.", ANY, _rate_is_map, Ring()),
-    Claim("eq06", (6,), PRINTED, "H(q)' q' = v: v1 is the speed ahead and v2 the turning rate",
-          "The two velocities are the ones that one would measure.", ANY, _velocity_back, Ring()),
-    Claim("eq04", (1, 4), PRINTED, "H' times (1), with q' = H v and no Coriolis matrix, is M1 v' + F1 = B1 tau; "
-          "the constraint force is gone", "Two equations of motion are enough; the wheels' side forces are not needed.",
-          ANY + "; C(q, q') = 0: centre of mass on the axle's midpoint", _projection, Ring()),
-    Claim("eq04.reduced", (2, 4), PRINTED, "M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0)",
-          "Thrust and turning do not disturb each other.", ANY, _reduced, Ring(MASSES)),
-    Claim("eq04.plant", (1, 4, 5), OURS, "the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and "
-          "q' = H v", "What is simulated is what the theorems speak about.", ANY, _plant, Ring(ROBOT)),
-    Claim("eq04.wheels", (4,), OURS, "B1 (B1^-1 F) = F for the torques that the laws send",
-          "The wheels produce exactly the thrust and moment that a law asks for.", "r, l > 0", _wheels, Ring()),
-    Claim("eq33-35", (8, 33, 34, 35), PRINTED, "differentiating (8) along both robots' motions gives (33)-(35)",
-          "The tracking error that the laws see moves as the proof says.",
-          ANY + "; the desired motion obeys (3), too", _error_rate, Ring(spare=12)),
-    Claim("eq07.rate", (7,), OURS, "the rate of v_c0 that the laws feed forward is the derivative of (7)",
-          "The feed-forward is exact, not a difference quotient.", ANY, _target_rate, Ring()),
+    Claim(
+        "eq03",
+        (3, 5),
+        CORRECTED,
+        "A(q)' q' = 0 for q' = H(q) v (the text after (3) prints A(q) q' = 0, "
+        "whose sizes do not fit)",
+        "The simulated robot never slides sideways.",
+        ANY,
+        _no_sideways,
+        Ring(),
+    ),
+    Claim(
+        "eq04.null-space",
+        (4, 5),
+        PRINTED,
+        "H(q)' A(q) = 0",
+        "The forces that keep the wheels from sliding drop out of the equations of motion.",
+        "any theta",
+        _null_space,
+        Ring(),
+    ),
+    Claim(
+        "eq05",
+        (5,),
+        PRINTED,
+        "the pose rate of the plant is H(q) v (H as printed, transposed)",
+        "Forward is (-sin theta, cos theta): theta counts from the Y axis.",
+        ANY,
+        _rate_is_map,
+        Ring(),
+    ),
+    Claim(
+        "eq06",
+        (6,),
+        PRINTED,
+        "H(q)' q' = v: v1 is the speed ahead and v2 the turning rate",
+        "The two velocities are the ones that one would measure.",
+        ANY,
+        _velocity_back,
+        Ring(),
+    ),
+    Claim(
+        "eq04",
+        (1, 4),
+        PRINTED,
+        "H' times (1), with q' = H v and no Coriolis matrix, is M1 v' + F1 = B1 tau; "
+        "the constraint force is gone",
+        "Two equations of motion are enough; the wheels' side forces are not needed.",
+        ANY + "; C(q, q') = 0: centre of mass on the axle's midpoint",
+        _projection,
+        Ring(),
+    ),
+    Claim(
+        "eq04.reduced",
+        (2, 4),
+        PRINTED,
+        "M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0)",
+        "Thrust and turning do not disturb each other.",
+        ANY,
+        _reduced,
+        Ring(MASSES),
+    ),
+    Claim(
+        "eq04.plant",
+        (1, 4, 5),
+        OURS,
+        "the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v",
+        "What is simulated is what the theorems speak about.",
+        ANY,
+        _plant,
+        Ring(ROBOT),
+    ),
+    Claim(
+        "eq04.wheels",
+        (4,),
+        OURS,
+        "B1 (B1^-1 F) = F for the torques that the laws send",
+        "The wheels produce exactly the thrust and moment that a law asks for.",
+        "r, l > 0",
+        _wheels,
+        Ring(),
+    ),
+    Claim(
+        "eq33-35",
+        (8, 33, 34, 35),
+        PRINTED,
+        "differentiating (8) along both robots' motions gives (33)-(35)",
+        "The tracking error that the laws see moves as the proof says.",
+        ANY + "; the desired motion obeys (3), too",
+        _error_rate,
+        Ring(spare=12),
+    ),
+    Claim(
+        "eq07.rate",
+        (7,),
+        OURS,
+        "the rate of v_c0 that the laws feed forward is the derivative of (7)",
+        "The feed-forward is exact, not a difference quotient.",
+        ANY,
+        _target_rate,
+        Ring(),
+    ),
 )

@@ -1,4 +1,4 @@
-"""The barrier function in time: Eqs. (9), (21)-(30), on the paper's functions and on the law's graph."""
+"""The barrier function in time: Eqs. (9), (21)-(30), on the functions and on the law's graph."""
 
 from __future__ import annotations
 
@@ -43,7 +43,11 @@ def _sum_rule(flip: float) -> Statement:
     m = Moving()
     v, c, u1, u2 = m.all
     v_dot, c_dot = m.rates.values()
-    parts = (v - c) * (v_dot - c_dot) + m.along(barrier.f(v, u1, u2)) + flip * m.along(barrier.g(c, u1, u2))
+    parts = (
+        (v - c) * (v_dot - c_dot)
+        + m.along(barrier.f(v, u1, u2))
+        + flip * m.along(barrier.g(c, u1, u2))
+    )
     return Statement(m.names, (equal(m.along(m.V), parts),))
 
 
@@ -51,7 +55,9 @@ def _barrier_rate(flip: float) -> Statement:
     """Eq. (22): f' where |v| > v_u2."""
     m = Moving()
     v, _, u1, u2 = m.all
-    written = ca.if_else(barrier.h(v, u2), flip * barrier.sign(v) * m.rates["vdot"] / (u1 - ca.fabs(v)), 0)
+    written = ca.if_else(
+        barrier.h(v, u2), flip * barrier.sign(v) * m.rates["vdot"] / (u1 - ca.fabs(v)), 0
+    )
     return Statement(m.names, (equal(m.along(barrier.f(v, u1, u2)), written),))
 
 
@@ -85,7 +91,9 @@ def _g_rate(sign: float) -> Statement:
     """Eq. (25), with sign +1 as corrected."""
     m = Moving()
     _, c, u1, u2 = m.all
-    return Statement(m.names, (equal(m.along(barrier.g(c, u1, u2)), sign * (m.x - c) * m.rates["cdot"]),))
+    return Statement(
+        m.names, (equal(m.along(barrier.g(c, u1, u2)), sign * (m.x - c) * m.rates["cdot"]),)
+    )
 
 
 def _per_axis(flip: float) -> Statement:
@@ -100,7 +108,9 @@ def _both_axes(flip: float) -> Statement:
     m, n = Moving("1"), Moving("2")
     columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
     point = ca.vertcat(*m.all[:2], *n.all[:2])
-    rate = ca.jtimes(total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values()))
+    rate = ca.jtimes(
+        total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values())
+    )
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
     return Statement({**m.names, **n.names}, (equal(rate, terms[0] + flip * terms[1]),))
 
@@ -110,7 +120,9 @@ def _split(flip: float) -> Statement:
     m, n = Moving("1"), Moving("2")
     columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
     point = ca.vertcat(*m.all[:2], *n.all[:2])
-    rate = ca.jtimes(total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values()))
+    rate = ca.jtimes(
+        total_barrier(*columns), point, ca.vertcat(*m.rates.values(), *n.rates.values())
+    )
     return Statement({**m.names, **n.names}, (equal(rate, m.along(m.V) + flip * n.along(n.V)),))
 
 
@@ -134,7 +146,7 @@ def decay(sign: float, axis: int = 0) -> Statement:
 def _literal_decay(sign: float) -> Statement:
     """Eq. (29) for the command of (9) as printed, where A is not 0."""
     m = Moving()
-    v, c, u1, u2 = m.all
+    v, c, _, _ = m.all
     rho, c_dot = ca.SX.sym("rho"), m.rates["cdot"]
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
@@ -150,7 +162,9 @@ def _command(flip: float, axis: int = 0) -> Statement:
     c = free["c"]
     mass, friction = (law.own(item)[axis] for item in (law.sample.mass, law.sample.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
-    bracket = -t[f"gains.mb.rho[{k}]"] * value + flip * (v - barrier.minimiser(c, u1, u2)) * free["cdot"]
+    bracket = (
+        -t[f"gains.mb.rho[{k}]"] * value + flip * (v - barrier.minimiser(c, u1, u2)) * free["cdot"]
+    )
     goal = equal(a * law.force[axis], mass * bracket + a * friction)
     return Statement({**t, **free}, (goal,), (), law.inner(axis))
 
@@ -178,48 +192,184 @@ KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
 R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
 
 CLAIMS = (
-    Claim("eq21", (21,), PRINTED, "V1i' = z z' + f' + g', term by term", "Where the change of the barrier function "
-          "comes from.", OFF_EDGES, _sum_rule, OPEN35),
-    Claim("eq22", (22,), PRINTED, "f' = sgn(v) v'/(v_u1 - |v|) where |v| > v_u2, else 0", "The barrier term resists "
-          "only near the limit.", OFF_EDGES, _barrier_rate, OPEN35),
-    Claim("eq23", (23,), PRINTED, "g' = -(v_c1 - v_c0)(v_c1' - v_c0') - [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)]",
-          "How the reference value moves with the target.", OFF_EDGES, _minimum_rate, TARGETS7),
-    Claim("eq24", (24,), PRINTED, "(v_c1 - v_c0) v_c1' + [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)] = 0",
-          "At the best velocity a small change of it costs nothing.", OFF_EDGES, _envelope, TARGETS7),
-    Claim("eq25.printed", (25,), PRINTED, "g' = -(v_c1 - v_c0) v_c0'", "The sign is wrong wherever the target "
-          "velocity is not v_c0 itself, that is whenever the limit matters.", OFF_EDGES,
-          lambda s: _g_rate(-s), Refute(R2_POINT)),
-    Claim("eq25", (25,), CORRECTED, "g' = +(v_c1 - v_c0) v_c0'", "With this sign (26) follows, as the paper needs.",
-          OFF_EDGES, _g_rate, TARGETS7),
-    Claim("eq26", (26,), PRINTED, "V1' = A' v' - (v - v_c1)' v_c0', both axes together (it follows from the "
-          "corrected (25), not from the printed one)", "What the law can do about the barrier function, and what "
-          "the moving target does to it.", OFF_EDGES, _both_axes, PAIRS),
-    Claim("eq27", (27,), PRINTED, "V1' = V11' + V12'", "The axes do not interfere.", OFF_EDGES, _split, PAIRS),
-    Claim("eq28", (28,), PRINTED, "V1i' = A_i v_i' - (v_i - v_c1i) v_c0i', all 35 regions of v and v_c0",
-          "Each axis by itself.", OFF_EDGES, _per_axis, OPEN35),
-    Claim("eq09", (9,), PRINTED, "A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, "
-          "linear axis", "The compiled law is the paper's, only evaluated without dividing by A.", NOMINAL,
-          _command, LAW[0]),
-    Claim("eq09.angular", (9,), PRINTED, "the same on the angular axis", "The compiled law is the paper's.", NOMINAL,
-          lambda s: _command(s, 1), LAW[1]),
-    Claim("eq29.printed", (29,), PRINTED, "V1i' = +rho V1i, as the paper's text reads",
-          "Read literally the velocity error would grow. The missing minus may be a misprint of the text at hand.",
-          OFF_EDGES + "; A != 0", lambda s: _literal_decay(-s), Ring(NONZERO)),
-    Claim("eq29", (29,), CORRECTED, "V1i' = -rho V1i under (9), where A is not 0",
-          "The distance to the target velocity, measured by the barrier function, shrinks at the chosen rate.",
-          OFF_EDGES + "; A != 0", _literal_decay, Ring(NONZERO)),
-    Claim("eq30.law", (29, 30), OURS, "V1i' = -rho_i V1i for the compiled model-based law, linear axis, A = 0 included",
-          "The law that runs on the robot has the property of the theorem, not just the formula on paper.", NOMINAL,
-          decay, LAW[0]),
-    Claim("eq30.law-angular", (29, 30), OURS, "the same on the angular axis", "As on the linear axis.", NOMINAL,
-          lambda s: decay(s, 1), LAW[1]),
-    Claim("eq30.printed", (30,), PRINTED, "V1' = -rho V1 at every instant, |v| = v_u2 included",
-          "Exactly where the barrier begins, the acceleration that the law computes makes the barrier function rise "
-          "for an instant (here at 13 1/s instead of falling). It holds at almost every instant, which is enough "
-          "for the decay.", "|v| = v_u2; change of V1i over at most 1 microsecond compared with -rho V1i, "
-          "tolerance 1", _quotient_at_kink, Refute(KINK)),
-    Claim("eq30", (30,), CORRECTED, "V1(t) = V1(0) exp(-rho t): (30) at almost every t, V1 continuous",
-          "The decay of the theorem is right in spite of the corner.",
-          "model exact, no disturbance, one rho for both axes (else the slower one bounds V1)",
-          verdict="HAND", uses=("eq29", "lemma.almost-everywhere")),
+    Claim(
+        "eq21",
+        (21,),
+        PRINTED,
+        "V1i' = z z' + f' + g', term by term",
+        "Where the change of the barrier function comes from.",
+        OFF_EDGES,
+        _sum_rule,
+        OPEN35,
+    ),
+    Claim(
+        "eq22",
+        (22,),
+        PRINTED,
+        "f' = sgn(v) v'/(v_u1 - |v|) where |v| > v_u2, else 0",
+        "The barrier term resists only near the limit.",
+        OFF_EDGES,
+        _barrier_rate,
+        OPEN35,
+    ),
+    Claim(
+        "eq23",
+        (23,),
+        PRINTED,
+        "g' = -(v_c1 - v_c0)(v_c1' - v_c0') - [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)]",
+        "How the reference value moves with the target.",
+        OFF_EDGES,
+        _minimum_rate,
+        TARGETS7,
+    ),
+    Claim(
+        "eq24",
+        (24,),
+        PRINTED,
+        "(v_c1 - v_c0) v_c1' + [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)] = 0",
+        "At the best velocity a small change of it costs nothing.",
+        OFF_EDGES,
+        _envelope,
+        TARGETS7,
+    ),
+    Claim(
+        "eq25.printed",
+        (25,),
+        PRINTED,
+        "g' = -(v_c1 - v_c0) v_c0'",
+        "The sign is wrong wherever the target "
+        "velocity is not v_c0 itself, that is whenever the limit matters.",
+        OFF_EDGES,
+        lambda s: _g_rate(-s),
+        Refute(R2_POINT),
+    ),
+    Claim(
+        "eq25",
+        (25,),
+        CORRECTED,
+        "g' = +(v_c1 - v_c0) v_c0'",
+        "With this sign (26) follows, as the paper needs.",
+        OFF_EDGES,
+        _g_rate,
+        TARGETS7,
+    ),
+    Claim(
+        "eq26",
+        (26,),
+        PRINTED,
+        "V1' = A' v' - (v - v_c1)' v_c0', both axes together (it follows from the "
+        "corrected (25), not from the printed one)",
+        "What the law can do about the barrier function, and what the moving target does to it.",
+        OFF_EDGES,
+        _both_axes,
+        PAIRS,
+    ),
+    Claim(
+        "eq27",
+        (27,),
+        PRINTED,
+        "V1' = V11' + V12'",
+        "The axes do not interfere.",
+        OFF_EDGES,
+        _split,
+        PAIRS,
+    ),
+    Claim(
+        "eq28",
+        (28,),
+        PRINTED,
+        "V1i' = A_i v_i' - (v_i - v_c1i) v_c0i', all 35 regions of v and v_c0",
+        "Each axis by itself.",
+        OFF_EDGES,
+        _per_axis,
+        OPEN35,
+    ),
+    Claim(
+        "eq09",
+        (9,),
+        PRINTED,
+        "A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, "
+        "linear axis",
+        "The compiled law is the paper's, only evaluated without dividing by A.",
+        NOMINAL,
+        _command,
+        LAW[0],
+    ),
+    Claim(
+        "eq09.angular",
+        (9,),
+        PRINTED,
+        "the same on the angular axis",
+        "The compiled law is the paper's.",
+        NOMINAL,
+        lambda s: _command(s, 1),
+        LAW[1],
+    ),
+    Claim(
+        "eq29.printed",
+        (29,),
+        PRINTED,
+        "V1i' = +rho V1i, as the paper's text reads",
+        "Read literally the velocity error would grow. The missing minus may be a misprint of the "
+        "text at hand.",
+        OFF_EDGES + "; A != 0",
+        lambda s: _literal_decay(-s),
+        Ring(NONZERO),
+    ),
+    Claim(
+        "eq29",
+        (29,),
+        CORRECTED,
+        "V1i' = -rho V1i under (9), where A is not 0",
+        "The distance to the target velocity, measured by the barrier function, shrinks at the "
+        "chosen rate.",
+        OFF_EDGES + "; A != 0",
+        _literal_decay,
+        Ring(NONZERO),
+    ),
+    Claim(
+        "eq30.law",
+        (29, 30),
+        OURS,
+        "V1i' = -rho_i V1i for the compiled model-based law, linear axis, A = 0 included",
+        "The law that runs on the robot has the property of the theorem, not just the formula on "
+        "paper.",
+        NOMINAL,
+        decay,
+        LAW[0],
+    ),
+    Claim(
+        "eq30.law-angular",
+        (29, 30),
+        OURS,
+        "the same on the angular axis",
+        "As on the linear axis.",
+        NOMINAL,
+        lambda s: decay(s, 1),
+        LAW[1],
+    ),
+    Claim(
+        "eq30.printed",
+        (30,),
+        PRINTED,
+        "V1' = -rho V1 at every instant, |v| = v_u2 included",
+        "Exactly where the barrier begins, the acceleration that the law computes makes the "
+        "barrier function rise "
+        "for an instant (here at 13 1/s instead of falling). It holds at almost every instant, "
+        "which is enough "
+        "for the decay.",
+        "|v| = v_u2; change of V1i over at most 1 microsecond compared with -rho V1i, tolerance 1",
+        _quotient_at_kink,
+        Refute(KINK),
+    ),
+    Claim(
+        "eq30",
+        (30,),
+        CORRECTED,
+        "V1(t) = V1(0) exp(-rho t): (30) at almost every t, V1 continuous",
+        "The decay of the theorem is right in spite of the corner.",
+        "model exact, no disturbance, one rho for both axes (else the slower one bounds V1)",
+        verdict="HAND",
+        uses=("eq29", "lemma.almost-everywhere"),
+    ),
 )

@@ -1,4 +1,4 @@
-"""The adaptive network: Eqs. (57)-(73), (82)-(88), one axis with all 64 nodes on the law's graph."""
+"""The adaptive network: Eqs. (57)-(73), (82)-(88), all 64 nodes of one axis on the law's graph."""
 
 from __future__ import annotations
 
@@ -9,14 +9,23 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, barrier, nn, rbf
+from wmr_ctrl.laws import analysis, nn, rbf
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims.common import BarrierAxis, LawGraph
-from wmr_ctrl.proofs.methods.spec import Refute, Ring, Z3
+from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import Axis
-from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, every, stacked, symbols
+from wmr_ctrl.proofs.statement import (
+    Statement,
+    above,
+    at_least,
+    column,
+    equal,
+    every,
+    stacked,
+    symbols,
+)
 
 NODES, DIMENSIONS = nn.NODES, 6
 
@@ -108,7 +117,10 @@ class NetworkAxis:
         """V3i' by differentiation of Eq. (62)."""
         value, weights = ca.SX.sym("V1i"), ca.SX.sym("W", NODES)
         total = analysis.network_lyapunov(value, self.free["mass"], self.gain("Gamma"), weights)
-        arguments, direction = ca.vertcat(value, weights), ca.vertcat(self.barrier_rate, self.weight_rate)
+        arguments, direction = (
+            ca.vertcat(value, weights),
+            ca.vertcat(self.barrier_rate, self.weight_rate),
+        )
         rate = ca.jtimes(total, arguments, direction)
         return ca.substitute(rate, arguments, ca.vertcat(self.free["V"], self.error))
 
@@ -155,7 +167,9 @@ def _substituted(flip: float) -> Statement:
     n = network_axis(0)
     f = n.free
     pushed = f["A"] / f["mass"] * (n.law.force[0] - f["friction"])
-    return n.statement(equal(n.rate, pushed - flip * f["w"] * f["cdot"] + _weights_part(n, n.weight_rate)))
+    return n.statement(
+        equal(n.rate, pushed - flip * f["w"] * f["cdot"] + _weights_part(n, n.weight_rate))
+    )
 
 
 def _with_law(flip: float) -> Statement:
@@ -187,14 +201,16 @@ def _with_adaptation(flip: float) -> Statement:
 
 
 def _bounded(flip: float, combined: bool) -> Statement:
-    """Eqs. (72), (73), the latter with the weights' product bounded, too: what the bound leaves over is >= 0."""
+    """Eqs. (72) and, with the weights' product bounded, too, (73): what is left over is >= 0."""
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
     base = -n.gain("rho1") / mass * f["V"] + 0.5 / mass * (f["w"] ** 2 + n.residual**2)
     leak = -sigma / mass * _dot(n.error, n.error + n.best)
     if combined:
         leak = 0.5 * sigma / mass * (_dot(n.best, n.best) - _dot(n.error, n.error))
-    return n.statement(at_least(base + (1 if flip > 0 else 9) * leak - (flip < 0) * n.residual**2, n.rate))
+    return n.statement(
+        at_least(base + (1 if flip > 0 else 9) * leak - (flip < 0) * n.residual**2, n.rate)
+    )
 
 
 def _decay(flip: float) -> Statement:
@@ -204,14 +220,17 @@ def _decay(flip: float) -> Statement:
     leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f["mass"])
     total = analysis.network_lyapunov(f["V"], f["mass"], n.gain("Gamma"), n.error)
     names = {**n.names, **symbols("rho2")}
-    return Statement(names, (at_least(-flip * names["rho2"] * total + leftover, n.rate),), (), n.inner)
+    least = names["rho2"] if flip > 0 else 1e6 * names["rho2"]
+    return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
 
 
 def _printed_step(flip: float) -> Statement:
     """Eqs. (82), (83): with (81) in (73)."""
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
-    bound = -(n.gain("rho1") - flip) / mass * f["V"] + 0.5 / mass * n.residual**2
+    bound = (
+        -(n.gain("rho1") - (1 if flip > 0 else -1e6)) / mass * f["V"] + 0.5 / mass * n.residual**2
+    )
     leak = 0.5 * sigma / mass * (_dot(n.best, n.best) - _dot(n.error, n.error))
     return n.statement(at_least(bound + leak, n.rate))
 
@@ -220,7 +239,7 @@ def _rate_is_least(flip: float) -> Statement:
     """Eq. (86): rho2 is below each of the four rates."""
     t = {**column("rho", 2), **column("M", 2), **column("sigma", 2), **column("gamma", 2)}
     rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
-    least = flip * analysis.decay_rate(rho, mass, sigma, gamma)
+    least = (1 if flip > 0 else 2) * analysis.decay_rate(rho, mass, sigma, gamma)
     given = tuple(above(t[f"{n}{i}"]) for n in ("M", "sigma", "gamma") for i in (1, 2))
     ones = tuple(above(t[f"rho{i}"], 1) for i in (1, 2))
     goals = [at_least((rho[i] - 1) / mass[i], least) for i in (0, 1)]
@@ -232,8 +251,16 @@ def _end_bound(flip: float) -> Statement:
     """Eqs. (60), (88): once V3 <= 2 C3/rho2, |z| <= sqrt(4 C3/rho2) where v_c1 = v_c0."""
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t["z1"] ** 2 + t["z2"] ** 2
-    given = (above(t["rho2"]), at_least(2 * (t["C1"] + t["C2"]), t["V"] * t["rho2"]), at_least(2 * t["V"], square))
-    return Statement(t, (at_least(4 * (t["C1"] + t["C2"]) * (1 if flip > 0 else 0.5), square * t["rho2"]),), given)
+    given = (
+        above(t["rho2"]),
+        at_least(2 * (t["C1"] + t["C2"]), t["V"] * t["rho2"]),
+        at_least(2 * t["V"], square),
+    )
+    return Statement(
+        t,
+        (at_least(4 * (t["C1"] + t["C2"]) * (1 if flip > 0 else 0.5), square * t["rho2"]),),
+        given,
+    )
 
 
 def _ratio(flip: float) -> Statement:
@@ -245,7 +272,7 @@ def _ratio(flip: float) -> Statement:
 
 def _target_bounded(_: float) -> Statement:
     a = BarrierAxis()
-    v, c, u1, _ = a.all
+    v, c, u1 = a.all[:3]
     given = (*a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
     return Statement(a.symbols, (at_least(1e6, ca.fabs(a.A / a.w)),), given)
 
@@ -265,18 +292,23 @@ def _free_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 
 def _vanishing_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     """A = 0, which happens only with V1 = 0 and w = 0; the compiled quotients are then limits."""
-    return {"A": 0 * n["quotient"], "V": 0 * n["quotient"], "w": 0 * n["quotient"],
-            "quotient": n["quotient"], "q": n["q"]}
+    return {
+        "A": 0 * n["quotient"],
+        "V": 0 * n["quotient"],
+        "w": 0 * n["quotient"],
+        "quotient": n["quotient"],
+        "q": n["q"],
+    }
 
 
 def _residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
-    """F1 chosen such that eps2 is the free number eps2; w = eps2 + n, V1 = w^2/2 + p, W* = W^ - E."""
-    w = n["eps2"] + n["n"]
+    """F1 chosen such that eps2 = w - n with a free n; V1 = w^2/2 + p, W* = W^ - E."""
+    w = n["y"]
     value = w**2 / 2 + n["p"]
     best = {f"best{j}": n[f"X{j}"] - n[f"E{j}"] for j in range(1, NODES + 1)}
     weights = {f"W_hat1[{j}]": n[f"X{j}"] for j in range(1, NODES + 1)}
     learnt = sum((best[f"best{j}"] * n[f"S{j}"] for j in range(1, NODES + 1)), 0 * w)
-    friction = (learnt - n["mass"] * n["cdot"] - n["eps2"]) * w / n["A"]
+    friction = (learnt - n["mass"] * n["cdot"] - (w - n["n"])) * w / n["A"]
     found = {"V": value, "w": w, "quotient": value / n["A"], "q": w / n["A"], "friction": friction}
     kept = ["A", "mass", "cdot", *(f"S{j}" for j in range(1, NODES + 1))]
     return {**found, **best, **weights, **{name: n[name] for name in kept}}
@@ -285,19 +317,45 @@ def _residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 def _decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     """Both rates of (86) exceed rho2: rho1 = 1 + M (rho2 + a), sigma Gamma = rho2 + b."""
     gamma = n["gamma"]
-    return {**_residual_chart(n), "rho2": n["rho2"], "gains.nn.Gamma[1]": gamma,
-            "gains.nn.rho1[1]": 1 + n["mass"] * (n["rho2"] + n["a"]),
-            "gains.nn.sigma[1]": (n["rho2"] + n["b"]) / gamma}
+    return {
+        **_residual_chart(n),
+        "rho2": n["rho2"],
+        "gains.nn.Gamma[1]": gamma,
+        "gains.nn.rho1[1]": 1 + n["mass"] * (n["rho2"] + n["a"]),
+        "gains.nn.sigma[1]": (n["rho2"] + n["b"]) / gamma,
+    }
 
 
-GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {"clock.control": POSITIVE}
+GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
+    "clock.control": POSITIVE
+}
 VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "X", "E")}
-SOLVED = {"A": FREE, "mass": POSITIVE, "cdot": FREE, "eps2": FREE, "n": FREE, "p": NONNEGATIVE, **VECTORS}
-FREE_CASES = (Case("A != 0", dict.fromkeys(("A", "V", "w"), FREE), _free_chart, {"mass": POSITIVE, **GAINS}),)
-BOTH_CASES = (*FREE_CASES, Case("A = 0", dict.fromkeys(("quotient", "q"), FREE), _vanishing_chart, {"mass": POSITIVE, **GAINS}))
+SOLVED = {
+    "A": FREE,
+    "mass": POSITIVE,
+    "cdot": FREE,
+    "y": FREE,
+    "n": FREE,
+    "p": NONNEGATIVE,
+    **VECTORS,
+}
+FREE_CASES = (
+    Case("A != 0", dict.fromkeys(("A", "V", "w"), FREE), _free_chart, {"mass": POSITIVE, **GAINS}),
+)
+BOTH_CASES = (
+    *FREE_CASES,
+    Case(
+        "A = 0",
+        dict.fromkeys(("quotient", "q"), FREE),
+        _vanishing_chart,
+        {"mass": POSITIVE, **GAINS},
+    ),
+)
 BOUND_CASES = (Case("A != 0", SOLVED, _residual_chart, GAINS),)
 RATES = dict.fromkeys(("rho2", "gamma"), POSITIVE) | dict.fromkeys(("a", "b"), NONNEGATIVE)
-DECAY_CASES = (Case("rho2 below both rates", {**SOLVED, **RATES}, _decay_chart, {"clock.control": POSITIVE}),)
+DECAY_CASES = (
+    Case("rho2 below both rates", {**SOLVED, **RATES}, _decay_chart, {"clock.control": POSITIVE}),
+)
 ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
 OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
 ONE = Ring(FREE_CASES, spare=0)
@@ -306,51 +364,191 @@ BOUND = Ring(BOUND_CASES, spare=0)
 FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
 
 CLAIMS = (
-    Claim("eq57", (57,), PRINTED, "F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes",
-          "The network law that runs is the paper's, with the quotients by their cancellation-free forms.",
-          "any weights and basis", _law, ONE),
-    Claim("eq58", (58,), PRINTED, "W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the "
-          "compiled Euler step integrates it", "The weights learn from the distance to the target velocity and "
-          "slowly forget.", "any weights and basis", _adaptation, ONE),
-    Claim("eq58.angular", (58,), PRINTED, "the same on the angular axis", "As on the linear axis.",
-          "any weights and basis", lambda s: _adaptation(s, 1), ONE),
-    Claim("eq58.basis", (57, 58), OURS, "the compiled basis (one exponential per dimension more than one) equals "
-          "exp(-|Z - c_j|^2/eta^2) at all 64 nodes",
-          "The fast evaluation of the network changes nothing.", "any Z and eta; nodes at -1 and 1",
-          _basis_product, Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14)),
-    Claim("eq59.printed", (59,), PRINTED, "the target (59) is bounded on a bounded set of velocities, so that a "
-          "network can approximate it", "Just below v_u2 with v_c0 = 3 m/s the network would have to give more than "
-          "a million times the friction force: no bounded weights do that. Theorem 2 assumes it, so its bound is "
-          "empty in the middle region.", "|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
-          _target_bounded, Refute(FAR_POINT)),
-    Claim("eq59.ratio", (59,), OURS, "A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + "
-          "1/(v_u1 - v_u2): it grows without bound as v rises to v_u2",
-          "The regressor of the network blows up in normal operation, which is why the code caps it.",
-          "every 0 < v_u2 < v_u1", _ratio, Ring(tuple(Axis().case("middle+", side) for side in ("zero", "in+")))),
-    Claim("eq63-66", (62, 63, 64, 65, 66), PRINTED, "differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66)",
-          "How velocity error and learning error change together.", ALL_NODES, _differentiated, TWO),
-    Claim("eq67-68", (67, 68), PRINTED, "with (28), (4) and constant W*", "Force and friction enter.", ALL_NODES,
-          _substituted, TWO),
-    Claim("eq69", (69,), PRINTED, "with the law (57)", "The feedback appears as a decay.", ALL_NODES, _with_law, TWO),
-    Claim("eq70", (70,), PRINTED, "with (59) as the definition of eps2", "What the network cannot represent remains "
-          "as eps2.", OFF_TARGET, _with_target, ONE),
-    Claim("eq71", (71,), PRINTED, "with the adaptation (58)", "Learning cancels the unknown part; only the "
-          "forgetting term and eps2 remain.", OFF_TARGET, _with_adaptation, ONE),
-    Claim("eq72", (72,), PRINTED, "V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/"
-          "(2 M1)", "The worst that eps2 can do.", OFF_TARGET, lambda s: _bounded(s, False), BOUND),
-    Claim("eq73", (73,), PRINTED, "the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is "
-          "sigma |W^|^2/(2 M1) more", "Forgetting pulls the weights back.", OFF_TARGET, lambda s: _bounded(s, True), BOUND),
-    Claim("eq82-83", (82, 83), PRINTED, "V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two "
-          "numbers", "One unit of the gain is spent on eps2.", OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
-          _printed_step, BOUND, uses=("eq81",)),
-    Claim("eq84-85", (84, 85, 87), PRINTED, "V3i' <= -rho2 V3i + C_i per axis", "Velocity and weight errors fall "
-          "until eps2 and the forgetting balance them - provided that eps2 is bounded.",
-          OFF_TARGET + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
-          _decay, Ring(DECAY_CASES, spare=0), uses=("eq81",)),
-    Claim("eq86", (86,), PRINTED, "rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes",
-          "The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, which rho1 "
-          "cannot change.", "all gains and masses positive, rho1 > 1", _rate_is_least, Z3()),
-    Claim("eq60.step", (60, 88), CORRECTED, "|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets "
-          "4 C3/rho2 = eps3, which must be eps3^2)", "How close the velocities come, if C3 is finite.",
-          "|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3", _end_bound, Z3(), uses=("eq81",)),
+    Claim(
+        "eq57",
+        (57,),
+        PRINTED,
+        "F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes",
+        "The network law that runs is the paper's, with the quotients by their cancellation-free "
+        "forms.",
+        "any weights and basis",
+        _law,
+        ONE,
+    ),
+    Claim(
+        "eq58",
+        (58,),
+        PRINTED,
+        "W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the "
+        "compiled Euler step integrates it",
+        "The weights learn from the distance to the target velocity and slowly forget.",
+        "any weights and basis",
+        _adaptation,
+        ONE,
+    ),
+    Claim(
+        "eq58.angular",
+        (58,),
+        PRINTED,
+        "the same on the angular axis",
+        "As on the linear axis.",
+        "any weights and basis",
+        lambda s: _adaptation(s, 1),
+        ONE,
+    ),
+    Claim(
+        "eq58.basis",
+        (57, 58),
+        OURS,
+        "the compiled basis (one exponential per dimension more than one) equals "
+        "exp(-|Z - c_j|^2/eta^2) at all 64 nodes",
+        "The fast evaluation of the network changes nothing.",
+        "any Z and eta; nodes at -1 and 1",
+        _basis_product,
+        Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
+    ),
+    Claim(
+        "eq59.printed",
+        (59,),
+        PRINTED,
+        "the target (59) is bounded on a bounded set of velocities, so that a "
+        "network can approximate it",
+        "Just below v_u2 with v_c0 = 3 m/s the network would have to give more than "
+        "a million times the friction force: no bounded weights do that. Theorem 2 assumes it, so "
+        "its bound is "
+        "empty in the middle region.",
+        "|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
+        _target_bounded,
+        Refute(FAR_POINT),
+    ),
+    Claim(
+        "eq59.ratio",
+        (59,),
+        OURS,
+        "A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + "
+        "1/(v_u1 - v_u2): it grows without bound as v rises to v_u2",
+        "The regressor of the network blows up in normal operation, which is why the code caps it.",
+        "every 0 < v_u2 < v_u1",
+        _ratio,
+        Ring(tuple(Axis().case("middle+", side) for side in ("zero", "in+"))),
+    ),
+    Claim(
+        "eq63-66",
+        (62, 63, 64, 65, 66),
+        PRINTED,
+        "differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66)",
+        "How velocity error and learning error change together.",
+        ALL_NODES,
+        _differentiated,
+        TWO,
+    ),
+    Claim(
+        "eq67-68",
+        (67, 68),
+        PRINTED,
+        "with (28), (4) and constant W*",
+        "Force and friction enter.",
+        ALL_NODES,
+        _substituted,
+        TWO,
+    ),
+    Claim(
+        "eq69",
+        (69,),
+        PRINTED,
+        "with the law (57)",
+        "The feedback appears as a decay.",
+        ALL_NODES,
+        _with_law,
+        TWO,
+    ),
+    Claim(
+        "eq70",
+        (70,),
+        PRINTED,
+        "with (59) as the definition of eps2",
+        "What the network cannot represent remains as eps2.",
+        OFF_TARGET,
+        _with_target,
+        ONE,
+    ),
+    Claim(
+        "eq71",
+        (71,),
+        PRINTED,
+        "with the adaptation (58)",
+        "Learning cancels the unknown part; only the forgetting term and eps2 remain.",
+        OFF_TARGET,
+        _with_adaptation,
+        ONE,
+    ),
+    Claim(
+        "eq72",
+        (72,),
+        PRINTED,
+        "V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/(2 M1)",
+        "The worst that eps2 can do.",
+        OFF_TARGET,
+        lambda s: _bounded(s, False),
+        BOUND,
+    ),
+    Claim(
+        "eq73",
+        (73,),
+        PRINTED,
+        "the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is "
+        "sigma |W^|^2/(2 M1) more",
+        "Forgetting pulls the weights back.",
+        OFF_TARGET,
+        lambda s: _bounded(s, True),
+        BOUND,
+    ),
+    Claim(
+        "eq82-83",
+        (82, 83),
+        PRINTED,
+        "V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers",
+        "One unit of the gain is spent on eps2.",
+        OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
+        _printed_step,
+        BOUND,
+        uses=("eq81",),
+    ),
+    Claim(
+        "eq84-85",
+        (84, 85, 87),
+        PRINTED,
+        "V3i' <= -rho2 V3i + C_i per axis",
+        "Velocity and weight errors fall "
+        "until eps2 and the forgetting balance them - provided that eps2 is bounded.",
+        OFF_TARGET
+        + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
+        _decay,
+        Ring(DECAY_CASES, spare=0),
+        uses=("eq81",),
+    ),
+    Claim(
+        "eq86",
+        (86,),
+        PRINTED,
+        "rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes",
+        "The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, "
+        "which rho1 "
+        "cannot change.",
+        "all gains and masses positive, rho1 > 1",
+        _rate_is_least,
+        Z3(),
+    ),
+    Claim(
+        "eq60.step",
+        (60, 88),
+        CORRECTED,
+        "|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets "
+        "4 C3/rho2 = eps3, which must be eps3^2)",
+        "How close the velocities come, if C3 is finite.",
+        "|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
+        _end_bound,
+        Z3(),
+        uses=("eq81",),
+    ),
 )

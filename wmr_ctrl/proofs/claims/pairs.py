@@ -15,7 +15,12 @@ def joined(one: Case, two: Case) -> Case:
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         return {**one.values(n), **two.values(n)}
 
-    return Case(f"{one.label}; {two.label}", {**one.numbers, **two.numbers}, values, {**one.declared, **two.declared})
+    return Case(
+        f"{one.label}; {two.label}",
+        {**one.numbers, **two.numbers},
+        values,
+        {**one.declared, **two.declared},
+    )
 
 
 def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
@@ -26,13 +31,15 @@ def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
 def paired_cases(one: Axis, two: Axis) -> tuple[Case, ...]:
     """Every open region of each axis once, against a different one of the other.
 
-    Enough where the statement is a sum of one term per axis: a term that is constant on each region,
-    0 in the sum on every pair, is 0.
+    Enough where the statement is a sum of one term per axis: terms of independent variables whose
+    sum is 0 are constant on their regions.
     """
     return paired(open_cases(one), open_cases(two)[::-1])
 
 
-def renamed(case: Case, names: Mapping[str, str], declared: Mapping[str, str] | None = None) -> Case:
+def renamed(
+    case: Case, names: Mapping[str, str], declared: Mapping[str, str] | None = None
+) -> Case:
     """The case with its inputs under other names."""
 
     def values(n: Mapping[str, Any]) -> dict[str, Any]:

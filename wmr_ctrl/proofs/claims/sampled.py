@@ -24,7 +24,7 @@ from wmr_ctrl.scenario import Scenario
 
 @dataclass(frozen=True)
 class Held:
-    """One setting: axis (0, 1), period, largest |v_c0|, |v_c0'| and |d|, and the level L as text."""
+    """One setting: axis (0, 1), period, largest |v_c0|, |v_c0'| and |d|, level L, as text."""
 
     id: str
     axis: int
@@ -40,7 +40,10 @@ class Held:
         v = law.symbols[VELOCITY_NAMES[self.axis]]
         free = symbols("c cdot d")
         extra = 1 if flip > 0 else 8
-        push = acceleration(law.own(law.sample.mass), law.force, 0)[self.axis] + extra * free["d"]
+        push = (
+            acceleration(law.own(law.sample.mass), law.force, ca.SX(0))[self.axis]
+            + extra * free["d"]
+        )
         following = numbers(law.scenario, law, v + float(Fraction(self.period)) * push)
         level = float(Fraction(self.level))
         inner = {name: numbers(law.scenario, law, expr) for name, expr in self.inner(law).items()}
@@ -54,18 +57,41 @@ class Held:
     @property
     def method(self) -> Method:
         """Branch and bound over v and v_c0; rate and disturbance stay intervals."""
-        bounds = {VELOCITY_NAMES[self.axis]: self.level, "c": self.target, "cdot": self.rate, "d": self.disturbance}
-        box = {name: (-Fraction(float(Fraction(b))), Fraction(float(Fraction(b)))) for name, b in bounds.items()}
+        bounds = {
+            VELOCITY_NAMES[self.axis]: self.level,
+            "c": self.target,
+            "cdot": self.rate,
+            "d": self.disturbance,
+        }
+        box = {
+            name: (-Fraction(float(Fraction(b))), Fraction(float(Fraction(b))))
+            for name, b in bounds.items()
+        }
         edges = _edges(self.axis)
-        cuts = {VELOCITY_NAMES[self.axis]: (-edges[0], Fraction(0), edges[0]), "c": (*(-e for e in edges), Fraction(0), *edges)}
-        return Ball(box=box, float_mode=True, cuts_at=cuts, split=(VELOCITY_NAMES[self.axis], "c"), budget=20000)
+        cuts = {
+            VELOCITY_NAMES[self.axis]: (-edges[0], Fraction(0), edges[0]),
+            "c": (*(-e for e in edges), Fraction(0), *edges),
+        }
+        return Ball(
+            box=box,
+            float_mode=True,
+            cuts_at=cuts,
+            split=(VELOCITY_NAMES[self.axis], "c"),
+            budget=20000,
+        )
 
 
 def numbers(scenario: Scenario, law: LawGraph, expr: ca.SX) -> ca.SX:
     """The expression with the preset's parameter values, friction set to 0."""
-    values = {name: value for port in law.system.params for name, value in zip(port.signal.elements, port.value, strict=True)}
+    values = {
+        name: value
+        for port in law.system.params
+        for name, value in zip(port.signal.elements, port.value, strict=True)
+    }
     values["model.mu"] = 0.0
-    kept = {name: value for name, value in values.items() if not name.startswith("gains.kinematics")}
+    kept = {
+        name: value for name, value in values.items() if not name.startswith("gains.kinematics")
+    }
     old = ca.vertcat(*(law.symbols[name] for name in kept))
     return ca.substitute(expr, old, ca.vertcat(*kept.values()))
 
@@ -78,16 +104,29 @@ def _edges(axis: int) -> tuple[Fraction, Fraction]:
 
 def _said(s: Held) -> str:
     unit = ("m/s", "rad/s")[s.axis]
-    return (f"|{VELOCITY_NAMES[s.axis]}| <= {s.level} {unit} is kept with T = {float(Fraction(s.period)) * 1000:g} ms for "
-            f"|v_c0| <= {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} {unit}^2")
+    return (
+        f"|{VELOCITY_NAMES[s.axis]}| <= {s.level} {unit} is kept with T = "
+        f"{float(Fraction(s.period)) * 1000:g} ms for "
+        f"|v_c0| <= {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} "
+        f"{unit}^2"
+    )
 
 
 def _claim(s: Held) -> Claim:
     return Claim(
-        s.id, (9,), OURS, _said(s), "The compiled controller, with every rounding error it can make, keeps the limit "
+        s.id,
+        (9,),
+        OURS,
+        _said(s),
+        "The compiled controller, with every rounding error it can make, keeps the limit "
         "from one sample to the next under the stated disturbance.",
-        "paper limits and gains; mass exact, friction compensated; doubles; log of the C library right to 2^-51 "
-        "(tested); no underflow", s.statement, s.method, uses=("assumption.libm", "lemma.sampling"))
+        "paper limits and gains; mass exact, friction compensated; doubles; log of the C library "
+        "right to 2^-51 "
+        "(tested); no underflow",
+        s.statement,
+        s.method,
+        uses=("assumption.libm", "lemma.sampling"),
+    )
 
 
 SETTINGS = (
@@ -104,13 +143,27 @@ SLOW_ANGULAR = Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.433
 
 def _refuted(s: Held, points: tuple[dict[str, Fraction], ...]) -> Claim:
     return Claim(
-        s.id, (9,), OURS, _said(s), "With the 100 ms of the paper's experiment and the gains of its simulation one "
-        "sample is enough to break the limit.", "paper limits and gains; mass exact, friction compensated",
-        s.statement, Refute(points))
+        s.id,
+        (9,),
+        OURS,
+        _said(s),
+        "With the 100 ms of the paper's experiment and the gains of its simulation one "
+        "sample is enough to break the limit.",
+        "paper limits and gains; mass exact, friction compensated",
+        s.statement,
+        Refute(points),
+    )
 
 
 CLAIMS = (
     *(_claim(setting) for setting in SETTINGS),
-    _refuted(SLOW, tuple(at(v1=v, c=10, cdot=0, d=0) for v in ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100"))),
-    _refuted(SLOW_ANGULAR, tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1"))),
+    _refuted(
+        SLOW,
+        tuple(
+            at(v1=v, c=10, cdot=0, d=0) for v in ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100")
+        ),
+    ),
+    _refuted(
+        SLOW_ANGULAR, tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1"))
+    ),
 )

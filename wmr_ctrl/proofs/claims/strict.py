@@ -1,4 +1,4 @@
-"""Ours: a strict Lyapunov function near the path, and a set that the saturated robot never leaves."""
+"""Ours: a strict Lyapunov function near the path; a set that the saturated robot never leaves."""
 
 from __future__ import annotations
 
@@ -13,15 +13,26 @@ from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims.common import BarrierAxis
 from wmr_ctrl.proofs.claims.tracking import Tracking
-from wmr_ctrl.proofs.methods.spec import Ball, Refute, Ring, Z3
+from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 
 def _region(t: Tracking, eps: ca.SX) -> tuple[Relation, ...]:
     """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
     n = {**t.names, "eps": eps}
-    exact = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
-    inside = (at_least(1, n["e1"] ** 2), at_least(1, n["e2"] ** 2), at_least(4 * ca.cos(n["e3"]), 1))
+    exact = (
+        ("v1d", 5, 1),
+        ("v2d", 10, 1),
+        ("k1", 1, 10),
+        ("k2", 1, 5),
+        ("k3", 1, 4),
+        ("eps", 50, 1),
+    )
+    inside = (
+        at_least(1, n["e1"] ** 2),
+        at_least(1, n["e2"] ** 2),
+        at_least(4 * ca.cos(n["e3"]), 1),
+    )
     return (*(equal(a * n[name], b) for name, a, b in exact), *inside)
 
 
@@ -49,8 +60,10 @@ def _exponential(flip: float) -> Statement:
     """W' <= -W/1000 from the two claims before it, W and W' being whatever they are."""
     t = Tracking()
     names = {**t.names, **symbols("value rate eps")}
-    inner = {"value": analysis.strict_lyapunov(t.e, t.k[1], names["eps"]),
-             "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"])}
+    inner = {
+        "value": analysis.strict_lyapunov(t.e, t.k[1], names["eps"]),
+        "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"]),
+    }
     value, rate, size = inner["value"], inner["rate"], _size(t.e)
     share = 1000 if flip > 0 else 2000
     given = (at_least(-share * rate, size), at_least(size, value))
@@ -58,7 +71,7 @@ def _exponential(flip: float) -> Statement:
 
 
 def _stays(flip: float) -> Statement:
-    """W <= 1/20 keeps |e1|, |e2| <= 1 and cos e3 >= 1/4 strictly, where cos e3 >= 0 connects to e = 0."""
+    """W < 1/20 keeps |e1|, |e2| < 1 and cos e3 > 1/4."""
     t, eps = Tracking(), ca.SX.sym("eps")
     n = {**t.names, "eps": eps}
     value = analysis.strict_lyapunov(t.e, t.k[1], eps)
@@ -94,7 +107,10 @@ def _argument(flip: float) -> Statement:
     e, k, v_d = t.e, t.k, t.v_d
     target = auxiliary_velocity(e, v_d, k)
     p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (equal(target[0], p[0] + k[0] * e[0]), equal(target[1], p[1] + flip * k[2] * ca.sin(e[2])))
+    goals = (
+        equal(target[0], p[0] + k[0] * e[0]),
+        equal(target[1], p[1] + flip * k[2] * ca.sin(e[2])),
+    )
     return Statement(t.names, goals)
 
 
@@ -104,11 +120,21 @@ def _level_set(flip: float) -> Statement:
     names = {**t.names, **symbols("u21 u22 level")}
     e, k, v_d, level = t.e, t.k, t.v_d, names["level"]
     room = names["u22"] - ca.fabs(v_d[1])
-    given = (above(k[1]), above(v_d[0]), at_least(names["u21"], v_d[0]), above(room),
-             at_least(2, k[1] * level), at_least(room**2, 2 * flip * (k[1] * v_d[0]) ** 2 * level),
-             above(level, analysis.position_lyapunov(e, k[1])))
+    given = (
+        above(k[1]),
+        above(v_d[0]),
+        at_least(names["u21"], v_d[0]),
+        above(room),
+        at_least(2, k[1] * level),
+        at_least(room**2, 2 * flip * (k[1] * v_d[0]) ** 2 * level),
+        above(level, analysis.position_lyapunov(e, k[1])),
+    )
     p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (at_least(names["u21"], ca.fabs(p[0])), at_least(names["u22"], ca.fabs(p[1])), above(ca.cos(e[2]), -1))
+    goals = (
+        at_least(names["u21"], ca.fabs(p[0])),
+        at_least(names["u22"], ca.fabs(p[1])),
+        above(ca.cos(e[2]), -1),
+    )
     return Statement(names, goals, given)
 
 
@@ -136,51 +162,155 @@ def _stuck(_: float) -> Statement:
     target = auxiliary_velocity(t.e, t.v_d, t.k)
     pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
     x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
-    given = (above(ca.cos(t.e[2])), above(ca.sumsqr(t.e)), above(t.v_d[0]), above(names["u11"], t.v_d[0]))
+    given = (
+        above(ca.cos(t.e[2])),
+        above(ca.sumsqr(t.e)),
+        above(t.v_d[0]),
+        above(names["u11"], t.v_d[0]),
+    )
     return Statement(names, (above(ca.sumsqr(error_rate(t.e, x, t.v_d))),), given)
 
 
-LIMITS = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
-GAINS = {"k1": 10, "k2": 5, "k3": 4}
+LIMITS: dict[str, str | int] = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
+GAINS: dict[str, str | int] = {"k1": 10, "k2": 5, "k3": 4}
 FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, **GAINS, **LIMITS),)
 SIDEWAYS = (at(e1=0, e2=3, e3="1/2", v1d="1/5", v2d="1/10", **GAINS, **LIMITS),)
 RATES = tuple(at(e1=1, e2=0, e3=0, value=1, rate=rate) for rate in ("-1/2000", "-1/500"))
-START = {name: (Fraction(low), Fraction(high)) for name, low, high in (
-    ("e1", "0.70452", "0.70454"), ("e2", "-0.06032", "-0.06030"), ("e3", "-0.87081", "-0.87079"), ("k2", "5", "5"))}
+START = {
+    name: (Fraction(low), Fraction(high))
+    for name, low, high in (
+        ("e1", "0.70452", "0.70454"),
+        ("e2", "-0.06032", "-0.06030"),
+        ("e3", "-0.87081", "-0.87079"),
+        ("k2", "5", "5"),
+    )
+}
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
 
 CLAIMS = (
-    Claim("strict.falls", (31,), OURS, "W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000",
-          "Unlike V2, this function falls in every direction, so disturbances can be weighed against it.", NEAR,
-          _falls, Z3(timeout=60)),
-    Claim("strict.bounds", (31,), OURS, "(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3",
-          "W measures the distance from the path.", NEAR, _between, Z3(timeout=60)),
-    Claim("strict.rate", (31,), OURS, "W' <= -W/1000: the error decays exponentially", "The robot returns to the path "
-          "exponentially, at a guaranteed (if small) rate; the paper only says that it converges.", NEAR, _exponential,
-          Z3(points=RATES), uses=("strict.falls", "strict.bounds")),
-    Claim("strict.region", (31,), OURS, "W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4", "From inside this set the "
-          "robot never leaves the region where the rate holds.", "k2 = 5, eps = 1/50", _stays, Z3(timeout=60)),
-    Claim("level.pull", (7, 18), OURS, "(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1",
-          "The limit weakens a correction but never reverses it.", "every 0 < v_u2 < v_u1", _pull, Z3(timeout=60)),
-    Claim("level.rate", (31, 36), OURS, "for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, "
-          "p2 = v2d + k2 v1d e2", "", "k2 != 0", _saturated_rate, Ring()),
-    Claim("level.argument", (7,), OURS, "v_c0 = p + (k1 e1, k3 sin e3)", "", "any", _argument, Ring()),
-    Claim("level.inside", (31,), OURS, "V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, "
-          "cos e3 > -1", "", "0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0", _level_set, Z3(timeout=60, points=(TOP,))),
-    Claim("level.invariant", (31,), OURS, "with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, "
-          "((v_u22 - |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it",
-          "The paper proves tracking only while no limit is touched, and never shows that the robot gets there. "
-          "This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is saturated.",
-          "level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside", verdict="HAND",
-          uses=("level.pull", "level.rate", "level.argument", "level.inside")),
-    Claim("level.start", (31,), OURS, "the paper's start has V2 < 0.33 < 0.4", "The paper's run starts inside.",
-          "e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5", _paper_level,
-          Ball(box=START)),
-    Claim("level.everywhere", (31,), OURS, "V2' <= 0 for v = v_c1 everywhere", "Outside the set a saturated robot may "
-          "first move away: 3 m to the side V2 grows.", "every e", _saturated_growth, Refute(SIDEWAYS)),
-    Claim("E7", (7,), PRINTED, "v1d < v_u11 suffices: the robot has no rest but e = 0",
-          "With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for ever: the "
-          "hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).",
-          "0 < v1d < v_u11, cos e3 > 0", _stuck, Refute(FAST)),
+    Claim(
+        "strict.falls",
+        (31,),
+        OURS,
+        "W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000",
+        "Unlike V2, this function falls in every direction, so disturbances can be weighed against "
+        "it.",
+        NEAR,
+        _falls,
+        Z3(timeout=60),
+    ),
+    Claim(
+        "strict.bounds",
+        (31,),
+        OURS,
+        "(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3",
+        "W measures the distance from the path.",
+        NEAR,
+        _between,
+        Z3(timeout=60),
+    ),
+    Claim(
+        "strict.rate",
+        (31,),
+        OURS,
+        "W' <= -W/1000: the error decays exponentially",
+        "The robot returns to the path "
+        "exponentially, at a guaranteed (if small) rate; the paper only says that it converges.",
+        NEAR,
+        _exponential,
+        Z3(points=RATES),
+        uses=("strict.falls", "strict.bounds"),
+    ),
+    Claim(
+        "strict.region",
+        (31,),
+        OURS,
+        "W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4",
+        "From inside this set the robot never leaves the region where the rate holds.",
+        "k2 = 5, eps = 1/50",
+        _stays,
+        Z3(timeout=60),
+    ),
+    Claim(
+        "level.pull",
+        (7, 18),
+        OURS,
+        "(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1",
+        "The limit weakens a correction but never reverses it.",
+        "every 0 < v_u2 < v_u1",
+        _pull,
+        Z3(timeout=60),
+    ),
+    Claim(
+        "level.rate",
+        (31, 36),
+        OURS,
+        "for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, "
+        "p2 = v2d + k2 v1d e2",
+        "",
+        "k2 != 0",
+        _saturated_rate,
+        Ring(),
+    ),
+    Claim(
+        "level.argument", (7,), OURS, "v_c0 = p + (k1 e1, k3 sin e3)", "", "any", _argument, Ring()
+    ),
+    Claim(
+        "level.inside",
+        (31,),
+        OURS,
+        "V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, "
+        "cos e3 > -1",
+        "",
+        "0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
+        _level_set,
+        Z3(timeout=60, points=(TOP,)),
+    ),
+    Claim(
+        "level.invariant",
+        (31,),
+        OURS,
+        "with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, "
+        "((v_u22 - |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it",
+        "The paper proves tracking only while no limit is touched, and never shows that the robot "
+        "gets there. "
+        "This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is "
+        "saturated.",
+        "level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside",
+        verdict="HAND",
+        uses=("level.pull", "level.rate", "level.argument", "level.inside"),
+    ),
+    Claim(
+        "level.start",
+        (31,),
+        OURS,
+        "the paper's start has V2 < 0.33 < 0.4",
+        "The paper's run starts inside.",
+        "e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5",
+        _paper_level,
+        Ball(box=START),
+    ),
+    Claim(
+        "level.everywhere",
+        (31,),
+        OURS,
+        "V2' <= 0 for v = v_c1 everywhere",
+        "Outside the set a saturated robot may first move away: 3 m to the side V2 grows.",
+        "every e",
+        _saturated_growth,
+        Refute(SIDEWAYS),
+    ),
+    Claim(
+        "E7",
+        (7,),
+        PRINTED,
+        "v1d < v_u11 suffices: the robot has no rest but e = 0",
+        "With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind "
+        "for ever: the "
+        "hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).",
+        "0 < v1d < v_u11, cos e3 > 0",
+        _stuck,
+        Refute(FAST),
+    ),
 )

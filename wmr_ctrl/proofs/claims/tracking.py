@@ -12,7 +12,7 @@ from wmr_ctrl.laws.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claim
-from wmr_ctrl.proofs.methods.spec import Refute, Ring, Z3
+from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
 
 
@@ -23,7 +23,13 @@ class Tracking:
     @cached_property
     def names(self) -> dict[str, ca.SX]:
         """All symbols."""
-        return {**column("e", 3), **column("z", 2), **symbols("v1d v2d"), **column("k", 3), **column("v", 2)}
+        return {
+            **column("e", 3),
+            **column("z", 2),
+            **symbols("v1d v2d"),
+            **column("k", 3),
+            **column("v", 2),
+        }
 
     @property
     def e(self) -> ca.SX:
@@ -95,7 +101,9 @@ def _with_targets(flip: float) -> Statement:
 def _squares(flip: float) -> Statement:
     t = Tracking()
     z, k = t.z, t.k
-    written = analysis.position_rate_bound(t.e, flip * z, k) + analysis.square_rest(z[0] ** 2, z[1] ** 2, k)
+    written = analysis.position_rate_bound(t.e, flip * z, k) + analysis.square_rest(
+        z[0] ** 2, z[1] ** 2, k
+    )
     return Statement(t.names, (equal(t.fall, written),))
 
 
@@ -113,8 +121,14 @@ def _beyond(flip: float) -> Statement:
     names = {**t.names, **symbols("eps0 root")}
     e, z, k, eps0, root = t.e, t.z, t.k, names["eps0"], names["root"]
     rest = analysis.square_rest(eps0**2, eps0**2, k)
-    given = (above(eps0), *(above(k[i]) for i in range(3)), at_least(eps0, ca.fabs(z[1])), above(root),
-             equal(root**2 * k[2], k[1] * rest), above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * flip))
+    given = (
+        above(eps0),
+        *(above(k[i]) for i in range(3)),
+        at_least(eps0, ca.fabs(z[1])),
+        above(root),
+        equal(root**2 * k[2], k[1] * rest),
+        above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * flip),
+    )
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
     return Statement(names, (above(0, only_angle + rest),), given)
 
@@ -124,42 +138,127 @@ def _twice_threshold(_: float) -> Statement:
     t = Tracking()
     names = {**t.names, **symbols("eps0")}
     x = theorem1.threshold(names["eps0"], t.k)
-    given = (above(ca.fabs(t.e[2]), 2 * x), above(7, 9 * x), above(22, 7 * ca.fabs(t.e[2])),
-             at_least(names["eps0"] ** 2, ca.sumsqr(t.z)))
+    given = (
+        above(ca.fabs(t.e[2]), 2 * x),
+        above(7, 9 * x),
+        above(22, 7 * ca.fabs(t.e[2])),
+        at_least(names["eps0"] ** 2, ca.sumsqr(t.z)),
+    )
     return Statement(names, (above(0, t.fall),), given)
 
 
 SIGNED = Case(
     "|z| < eps0",
     {"eps0": POSITIVE, "s1": POSITIVE, "s2": POSITIVE},
-    lambda n: {"eps0": n["eps0"], "z1": n["eps0"] * (1 - n["s1"]) / (1 + n["s1"]),
-               "z2": n["eps0"] * (1 - n["s2"]) / (1 + n["s2"])},
+    lambda n: {
+        "eps0": n["eps0"],
+        "z1": n["eps0"] * (1 - n["s1"]) / (1 + n["s1"]),
+        "z2": n["eps0"] * (1 - n["s2"]) / (1 + n["s2"]),
+    },
     {"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE, "e3": FREE},
 )
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
-PAPER = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
+PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
 
 CLAIMS = (
-    Claim("eq32", (31, 32), PRINTED, "V2' = e1' e1 + e2' e2 + e3' sin e3/k2", "How the position error's measure "
-          "changes.", ANY, _derivative, Ring(GAINS)),
-    Claim("eq36", (33, 34, 35, 36), PRINTED, "V2' with (33)-(35) put in", "The turning terms e1 e2 v2 cancel.", ANY,
-          _expanded, Ring(GAINS)),
-    Claim("eq37", (7, 13, 37), PRINTED, "V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z",
-          "The auxiliary velocity damps the error ahead and the angle; the sideways error is only coupled.", ANY,
-          _with_targets, Ring(GAINS)),
-    Claim("eq38", (38,), PRINTED, "the same with completed squares", "", "k1, k2, k3 > 0", _squares, Ring(GAINS)),
-    Claim("eq39", (39,), PRINTED, "V2' <= the squares + eps1 for |z1|, |z2| < eps0", "A small velocity error can "
-          "make the position error grow only a little.", "k1, k2, k3, eps0 > 0", _bounded, Ring((SIGNED,))),
-    Claim("eq39.threshold", (39,), PRINTED, "|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0",
-          "If the angle is clearly wrong, the error falls.", "|z2| <= eps0; root stands for the square root",
-          _beyond, Z3(points=(at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", v1d="1/5", v2d="1/10", k1=10, k2=5, k3=4,
-                                 eps0="1/2", root="1/2"),))),
-    Claim("eq39.printed", (39,), PRINTED, "|e3| > 2 (sqrt(k2 eps1/k3) + eps0/(2 k3)) makes V2' < 0",
-          "Near pi the sine is small again: a robot that faces backwards is not brought back by this argument.",
-          "|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7", _twice_threshold,
-          Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),))),
-    Claim("eq39.corrected", (39,), CORRECTED, "|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket",
-          "Within a quarter turn the argument is right.", "x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
-          verdict="HAND", uses=("eq39.threshold", "lemma.sine")),
+    Claim(
+        "eq32",
+        (31, 32),
+        PRINTED,
+        "V2' = e1' e1 + e2' e2 + e3' sin e3/k2",
+        "How the position error's measure changes.",
+        ANY,
+        _derivative,
+        Ring(GAINS),
+    ),
+    Claim(
+        "eq36",
+        (33, 34, 35, 36),
+        PRINTED,
+        "V2' with (33)-(35) put in",
+        "The turning terms e1 e2 v2 cancel.",
+        ANY,
+        _expanded,
+        Ring(GAINS),
+    ),
+    Claim(
+        "eq37",
+        (7, 13, 37),
+        PRINTED,
+        "V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z",
+        "The auxiliary velocity damps the error ahead and the angle; the sideways error is only "
+        "coupled.",
+        ANY,
+        _with_targets,
+        Ring(GAINS),
+    ),
+    Claim(
+        "eq38",
+        (38,),
+        PRINTED,
+        "the same with completed squares",
+        "",
+        "k1, k2, k3 > 0",
+        _squares,
+        Ring(GAINS),
+    ),
+    Claim(
+        "eq39",
+        (39,),
+        PRINTED,
+        "V2' <= the squares + eps1 for |z1|, |z2| < eps0",
+        "A small velocity error can make the position error grow only a little.",
+        "k1, k2, k3, eps0 > 0",
+        _bounded,
+        Ring((SIGNED,)),
+    ),
+    Claim(
+        "eq39.threshold",
+        (39,),
+        PRINTED,
+        "|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0",
+        "If the angle is clearly wrong, the error falls.",
+        "|z2| <= eps0; root stands for the square root",
+        _beyond,
+        Z3(
+            points=(
+                at(
+                    e1=0,
+                    e2=0,
+                    e3="1/100",
+                    z1=0,
+                    z2="-1/2",
+                    v1d="1/5",
+                    v2d="1/10",
+                    k1=10,
+                    k2=5,
+                    k3=4,
+                    eps0="1/2",
+                    root="1/2",
+                ),
+            )
+        ),
+    ),
+    Claim(
+        "eq39.printed",
+        (39,),
+        PRINTED,
+        "|e3| > 2 (sqrt(k2 eps1/k3) + eps0/(2 k3)) makes V2' < 0",
+        "Near pi the sine is small again: a robot that faces backwards is not brought back by this "
+        "argument.",
+        "|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7",
+        _twice_threshold,
+        Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),)),
+    ),
+    Claim(
+        "eq39.corrected",
+        (39,),
+        CORRECTED,
+        "|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket",
+        "Within a quarter turn the argument is right.",
+        "x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
+        verdict="HAND",
+        uses=("eq39.threshold", "lemma.sine"),
+    ),
 )

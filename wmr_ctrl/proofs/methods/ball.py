@@ -49,7 +49,9 @@ def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
         given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
         if any(_impossible(kind, value) for kind, value in given):
             return True
-        return all(_certain(kind, value) for kind, value in zip(statement.goal_kinds, values, strict=False))
+        return all(
+            _certain(kind, value) for kind, value in zip(statement.goal_kinds, values, strict=False)
+        )
 
     try:
         return all(result for _, result in paths(run, WAYS))

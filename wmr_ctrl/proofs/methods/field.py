@@ -17,7 +17,7 @@ from sympy.polys.fields import field
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE
 
 MOST_TERMS = 60
-"""Polynomials longer than this are not factored: their sign is told by coefficients or not at all."""
+"""Longer polynomials are not factored: their coefficients tell the sign, or nothing does."""
 
 
 class Algebra:
@@ -62,7 +62,9 @@ class Algebra:
     def reduced(self, element: Any) -> Any:
         """Element with every square of a root or a sine replaced."""
         for index, square in self.squares.items():
-            element = self._lower(element.numer, index, square) / self._lower(element.denom, index, square)
+            element = self._lower(element.numer, index, square) / self._lower(
+                element.denom, index, square
+            )
         return element
 
     def _lower(self, poly: Any, index: int, square: Any) -> Any:

@@ -93,7 +93,10 @@ def _merged(a: Form | None, b: Form | None) -> Form | None:
         return None
     keys = {*a, *b}
     pairs = {k: (a.get(k, (0.0, 0.0)), b.get(k, (0.0, 0.0))) for k in keys}
-    return {k: _widened(down(x[0] + y[0]) if x[0] + y[0] else 0.0, up(x[1] + y[1])) for k, (x, y) in pairs.items()}
+    return {
+        k: _widened(down(x[0] + y[0]) if x[0] + y[0] else 0.0, up(x[1] + y[1]))
+        for k, (x, y) in pairs.items()
+    }
 
 
 def _widened(low: float, high: float) -> tuple[float, float]:
@@ -142,7 +145,10 @@ def _scaled(kept: Interval, factor: Interval) -> Form | None:
     if terms is None or len(terms) > LARGEST_FORM:
         return None
     low, high = factor.size
-    return {k: _widened(max(0.0, down(_product(x, low))), up(_product(y, high))) for k, (x, y) in terms.items()}
+    return {
+        k: _widened(max(0.0, down(_product(x, low))), up(_product(y, high)))
+        for k, (x, y) in terms.items()
+    }
 
 
 def divide(a: Interval, b: Interval) -> Interval | None:

@@ -29,9 +29,12 @@ def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
 
 
 def _split(algebra: Algebra, value: Any) -> tuple[Any, Any, dict[Any, int]] | None:
-    """(P, q, {argument: n}) with value = P + q sum n ln(argument), n whole; None if it is not so."""
-    logs = {k: argument for k, (function, argument) in algebra.arguments.items() if function == "log"}
-    rest, parts = value.numer.ring.zero, {}
+    """(P, q, {argument: n}) with value = P + q sum n ln(argument), n whole; else None."""
+    logs = {
+        k: argument for k, (function, argument) in algebra.arguments.items() if function == "log"
+    }
+    rest = value.numer.ring.zero
+    parts: dict[int, Any] = {}
     for monomial, coefficient in value.numer.items():
         present = [k for k in logs if monomial[k]]
         if len(present) > 1 or (present and monomial[present[0]] > 1):

@@ -98,8 +98,14 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
     except (UndecidedError, ZeroDivisionError):
         return False, True
     goals = len(statement.goals)
-    given = all(_certain(kind, v, False) for kind, v in zip(statement.given_kinds, values[goals:], strict=True))
-    good = all(_certain(kind, v, True) for kind, v in zip(statement.goal_kinds, values[:goals], strict=True))
+    given = all(
+        _certain(kind, v, False)
+        for kind, v in zip(statement.given_kinds, values[goals:], strict=True)
+    )
+    good = all(
+        _certain(kind, v, True)
+        for kind, v in zip(statement.goal_kinds, values[:goals], strict=True)
+    )
     return given, good
 
 
@@ -127,6 +133,8 @@ def sign_of(value: Any) -> int:
         return 1
     if value < 0:
         return -1
+    if value.is_zero():
+        return 0
     raise UndecidedError("sign not certain")
 
 
@@ -146,17 +154,31 @@ def _unwrap(op: str, value: Any) -> Any:
 
 
 def _rational(op: str, args: list[Any]) -> Fraction | None:
-    if op == "div" and args[1] == 0 or op == "inv" and args[0] == 0:
+    if (op == "div" and args[1] == 0) or (op == "inv" and args[0] == 0):
         raise UndecidedError("division by zero")
     table: dict[str, Callable[..., Any]] = {
-        "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b, "inv": lambda a: 1 / a, "neg": lambda a: -a, "sq": lambda a: a * a,
-        "twice": lambda a: 2 * a, "fabs": abs, "fmin": min, "fmax": max, "assign": lambda a: a,
-        "sign": lambda a: Fraction((a > 0) - (a < 0)), "sqrt": _exact_root,
-        "sin": lambda a: a if a == 0 else None, "cos": lambda a: Fraction(1) if a == 0 else None,
-        "exp": lambda a: Fraction(1) if a == 0 else None, "log": lambda a: Fraction(0) if a == 1 else None,
-        "tanh": lambda a: a if a == 0 else None, "log1p": lambda a: a if a == 0 else None,
-        "constpow": _power, "pow": _power,
+        "add": lambda a, b: a + b,
+        "sub": lambda a, b: a - b,
+        "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b,
+        "inv": lambda a: 1 / a,
+        "neg": lambda a: -a,
+        "sq": lambda a: a * a,
+        "twice": lambda a: 2 * a,
+        "fabs": abs,
+        "fmin": min,
+        "fmax": max,
+        "assign": lambda a: a,
+        "sign": lambda a: Fraction((a > 0) - (a < 0)),
+        "sqrt": _exact_root,
+        "sin": lambda a: a if a == 0 else None,
+        "cos": lambda a: Fraction(1) if a == 0 else None,
+        "exp": lambda a: Fraction(1) if a == 0 else None,
+        "log": lambda a: Fraction(0) if a == 1 else None,
+        "tanh": lambda a: a if a == 0 else None,
+        "log1p": lambda a: a if a == 0 else None,
+        "constpow": _power,
+        "pow": _power,
     }
     found: Fraction | None = table[op](*args) if op in table else None
     return found
@@ -170,7 +192,11 @@ def _exact_root(a: Fraction) -> Fraction | None:
     if a < 0:
         raise UndecidedError("root of a negative number")
     top, bottom = isqrt(a.numerator), isqrt(a.denominator)
-    return Fraction(top, bottom) if top * top == a.numerator and bottom * bottom == a.denominator else None
+    return (
+        Fraction(top, bottom)
+        if top * top == a.numerator and bottom * bottom == a.denominator
+        else None
+    )
 
 
 def _in_balls(op: str, args: list[Any]) -> Any:
@@ -179,13 +205,28 @@ def _in_balls(op: str, args: list[Any]) -> Any:
         return Fraction((0, 1, 0, -1)[quarter % 4])
     args = [_ball(a) for a in args]
     table: dict[str, Callable[..., Any]] = {
-        "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b, "inv": lambda a: 1 / a, "neg": lambda a: -a, "sq": lambda a: a * a,
-        "twice": lambda a: 2 * a, "fabs": abs, "fmin": lambda a, b: a.min(b), "fmax": lambda a, b: a.max(b),
-        "sqrt": lambda a: a.sqrt(), "sin": lambda a: a.sin(), "cos": lambda a: a.cos(),
-        "exp": lambda a: a.exp(), "log": lambda a: a.log(), "tanh": lambda a: a.tanh(),
-        "log1p": lambda a: a.log1p(), "assign": lambda a: a, "sign": lambda a: Fraction(sign_of(a)),
-        "constpow": lambda a, b: a ** int(b), "pow": lambda a, b: a**b,
+        "add": lambda a, b: a + b,
+        "sub": lambda a, b: a - b,
+        "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b,
+        "inv": lambda a: 1 / a,
+        "neg": lambda a: -a,
+        "sq": lambda a: a * a,
+        "twice": lambda a: 2 * a,
+        "fabs": abs,
+        "fmin": lambda a, b: a.min(b),
+        "fmax": lambda a, b: a.max(b),
+        "sqrt": lambda a: a.sqrt(),
+        "sin": lambda a: a.sin(),
+        "cos": lambda a: a.cos(),
+        "exp": lambda a: a.exp(),
+        "log": lambda a: a.log(),
+        "tanh": lambda a: a.tanh(),
+        "log1p": lambda a: a.log1p(),
+        "assign": lambda a: a,
+        "sign": lambda a: Fraction(sign_of(a)),
+        "constpow": lambda a, b: a ** int(b),
+        "pow": lambda a, b: a**b,
     }
     if op not in table:
         raise NotImplementedError(f"operation {op} has no exact evaluation")

@@ -1,4 +1,4 @@
-"""Arithmetic of exact algebra: every value is an element of a fraction field, or undefined (None)."""
+"""Arithmetic of exact algebra: values are elements of a fraction field, or undefined (None)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ HUGE = 1e100
 class RingArithmetic:
     """Values of one case; conditions decided by signs, else by ``ask``."""
 
-    def __init__(self, case: Case, names: tuple[str, ...], fixed: Mapping[float, bool], spare: int) -> None:
+    def __init__(
+        self, case: Case, names: tuple[str, ...], fixed: Mapping[float, bool], spare: int
+    ) -> None:
         free = {n: case.declared.get(n, FREE) for n in names}
         self.algebra = Algebra({**case.numbers, **free}, spare)
         chart = {name: self.algebra.by_name[name] for name in case.numbers}
@@ -31,7 +33,11 @@ class RingArithmetic:
     def variable(self, name: str) -> Any:
         """Element of an input."""
         value = self.inputs[name]
-        return self.algebra.number(value) if isinstance(value, int | float) else self.algebra.field(value)
+        return (
+            self.algebra.number(value)
+            if isinstance(value, int | float)
+            else self.algebra.field(value)
+        )
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Element of an operation; None where it is undefined."""
@@ -144,7 +150,9 @@ class RingArithmetic:
             return self.algebra.atom("exp", value, POSITIVE)
         product = self.algebra.number(1)
         for monomial, coefficient in value.numer.items():
-            term = self.algebra.field(value.numer.ring({monomial: scale})) / self.algebra.field(value.denom)
+            term = self.algebra.field(value.numer.ring({monomial: scale})) / self.algebra.field(
+                value.denom
+            )
             product = product * self.algebra.atom("exp", term, POSITIVE) ** int(coefficient / scale)
         return product
 

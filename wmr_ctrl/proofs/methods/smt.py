@@ -42,7 +42,9 @@ class TermArithmetic:
 
     def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
         """Term of a comparison."""
-        return {"lt": left < right, "le": left <= right, "eq": left == right, "ne": left != right}[op]
+        return {"lt": left < right, "le": left <= right, "eq": left == right, "ne": left != right}[
+            op
+        ]
 
     def logic(self, op: str, args: list[Any]) -> Any:
         """Term of a connective."""
@@ -85,7 +87,9 @@ class TermArithmetic:
 
     def _atom(self, function: str, a: Any) -> Any:
         term = z3.simplify(a)
-        return self.atoms.setdefault((function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}"))
+        return self.atoms.setdefault(
+            (function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}")
+        )
 
     def angles(self) -> Mapping[str, tuple[Any, Any]]:
         """(sine, cosine) of every input that is used as an angle by itself."""
@@ -110,7 +114,7 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
     "fmax": lambda a, b: z3.If(a >= b, a, b),
-    "constpow": lambda a, b: a ** b,
+    "constpow": lambda a, b: a**b,
 }
 
 
@@ -121,7 +125,10 @@ def decide(statement: Statement, method: Z3) -> Finding:
     goals = len(statement.goals)
     given = [_relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
     base = given + arithmetic.facts
-    answers = [_ask(base, z3.Not(_relation(k, v)), method) for k, v in zip(statement.goal_kinds, values, strict=False)]
+    answers = [
+        _ask(base, z3.Not(_relation(k, v)), method)
+        for k, v in zip(statement.goal_kinds, values, strict=False)
+    ]
     evidence = {"queries": goals, "z3": " ".join(sorted({str(answer) for answer, _ in answers}))}
     if all(answer == z3.unsat for answer, _ in answers):
         return _unless_vacuous(statement, arithmetic, base, method, evidence)
@@ -132,7 +139,11 @@ def decide(statement: Statement, method: Z3) -> Finding:
 
 
 def _unless_vacuous(
-    statement: Statement, arithmetic: TermArithmetic, base: list[Any], method: Z3, evidence: Mapping[str, Any]
+    statement: Statement,
+    arithmetic: TermArithmetic,
+    base: list[Any],
+    method: Z3,
+    evidence: Mapping[str, Any],
 ) -> Finding:
     answer, model = _ask(base, z3.BoolVal(True), method)
     if answer != z3.sat:
@@ -156,7 +167,10 @@ def _relation(kind: str, value: Any) -> Any:
 
 def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
     """A model as rational points; angles from their sine and cosine."""
-    term = {name: model.eval(variable, model_completion=True) for name, variable in arithmetic.inputs.items()}
+    term = {
+        name: model.eval(variable, model_completion=True)
+        for name, variable in arithmetic.inputs.items()
+    }
     point = {name: _rational(value) for name, value in term.items()}
     for name, (s, c) in arithmetic.angles().items():
         s_value, c_value = (_rational(model.eval(x, model_completion=True)) for x in (s, c))

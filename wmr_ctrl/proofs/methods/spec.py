@@ -67,7 +67,7 @@ class Z3(Method):
 
 @dataclass(frozen=True)
 class Ball(Method):
-    """Interval and ball arithmetic with branch and bound over ``box`` (exact rational bounds per input).
+    """Interval and ball arithmetic with branch and bound over ``box`` (rational bounds per input).
 
     ``float_mode`` encloses what IEEE double arithmetic computes for the same instructions;
     ``cuts_at`` are coordinates where boxes are cut first; ``budget`` bounds the number of boxes.
@@ -124,7 +124,9 @@ def named(method: Method) -> str:
     """Name of a method in the ledger."""
     if isinstance(method, Both):
         return f"{named(method.first)} and {named(method.second)}"
-    return method.NAME + (", rounding included" if isinstance(method, Ball) and method.float_mode else "")
+    return method.NAME + (
+        ", rounding included" if isinstance(method, Ball) and method.float_mode else ""
+    )
 
 
 def trusted(method: Method) -> tuple[str, ...]:

@@ -1,0 +1,66 @@
+"""Kept C text is what the emitter writes, and no trouble with the folder is an error."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.codegen import text_cache
+from wmr_ctrl.codegen.dialect import LANES
+from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+
+
+def example() -> Kernel:
+    x = ca.SX.sym("x", 3)
+    return kernel("example", "An example.", {"x": x}, {"y": ca.sin(x) * x})
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def test_kept_text_is_the_emitters(folder: Path) -> None:
+    assert text_cache.kept_definition(example()) == definition(example())
+    assert text_cache.kept_definition(example()) == definition(example())
+    assert text_cache.kept_definition(example(), LANES) == definition(example(), LANES)
+    assert len(list(folder.rglob("*.c"))) == 2
+
+
+def test_half_a_text_is_written_anew(folder: Path) -> None:
+    text_cache.kept_definition(example())
+    (path,) = folder.rglob("*.c")
+    path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
+
+    assert text_cache.kept_definition(example()) == definition(example())
+
+
+def test_a_folder_that_cannot_be_written_does_not_matter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("", encoding="utf-8")
+    monkeypatch.setattr(text_cache, "cache_dir", lambda: blocked)
+
+    assert text_cache.kept_definition(example()) == definition(example())
+
+
+@pytest.mark.slow
+def test_a_second_process_is_quick(tmp_path: Path) -> None:
+    """First with generation and compilation, then without: processor time, not the clock's."""
+    code = "from wmr_ctrl import simulate; simulate('paper-simulation', 'nn')"
+    environment = {**os.environ, "WMR_CTRL_CACHE": str(tmp_path)}
+    for limit in (15.0, 1.5):
+        before = os.times()
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+        after = os.times()
+        spent = sum(after[2:4]) - sum(before[2:4])
+        assert spent < limit, (spent, time.perf_counter() - began)

@@ -1,0 +1,98 @@
+"""Many runs as one table of arrays: seeds, scenarios or starts side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results import Settings, outcome_of
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.batch import Progress, Task, run_tasks
+from wmr_ctrl.sim.batch_figures import SHAPES, monitor
+from wmr_ctrl.sim.native import Kernels
+
+
+@dataclass(frozen=True)
+class RunTable(Mapping[str, NDArray[Any]]):
+    """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
+
+    Names and units are those of `sim.batch_figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
+    Motions beyond a guard's bounds are not watched here: no outcome is bounds-left.
+    """
+
+    figures: Mapping[str, NDArray[Any]]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.figures[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.figures)
+
+    def __len__(self) -> int:
+        return len(self.figures)
+
+
+def run_many(
+    build: Callable[[Scenario], Kernels],
+    read: Callable[[Scenario], Settings],
+    scenarios: Sequence[Scenario],
+    seeds: Sequence[int],
+    *,
+    starts: Sequence[Sequence[float]] | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """Figures of one run per seed.
+
+    Parameters
+    ----------
+    build
+        Kernels for lanes of a scenario; called once for each different one.
+    read
+        Clocks and windows of a scenario.
+    scenarios
+        One for all runs, or one a run.
+    seeds
+        One a run.
+    starts
+        x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0, one a run; None: the scenario's.
+    jobs, progress
+        As in `sim.batch.run_tasks`; Ctrl-C likewise.
+
+    Raises
+    ------
+    ArgumentError
+        If the numbers of scenarios, seeds and starts do not fit, or there is no run.
+    """
+    count = len(seeds)
+    _check(count, scenarios, starts)
+    listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
+    known = {item: (build(item), read(item)) for item in dict.fromkeys(listed)}
+    tasks = []
+    for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
+        kernels, settings = known[scenario]
+        start = None if starts is None else tuple(float(value) for value in starts[k])
+        tasks.append(Task(kernels, scenario, settings, int(seed), start))
+    figures = run_tasks(tasks, jobs=jobs, progress=progress)
+    outcomes = [outcome_of(monitor({name: figures[name][k] for name in SHAPES})).value
+                for k in range(count)]  # fmt: skip
+    return RunTable({**figures, "outcome": np.array(outcomes), "seed": np.array(seeds)})
+
+
+def _check(
+    count: int, scenarios: Sequence[Scenario], starts: Sequence[Sequence[float]] | None
+) -> None:
+    if count == 0:
+        raise ArgumentError("seeds is empty: name at least one.")
+    if len(scenarios) not in (1, count):
+        raise ArgumentError(
+            f"overrides has {len(scenarios)} entries for {count} seeds; give one for all runs, or "
+            "one a seed."
+        )
+    if starts is not None and (len(starts) != count or any(len(row) != 5 for row in starts)):
+        raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
