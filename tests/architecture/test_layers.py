@@ -36,7 +36,7 @@ THIRD_PARTY = {
     "checks": {"casadi", "numpy"},
     "sim": {"numpy"},
     "proofs": {"casadi", "flint", "numpy", "sympy", "z3"},
-    "linear": {"casadi", "control", "numpy", "scipy"},
+    "linear": {"casadi", "control", "matplotlib", "numpy", "scipy"},
     "fmi": {"fmpy", "jinja2", "numpy"},
     "campaign": {"numpy"},
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},

@@ -59,6 +59,7 @@ def test_every_law_is_stable_on_the_reference_with_its_estimates_held(reports):
         assert report.law in report.table()
 
 
+@pytest.mark.slow
 def test_figures_are_written(reports, tmp_path):
     paths = reports["mb"].plots(tmp_path / "new")
 

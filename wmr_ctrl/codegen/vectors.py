@@ -52,7 +52,8 @@ def _inputs() -> Floats:
         error = draw.normal(size=3) * [spread, spread, min(spread, 1.0)]
         speed = draw.uniform(-0.95, 0.95, 2) * [1.0, 1.5] if k % 3 else np.zeros(2)
         rows.append([*desired, *(np.array(desired[:3]) - error), *speed])
-    return np.round(np.array(rows), 6)
+    rounded: Floats = np.round(np.array(rows, dtype=float), 6)
+    return rounded
 
 
 def _rounded(values: Floats) -> Floats:

@@ -21,7 +21,7 @@ LARGEST = 1e150
 
 def resolvent(c: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX, smooth: bool = False) -> ca.SX:
     """X_k(c) [m/s or rad/s] for k > 0 [m2/s2 or rad2/s2], to full relative accuracy of u1 - |x|."""
-    size = ca.fmin(ca.fabs(c), LARGEST)
+    size = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST)  # fabs has no slope at 0
     delta = u1 - u2
     if smooth:
         far = u2 + _beyond(size, k, u1, u2)

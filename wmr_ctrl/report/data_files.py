@@ -28,7 +28,7 @@ def write_table(path: Path, table: Table) -> None:
         for scenario, law in table.cases
         for statistic in STATISTICS
     )  # fmt: skip
-    _write_csv(path, ("scenario", "law", "seeds", "statistic", *_HEADINGS), rows)
+    write_csv(path, ("scenario", "law", "seeds", "statistic", *_HEADINGS), rows)
 
 
 def write_runs(path: Path, table: Table) -> None:
@@ -37,7 +37,7 @@ def write_runs(path: Path, table: Table) -> None:
         (row.scenario, row.law, row.seed, row.outcome, *(row.values[f.name] for f in FIGURES))
         for row in table
     )
-    _write_csv(path, ("scenario", "law", "seed", "outcome", *_HEADINGS), rows)
+    write_csv(path, ("scenario", "law", "seed", "outcome", *_HEADINGS), rows)
 
 
 def write_claims(
@@ -88,7 +88,8 @@ def _test(test: Measured) -> dict[str, Any]:
     }
 
 
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a header and rows, whole or not at all; None becomes an empty cell."""
     with atomic_write(path, text=True) as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)

@@ -34,33 +34,33 @@ DEFINITIONS = "Definitions"
 
 @lru_cache(maxsize=1)
 def all_claims() -> tuple[Claim, ...]:
-    """Every claim, with its theme; definitions that no claim is about come last."""
+    """Every claim, with its theme; definitions come last."""
     found: list[Claim] = []
     for name, title in THEMES:
         module = import_module(f"wmr_ctrl.proofs.claims.{name}")
         found += [replace(claim, theme=title) for claim in module.CLAIMS]
-    return (*found, *_definitions(found))
+    return (*found, *_definitions())
 
 
 def forget() -> None:
     """Drop graphs that were kept, after a change of the product's functions in memory."""
-    from wmr_ctrl.proofs.claims.network import network_axis
+    from wmr_ctrl.proofs.claims.network_steps import network_axis
 
     network_axis.cache_clear()
 
 
-def _definitions(found: list[Claim]) -> list[Claim]:
-    spoken_for = {number for claim in found for number in claim.equations}
+def _definitions() -> list[Claim]:
+    """One entry for each equation that only gives a name to something."""
     return [
         Claim(
-            f"eq{row.number:02}",
+            f"def{row.number:02}",
             (row.number,),
             PRINTED,
             row.title,
-            row.note,
+            f"{row.note} In the code: {row.home}.".strip(),
             verdict="DEFINITION",
             theme=DEFINITIONS,
         )
         for row in equations()
-        if row.role == "definition" and row.number not in spoken_for
+        if row.role == "definition"
     ]

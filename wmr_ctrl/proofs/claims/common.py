@@ -20,6 +20,7 @@ VELOCITY_NAMES = ("v1", "omega")
 CLOSED_FORM = {SERIES_BELOW: False}
 ALL_LIMITS = "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0, either sign"
 OFF_EDGES = ALL_LIMITS + "; off |v| = v_u2, |v_c0| = v_u2 and |v_c0| = v_u2 + 1/(v_u1 - v_u2)"
+FINITE = "; |v_c0| < 1e100"
 NO_SERIES = (
     "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
 )

@@ -10,7 +10,13 @@ import casadi as ca
 from wmr_ctrl.laws import stable_barrier as stable
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES, BarrierAxis
+from wmr_ctrl.proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    FINITE,
+    NO_SERIES,
+    BarrierAxis,
+)
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
@@ -127,7 +133,7 @@ CLAIMS = (
         OURS,
         "the compiled q times A_i equals v - v_c1",
         "The feed-forward factor is the paper's, with its limit at A = 0.",
-        ALL_LIMITS,
+        ALL_LIMITS + FINITE,
         _q,
         EVERYWHERE,
     ),

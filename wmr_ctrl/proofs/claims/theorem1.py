@@ -2,276 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import casadi as ca
-
-from wmr_ctrl.laws import analysis, theorem1
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
-from wmr_ctrl.proofs.claims.tracking import Tracking
+from wmr_ctrl.proofs.claims import theorem1_steps as steps
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
-
-
-def _positive(*items: ca.SX) -> tuple[Relation, ...]:
-    return tuple(above(item) for item in items)
-
-
-def _start(flip: float) -> Statement:
-    """Eq. (40), with 1 - cos e3 <= e3^2/2 as the only fact about the cosine."""
-    t = Tracking()
-    names = {**t.names, **symbols("l")}
-    e, k2, l = t.e, t.k[1], names["l"]
-    sides = (above(ca.fabs(e[1]), l * ca.fabs(e[0])), above(ca.fabs(e[1]), l * ca.fabs(e[2])))
-    if flip < 0:
-        sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
-    lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
-    goal = above(theorem1.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(names, (goal,), (above(l, 5), above(k2), *sides, lemma))
-
-
-def _growth(flip: float) -> Statement:
-    """Before (42): eps1 < k3 E^2/(4 l^2 k2) < k3 V20/(2 l^2 k2)."""
-    t = symbols("l k2 k3 E V0 eps1 root")
-    l, k2, k3, E, V0, eps1, root = t.values()
-    given = (
-        *_positive(l, k2, k3, E, root),
-        equal(root**2 * k3, k2 * eps1),
-        above(E, 2 * l * root),
-        above(2 * V0, E**2),
-    )
-    return Statement(t, (above(k3 * V0, (1 if flip > 0 else 4) * 2 * l**2 * k2 * eps1),), given)
-
-
-def _window_value(flip: float) -> Statement:
-    """Eq. (42): V0 (1 + k3 T/(2 l^2 k2)) < 1.1 V0 < 0.594 E^2."""
-    t = symbols("l k2 k3 T V0 E")
-    l, k2, k3, T, V0, E = t.values()
-    grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
-    given = (
-        above(l, 5),
-        at_least(k2, 1),
-        *_positive(k3, T, V0, E),
-        above(1, 5 * T),
-        above(1, k3 / (k2 * l**2)),
-        above(theorem1.start_bound(l, k2, E), V0),
-    )
-    limit = 594 if flip > 0 else 500
-    return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
-
-
-def _side_bound(flip: float, index: int = 1) -> Statement:
-    """Eqs. (43), (44): e_i^2 <= 2 V2 < 1.188 E^2 < 1.21 E^2."""
-    t = Tracking()
-    names = {**t.names, **symbols("E")}
-    value = analysis.position_lyapunov(t.e, t.k[1])
-    given = (*_positive(t.k[1], names["E"]), above(594 * names["E"] ** 2, 1000 * value))
-    limit = 1.21 if flip > 0 else 1.0
-    return Statement(names, (above(121 * names["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
-
-
-def _angle_rate(flip: float) -> Statement:
-    """The integrand of Eq. (45)."""
-    t = Tracking()
-    k, e = t.k, t.e
-    written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - flip * t.z[1]
-    return Statement(t.names, (equal(t.rate[2], written),))
-
-
-def _angle_grows(flip: float) -> Statement:
-    """Eq. (46) pointwise: sgn(e3) e3' <= |-k2 v1d e2 - z2| while e3 sin e3 >= 0."""
-    t = Tracking()
-    k, e = t.k, t.e
-    push = ca.fabs(-k[1] * t.v_d[0] * e[1] - flip * t.z[1])
-    given = (above(k[2]), at_least(e[2] * ca.sin(e[2])))
-    return Statement(t.names, (at_least(push * ca.fabs(e[2]), e[2] * t.rate[2]),), given)
-
-
-def _angle_bound(flip: float) -> Statement:
-    """Eq. (47): |e3(t0)| + (k2 v1dmax 1.1 E + |z2|) T, T of the window."""
-    t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
-    l, k2, k3, low, high, E, e3, z2 = t.values()
-    T = theorem1.window(l, k2, low)
-    start = 10 * ca.fabs(e3) + (11 * k2 * high * E + 10 * ca.fabs(z2)) * T
-    given = (
-        above(l, 5),
-        *_positive(k2, k3, low, E),
-        at_least(high, low),
-        above(1, 5 * T),
-        at_least(E, l * ca.fabs(e3)),
-        at_least(k3 * E, l * ca.fabs(z2)),
-    )
-    share = 10 if flip > 0 else 5
-    return Statement(
-        t, (at_least(share * theorem1.angle_bound(l, k3, low, high, E), start),), given
-    )
-
-
-def _side_rate(flip: float) -> Statement:
-    """Eq. (48) pointwise: |e2'| <= |e1| |v2| + v1d |e3|, with |sin e3| <= |e3|."""
-    t = Tracking()
-    e, v2 = t.e, t.followed[1]
-    given = (above(t.v_d[0]), at_least(ca.fabs(e[2]), ca.fabs(ca.sin(e[2]))))
-    bound = ca.fabs(e[0]) * ca.fabs(v2) + flip * t.v_d[0] * ca.fabs(e[2])
-    return Statement(t.names, (at_least(bound, ca.fabs(t.rate[1])),), given)
-
-
-def _conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
-    gains = ca.vertcat(1, names["k2"], names["k3"])
-    return theorem1.conditions(
-        names["l"], gains, names["v1dmin"], names["v1dmax"], names["v2max"], printed
-    )
-
-
-def _side_stays(flip: float) -> Statement:
-    """Eq. (49): E - (1.1 E v2max + v1dmax angle bound) T > 0.8 E by the fifth condition."""
-    t = symbols("l k2 k3 v1dmin v1dmax v2max E")
-    l, k2, k3, low, high, v2, E = t.values()
-    T = theorem1.window(l, k2, low)
-    lost = (11 * v2 * E + 10 * high * theorem1.angle_bound(l, k3, low, high, E)) * T
-    given = (*_positive(l, k2, k3, low, high, v2, E), above(_conditions(t)[4]))
-    kept = 8 if flip > 0 else 9.5
-    return Statement(t, (above(10 * E - lost, kept * E),), given)
-
-
-def _angle_falls(flip: float) -> Statement:
-    """Eq. (50): e3' < -0.8 k2 v1d E + k3 (|sin e3| + E/l), e2 > 0.8 E."""
-    t = Tracking()
-    names = {**t.names, **symbols("l E")}
-    l, E = names["l"], names["E"]
-    given = (
-        *_positive(l, E, t.k[1], t.k[2], t.v_d[0]),
-        above(5 * t.e[1], 4 * E),
-        above(t.k[2] * E, l * ca.fabs(t.z[1])),
-    )
-    bound = theorem1.angle_rate_bound(l, t.k, t.v_d[0], flip * ca.fabs(ca.sin(t.e[2])), E)
-    return Statement(names, (above(bound, 5 * t.rate[2]),), given)
-
-
-def _angle_speed(flip: float) -> Statement:
-    """Eq. (51): the bound of (50) is below -0.5 k2 v1dmin E, by the fourth and sixth condition."""
-    t = symbols("l k2 k3 v1dmin v1dmax v2max E v1d sine")
-    l, k2, k3, low, high, _, E, v1d, sine = t.values()
-    six = _conditions(t)
-    given = (
-        *_positive(l, k2, k3, low, E, six[3], six[5]),
-        at_least(v1d, low),
-        at_least(high, v1d),
-        at_least(theorem1.angle_bound(l, k3, low, high, E), sine),
-        at_least(sine),
-    )
-    gains = ca.vertcat(1, k2, k3)
-    bound = theorem1.angle_rate_bound(l, gains, v1d, sine, E)
-    speed = 2.5 if flip > 0 else 3.5
-    return Statement(t, (above(-speed * k2 * low * E, bound),), given)
-
-
-def _printed_share(_: float) -> Statement:
-    """Eq. (51) as printed against what (47) gives."""
-    t = symbols("k2 k3 v1dmin v1dmax")
-    k2, k3, low, high = t.values()
-    pair = [theorem1.angle_share(k2, k3, low, high, printed) for printed in (False, True)]
-    return Statement(t, (equal(*pair),), _positive(k2, k3, low, high))
-
-
-def _share(flip: float) -> Statement:
-    """k3 (|sin e3| + E/l) with (47) is k2 v1dmin E times the share of (51) without a further k2."""
-    t = symbols("l k2 k3 v1dmin v1dmax E")
-    l, k2, k3, low, high, E = t.values()
-    share = theorem1.angle_share(k2, k3, low, high, printed=flip < 0)
-    left = k3 * theorem1.angle_bound(l, k3, low, high, E)
-    return Statement(t, (equal(left, k2 * low * E * (k3 / (l * k2 * low) * share)),))
-
-
-def _rise(flip: float) -> Statement:
-    """Eq. (52): V2' < eps1 wherever (39) holds."""
-    t = Tracking()
-    names = {**t.names, **symbols("eps1")}
-    given = _positive(*(t.k[i] for i in range(3)))
-    bound = analysis.position_rate_bound(t.e, t.z, flip * t.k)
-    return Statement(names, (at_least(names["eps1"], bound + names["eps1"]),), given)
-
-
-def _angle_end(flip: float) -> Statement:
-    """Eq. (53), and (54) mirrored: from 3 T/5 on, |e3| has passed 4 (root + |z2|/(2 k3))."""
-    t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
-    l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
-    T = theorem1.window(l, k2, low)
-    given = (
-        *_positive(l, k2, k3, low, E, eps0),
-        at_least(root),
-        equal(side**2, 1),
-        at_least(eps0, ca.fabs(z2)),
-        at_least(E, l * ca.fabs(e3)),
-        above(E, 2 * l * (root + eps0 / (2 * k3)) * (1 if flip > 0 else 0.25)),
-    )
-    moved = side * e3 - 3 * T * k2 * low * E / 10
-    end = theorem1.angle_after(l, side * e3, E)
-    passed = above(-4 * (root + ca.fabs(z2) / (2 * k3)), end)
-    return Statement(t, (equal(moved, end), at_least(-2 * E, l * end), passed), given)
-
-
-def _fast_fall(flip: float, repaired: bool) -> Statement:
-    """Eq. (55): |e3| >= 4 x gives -(k3/k2)(sin e3 + z2/(2 k3))^2 + eps1 < -3 eps1."""
-    t = Tracking()
-    names = {**t.names, **symbols("root eps1 x")}
-    e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
-    root, eps1, x = (names[n] for n in ("root", "eps1", "x"))
-    given: Sequence[Relation] = (
-        *_positive(k2, k3, eps1, root),
-        equal(root**2 * k3, k2 * eps1),
-        equal(x, root + ca.fabs(z2) / (2 * k3)),
-        above(-4 * x, flip * e3),
-        above(11, 14 * x),
-        above(22, -7 * e3),
-        above(22, 7 * e3),
-    )
-    if repaired:
-        given = (
-            *given,
-            at_least(11 * ca.fabs(ca.sin(e3)), 7 * ca.fabs(e3)),
-            at_least(e3 * ca.sin(e3)),
-        )
-    bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    share = 3 if flip > 0 else 40
-    return Statement(names, (above(-share * eps1, bound + eps1),), tuple(given))
-
-
-def _mean(flip: float) -> Statement:
-    t = symbols("T eps1")
-    return Statement(
-        t, (equal(theorem1.mean_rise(t["T"], t["eps1"]), -3 * flip * t["T"] * t["eps1"]),)
-    )
-
-
-def _condition_set(printed: bool, least: int, flip: float) -> Statement:
-    """All six hold for every l > least with the paper's gains."""
-    t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    six = _conditions(t, printed)
-    start = above(t["l"], least if flip > 0 else least - 1)
-    return Statement(t, tuple(above(six[i]) for i in range(6)), (*_paper_gains(t), start))
-
-
-def _at_256(_: float) -> Statement:
-    t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    six = _conditions(t)
-    return Statement(
-        t, tuple(above(six[i]) for i in range(6)), (*_paper_gains(t), equal(t["l"], 256))
-    )
-
-
-def _paper_gains(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
-    exact = (("k2", 1, 5), ("k3", 1, 4), ("v1dmin", 5, 1), ("v1dmax", 5, 1), ("v2max", 2, 3))
-    return tuple(equal(a * t[name], b) for name, a, b in exact)
-
 
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2": 1, "k3": 1}
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
-
 CLAIMS = (
     Claim(
         "eq40",
@@ -281,7 +21,7 @@ CLAIMS = (
         "(the text prints |e2| < l |e1|)",
         "When only the sideways error is left, it alone decides.",
         "l > 5, k2 > 0; 1 - cos t <= t^2/2",
-        _start,
+        steps.start,
         Z3(points=(SIDE_POINT,)),
         uses=("lemma.sine",),
     ),
@@ -292,7 +32,7 @@ CLAIMS = (
         "the same for |e2| < l |e1|",
         "With the printed inequality the bound is false: the error ahead may be the larger one.",
         "l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
-        lambda s: _start(-s),
+        lambda s: steps.start(-s),
         Refute((SIDE_POINT,)),
     ),
     Claim(
@@ -312,7 +52,7 @@ CLAIMS = (
         "eps1 < k3 V2(t0)/(2 l^2 k2)",
         "The unwanted growth is small against the value.",
         "|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2",
-        _growth,
+        steps.growth,
         Z3(),
     ),
     Claim(
@@ -322,11 +62,18 @@ CLAIMS = (
         "V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2",
         "Over the window the error hardly grows.",
         "l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5",
-        _window_value,
+        steps.window_value,
         Z3(),
     ),
     Claim(
-        "eq43", (43,), PRINTED, "|e2| < 1.1 |e2(t0)|", "", "V2 < 0.594 e2(t0)^2", _side_bound, Z3()
+        "eq43",
+        (43,),
+        PRINTED,
+        "|e2| < 1.1 |e2(t0)|",
+        "",
+        "V2 < 0.594 e2(t0)^2",
+        steps.side_bound,
+        Z3(),
     ),
     Claim(
         "eq44",
@@ -335,7 +82,7 @@ CLAIMS = (
         "|e1| < 1.1 |e2(t0)|",
         "",
         "V2 < 0.594 e2(t0)^2",
-        lambda s: _side_bound(s, 0),
+        lambda s: steps.side_bound(s, 0),
         Z3(),
     ),
     Claim(
@@ -345,7 +92,7 @@ CLAIMS = (
         "e3' = -k2 v1d e2 - k3 sin e3 + z2",
         "The sign of z2 is wrong; harmless, because only |z2| is used afterwards.",
         "any",
-        lambda s: _angle_rate(-s),
+        lambda s: steps.angle_rate(-s),
         Ring(GAINS),
     ),
     Claim(
@@ -355,7 +102,7 @@ CLAIMS = (
         "e3' = -k2 v1d e2 - k3 sin e3 - z2",
         "A sideways error turns the robot.",
         "any",
-        _angle_rate,
+        steps.angle_rate,
         Ring(GAINS),
     ),
     Claim(
@@ -365,7 +112,7 @@ CLAIMS = (
         "sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant",
         "The sine term only helps, as long as the robot does not face backwards.",
         "|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
-        _angle_grows,
+        steps.angle_grows,
         Z3(points=(PUSHED,)),
         uses=("lemma.integration",),
     ),
@@ -377,7 +124,7 @@ CLAIMS = (
         "k3/(5 l))",
         "The angle stays small over the window.",
         "T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l",
-        _angle_bound,
+        steps.angle_bound,
         Z3(),
         uses=("eq43", "eq46"),
     ),
@@ -388,7 +135,7 @@ CLAIMS = (
         "|e2'| <= |e1| |v2| + v1d |e3| at every instant",
         "",
         "|sin t| <= |t|",
-        _side_rate,
+        steps.side_rate,
         Z3(),
         uses=("lemma.sine", "lemma.integration"),
     ),
@@ -399,7 +146,7 @@ CLAIMS = (
         "|e2| > 0.8 |e2(t0)|",
         "The sideways error cannot vanish within the window, so it keeps turning the robot.",
         FIVE,
-        _side_stays,
+        steps.side_stays,
         Z3(),
         uses=("eq44", "eq47", "eq48"),
     ),
@@ -410,7 +157,7 @@ CLAIMS = (
         "e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)",
         "",
         "e2 > 0.8 |e2(t0)|, |z2| < k3 |e2(t0)|/l",
-        _angle_falls,
+        steps.angle_falls,
         Z3(),
         uses=("eq49",),
     ),
@@ -423,7 +170,7 @@ CLAIMS = (
         "256 with the paper's "
         "gains). The text at hand may have lost a fraction bar.",
         "k2, k3, v1dmin, v1dmax > 0",
-        _printed_share,
+        steps.printed_share,
         Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)),
     ),
     Claim(
@@ -433,7 +180,7 @@ CLAIMS = (
         "the share in (51) is 1 + 11 v1dmax/v1dmin + k3/5",
         "What (47) gives.",
         "any",
-        _share,
+        steps.share,
         Ring(),
     ),
     Claim(
@@ -443,7 +190,7 @@ CLAIMS = (
         "e3' < -0.5 k2 v1dmin |e2(t0)|",
         "The robot turns towards the path at a guaranteed speed.",
         "fourth and sixth condition on l, the latter corrected",
-        _angle_speed,
+        steps.angle_speed,
         Z3(),
         uses=("eq47", "eq50"),
     ),
@@ -454,7 +201,7 @@ CLAIMS = (
         "V2' < eps1",
         "",
         "(39)",
-        _rise,
+        steps.rise,
         Z3(points=(at(e1=1, e2=0, e3=1, z1=0, z2=0, k1=1, k2=1, k3=1, eps1=1),)),
         uses=("eq39",),
     ),
@@ -466,7 +213,7 @@ CLAIMS = (
         "mirrored for e2 < 0 (s = -1)",
         "By then the robot points clearly towards the path.",
         "|e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0",
-        _angle_end,
+        steps.angle_end,
         Z3(),
         uses=("eq51",),
     ),
@@ -477,7 +224,7 @@ CLAIMS = (
         "|e3| > 4 x gives V2' < -3 eps1, x < pi/4 being all that is asked",
         "With x = 0.78 the angle may be 3.12, almost backwards, where the sine is 0.02.",
         "x = sqrt(k2 eps1/k3) + |z2|/(2 k3) < 11/14 (just above pi/4), |e3| < 22/7",
-        lambda s: _fast_fall(s, False),
+        lambda s: steps.fast_fall(s, False),
         Refute((at(e3="-78001/25000", x="39/50", root="39/50", eps1="1521/2500", **LATE),)),
     ),
     Claim(
@@ -488,7 +235,7 @@ CLAIMS = (
         "4 x < pi/2",
         "The step needs an angle below a quarter turn and a velocity error half as large.",
         "|e3| <= pi/2, x < pi/8; |sin t| >= (2/pi)|t| > (7/11)|t|",
-        lambda s: _fast_fall(s, True),
+        lambda s: steps.fast_fall(s, True),
         Z3(),
         uses=("lemma.sine",),
     ),
@@ -499,7 +246,7 @@ CLAIMS = (
         "(3/5) T eps1 - (2/5) T 3 eps1 = -(3/5) T eps1",
         "On average over the window the error falls.",
         "any",
-        _mean,
+        steps.mean,
         Ring(),
     ),
     Claim(
@@ -511,7 +258,7 @@ CLAIMS = (
         "The theorem asks that the sideways error be more than 256 times the others before "
         "it says anything.",
         "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        lambda s: _condition_set(False, 256, s),
+        lambda s: steps.condition_set(False, 256, s),
         Z3(),
     ),
     Claim(
@@ -524,7 +271,7 @@ CLAIMS = (
         "hides this. A "
         "least real l, which the paper takes, does not exist.",
         "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        _at_256,
+        steps.at_256,
         Z3(),
     ),
     Claim(
@@ -534,7 +281,7 @@ CLAIMS = (
         "with the sixth condition as printed they hold for every l > 1136",
         "The further k2 makes the theorem more than four times weaker.",
         "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        lambda s: _condition_set(True, 1136, s),
+        lambda s: steps.condition_set(True, 1136, s),
         Z3(),
     ),
 )

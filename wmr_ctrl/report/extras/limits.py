@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 
 from matplotlib.figure import Figure
@@ -43,9 +44,13 @@ def _draw(figure: Figure, table: Table) -> None:
     axes.axvline(1, color=LIMIT, lw=1.0)
     axes.axvspan(1, axes.get_xlim()[1], color=LIMIT, alpha=0.08, lw=0)
     heading(figure, "How near to the velocity limit, or how far beyond it")
-    legend_row(figure, [_handle(law) for law in table.laws])
+    legend_row(figure, law_marks(table.laws))
 
 
-def _handle(law: str) -> Line2D:
-    seen = look(law)
-    return Line2D([], [], ls="", marker=seen.marker, color=seen.colour, ms=4, label=seen.label)
+def law_marks(laws: Iterable[str]) -> list[Line2D]:
+    """One mark per law, as legends of dots want them."""
+    seen = [look(law) for law in laws]
+    return [
+        Line2D([], [], ls="", marker=one.marker, color=one.colour, ms=4, label=one.label)
+        for one in seen
+    ]
