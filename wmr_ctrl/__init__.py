@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         reproduce,
         simulate,
         simulate_many,
+        simulate_runs,
     )
 
 __version__ = "0.1.0"
@@ -41,6 +42,7 @@ __all__ = [
     "reproduce",
     "simulate",
     "simulate_many",
+    "simulate_runs",
 ]
 
 

@@ -10,28 +10,25 @@ True
 
 from __future__ import annotations
 
-import hashlib
 import os
-import platform
 import sys
-import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.results import Monitor, Run, Settings, first_beyond, outcome_of
-from wmr_ctrl.scenario import Scenario, load_scenario, override, to_toml
-from wmr_ctrl.signals import LOG_HEAD, Signal
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.sim.finish import finished, settings_of, versions
+
+if TYPE_CHECKING:
+    from wmr_ctrl.sim.many import RunTable
 
 ENGINES = ("native", "numpy")
-
-START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
-"""A sample near the paper's start: reference, pose, velocity."""
 
 Progress = Callable[[float], None]
 
@@ -96,7 +93,7 @@ def simulate(
     raise UnknownNameError("engine", engine, ENGINES)
 
 
-def simulate_many(
+def simulate_runs(
     scenario: str | Path | Scenario,
     law: str = "nn",
     seeds: Iterable[int] = range(20),
@@ -106,12 +103,14 @@ def simulate_many(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[Run]:
-    """Run ``law`` once per seed, in parallel; the same bits for any number of ``jobs``.
+    """One whole Run per seed, in parallel; the same bits for any number of ``jobs``.
+
+    `simulate_many` gives figures only, and is several times faster.
 
     ``jobs`` is the number of threads (default: one per processor); ``progress`` is called with the
     share that is done.  Errors as in `simulate`.
 
-    >>> runs = simulate_many("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
+    >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
@@ -130,6 +129,40 @@ def simulate_many(
     return runs
 
 
+def simulate_many(
+    scenario: str | Path | Scenario,
+    law: str = "nn",
+    seeds: Iterable[int] = range(20),
+    overrides: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
+    *,
+    guard: bool | None = None,
+    starts: Any = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """Figures of one run per seed as arrays, several robots at a time on each core.
+
+    ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0.
+    Ctrl-C ends all threads within a sample.  Errors as in `simulate`.
+
+    >>> found = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
+    >>> found["violations"]
+    array([0., 0., 0.])
+    """
+    from wmr_ctrl.codegen.lanes import build_batch
+    from wmr_ctrl.sim.many import run_many
+
+    listed = list(seeds)
+    for seed in listed:
+        _check_seed(seed)
+    each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
+    given = [scenario_of(scenario, item, guard) for item in each]
+    return run_many(
+        partial(build_batch, law=law), settings_of, given, listed,
+        starts=starts, jobs=jobs, progress=progress,
+    )  # fmt: skip
+
+
 def reproduce(
     out: str | Path = "reproduction",
     *,
@@ -137,14 +170,19 @@ def reproduce(
     quick: bool = False,
     jobs: int | None = None,
     progress: Any = None,
+    with_ours: bool = False,
 ) -> Any:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
-    ``quick`` takes 3 seeds.  Returns the verdicts; ``.as_expected`` tells whether they are the
-    committed ones.  ``progress`` has ``start(total, text)``, ``advance(n)`` and ``done()``.
+    ``quick`` takes 3 seeds; ``with_ours`` adds the comparison of all laws, ours too, with and
+    without the guard (about a minute more), a section of the report and ours.csv.  ``progress``
+    has ``start(total, text)``, ``advance(n)`` and ``done()``.  Returns the verdicts;
+    ``.as_expected`` tells whether they are the committed ones.
     """
+    from wmr_ctrl.campaign import PAPER_LAWS
     from wmr_ctrl.report.reproduce import reproduce as write_report
     from wmr_ctrl.scenario import preset_names
+    from wmr_ctrl.sim.timing import seconds_of
 
     engines: dict[tuple[str, str], Callable[[int], Run]] = {}
 
@@ -157,9 +195,10 @@ def reproduce(
     titles = {row["name"]: row["title"] for row in law_table()}
     facts = {
         "titles": titles,
-        "timings": evaluation_times(),
+        "timings": {law: seconds_of(compile_law(law)) for law in PAPER_LAWS},
         "versions": versions(),
         "presets": preset_names(),
+        "stale": None if quick else _stale_proofs(),
     }
     return write_report(
         run,
@@ -170,7 +209,21 @@ def reproduce(
         out=Path(out),
         progress=progress,
         facts=facts,
+        compare=_compare_ours if with_ours else None,
     )
+
+
+def _compare_ours(jobs: int | None, progress: Any) -> Any:
+    """Run the comparison past the paper; its rows."""
+    from wmr_ctrl.campaign.ours import our_plan
+    from wmr_ctrl.campaign.ours_cases import run_ours
+
+    def build(
+        scenario: str, law: str, guard: bool, changed: Mapping[str, Any]
+    ) -> Callable[[int], Run]:
+        return _prepared(scenario_of(scenario, changed, guard), law)
+
+    return run_ours(build, our_plan(), jobs, progress)
 
 
 def export_fmu(what: str, **options: Any) -> list[Path]:
@@ -228,19 +281,16 @@ def _benchmarks() -> Any:
         return import_module("benchmarks.bench")
 
 
-def evaluation_times(
-    laws: Iterable[str] = ("pid", "smc", "mb", "nn"), count: int = 10_000
-) -> dict[str, float]:
-    """Seconds that ``count`` evaluations of each law take, called one by one from Python."""
-    found = {}
-    for law in laws:
-        compiled = compile_law(law)
-        compiled.u[:] = START_SAMPLE
-        begin = time.perf_counter()
-        for _ in range(count):
-            compiled.step()
-        found[law] = time.perf_counter() - begin
-    return found
+def _stale_proofs() -> list[str] | None:
+    """Ledger entries whose graph has changed since; None without the proving packages."""
+    from wmr_ctrl.proofs.ledger import load, stale
+
+    try:
+        from wmr_ctrl.proofs.runner import hashes
+
+        return stale(hashes(), load())
+    except ImportError:
+        return None
 
 
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> Any:
@@ -271,14 +321,16 @@ def law_table() -> list[dict[str, str]]:
 def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
     """The compiled loop of ``law`` on ``scenario`` as a function of the seed."""
     from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.laws.guard_bounds import assumed
     from wmr_ctrl.sim.native import columns_of, run_native
 
-    kernels = build_loop(scenario, law)
+    kernels, bounds = build_loop(scenario, law), assumed(scenario, law)
     signals, facts = columns_of(kernels.manifest), {"kernel_hash": kernels.digest}
 
     def engine(seed: int) -> Run:
         columns, monitor = run_native(kernels, scenario, seed)
-        return run_of(scenario, law, seed, "native", (signals, columns, monitor), facts)
+        found = (signals, columns, monitor)
+        return finished(scenario, law, seed, "native", found, facts, bounds)
 
     return engine
 
@@ -286,6 +338,7 @@ def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
     from wmr_ctrl.laws.controller import controller
     from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+    from wmr_ctrl.laws.guard_bounds import assumed
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 
@@ -293,71 +346,9 @@ def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress 
     gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    return run_of(
-        scenario, law, seed, "numpy", (signals, columns, Monitor(**numbers)), {"kernel_hash": ""}
-    )
-
-
-def run_of(
-    scenario: Scenario,
-    law: str,
-    seed: int,
-    engine: str,
-    found: tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor],
-    facts: Mapping[str, str],
-) -> Run:
-    """The Run of what an engine found, with its provenance."""
-    signals, columns, seen = found
-    monitor = _with_bounds(scenario, law, columns, seen)
-    return Run(
-        scenario.name, law, scenario.guard.enabled, seed, engine, settings_of(scenario), signals,
-        columns, monitor, outcome_of(monitor), {**provenance(scenario), **facts},
-    )  # fmt: skip
-
-
-def _with_bounds(
-    scenario: Scenario, law: str, columns: Mapping[str, np.ndarray], monitor: Monitor
-) -> Monitor:
-    """The monitor with the first motion that contradicts the guard's bounds, if the guard is on."""
-    if not scenario.guard.enabled:
-        return monitor
-    from wmr_ctrl.laws.guard_bounds import settled_guard, torque_limit
-
-    guard = settled_guard(scenario, torque_limit(scenario, law))
-    mass, u1, period = guard.M_max or (0.0, 0.0), scenario.limits.v_u1, scenario.clock.control
-    largest = (mass[0] * u1[0] / period, mass[1] * u1[1] / period)
-    return replace(monitor, bounds_left=first_beyond(columns, guard.dbar or (0.0, 0.0), largest))
-
-
-def settings_of(scenario: Scenario) -> Settings:
-    """Clocks, limits and windows of a scenario."""
-    clock, metrics = scenario.clock, scenario.metrics
-    split = clock.duration / 2 if metrics.split is None else metrics.split
-    return Settings(
-        clock.control, clock.plant, clock.duration, scenario.limits.v_u1, split, metrics.rms_from
-    )
-
-
-def provenance(scenario: Scenario) -> dict[str, str]:
-    """What made a run: versions, the scenario as TOML and its hash."""
-    text = to_toml(scenario, comments=False)
-    return {
-        **versions(),
-        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
-        "scenario_toml": text,
-    }
-
-
-def versions() -> dict[str, str]:
-    """Versions of what computes."""
-    from wmr_ctrl import __version__
-
-    return {
-        "version": __version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "machine": platform.machine(),
-    }
+    found = (signals, columns, Monitor(**numbers))
+    facts = {"kernel_hash": ""}
+    return finished(scenario, law, seed, "numpy", found, facts, assumed(scenario, law))
 
 
 def _check_seed(seed: int) -> None:

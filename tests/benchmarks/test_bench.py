@@ -1,4 +1,4 @@
-"""What ``wmr-ctrl bench`` reports: the ratios' names, medians of rounds, a table; and the limits."""
+"""What ``wmr-ctrl bench`` reports: ratios by name, medians of rounds, a table; and the limits."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.laws.guard_bounds import usable_speed
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
@@ -57,7 +57,7 @@ def test_every_option_means_the_same_in_both_engines(changed: dict[str, object])
 @every_law
 @pytest.mark.parametrize("scenario", ["safe-simulation", "safe-experiment"])
 def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
-    for run in simulate_many(scenario, law, range(3)):
+    for run in simulate_runs(scenario, law, range(3)):
         assert run.outcome == "completed"
         assert run.guard
 

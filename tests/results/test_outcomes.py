@@ -15,7 +15,10 @@ LOST = Monitor((2.0, math.nan), 80, (0.01, 1), (0.375, 1), "non-finite")
 
 LEFT = Monitor((0.9, 1.2), bounds_left=(2.5, 2))
 
+FAILED = Monitor((0.9, 1.2), failure="plant.fmu (plant) refused the step at t = 0.5 s.")
+
 CASES = [
+    (FAILED, "failed"),
     (KEPT, "completed"),
     (LEFT, "bounds-left"),
     (BROKEN, "limit-violated"),
@@ -68,6 +71,7 @@ def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> Non
     ("monitor", "parts"),
     [
         (KEPT, ["completed", "0.9 m/s", "1.2 rad/s"]),
+        (FAILED, ["ended early", "plant.fmu", "t = 0.5 s"]),
         (LEFT, ["angular velocity omega", "t = 2.5 s", "guard.dbar"]),
         (BROKEN, ["linear velocity v1", "t = 0.0125 s", "12 plant steps", "guard"]),
         (DIVERGED, ["angular velocity omega", "t = 0.375 s", "1000 rad/s", "clock.control"]),

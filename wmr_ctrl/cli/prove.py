@@ -12,7 +12,7 @@ from wmr_ctrl.cli.progress import Progress
 
 @click.command(
     short_help="Check the paper's equations by machine.",
-    epilog=examples("wmr-ctrl prove", "wmr-ctrl prove --only eq25-printed --json entry.json"),
+    epilog=examples("wmr-ctrl prove", "wmr-ctrl prove --only eq25.printed --json entry.json"),
 )
 @click.option("--only", multiple=True, metavar="ID", help="Only this entry. May be repeated.")
 @click.option("--json", "file", metavar="FILE", help="Also write all entries to FILE (.json).")

@@ -212,3 +212,13 @@ def _check_wheels(
         f"{most:g} N. It holds from tau_max >= {need * r / 2:.4g} N m on (now {tau_max:g}), or "
         f"with guard.{name} scaled by {most / need:.3g}."
     )
+
+
+def assumed(scenario: Scenario, law: str) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """What the guard assumes of the motion: largest disturbance and force [N, N m]; None if off."""
+    if not scenario.guard.enabled:
+        return None
+    guard = settled_guard(scenario, torque_limit(scenario, law))
+    mass, u1, period = guard.M_max or (0.0, 0.0), scenario.limits.v_u1, scenario.clock.control
+    largest = (mass[0] * u1[0] / period, mass[1] * u1[1] / period)
+    return guard.dbar or (0.0, 0.0), largest

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -23,7 +24,7 @@ def run_prove(
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
         json_file.write_text(ledger.to_json() + "\n", encoding="utf-8")
-    print("\n".join(summary(ledger, committed, complete=not asked)))
+    sys.stdout.write("\n".join(summary(ledger, committed, complete=not asked)) + "\n")
     return exit_code(ledger, committed, complete=not asked)
 
 

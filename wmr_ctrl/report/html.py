@@ -16,6 +16,7 @@ from wmr_ctrl.report.claims import Judged, Verdict
 from wmr_ctrl.report.claims.judge import RULE
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.extras import HIDDEN, STRESS
+from wmr_ctrl.report.ledger_section import ledger_section
 from wmr_ctrl.report.tables import scenario_table, stress_table, times_table
 from wmr_ctrl.report.wording import shown
 from wmr_ctrl.results import atomic_write
@@ -34,7 +35,10 @@ _SIGNS = {Verdict.HOLDS: "✓", Verdict.IN_PART: "◐", Verdict.FAILS: "✗"}
 
 @dataclass(frozen=True)
 class Page:
-    """All that goes into the report: what was found, the figures, and facts from the caller."""
+    """All that goes into the report: what was found, the figures, and facts from the caller.
+
+    ``ours`` is the content of the section past the paper, if there is one.
+    """
 
     campaign: Campaign
     judged: Sequence[Judged]
@@ -42,6 +46,7 @@ class Page:
     figures: Path
     readings: Sequence[Mapping[str, Any]]
     facts: Mapping[str, Any]
+    ours: Mapping[str, Any] | None = None
 
 
 def write_report(path: Path, page: Page) -> None:
@@ -81,6 +86,8 @@ def _content(page: Page) -> dict[str, Any]:
         "titles": facts.get("titles", {}),
         "versions": facts.get("versions", {}),
         "scenarios": _scenarios(page.campaign),
+        "ours": page.ours,
+        "ledger": ledger_section(facts.get("stale")),
     }
 
 

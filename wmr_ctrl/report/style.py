@@ -38,8 +38,9 @@ _LOOKS = {
     "smc": Look("SMC", "#00956D", DASHED, "s"),
     "mb": Look("MB", "#1F77C9", "-", "D"),
     "nn": Look("NN", "#5B0E3B", "-", "o"),
+    "prox": Look("prox", "#D6336C", DOTTED, "v"),
 }
-"""The paper's laws, from light to dark, so that they stay apart without colour."""
+"""The paper's laws, from light to dark, so that they stay apart without colour; and ours."""
 
 _SPARE = (("#7F7F7F", DOTTED, "v"), ("#B0408F", DASHED, "P"), ("#4C4C9D", DASH_DOT, "X"))
 

@@ -25,6 +25,7 @@ class Monitor:
     strictly beyond a limit; ``first_violation``: time [s] and axis of the first of them;
     ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
     ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit.
+    ``failure``: what else ended the run early, such as an FMU that refused a step.
     Raises ArgumentError where the fields contradict one another.
     """
 
@@ -34,6 +35,7 @@ class Monitor:
     stopped: Event | None = None
     stop_reason: str = ""
     bounds_left: Event | None = None
+    failure: str = ""
 
     def __post_init__(self) -> None:
         linear, angular = self.max_abs_v

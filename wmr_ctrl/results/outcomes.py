@@ -18,6 +18,7 @@ class Outcome(StrEnum):
     LIMIT_VIOLATED = "limit-violated"
     DIVERGED = "diverged"
     NON_FINITE = "non-finite"
+    FAILED = "failed"
 
     def sentence(self, monitor: Monitor, guard: bool = False) -> str:
         """What happened, when [s], on which axis, and the remedy, for the run that was watched.
@@ -33,6 +34,7 @@ class Outcome(StrEnum):
             bound=f"{DIVERGENCE:g}",
             steps=_steps(monitor.violations),
             extremes=_extremes(monitor.max_abs_v),
+            failure=monitor.failure,
         )
 
 
@@ -59,6 +61,7 @@ _SENTENCES = {
         "The run ended early because of the {stop}: it was no longer a finite number. Shorten "
         "clock.control and clock.plant, and look for gains or torques that overflow."
     ),
+    Outcome.FAILED: "The run ended early: {failure}",
 }
 
 _GUARDED = (
@@ -72,8 +75,10 @@ _GUARDED = (
 def outcome_of(monitor: Monitor) -> Outcome:
     """The gravest thing that the monitor saw.
 
-    In this order: non-finite, diverged, limit-violated, bounds-left, completed.
+    In this order: failed, non-finite, diverged, limit-violated, bounds-left, completed.
     """
+    if monitor.failure:
+        return Outcome.FAILED
     if monitor.stop_reason == "non-finite" or not all(map(math.isfinite, monitor.max_abs_v)):
         return Outcome.NON_FINITE
     if monitor.stop_reason == "diverged" or max(monitor.max_abs_v) >= DIVERGENCE:

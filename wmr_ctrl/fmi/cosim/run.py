@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import platform
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl import __version__
 from wmr_ctrl.codegen.block import PARALLEL
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import parallel
@@ -30,11 +27,13 @@ from wmr_ctrl.fmi.export import model_of, settled, write_fmu
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws.controller import controller as composed
+from wmr_ctrl.laws.guard_bounds import assumed
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.system import System
-from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
-from wmr_ctrl.scenario import Change, Scenario, to_toml
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import LOG_HEAD, PSI, TRACKING_ERROR, Signal
+from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.oracle.auxiliary import tracking_error
 from wmr_ctrl.sim.oracle.target import Target
 
@@ -69,7 +68,7 @@ def cosimulate(
     Returns
     -------
     Run with engine "fmu".  Its monitor saw communication points, not every plant step.  Raises
-    FmuError, which names the FMU and the time, where one fails; its ``run`` is the Run so far.
+    FmuError where an FMU cannot be loaded; one that fails later ends the Run, whose outcome names it.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
@@ -128,16 +127,12 @@ def _run(
     loop: Master = MASTERS[master](scenario, parts, torque_noise(scenario, seed), seed)
     facts = {"master": master, **_paths(slaves)}
 
-    def result(**further: str) -> Run:
-        told = {**facts, **further}
-        return _result(scenario, law, system, loop, parts.controller, seed, told)
-
+    failure = ""
     try:
         loop.run(progress)
     except FmuError as error:
-        error.run = result(failure=str(error))
-        raise
-    return result()
+        failure = str(error)
+    return _result(scenario, law, system, loop, parts.controller, seed, facts, failure)
 
 
 def _starts(scenario: Scenario, law: str, slave: Slave) -> dict[str, float]:
@@ -192,24 +187,12 @@ def _result(
     part: Part,
     seed: int,
     facts: dict[str, str],
+    failure: str,
 ) -> Run:
     signals = (*LOG_HEAD, *own_diagnostics(system))
     table = _table(loop, (*HEAD, *TORQUES, *NOISES, *part.targets[2:]))
-    monitor = Monitor(**loop.watch.numbers())
-    guard = bool(getattr(getattr(scenario, "guard", None), "enabled", False))
-    return Run(
-        scenario.name,
-        law,
-        guard,
-        seed,
-        "fmu",
-        _settings(scenario),
-        signals,
-        _columns(signals, table),
-        monitor,
-        outcome_of(monitor),
-        {**_provenance(scenario), **facts},
-    )
+    found = (signals, _columns(signals, table), Monitor(**loop.watch.numbers(), failure=failure))
+    return finished(scenario, law, seed, "fmu", found, facts, assumed(scenario, law))
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
@@ -234,28 +217,4 @@ def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[st
         if s.size == 1
         else np.column_stack([table.get(name, nothing) for name in s.elements])
         for s in signals
-    }
-
-
-def _settings(scenario: Scenario) -> Settings:
-    clock, metrics = scenario.clock, scenario.metrics
-    return Settings(
-        clock.control,
-        clock.plant,
-        clock.duration,
-        scenario.limits.v_u1,
-        scenario.split,
-        metrics.rms_from,
-    )
-
-
-def _provenance(scenario: Scenario) -> dict[str, str]:
-    text = to_toml(scenario, comments=False)
-    return {
-        "version": __version__,
-        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
-        "scenario_toml": text,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "machine": platform.machine(),
     }

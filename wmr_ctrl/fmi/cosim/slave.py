@@ -20,12 +20,7 @@ Write = Callable[[Sequence[float]], None]
 
 
 class FmuError(WmrError, RuntimeError):
-    """An FMU refused a call or could not be loaded; the message names it and says when.
-
-    ``run`` is the Run up to there where there is one: its outcome is what was seen until then.
-    """
-
-    run: Any = None
+    """An FMU refused a call or could not be loaded; the message names it and says when."""
 
 
 class Slave:

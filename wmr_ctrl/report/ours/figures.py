@@ -49,7 +49,9 @@ def _draw_violations(figure: Figure, rows: Rows) -> None:
         _fill(axes, rows, base)
         axes.set_title(title_of(base), weight="normal", size=8)
         axes.set(xscale="symlog", xlabel="plant steps beyond a limit", xlim=(-0.6, 2e5))
-        axes.set_xticks([0, 1, 10, 100, 1000, 1e4, 1e5], ["0", "1", "10", "100", "10³", "10⁴", "10⁵"])
+        axes.set_xticks(
+            [0, 1, 10, 100, 1000, 1e4, 1e5], ["0", "1", "10", "100", "10³", "10⁴", "10⁵"]
+        )
         axes.axvspan(0.5, 2e5, color=LIMIT, alpha=0.07, lw=0)
     heading(figure, "Plant steps beyond a velocity limit")
     legend_row(figure, [*law_marks(rows.laws), *_kinds()])
@@ -99,5 +101,3 @@ def _draw_e1(figure: Figure, rows: Rows) -> None:
 
 def _kinds() -> list[Line2D]:
     return [seed_handle("without the guard", filled=True), seed_handle("with it", filled=False)]
-
-

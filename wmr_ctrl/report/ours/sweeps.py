@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from wmr_ctrl.campaign.ours import BASES, FACTORS
+from wmr_ctrl.campaign.ours_run import REFUSED
 from wmr_ctrl.report.canvas import Margins, heading, law_handles, legend_row, row_of_axes
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.ours.rows import BASE, Rows, broke
-from wmr_ctrl.report.style import LIMIT, look
+from wmr_ctrl.report.style import LIMIT, MUTED, look
 
 Points: TypeAlias = Sequence[tuple[float, str, str]]
 """Where a case stands on the axis, its base, its factor."""
@@ -22,7 +23,10 @@ Points: TypeAlias = Sequence[tuple[float, str, str]]
 UNLIMITED = 40.0
 """Where "no limit" stands on the axis of torque limits [N m]."""
 
-_CROSS = "Crosses: a run of the case broke a limit or diverged (then no line). Median over the seeds."
+_CROSS = (
+    "Median over the seeds; red crosses: some run of the case broke a limit. What diverged has no "
+    "point. Mind the scales."
+)
 
 
 def period_drawing(rows: Rows) -> Drawing:
@@ -41,8 +45,7 @@ def torque_drawing(rows: Rows) -> Drawing:
     return Drawing(
         "ours_ise_torque",
         "ISE against the torque limit",
-        f"“none”: wheels without a limit. {_CROSS} Limits that the guard refuses have no point "
-        "with the guard.",
+        f"“none”: wheels without a limit. {_CROSS}",
         (9.6, 2.7),
         partial(_draw_torque, rows=rows),
     )
@@ -63,8 +66,7 @@ def limits(base: str) -> Points:
 
 def _draw_period(figure: Figure, rows: Rows) -> None:
     margins = Margins(left=0.60, right=0.15, bottom=0.42, top=0.74)
-    panels = row_of_axes(figure, margins, (1.0, 1.0), 0.35)
-    panels[1].sharey(panels[0])
+    panels = row_of_axes(figure, margins, (1.0, 1.0), 0.45)
     for axes, guard in zip(panels, (False, True), strict=True):
         _lines(axes, rows, periods(), guard)
         axes.set_title("with the guard" if guard else "without the guard", weight="normal", size=8)
@@ -75,12 +77,14 @@ def _draw_period(figure: Figure, rows: Rows) -> None:
 def _draw_torque(figure: Figure, rows: Rows) -> None:
     margins = Margins(left=0.60, right=0.15, bottom=0.42, top=0.74)
     shown = [(base, guard) for base in rows.bases for guard in (False, True)]
-    panels = row_of_axes(figure, margins, [1.0] * len(shown), 0.15)
+    panels = row_of_axes(figure, margins, [1.0] * len(shown), 0.42)
     for axes, (base, guard) in zip(panels, shown, strict=True):
-        axes.sharey(panels[0]) if axes is not panels[0] else None
         _lines(axes, rows, limits(base), guard)
-        axes.set_title(f"{base}, {'with' if guard else 'without'}", weight="normal", size=8)
+        axes.set_title(
+            f"{base}, {'with' if guard else 'without'} the guard", weight="normal", size=8
+        )
         _ticks(axes, [point[0] for point in limits(base)], "torque limit [N m]")
+        _mark_refused(axes, rows, limits(base), guard)
     _finish(figure, panels, rows, "ISE against the torque limit, without and with the guard")
 
 
@@ -107,13 +111,22 @@ def _ticks(axes: Axes, places: Sequence[float], label: str) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(FixedLocator(list(places)))
     axes.set_xticks(list(places), names)
+    axes.set_xlim(0.85 * places[0], 1.18 * places[-1])
+
+
+def _mark_refused(axes: Axes, rows: Rows, points: Points, guard: bool) -> None:
+    """Say where the guard refuses every law."""
+    for x, base, factor in points:
+        found = [row for law in rows.laws for row in rows.of(base, factor, law, guard)]
+        if found and all(row.outcome == REFUSED for row in found):
+            axes.text(x, 0.5, "refused", rotation=90, ha="center", va="center", size=7,
+                      color=MUTED, transform=axes.get_xaxis_transform())  # fmt: skip
 
 
 def _finish(figure: Figure, panels: Sequence[Axes], rows: Rows, text: str) -> None:
     panels[0].set_ylabel("ISE [m² s + rad² s]")
-    for axes in panels[1:]:
-        axes.tick_params(labelleft=False)
+    for axes in panels:
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, 0.3), max(high, 30.0))
     heading(figure, text)
     legend_row(figure, law_handles(rows.laws))
-
-
