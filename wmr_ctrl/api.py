@@ -180,6 +180,7 @@ def reproduce(
     ``.as_expected`` tells whether they are the committed ones.
     """
     from wmr_ctrl.campaign import PAPER_LAWS
+    from wmr_ctrl.proofs.staleness import stale_entries
     from wmr_ctrl.report.reproduce import reproduce as write_report
     from wmr_ctrl.scenario import preset_names
     from wmr_ctrl.sim.timing import seconds_of
@@ -198,7 +199,7 @@ def reproduce(
         "timings": {law: seconds_of(compile_law(law)) for law in PAPER_LAWS},
         "versions": versions(),
         "presets": preset_names(),
-        "stale": None if quick else _stale_proofs(),
+        "stale": None if quick else stale_entries(),
     }
     return write_report(
         run,
@@ -279,18 +280,6 @@ def _benchmarks() -> Any:
     except ModuleNotFoundError:
         sys.path.insert(0, str(Path(__file__).parents[1]))
         return import_module("benchmarks.bench")
-
-
-def _stale_proofs() -> list[str] | None:
-    """Ledger entries whose graph has changed since; None without the proving packages."""
-    from wmr_ctrl.proofs.ledger import load, stale
-
-    try:
-        from wmr_ctrl.proofs.runner import hashes
-
-        return stale(hashes(), load())
-    except ImportError:
-        return None
 
 
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> Any:

@@ -13,9 +13,9 @@ c >= 0, with delta = u1 - u2, gap = u1 - |v|, and d = u1 - |x|:
     R1: c <= u2           c       0       Y + phi(Y)                0             Y + phi(Y)
     R2: to u2 + 1/delta   u2      c - u2  slack w + phi(Y)          a (u2 - v)    a (u2 - v)
                                                                                   + Y + phi(Y)
-    R3: beyond            u1 - d  1/d     phi(w/d)                  *             2 a |v| + phi(1 - gap/d)
+    R3: beyond            u1 - d  1/d     phi(w/d)                  *             2 a |v| + **
 
-    Y = excess,    * = a (u2 - v) + phi(1 - delta/d),
+    Y = excess,    * = a (u2 - v) + phi(1 - delta/d),    ** = phi(1 - gap/d),
     excess = (|v| - u2)/delta,    slack = 1/delta - (c - u2) >= 0 in R2.
 
 Where A vanishes at the target (R1 between -u2 and u2, R3 ahead) w is divided out of V1 and A, so

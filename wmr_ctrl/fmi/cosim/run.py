@@ -68,7 +68,7 @@ def cosimulate(
     Returns
     -------
     Run with engine "fmu".  Its monitor saw communication points, not every plant step.  Raises
-    FmuError where an FMU cannot be loaded; one that fails later ends the Run, whose outcome names it.
+    FmuError where an FMU cannot be loaded; one that fails later ends the Run and is named by it.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)

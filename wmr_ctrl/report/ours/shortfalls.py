@@ -40,8 +40,8 @@ def _wind_up(rows: Rows, base: str) -> str:
     late = rows.median("e1_after", base, FAR, "smc", True)
     share = median(r.clipped[0] for r in rows.of(base, FAR, "smc", True) if r.clipped)
     return (
-        f"From the far start, torque held for {base}: ISE {shown(smc)}, where the other laws have "
-        f"{shown(min(others))} to {shown(max(others))}; {shown(late)} m of e₁ are left at "
+        f"From the far start, torque held for {base}: ISE {shown(smc)} m² s + rad² s, "
+        f"where the other laws have {shown(min(others))} to {shown(max(others))}; {shown(late)} m of e₁ are left at "
         f"70–80 s, and the thrust is clipped {shown(None if share is None else 100 * share)} % of "
         "the time."
     )
@@ -94,9 +94,9 @@ def _prox(rows: Rows, base: str) -> str:
 
 def _price(rows: Rows, base: str) -> str:
     far = _pairs(rows, base, FAR, "ise", 0.0)
-    worse = _pairs(rows, base, BASE, "e1_after", NOTICED)
+    worse = _pairs(rows, base, BASE, "e1_after", NOTICED, 1e3)
     told = [f"ISE from the far start {joined(far)}"] if far else []
-    told += [f"mean |e₁| at 70–80 s of the base case [m], where larger, {joined(worse)}"] * bool(
+    told += [f"mean |e₁| at 70–80 s of the base case [mm], where larger, {joined(worse)}"] * bool(
         worse
     )
     if not told:
@@ -104,11 +104,13 @@ def _price(rows: Rows, base: str) -> str:
     return f"With the guard (without it), torque held for {base}: {'; '.join(told)}."
 
 
-def _pairs(rows: Rows, base: str, factor: str, name: str, least: float) -> list[str]:
+def _pairs(
+    rows: Rows, base: str, factor: str, name: str, least: float, scale: float = 1.0
+) -> list[str]:
     """A figure with (without) the guard of each law in which it grows at least ``least`` times."""
     cells = []
     for law in rows.laws:
         free, kept = (rows.median(name, base, factor, law, guard) for guard in (False, True))
         if free is not None and kept is not None and kept >= least * free:
-            cells.append(f"{look(law).label} {shown(kept)} ({shown(free)})")
+            cells.append(f"{look(law).label} {shown(scale * kept)} ({shown(scale * free)})")
     return cells
