@@ -41,9 +41,9 @@ def _wind_up(rows: Rows, base: str) -> str:
     share = median(r.clipped[0] for r in rows.of(base, FAR, "smc", True) if r.clipped)
     return (
         f"From the far start, torque held for {base}: ISE {shown(smc)} m² s + rad² s, "
-        f"where the other laws have {shown(min(others))} to {shown(max(others))}; {shown(late)} m of e₁ are left at "
-        f"70–80 s, and the thrust is clipped {shown(None if share is None else 100 * share)} % of "
-        "the time."
+        f"where the other laws have {shown(min(others))} to {shown(max(others))}; "
+        f"{shown(late)} m of e₁ are left at 70–80 s, and the thrust is clipped "
+        f"{shown(None if share is None else 100 * share)} % of the time."
     )
 
 
