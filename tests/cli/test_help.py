@@ -12,7 +12,10 @@ import pytest
 from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
 
-COMMANDS = ("reproduce", "run", "compare", "scenarios", "laws", "check", "bench")
+COMMANDS = (
+    *("reproduce", "run", "compare", "scenarios", "laws", "check"),
+    *("prove", "linearize", "export", "cosim", "codegen", "bench"),
+)
 
 
 def test_commands_are_listed_with_the_main_job_first(wmr):

@@ -73,7 +73,7 @@ def test_outcome_never_decides_the_exit_code(short_run):
 def test_saved_run_loads(short_run, tmp_path, suffix):
     found = short_run("paper-simulation", "--out", tmp_path / f"a{suffix}")
 
-    assert "wrote: " in found.stderr
+    assert "wrote:" in found.stderr
     assert load_run(tmp_path / f"a{suffix}").rows == 20
 
 

@@ -40,7 +40,7 @@ Examples:
 \b
 Exit codes:
   0    done
-  1    `reproduce` or `prove` found other verdicts, `compare` found a difference
+  1    `reproduce` or `prove` found other verdicts, `compare` a difference
   2    wrong input, explained in one paragraph on stderr
   3    `prove` lacks a proving package
   70   a fault of wmr-ctrl itself
