@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import types
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -47,12 +46,11 @@ class Entry:
 
 
 @pytest.fixture(autouse=True)
-def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def toy(monkeypatch: pytest.MonkeyPatch) -> None:
     fresh = registry.Registry()
     monkeypatch.setattr(registry, "entry_points", lambda group: [Entry()])
     fresh._plugins  # noqa: B018  # read while the entry point is there
     monkeypatch.setattr(registry.LAWS, "__dict__", fresh.__dict__)
-    yield
 
 
 def test_it_is_listed_run_and_compiled() -> None:
