@@ -33,6 +33,7 @@ def executed(path: Path) -> nbformat.NotebookNode:
     book = nbformat.read(path, as_version=4)
     root = str(HERE.parent)
     environment = {**os.environ, "PYTHONPATH": root, "PYTHONWARNINGS": "ignore"}
+    environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
     client = NotebookClient(
         book, timeout=LONGEST_RUN, resources={"metadata": {"path": str(HERE)}}, allow_errors=False
     )
