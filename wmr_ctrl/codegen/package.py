@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +16,7 @@ from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.vectors import TOLERANCES, vectors_of
 from wmr_ctrl.laws.controller import controller
 from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
@@ -77,16 +76,14 @@ def write_package(
 ) -> tuple[Path, ...]:
     """Write the package into the folder ``out`` (made if need be) and return the files' paths.
 
-    Each file appears whole or not at all.  Raises OSError if the folder cannot be written.
+    Each file appears whole or not at all.  Raises OSError if the folder cannot be made,
+    ResultFileError if a file cannot be written.
     """
     files = package_files(law, scenario, float32=float32)
     out.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
-        handle, temporary = tempfile.mkstemp(dir=out, prefix=".writing-")
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+        with atomic_write(out / name, text=True) as file:
             file.write(text)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, out / name)
     return tuple(out / name for name in files)
 
 

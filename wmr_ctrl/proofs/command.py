@@ -8,6 +8,7 @@ from pathlib import Path
 
 from wmr_ctrl.proofs.ledger import COMMITTED, Ledger, differences, exit_code, load
 from wmr_ctrl.proofs.runner import Progress, prove
+from wmr_ctrl.results import atomic_write
 
 REMEDY = (
     "Some entries were not checked; install the proving packages with: "
@@ -23,7 +24,8 @@ def run_prove(
     ledger = prove(asked, progress)
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
-        json_file.write_text(ledger.to_json() + "\n", encoding="utf-8")
+        with atomic_write(json_file, text=True) as stream:
+            stream.write(ledger.to_json() + "\n")
     sys.stdout.write("\n".join(summary(ledger, committed, complete=not asked)) + "\n")
     return exit_code(ledger, committed, complete=not asked)
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
+from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import Walk
 
@@ -157,18 +158,10 @@ def _rational(op: str, args: list[Any]) -> Fraction | None:
     if (op == "div" and args[1] == 0) or (op == "inv" and args[0] == 0):
         raise UndecidedError("division by zero")
     table: dict[str, Callable[..., Any]] = {
-        "add": lambda a, b: a + b,
-        "sub": lambda a, b: a - b,
-        "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b,
-        "inv": lambda a: 1 / a,
-        "neg": lambda a: -a,
-        "sq": lambda a: a * a,
-        "twice": lambda a: 2 * a,
+        **ARITHMETIC,
         "fabs": abs,
         "fmin": min,
         "fmax": max,
-        "assign": lambda a: a,
         "sign": lambda a: Fraction((a > 0) - (a < 0)),
         "sqrt": _exact_root,
         "sin": lambda a: a if a == 0 else None,
@@ -205,14 +198,7 @@ def _in_balls(op: str, args: list[Any]) -> Any:
         return Fraction((0, 1, 0, -1)[quarter % 4])
     args = [_ball(a) for a in args]
     table: dict[str, Callable[..., Any]] = {
-        "add": lambda a, b: a + b,
-        "sub": lambda a, b: a - b,
-        "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b,
-        "inv": lambda a: 1 / a,
-        "neg": lambda a: -a,
-        "sq": lambda a: a * a,
-        "twice": lambda a: 2 * a,
+        **ARITHMETIC,
         "fabs": abs,
         "fmin": lambda a, b: a.min(b),
         "fmax": lambda a, b: a.max(b),
@@ -223,7 +209,6 @@ def _in_balls(op: str, args: list[Any]) -> Any:
         "log": lambda a: a.log(),
         "tanh": lambda a: a.tanh(),
         "log1p": lambda a: a.log1p(),
-        "assign": lambda a: a,
         "sign": lambda a: Fraction(sign_of(a)),
         "constpow": lambda a, b: a ** int(b),
         "pow": lambda a, b: a**b,

@@ -10,6 +10,7 @@ from typing import Any
 import z3
 
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
+from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
 from wmr_ctrl.proofs.methods.point import judge
 from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Z3, Point
@@ -101,15 +102,7 @@ class TermArithmetic:
 
 
 _OPERATIONS: dict[str, Callable[..., Any]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "inv": lambda a: 1 / a,
-    "neg": lambda a: -a,
-    "sq": lambda a: a * a,
-    "twice": lambda a: 2 * a,
-    "assign": lambda a: a,
+    **ARITHMETIC,
     "fabs": lambda a: z3.If(a >= 0, a, -a),
     "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
