@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.api import compile_loop
 from wmr_ctrl.codegen.build import build_loop
 from wmr_ctrl.codegen.kernels import loop_systems
-from wmr_ctrl.codegen.lanes import available, build_batch
 from wmr_ctrl.codegen.manifest import Kernels
-from wmr_ctrl.results import Settings
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.batch_memory import library_of
+from wmr_ctrl.sim.batch_memory import VectorSet, vector_sets
 from wmr_ctrl.sim.compiled_law import CompiledLaw
 from wmr_ctrl.sim.native import load, settings_of
+from wmr_ctrl.sim.ready import Ready
 from wmr_ctrl.sim.structs import loop_struct
 
 from .drive import out_of_place, update_only
@@ -111,16 +111,13 @@ def batches(control: float = 1e-3) -> dict[str, Candidate]:
 
     ``nn_batch`` takes the best vector instructions of this processor.
     """
-    sets = available()
-    found = {f"nn_batch_{name}": _batch("nn", control, name) for name in sets}
-    return {"nn_batch": found[f"nn_batch_{sets[0]}"], **found}
+    loop = compile_loop(scenario(control), "nn")
+    sets = vector_sets(loop.kernels.library)
+    found = {f"nn_batch_{item.name}": _batch(loop, item) for item in sets}
+    return {"nn_batch": next(iter(found.values())), **found}
 
 
-def _batch(law: str, control: float, vectors: str) -> Candidate:
-    given = scenario(control)
-    built = build_batch(given, law, vectors)
-    lanes = library_of(built.library).lanes
-    clock = given.clock
-    windows = Settings(control, clock.plant, clock.duration, given.limits.v_u1, clock.duration / 2)
-    tasks = [Task(built, given, windows, seed) for seed in range(lanes)]
-    return Candidate(partial(run_tasks, tasks, jobs=1), given.clock.samples * lanes)
+def _batch(loop: Ready, vectors: VectorSet) -> Candidate:
+    tasks = [Task(loop, seed, vectors=vectors.name) for seed in range(vectors.lanes)]
+    samples = loop.scenario.clock.samples * vectors.lanes
+    return Candidate(partial(run_tasks, tasks, jobs=1), samples)

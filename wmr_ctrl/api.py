@@ -10,7 +10,6 @@ True
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -23,10 +22,11 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import finished, settings_of, versions
+from wmr_ctrl.sim.finish import finished, versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.sim.many import RunTable
+    from wmr_ctrl.sim.ready import Ready
 
 ENGINES = ("native", "numpy")
 
@@ -103,30 +103,23 @@ def simulate_runs(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[Run]:
-    """One whole Run per seed, in parallel; the same bits for any number of ``jobs``.
+    """One whole Run per seed, several robots at a time on each core.
 
-    `simulate_many` gives figures only, and is several times faster.
-
-    ``jobs`` is the number of threads (default: one per processor); ``progress`` is called with the
-    share that is done.  Errors as in `simulate`.
+    The same bits for any number of ``jobs`` (threads; default: one per core) and any vector
+    instructions; `simulate` agrees to rounding.  `simulate_many` gives figures only, which takes no
+    memory.  ``progress`` is called with the share that is done.  Errors as in `simulate`.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from concurrent.futures import ThreadPoolExecutor
+    from wmr_ctrl.sim.together import run_each
 
     settled, listed = scenario_of(scenario, overrides, guard), list(seeds)
     for seed in listed:
         _check_seed(seed)
-    engine = _prepared(settled, law)
-    runs: list[Run] = []
-    with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
-        for run in pool.map(engine, listed):
-            runs.append(run)
-            if progress:
-                progress(len(runs) / len(listed))
-    return runs
+    loop = compile_loop(settled, law)
+    return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
 
 def simulate_many(
@@ -149,7 +142,6 @@ def simulate_many(
     >>> found["violations"]
     array([0., 0., 0.])
     """
-    from wmr_ctrl.codegen.lanes import build_batch
     from wmr_ctrl.sim.many import run_many
 
     listed = list(seeds)
@@ -158,7 +150,7 @@ def simulate_many(
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     given = [scenario_of(scenario, item, guard) for item in each]
     return run_many(
-        partial(build_batch, law=law), settings_of, given, listed,
+        partial(compile_loop, law=law), given, listed,
         starts=starts, jobs=jobs, progress=progress,
     )  # fmt: skip
 
@@ -184,14 +176,7 @@ def reproduce(
     from wmr_ctrl.report.reproduce import reproduce as write_report
     from wmr_ctrl.scenario import preset_names
     from wmr_ctrl.sim.timing import seconds_of
-
-    engines: dict[tuple[str, str], Callable[[int], Run]] = {}
-
-    def prepare(scenario: str, law: str) -> None:
-        engines[scenario, law] = _prepared(scenario_of(scenario), law)
-
-    def run(scenario: str, law: str, seed: int) -> Run:
-        return engines[scenario, law](seed)
+    from wmr_ctrl.sim.together import run_each
 
     titles = {row["name"]: row["title"] for row in law_table()}
     facts = {
@@ -202,8 +187,8 @@ def reproduce(
         "stale": None if quick else stale_entries(),
     }
     return write_report(
-        run,
-        prepare,
+        run_each,
+        compile_loop,
         seeds=seeds,
         quick=quick,
         jobs=jobs,
@@ -218,13 +203,12 @@ def _compare_ours(jobs: int | None, progress: Any) -> Any:
     """Run the comparison past the paper; its rows."""
     from wmr_ctrl.campaign.ours import our_plan
     from wmr_ctrl.campaign.ours_cases import run_ours
+    from wmr_ctrl.sim.together import run_each
 
-    def build(
-        scenario: str, law: str, guard: bool, changed: Mapping[str, Any]
-    ) -> Callable[[int], Run]:
-        return _prepared(scenario_of(scenario, changed, guard), law)
+    def build(scenario: str, law: str, guard: bool, changed: Mapping[str, Any]) -> Ready:
+        return compile_loop(scenario_of(scenario, changed, guard), law)
 
-    return run_ours(build, our_plan(), jobs, progress)
+    return run_ours(run_each, build, our_plan(), jobs, progress)
 
 
 def export_fmu(what: str, **options: Any) -> list[Path]:
@@ -300,6 +284,21 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     return CompiledLaw(build_loop(scenario_of(scenario), law))
 
 
+def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
+    """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.
+
+    For `wmr_ctrl.linear.batch.endings` and studies of one's own with `wmr_ctrl.sim.batch`.
+    Raises UnknownNameError, ScenarioError or CompilerError.
+    """
+    from wmr_ctrl.codegen.lanes import build_batch
+    from wmr_ctrl.laws.guard_bounds import assumed
+    from wmr_ctrl.sim.ready import Ready
+
+    settled = scenario_of(scenario)
+    kernels = build_batch(settled, law)
+    return Ready(kernels, kernels.digest, settled, law, assumed(settled, law))
+
+
 def law_table() -> list[dict[str, str]]:
     """Name and title of every law in the registry."""
     from wmr_ctrl.laws import LAWS
@@ -325,13 +324,14 @@ def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
-    from wmr_ctrl.laws.controller import controller
+    from wmr_ctrl.laws.controller import watched_controller
     from wmr_ctrl.laws.gains import gains_of, kinematic_gains
     from wmr_ctrl.laws.guard_bounds import assumed
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 
-    own = {signal.name: signal for signal in own_diagnostics(controller(scenario, law))}
+    watched = watched_controller(scenario, law)
+    own = {signal.name: signal for signal in own_diagnostics(watched)}
     gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))

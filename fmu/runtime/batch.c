@@ -11,7 +11,7 @@
 
 enum { DIVERGED = 1, NON_FINITE = 2 };
 enum { LIMIT = 0, POSE_NOISE = 2, CORRECTION = 3, VELOCITY_NOISE = 4, STD = 6, TRUNCATE = 7, LAG = 8,
-       PUSH = 9 };
+       PUSH = 9, BOUND = 11 };
 
 /* What changes during a run. */
 typedef struct {
@@ -21,6 +21,7 @@ typedef struct {
     wmr_v estimate[WMR_ESTIMATOR_NX];
     wmr_v applied[2], speed_max[2], torque_max;
     wmr_v violations, first_step, first_axis, stop, stop_step, stop_axis, samples;
+    wmr_v least[2], left_sample, left_axis, clipped[2];
     wmr_m running;
 } batch;
 
@@ -82,7 +83,7 @@ static void start(const wmr_batch_settings *s, batch *w)
         memset(s->delay_line, 0, 2 * (size_t)s->delay_steps * sizeof(wmr_v));
     }
     memset(s->sums, 0, (size_t)s->windows * WMR_SUMS * sizeof(wmr_v));
-    w->first_step = wmr_all(-1.0);
+    w->first_step = w->left_sample = wmr_all(-1.0);
     w->running = wmr_bits(-1);
     monitor(s, w, w->running);
 }
@@ -220,6 +221,20 @@ static void add_up(const wmr_batch_settings *s, batch *w, const wmr_v *u, const 
     w->samples += wmr_number(w->running);
 }
 
+/* What the guard did, or would have, and whether the motion contradicts its bounds. */
+static void watch(const wmr_batch_settings *s, batch *w, const wmr_v seen[WMR_WATCHED])
+{
+    const wmr_v *least = seen + 2, *bound = s->numbers + BOUND;
+    const wmr_m linear = (wmr_m)(least[0] > bound[0]), angular = (wmr_m)(least[1] > bound[1]);
+    const wmr_m first = w->running & (linear | angular) & (wmr_m)(w->left_sample < 0.0);
+    set(&w->left_axis, first, wmr_choose(linear, wmr_all(1.0), wmr_all(2.0)));
+    set(&w->left_sample, first, wmr_all((double)w->sample));
+    for (int i = 0; i < 2; ++i) {
+        set(&w->least[i], w->running & (wmr_m)(least[i] > w->least[i]), least[i]);
+        w->clipped[i] += wmr_number(w->running & wmr_truth(seen[i]));
+    }
+}
+
 static void write_row(const batch *w, double t, const wmr_v *u, const wmr_v torque[2],
                       const wmr_v noise[2], wmr_v *row)
 {
@@ -232,26 +247,40 @@ static void write_row(const batch *w, double t, const wmr_v *u, const wmr_v torq
     wmr_tracking_error(u, w->plant, row + 18);
 }
 
+/* A row of all lanes becomes a row in the log of each. */
+static void deal(double *const *log, int64_t sample, const wmr_v *row)
+{
+    for (int i = 0; i < WMR_LANES; ++i) {
+        double *to = log[i] ? log[i] + sample * WMR_ROW : 0;
+        for (int k = 0; to && k < WMR_ROW; ++k) {
+            to[k] = row[k][i];
+        }
+    }
+}
+
 static void sample(const wmr_batch_settings *s, batch *w)
 {
     wmr_v u[WMR_CONTROLLER_NU], next[WMR_CONTROLLER_NX + 1], torque[2], noise[2];
+    wmr_v seen[WMR_WATCHED];
     const double t = (double)w->sample * s->control;
     const wmr_v time = wmr_all(t);
-    wmr_v *row = s->log ? s->log + w->sample * WMR_ROW : 0;
+    wmr_v row[WMR_ROW];
     wmr_reference(&time, s->reference_parameters, u);
     measure(s, w, u + 7, u + 10);
-    if (row) {
+    if (s->log) {
         wmr_controller_logged(u, w->controller, s->controller_parameters, next, torque, row + 21);
     } else {
-        wmr_controller_step(u, w->controller, s->controller_parameters, next, torque);
+        wmr_controller_watched(u, w->controller, s->controller_parameters, next, torque, seen);
+        watch(s, w, seen);
     }
     noise[0] = noise[1] = wmr_all(0.0);
     if (wmr_some((wmr_m)(s->numbers[STD] > 0.0))) {
         torque_noise(s, w->sample, noise);
     }
     push(s, w, noise);
-    if (row) {
+    if (s->log) {
         write_row(w, t, u, torque, noise, row);
+        deal(s->log, w->sample, row);
     }
     add_up(s, w, u, torque);
     copy_lanes(w->controller, next, WMR_CONTROLLER_NX);
@@ -265,10 +294,12 @@ static void sample(const wmr_batch_settings *s, batch *w)
 static void write_findings(const batch *w, wmr_v *found)
 {
     copy_lanes(found, w->plant, WMR_PLANT_NX);
-    const wmr_v rest[10] = {w->speed_max[0], w->speed_max[1], w->violations, w->first_step,
-                            w->first_axis, w->stop, w->stop_step, w->stop_axis, w->samples,
-                            w->torque_max};
-    copy_lanes(found + WMR_PLANT_NX, rest, 10);
+    const wmr_v rest[] = {
+        w->speed_max[0], w->speed_max[1], w->violations, w->first_step, w->first_axis, w->stop,
+        w->stop_step, w->stop_axis, w->samples, w->torque_max, w->least[0], w->least[1],
+        w->left_sample, w->left_axis, w->clipped[0], w->clipped[1],
+    };
+    copy_lanes(found + WMR_PLANT_NX, rest, WMR_FINDINGS - WMR_PLANT_NX);
 }
 
 int wmr_batch_run(const wmr_batch_settings *s)

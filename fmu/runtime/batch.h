@@ -16,13 +16,17 @@
 
 /* Numbers of each lane: v_u1 (2), pose noise, correction, velocity noise (2), standard deviation
    and truncation of the torque noise, decay of the lag, torque of the push along v1 (both wheels)
-   and along omega (right - left). */
-#define WMR_NUMBERS 11
+   and along omega (right - left), d_least that the guard's bounds admit (2). */
+#define WMR_NUMBERS 13
+
+/* What the controller shows in every run: clip_active (2), d_least (2). */
+#define WMR_WATCHED 4
 
 /* Findings of each lane: final plant state (WMR_PLANT_NX), max |v| (2), violations, plant step and
    axis of the first (-1, 0), reason (as in loop.h), plant step and axis of an early end, samples
-   made, largest |torque|. */
-#define WMR_FINDINGS (WMR_PLANT_NX + 10)
+   made, largest |torque|; and, of runs without a log: largest d_least (2), sample and axis of the
+   first beyond its bound (-1, 0), samples with the clip active (2). */
+#define WMR_FINDINGS (WMR_PLANT_NX + 16)
 
 /* What all lanes share, and vectors with a number for each lane. */
 typedef struct {
@@ -39,7 +43,7 @@ typedef struct {
     wmr_v *delay_line;                   /* 2 * delay_steps */
     wmr_v *sums;                         /* windows rows of WMR_SUMS */
     wmr_v *findings;                     /* WMR_FINDINGS */
-    wmr_v *log;                          /* samples rows of WMR_ROW, or NULL */
+    double *const *log;                  /* a lane each: samples rows of WMR_ROW, or NULL; or NULL */
 } wmr_batch_settings;
 
 /* Runs all lanes to the end; 0, or 1 if it was cancelled. */

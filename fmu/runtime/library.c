@@ -1,12 +1,8 @@
 /* One translation unit for the native engine: kernels and loop together, so that the compiler
    may inline the one into the other; only what is marked WMR_EXPORT leaves the library. */
-#if defined(_WIN32)
-#define WMR_EXPORT __declspec(dllexport)
-#else
-#define WMR_EXPORT __attribute__((visibility("default")))
-#endif
 #define WMR_KERNEL static
 
+#include "export.h"
 #include "kernels.c"
 #include "noise.c"
 #include "loop.c"

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from tests.results.conftest import build
+from wmr_ctrl.campaign import Prepare
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.signals import Signal
 
@@ -42,6 +47,26 @@ def simulate(scenario: str, law: str, seed: int) -> Run:
         margin=1 - np.abs(0.2 + gap),
         **weights,
     )
+
+
+def prepared(simulate: Callable[[str, str, int], Run]) -> Prepare:
+    """Loops that need no compiling: each a function of the seed."""
+    return lambda scenario, law: partial(simulate, scenario, law)
+
+
+def in_turn(
+    runs: Sequence[tuple[Callable[[int], Run], int]],
+    then: Callable[[int, Run], Any],
+    jobs: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> list[Any]:
+    """A stand-in for what runs many loops at a time."""
+    found = []
+    for place, (loop, seed) in enumerate(runs):
+        found.append(then(place, loop(seed)))
+        if progress:
+            progress((place + 1) / len(runs))
+    return found
 
 
 def _monitor(largest: float) -> Monitor:

@@ -7,19 +7,19 @@ from typing import Any
 
 import pytest
 
-from wmr_ctrl.api import simulate
+from wmr_ctrl.api import compile_loop, scenario_of
 from wmr_ctrl.campaign.ours import FACTORS, HELD_OUT, OUR_LAWS, our_plan
-from wmr_ctrl.campaign.ours_run import Comparison, compare_laws
+from wmr_ctrl.campaign.ours_cases import run_ours
+from wmr_ctrl.campaign.ours_run import Comparison
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.results import Run
+from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.together import run_each
 
 
-def case(scenario: str, law: str, seed: int, guard: bool, overrides: Mapping[str, Any]) -> Run:
+def short(scenario: str, law: str, guard: bool, overrides: Mapping[str, Any]) -> Ready:
     shorter = {**overrides, "clock.duration": 10.0}
     changes = [change for change in overrides.get("changes", []) if change["t"] < 10.0]
-    return simulate(
-        scenario, law, seed=seed, guard=guard, overrides={**shorter, "changes": changes}
-    )
+    return compile_loop(scenario_of(scenario, {**shorter, "changes": changes}, guard), law)
 
 
 def test_plan_has_every_case_once() -> None:
@@ -34,7 +34,7 @@ def test_plan_has_every_case_once() -> None:
 
 @pytest.fixture(scope="module")
 def rows() -> tuple[Comparison, ...]:
-    return compare_laws(case, our_plan(seeds=HELD_OUT[:1]))
+    return run_ours(run_each, short, our_plan(seeds=HELD_OUT[:1]))
 
 
 def test_guarded_runs_from_inside_keep_the_limits(rows: tuple[Comparison, ...]) -> None:
@@ -58,15 +58,19 @@ def test_without_the_guard_limits_break(rows: tuple[Comparison, ...]) -> None:
 
 def test_result_does_not_depend_on_the_number_of_threads(rows: tuple[Comparison, ...]) -> None:
     few = [c for c in our_plan(seeds=HELD_OUT[:1]) if c.law == "mb" and c.base == "10 ms"]
-    alone = compare_laws(case, few, jobs=1)
+    alone = run_ours(run_each, short, few, jobs=1)
 
     assert alone == tuple(r for r in rows if r.case in few)
 
 
 def test_unguarded_errors_are_not_swallowed() -> None:
-    def refusing(*_: object) -> Run:
+    def refusing(*_: object) -> Ready:
         raise ScenarioError("no")
 
     plan = [c for c in our_plan(seeds=(0,)) if not c.guard][:1]
     with pytest.raises(ScenarioError):
-        compare_laws(refusing, plan)
+        run_ours(run_each, refusing, plan)
+
+
+def test_share_in_clip_is_told_of_guarded_runs_alone(rows: tuple[Comparison, ...]) -> None:
+    assert all((r.clipped is None) == (not r.case.guard or r.outcome == "refused") for r in rows)

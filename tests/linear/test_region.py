@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.codegen.build import build_loop
+from wmr_ctrl.api import compile_loop
 from wmr_ctrl.linear import SADDLE, kinematic_loop
 from wmr_ctrl.linear.batch import endings
 from wmr_ctrl.linear.region import certified, converged, level, start_at
@@ -51,10 +51,9 @@ def test_saturated_kinematics_never_raise_v2_inside_the_certified_set(nominal):
 
 
 def test_starts_have_the_error_that_was_asked_for(nominal):
-    kernels = build_loop(nominal, "mb")
     short = override(nominal, {"clock.duration": 0.05})
     wanted = np.array((0.3, -0.2, 0.9))
-    ending = endings(kernels, short, [start_at(short, wanted)])[0]
+    ending = endings(compile_loop(short, "mb"), [start_at(short, wanted)])[0]
 
     assert ending.distance == pytest.approx(np.hypot(0.3, 0.2), abs=0.05)
     assert start_at(nominal, np.array((0.70453, -0.06031, -0.87080)))[:3] == pytest.approx(
@@ -63,11 +62,11 @@ def test_starts_have_the_error_that_was_asked_for(nominal):
 
 
 def test_runs_from_the_certified_set_converge(nominal):
-    kernels = build_loop(nominal, "mb")
+    loop = compile_loop(nominal, "mb")
     rng = np.random.default_rng(1)
     e = rng.uniform((-0.9, -0.9, -3.0), (0.9, 0.9, 3.0), (300, 3))
     inside = e[level(nominal, e) < certified(nominal).saturated][:12]
-    found = endings(kernels, nominal, [start_at(nominal, row) for row in inside])
+    found = endings(loop, [start_at(nominal, row) for row in inside])
 
     assert len(found) == 12
     assert converged(found).all()

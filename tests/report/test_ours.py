@@ -8,7 +8,8 @@ from collections import Counter
 
 import pytest
 
-from tests.report.test_reproduce import FACTS, Watch, draw_svg_only, prepare
+from tests.campaign.synthetic import in_turn, prepared
+from tests.report.test_reproduce import FACTS, Watch, draw_svg_only
 from wmr_ctrl.campaign.ours import our_plan
 from wmr_ctrl.campaign.ours_cases import run_ours
 from wmr_ctrl.errors import ScenarioError
@@ -40,7 +41,7 @@ def build(fake_simulate, built):
 
 def test_each_loop_is_compiled_once_and_refusals_are_rows(build, built):
     watch = Watch()
-    rows = run_ours(build, TINY, 2, watch)
+    rows = run_ours(in_turn, build, TINY, 2, watch)
 
     assert [row.case for row in rows] == list(TINY)
     assert set(built.values()) == {1}
@@ -54,7 +55,7 @@ def test_an_unguarded_case_that_cannot_be_is_an_error():
         raise ScenarioError("no")
 
     with pytest.raises(ScenarioError):
-        run_ours(refusing, TINY)
+        run_ours(in_turn, refusing, TINY)
 
 
 @pytest.fixture
@@ -62,10 +63,12 @@ def done(fake_simulate, build, tmp_path, monkeypatch):
     monkeypatch.setattr("wmr_ctrl.report.reproduce._draw", draw_svg_only)
 
     def compare(jobs, progress):
-        return run_ours(build, TINY, jobs, progress)
+        return run_ours(in_turn, build, TINY, jobs, progress)
 
     out = tmp_path / "new"
-    return reproduce(fake_simulate, prepare, seeds=1, out=out, facts=FACTS, compare=compare)
+    return reproduce(
+        in_turn, prepared(fake_simulate), seeds=1, out=out, facts=FACTS, compare=compare
+    )
 
 
 def test_report_has_the_section_its_figures_and_ours_csv(done):
@@ -90,6 +93,6 @@ def test_ours_csv_has_units_and_a_row_per_run(done):
 
 
 def test_shortfalls_without_rows_are_not_told(build):
-    rows = run_ours(build, [case for case in TINY if case.factor == "base"])
+    rows = run_ours(in_turn, build, [case for case in TINY if case.factor == "base"])
 
     assert shortfalls(Rows(rows[:1])) == ()

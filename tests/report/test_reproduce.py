@@ -8,6 +8,7 @@ import re
 
 import pytest
 
+from tests.campaign.synthetic import in_turn, prepared
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report.reproduce import FILES, reproduce
 
@@ -17,10 +18,6 @@ FACTS = {
     "versions": {"version": "0.0", "numpy": "2.0"},
     "readings": [{"key": "robot.l", "value": 0.25, "unit": "m", "why": "half the track"}],
 }
-
-
-def prepare(scenario, law):
-    """Compile nothing."""
 
 
 class Watch:
@@ -47,7 +44,9 @@ def watch():
 @pytest.fixture(scope="module")
 def done(fake_simulate, watch, tmp_path_factory):
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
-    return reproduce(fake_simulate, prepare, seeds=2, jobs=1, out=out, progress=watch, facts=FACTS)
+    return reproduce(
+        in_turn, prepared(fake_simulate), seeds=2, jobs=1, out=out, progress=watch, facts=FACTS
+    )
 
 
 def test_all_files_are_there_and_nothing_else(done):
@@ -153,7 +152,7 @@ def test_a_campaign_that_fails_leaves_nothing(tmp_path):
         raise RuntimeError("no")
 
     with pytest.raises(RuntimeError):
-        reproduce(fail, prepare, seeds=1, out=tmp_path / "new")
+        reproduce(in_turn, prepared(fail), seeds=1, out=tmp_path / "new")
     assert not (tmp_path / "new").exists()
 
 
@@ -162,7 +161,7 @@ def test_quick_takes_three_seeds_and_other_laws_stand_beside_the_papers(
 ):
     monkeypatch.setattr("wmr_ctrl.report.reproduce._draw", draw_svg_only)
     laws = ["pid", "smc", "mb", "nn", "ours"]
-    done = reproduce(fake_simulate, prepare, laws, quick=True, out=tmp_path)
+    done = reproduce(in_turn, prepared(fake_simulate), laws, quick=True, out=tmp_path)
 
     assert done.table.laws == tuple(laws)
     assert {row.seed for row in done.table} == {0, 1, 2}

@@ -4,34 +4,47 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import scenario_of, settings_of, simulate
-from wmr_ctrl.codegen.lanes import available, build_batch
+from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many
+from wmr_ctrl.codegen.lanes import vector_sets
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.metrics import summary
-from wmr_ctrl.sim.batch import Task, run_logged, run_tasks
+from wmr_ctrl.sim.batch import Columns, Task, run_logged, run_tasks
+from wmr_ctrl.sim.batch_memory import vector_sets as usable
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 every_law = pytest.mark.parametrize("law", NAMES)
-every_set = pytest.mark.parametrize("vectors", available())
+every_set = pytest.mark.parametrize("vectors", [item.name for item in vector_sets()])
 
 
 def tasks_of(
     name: str, law: str, seeds: range, overrides: dict[str, object], vectors: str | None = None
 ) -> list[Task]:
-    scenario = scenario_of(name, overrides)
-    kernels = build_batch(scenario, law, vectors)
-    return [Task(kernels, scenario, settings_of(scenario), seed) for seed in seeds]
+    loop = compile_loop(scenario_of(name, overrides), law)
+    if vectors and vectors not in names_of(loop.kernels.library):
+        pytest.skip(f"NOT RUN: this processor has no {vectors}")
+    return [Task(loop, seed, vectors=vectors) for seed in seeds]
+
+
+def names_of(library: str) -> list[str]:
+    return [item.name for item in usable(library)]
+
+
+def logged(tasks: list[Task]) -> list[tuple[Columns, Monitor]]:
+    return run_logged(tasks, lambda _, columns, watched: (columns, watched))
 
 
 def gap(name: str, law: str, tasks: list[Task], overrides: dict[str, object]) -> float:
     """Largest difference of any logged number from the scalar loop's."""
     worst = 0.0
-    for task, (columns, watched) in zip(tasks, run_logged(tasks), strict=True):
+    for task, (columns, watched) in zip(tasks, logged(tasks), strict=True):
         run = simulate(name, law, seed=task.seed, overrides=overrides)
         assert watched.violations == run.monitor.violations
         assert watched.first_violation == run.monitor.first_violation
@@ -62,7 +75,7 @@ def test_one_step_is_right_to_1e_12(law: str) -> None:
         }
         tasks = tasks_of("paper-simulation", law, range(2), changed)
         runs = [simulate("paper-simulation", law, seed=k, overrides=changed) for k in range(2)]
-        for run, (columns, _) in zip(runs, run_logged(tasks), strict=True):
+        for run, (columns, _) in zip(runs, logged(tasks), strict=True):
             for signal in run.signals:
                 scale = 1 + abs(run[signal.name]).max()
                 assert abs(columns[signal.name] - run[signal.name]).max() < 1e-12 * scale
@@ -90,9 +103,9 @@ def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> No
 
 
 def test_vector_sets_give_the_same_bits() -> None:
-    found = [
-        run_tasks(tasks_of("paper-simulation", "nn", range(3), SHORT, name)) for name in available()
-    ]
+    tasks = tasks_of("paper-simulation", "nn", range(3), SHORT)
+    names = names_of(tasks[0].loop.kernels.library)
+    found = [run_tasks([replace(task, vectors=name) for task in tasks]) for name in names]
 
     for other in found[1:]:
         assert all(np.array_equal(found[0][k], other[k], equal_nan=True) for k in other)
@@ -113,6 +126,29 @@ def test_figures_are_those_of_the_runs(law: str) -> None:
         assert found["max_abs_v"][seed] == pytest.approx(wanted["max_abs_v"], rel=1e-9)
         assert found["tau_peak"][seed] == pytest.approx(wanted["tau_peak"], rel=1e-9)
         assert found["tau_rms"][seed] == pytest.approx(wanted["tau_rms"], rel=1e-9)
+
+
+@every_law
+@pytest.mark.parametrize("guard", [False, True])
+def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
+    """A push beyond dbar on a light robot: the estimate leaves the bounds at the same sample."""
+    changed = {
+        **SHORT,
+        "robot.m": 46.0,
+        "disturbance.push": [150.0, 20.0],
+        "guard.enabled": guard,
+        "guard.dbar": [70.0, 15.0],
+        "guard.M_min": [45.0, 4.9],
+        "guard.M_max": [72.0, 7.7],
+    }
+    table = simulate_many("paper-simulation", law, range(2), changed)
+    for seed in range(2):
+        run = simulate("paper-simulation", law, seed=seed, overrides=changed)
+        assert run.monitor.bounds_left is not None
+        assert (table["bounds_left"][seed], table["bounds_axis"][seed]) == run.monitor.bounds_left
+        assert table["d_least"][seed] == pytest.approx(run.monitor.d_least, rel=1e-6)
+        assert table["clipped"][seed] == pytest.approx(run["clip_active"].mean(axis=0), abs=2e-3)
+        assert table["outcome"][seed] == run.outcome
 
 
 def test_order_jobs_and_company_do_not_matter() -> None:
@@ -136,9 +172,7 @@ def test_divergence_is_the_scalar_loops() -> None:
 
 def test_starts_differ_by_task() -> None:
     tasks = tasks_of("paper-simulation", "mb", range(2), SHORT)
-    moved = Task(
-        tasks[1].kernels, tasks[1].scenario, tasks[1].settings, 1, (1.0, 2.0, 0.0, 0.1, 0.2)
-    )
+    moved = Task(tasks[1].loop, 1, (1.0, 2.0, 0.0, 0.1, 0.2))
     found = run_tasks([tasks[0], moved])
     changed = {**SHORT, "initial.pose": [1.0, 2.0, 0.0], "initial.velocity": [0.1, 0.2]}
     run = simulate("paper-simulation", "mb", seed=1, overrides=changed)
@@ -171,5 +205,27 @@ def test_an_interrupt_ends_all_threads_at_once() -> None:
 
 
 def test_unknown_vector_set_is_named() -> None:
+    tasks = tasks_of("paper-simulation", "mb", range(1), SHORT)
     with pytest.raises(UnknownNameError, match="vector"):
-        build_batch(scenario_of("paper-simulation"), "mb", "mmx")
+        run_tasks([replace(tasks[0], vectors="mmx")])
+
+
+def test_one_library_holds_every_set_and_offers_what_the_processor_has() -> None:
+    """The best first; which one runs is no part of how the library was built."""
+    library = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop.kernels.library
+    names = names_of(library)
+    known = [item.name for item in vector_sets()]
+
+    assert names == [name for name in known if name in names]
+    assert names[-1] == "baseline"
+    flags = cpu_flags()
+    if flags:
+        assert ("avx512" in names) == ({"avx512f", "avx512vl", "avx512dq", "avx512bw"} <= flags)
+        assert ("avx2" in names) == ({"avx2", "fma", "bmi2"} <= flags)
+
+
+def cpu_flags() -> set[str]:
+    """What the operating system tells of the processor; nothing where it does not."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return {flag for line in lines if line.startswith("flags") for flag in line.split()}

@@ -7,8 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from wmr_ctrl.api import scenario_of, settings_of, simulate
-from wmr_ctrl.codegen.lanes import build_batch
+from wmr_ctrl.api import compile_loop, scenario_of, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results.metrics import summary
 from wmr_ctrl.sim.many import RunTable, run_many
@@ -18,7 +17,7 @@ SHORT = {"clock.duration": 4.0, "changes": []}
 
 def many(overrides: list[dict[str, object]], seeds: list[int], **more: object) -> RunTable:
     scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
-    return run_many(partial(build_batch, law="mb"), settings_of, scenarios, seeds, **more)
+    return run_many(partial(compile_loop, law="mb"), scenarios, seeds, **more)
 
 
 def test_one_scenario_serves_all_seeds() -> None:

@@ -1,6 +1,6 @@
 """Many runs: which ones, how they are run, and the table of plain numbers that they leave.
 
-A campaign is handed what simulates (:data:`Simulate`) and what compiles (:data:`Prepare`), so this
+A campaign is handed what simulates (:class:`Simulate`) and what compiles (:data:`Prepare`), so this
 layer knows nothing of laws, kernels or engines.
 """
 
@@ -8,7 +8,7 @@ from wmr_ctrl.campaign.figures import FIGURES, Figure, figure_named
 from wmr_ctrl.campaign.plan import PAPER_LAWS, STUDIES, Study, Task, paper_plan
 from wmr_ctrl.campaign.progress import Progress, Silent
 from wmr_ctrl.campaign.rows import Row, row_of
-from wmr_ctrl.campaign.run import Campaign, Prepare, Simulate, run_campaign
+from wmr_ctrl.campaign.run import Campaign, Loop, Prepare, Simulate, run_campaign
 from wmr_ctrl.campaign.statistics import STATISTICS, Spread, spread
 from wmr_ctrl.campaign.table import Table
 
@@ -19,6 +19,7 @@ __all__ = [
     "STUDIES",
     "Campaign",
     "Figure",
+    "Loop",
     "Prepare",
     "Progress",
     "Row",

@@ -6,68 +6,65 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from wmr_ctrl.campaign.ours import Case
-from wmr_ctrl.campaign.ours_run import SCENARIO, Comparison, compare_laws
+from wmr_ctrl.campaign.ours_run import REFUSED, SCENARIO, Comparison, comparison_of
 from wmr_ctrl.campaign.progress import Progress, Silent
+from wmr_ctrl.campaign.run import Loop, Simulate, check_jobs, followed
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
 
-Engine: TypeAlias = Callable[[int], Run]
-"""A compiled loop as a function of the seed."""
-
-BuildCase: TypeAlias = Callable[[str, str, bool, Mapping[str, Any]], Engine]
-"""(scenario, law, guard, overrides) -> Engine; raises ScenarioError for what cannot be."""
-
-
-class Engines:
-    """Loops compiled beforehand; as a function it is a SimulateCase, safe for several threads."""
-
-    def __init__(self, build: BuildCase) -> None:
-        self._build = build
-        self._known: dict[str, Engine | ScenarioError] = {}
-
-    def prepare(self, plan: Sequence[Case], progress: Progress) -> None:
-        """Compile the loop of every case, once for all of its seeds; refusals are kept."""
-        wanted = {key_of(SCENARIO, c.law, c.guard, c.overrides): c for c in plan}
-        progress.start(len(wanted), "Compiling the laws with and without the guard")
-        try:
-            for key, case in wanted.items():
-                self._known[key] = self._built(case)
-                progress.advance(1)
-        finally:
-            progress.done()
-
-    def __call__(
-        self, scenario: str, law: str, seed: int, guard: bool, overrides: Mapping[str, Any]
-    ) -> Run:
-        """The run of a prepared case; raises the ScenarioError with which it was refused."""
-        engine = self._known[key_of(scenario, law, guard, overrides)]
-        if isinstance(engine, ScenarioError):
-            raise engine
-        return engine(seed)
-
-    def _built(self, case: Case) -> Engine | ScenarioError:
-        try:
-            return self._build(SCENARIO, case.law, case.guard, case.overrides)
-        except ScenarioError as refusal:
-            return refusal
-
-
-def key_of(scenario: str, law: str, guard: bool, overrides: Mapping[str, Any]) -> str:
-    """What tells one compiled loop from another."""
-    return repr((scenario, law, guard, sorted(overrides.items())))
+BuildCase: TypeAlias = Callable[[str, str, bool, Mapping[str, Any]], Loop]
+"""(scenario, law, guard, overrides) -> Loop; raises ScenarioError for what cannot be."""
 
 
 def run_ours(
+    simulate: Simulate,
     build: BuildCase,
     plan: Sequence[Case],
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> tuple[Comparison, ...]:
-    """Compile and run ``plan``, two phases of ``progress``; rows in the plan's order."""
-    shown, engines = progress or Silent(), Engines(build)
-    engines.prepare(plan, shown)
-    shown.start(len(plan), "Running the laws with and without the guard")
+    """Compile and run ``plan``, two phases of ``progress``; rows in the plan's order.
+
+    A guard's refusal becomes a row; that of an unguarded case is raised.  Results do not depend on
+    ``jobs``.
+    """
+    check_jobs(jobs)
+    shown = progress or Silent()
+    loops = _built(build, plan, shown)
+    running = [case for case in plan if loops[_key(case)] is not None]
+
+    def row(place: int, run: Run) -> Comparison:
+        return comparison_of(running[place], run)
+
+    runs = [(loops[_key(case)], case.seed) for case in running]
+    text = "Running the laws with and without the guard"
+    found = iter(followed(simulate, runs, row, jobs, shown, text))
+    refused = (Comparison(case, REFUSED) if loops[_key(case)] is None else None for case in plan)
+    return tuple(row or next(found) for row in refused)
+
+
+def _built(build: BuildCase, plan: Sequence[Case], progress: Progress) -> dict[str, Loop]:
+    """The loop of every case by its key, once for all seeds; None where the guard refuses."""
+    wanted, loops = {_key(case): case for case in plan}, {}
+    progress.start(len(wanted), "Compiling the laws with and without the guard")
     try:
-        return compare_laws(engines, plan, jobs, lambda _: shown.advance(1))
+        for key, case in wanted.items():
+            loops[key] = _loop(build, case)
+            progress.advance(1)
     finally:
-        shown.done()
+        progress.done()
+    return loops
+
+
+def _loop(build: BuildCase, case: Case) -> Loop:
+    try:
+        return build(SCENARIO, case.law, case.guard, case.overrides)
+    except ScenarioError:
+        if not case.guard:
+            raise
+        return None
+
+
+def _key(case: Case) -> str:
+    """What tells one compiled loop from another."""
+    return repr((case.law, case.guard, sorted(case.overrides.items())))

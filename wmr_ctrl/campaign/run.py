@@ -1,13 +1,11 @@
-"""Running a plan on several threads, in an order that no number of threads can change."""
+"""Running a plan, in an order that no number of threads can change."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from wmr_ctrl.campaign.plan import Task
 from wmr_ctrl.campaign.progress import Progress, Silent
@@ -16,14 +14,26 @@ from wmr_ctrl.campaign.table import Table
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Run
 
-Simulate: TypeAlias = Callable[[str, str, int], Run]
-"""(scenario, law, seed) -> Run; must be safe to call from several threads at once."""
+Loop: TypeAlias = Any
+"""A law on a scenario, ready to run; whatever :data:`Prepare` gives and :class:`Simulate` takes."""
 
-Prepare: TypeAlias = Callable[[str, str], object]
-"""(scenario, law): compiles what :data:`Simulate` will need for them."""
+Prepare: TypeAlias = Callable[[str, str], Loop]
+"""(scenario, law) -> the loop, compiled."""
 
-_PATIENCE = 0.1
-"""Longest wait before a key press is noticed, where waiting itself cannot be interrupted [s]."""
+T = TypeVar("T")
+
+
+class Simulate(Protocol):
+    """Runs many loops at a time, such as `wmr_ctrl.sim.together.run_each`."""
+
+    def __call__(
+        self,
+        runs: Sequence[tuple[Loop, int]],
+        then: Callable[[int, Run], T],
+        jobs: int | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> list[T]:
+        """What ``then`` makes of place and Run of each (loop, seed), in their order."""
 
 
 @dataclass(frozen=True)
@@ -50,34 +60,65 @@ def run_campaign(
     campaign at once: tasks that have not begun are dropped.  Raises ArgumentError for jobs < 1 or
     an empty plan.
     """
-    if jobs is not None and jobs < 1:
-        raise ArgumentError(f"jobs = {jobs!r} must be at least 1, or left out for one per core.")
+    check_jobs(jobs)
     if not plan:
         raise ArgumentError("the plan is empty: name at least one law and one seed.")
     shown = progress or Silent()
-    _prepare_all(prepare, plan, shown)
-    first = _first_seeds(plan)
-    results = _run_all(simulate, plan, first, jobs or cores(), shown)
-    runs = {(run.scenario, run.law): run for _, run in results if run is not None}
-    return Campaign(Table(row for row, _ in results), MappingProxyType(runs))
+    loops = _prepare_all(prepare, plan, shown)
+    kept = _first_seeds(plan)
+
+    def result(place: int, run: Run) -> tuple[Row, Run | None]:
+        return row_of(run), run if plan[place] in kept else None
+
+    runs = [(loops[task.scenario, task.law], task.seed) for task in plan]
+    results = followed(simulate, runs, result, jobs, shown, "Running the simulations")
+    whole = {(run.scenario, run.law): run for _, run in results if run is not None}
+    return Campaign(Table(row for row, _ in results), MappingProxyType(whole))
 
 
-def cores() -> int:
-    """Number of cores that this process may use, at least 1."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0)) or 1
-    return os.cpu_count() or 1
+def followed(
+    simulate: Simulate,
+    runs: Sequence[tuple[Loop, int]],
+    then: Callable[[int, Run], T],
+    jobs: int | None,
+    progress: Progress,
+    text: str,
+) -> list[T]:
+    """What ``simulate`` gives, as a phase of ``progress`` that counts the runs."""
+    done = 0
+
+    def told(share: float) -> None:
+        nonlocal done
+        count = round(share * len(runs)) - done
+        done += count
+        progress.advance(count)
+
+    progress.start(len(runs), text)
+    try:
+        return simulate(runs, then, jobs, told)
+    finally:
+        progress.done()
 
 
-def _prepare_all(prepare: Prepare, plan: Iterable[Task], progress: Progress) -> None:
+def check_jobs(jobs: int | None) -> None:
+    """Raise ArgumentError unless ``jobs`` is a number of threads, or None."""
+    if jobs is not None and jobs < 1:
+        raise ArgumentError(f"jobs = {jobs!r} must be at least 1, or left out for one per core.")
+
+
+def _prepare_all(
+    prepare: Prepare, plan: Iterable[Task], progress: Progress
+) -> dict[tuple[str, str], Loop]:
     pairs = tuple(dict.fromkeys((task.scenario, task.law) for task in plan))
+    loops = {}
     progress.start(len(pairs), "Compiling the laws")
     try:
-        for scenario, law in pairs:
-            prepare(scenario, law)
+        for pair in pairs:
+            loops[pair] = prepare(*pair)
             progress.advance(1)
     finally:
         progress.done()
+    return loops
 
 
 def _first_seeds(plan: Iterable[Task]) -> frozenset[Task]:
@@ -88,35 +129,3 @@ def _first_seeds(plan: Iterable[Task]) -> frozenset[Task]:
         if task.seed < known.seed:
             first[task.scenario, task.law] = task
     return frozenset(first.values())
-
-
-_Result: TypeAlias = tuple[Row, Run | None]
-
-
-def _run_all(
-    simulate: Simulate, plan: Sequence[Task], kept: frozenset[Task], jobs: int, progress: Progress
-) -> list[_Result]:
-    def one(task: Task) -> _Result:
-        run = simulate(task.scenario, task.law, task.seed)
-        return row_of(run), run if task in kept else None
-
-    progress.start(len(plan), "Running the simulations")
-    pool = ThreadPoolExecutor(jobs, thread_name_prefix="campaign")
-    try:
-        futures = [pool.submit(one, task) for task in plan]
-        _follow(futures, progress)
-        return [future.result() for future in futures]
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        progress.done()
-
-
-def _follow(futures: Sequence[Future[_Result]], progress: Progress) -> None:
-    """Report each future as it ends; raise the first exception that one of them ends with."""
-    pending = set(futures)
-    while pending:
-        ended, pending = wait(pending, timeout=_PATIENCE, return_when=FIRST_COMPLETED)
-        for future in ended:
-            future.result()
-        if ended:
-            progress.advance(len(ended))

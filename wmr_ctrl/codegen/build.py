@@ -16,7 +16,9 @@ from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.scenario import Scenario
 
-RUNTIME = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "wmr_math.h")
+RUNTIME = (
+    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", "wmr_math.h", "export.h",
+)  # fmt: skip
 
 
 def build_loop(scenario: Scenario, law: str) -> Kernels:

@@ -115,11 +115,41 @@ def compile_library(
         If the compiler cannot be started, fails, is killed or runs out of time; ``out`` does
         not exist then.
     """
+    tail = () if os.name == "nt" else ("-lm",)
+    return _compiled(toolchain, (*toolchain.flags, *flags), sources, out, include, timeout, tail)
+
+
+def compile_object(
+    toolchain: Toolchain,
+    source: Path,
+    out: Path,
+    *,
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+    timeout: float = TIMEOUT,
+) -> Path:
+    """Compile one C file into the object file ``out``, to be linked by `compile_library`.
+
+    Parameters and errors are those of `compile_library`.
+    """
+    kept = tuple(flag for flag in toolchain.flags if flag != "-shared")
+    return _compiled(toolchain, (*kept, "-c", *flags), (source,), out, include, timeout)
+
+
+def _compiled(
+    toolchain: Toolchain,
+    flags: Sequence[str],
+    sources: Sequence[Path],
+    out: Path,
+    include: Sequence[Path],
+    timeout: float,
+    tail: Sequence[str] = (),
+) -> Path:
     out = out.absolute()
-    command = [*toolchain.command, *toolchain.flags, *flags]
+    command = [*toolchain.command, *flags]
     command += [f"-I{folder.absolute()}" for folder in include]
     command += [str(source.absolute()) for source in sources]
-    command += ["-o", str(out), *(() if os.name == "nt" else ("-lm",))]
+    command += ["-o", str(out), *tail]
     finished = _run(command, out.parent, timeout)
     if finished.how or not out.is_file():
         out.unlink(missing_ok=True)

@@ -1,32 +1,25 @@
-"""Many native runs of one compiled loop, from many starts."""
+"""Many runs of one compiled loop from many starts, several robots at a time on each core."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from wmr_ctrl.linear.numbers import Floats
-from wmr_ctrl.results import Outcome, outcome_of
-from wmr_ctrl.scenario import Initial, Scenario
-from wmr_ctrl.sim.native import Kernels, run_native
-
-
-@dataclass(frozen=True)
-class Started:
-    """A compiled loop with another start; the library is shared."""
-
-    library: str
-    manifest: Mapping[str, Any]
+from wmr_ctrl.model.references import sample
+from wmr_ctrl.results import Outcome
+from wmr_ctrl.sim.many import run_many
+from wmr_ctrl.sim.ready import Ready
 
 
 @dataclass(frozen=True)
 class Ending:
-    """Where a run ended: outcome, distance to the reference [m], largest |v1| and |omega|."""
+    """Where a run ended: outcome, distance to the reference [m], largest |v1| and |omega|.
+
+    The distance is that at the end of the run; infinite for a run that ended early.
+    """
 
     outcome: Outcome
     distance: float
@@ -34,26 +27,26 @@ class Ending:
 
 
 def endings(
-    kernels: Kernels, scenario: Scenario, starts: Iterable[Floats], jobs: int | None = None
+    loop: Ready,
+    starts: Iterable[Floats],
+    jobs: int | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> list[Ending]:
-    """Run the loop once from each start (5: pose and velocity), in parallel threads.
+    """Run ``loop``, from `wmr_ctrl.api.compile_loop`, once from each start (5: pose and velocity).
 
-    ``kernels`` come from `wmr_ctrl.codegen.build.build_loop` for this scenario and a law.  The same
-    noise (seed 0) acts in all runs.
+    The same noise (seed 0) acts in all runs.  ``jobs``, ``progress`` and Ctrl-C as in
+    `wmr_ctrl.sim.many.run_many`.
     """
-    with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
-        return list(pool.map(lambda start: _ending(kernels, scenario, start), starts))
-
-
-def _ending(kernels: Kernels, scenario: Scenario, start: Floats) -> Ending:
-    x, y, theta, v1, omega = map(float, start)
-    moved = replace(scenario, initial=Initial((x, y, theta), (v1, omega)))
-    columns, monitor = run_native(_started(kernels, start), moved, 0)
-    last = columns["e"][-1, :2] if len(columns["e"]) else np.array([np.inf, np.inf])
-    return Ending(outcome_of(monitor), float(np.hypot(*last)), monitor.max_abs_v)
-
-
-def _started(kernels: Kernels, start: Floats) -> Started:
-    systems = dict(kernels.manifest["systems"])
-    systems["plant"] = {**systems["plant"], "start": [float(number) for number in start]}
-    return Started(kernels.library, {**kernels.manifest, "systems": systems})
+    rows = [tuple(map(float, start)) for start in starts]
+    table = run_many(
+        lambda _: loop, [loop.scenario], [0] * len(rows),
+        starts=rows, jobs=jobs, progress=progress,
+    )  # fmt: skip
+    scenario = loop.scenario
+    end = sample(scenario.reference, np.array([scenario.clock.duration]))[0, :2]
+    gaps = np.hypot(*(table["final_state"][:, :2] - end).T)
+    gaps[table["stop"] > 0] = np.inf
+    return [
+        Ending(Outcome(outcome), float(gap), (float(v[0]), float(v[1])))
+        for outcome, gap, v in zip(table["outcome"], gaps, table["max_abs_v"], strict=True)
+    ]

@@ -2,7 +2,7 @@
 
 A `Task` is one run.  Tasks of one structure (library, clock, phases, sensors, actuators) share
 batches; everything that is a number differs from lane to lane.  Figures are added up in C, so that
-a run costs no memory; its columns are logged only where `run_logged` asks for them.
+a run costs no memory; `run_logged` keeps the columns of a batch for as long as they are read.
 """
 
 from __future__ import annotations
@@ -12,33 +12,35 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.results import Monitor, Settings
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.batch_figures import Figures, empty_figures, monitors, put, windows_of
-from wmr_ctrl.sim.batch_memory import Memory, laid_out, library_of
-from wmr_ctrl.sim.native import Kernels, columns_of, split_columns
+from wmr_ctrl.sim.batch_memory import Memory, VectorSet, laid_out, vector_set
+from wmr_ctrl.sim.native import columns_of, split_columns
+from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
+Columns = dict[str, Floats]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Task:
-    """One run: its kernels (built for lanes), scenario, how it is read, seed, and start.
+    """One run: a loop, the seed of its noise, and its start.
 
     ``start``: x, y [m], theta [rad], v1 [m/s], omega [rad/s]; None as the scenario has it.
+    ``vectors``: the set of vector instructions; None for the best of this processor.
     """
 
-    kernels: Kernels
-    scenario: Scenario
-    settings: Settings
+    loop: Ready
     seed: int
     start: tuple[float, ...] | None = None
+    vectors: str | None = None
 
 
 def run_tasks(
@@ -48,31 +50,47 @@ def run_tasks(
 
     ``jobs``: threads, by default one per processor; results do not depend on it.  ``progress`` is
     called with the share done.  Ctrl-C ends all batches within a sample and raises
-    KeyboardInterrupt.  Raises CompilerError if a library does not fit.
+    KeyboardInterrupt.  Raises CompilerError if a library does not fit, UnknownNameError for
+    vectors that this processor lacks.
     """
     found = empty_figures(len(tasks))
-    batches = _batches(tasks)
-    done = 0
-    for places, memory in _finished(batches, tasks, jobs):
+
+    def read(places: list[int], memory: Memory) -> None:
         put(found, places, memory, [tasks[k] for k in places])
-        done += len(places)
-        if progress:
-            progress(done / len(tasks))
+
+    _run_batches(tasks, read, False, jobs, progress)
     return found
 
 
-def run_logged(tasks: Sequence[Task]) -> list[tuple[dict[str, Floats], Monitor]]:
-    """Columns by signal name and monitor of each task, as `sim.native.run_native` gives them."""
+def run_logged(
+    tasks: Sequence[Task],
+    then: Callable[[int, Columns, Monitor], T],
+    *,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[T]:
+    """What ``then`` makes of each task's place, columns by signal name and monitor, in their order.
+
+    Columns and monitor are those of `sim.native.run_native`.  ``then`` is called in the threads;
+    columns that it does not keep are given back before the next batch.  Otherwise as `run_tasks`.
+    """
     found: list[Any] = [None] * len(tasks)
-    for places in _batches(tasks):
+
+    def read(places: list[int], memory: Memory) -> None:
         chosen = [tasks[k] for k in places]
-        memory = laid_out(chosen, windows_of(chosen[0].settings), log=True)
-        _run(chosen[0].kernels, memory)
-        signals = columns_of(chosen[0].kernels.manifest)
+        signals = columns_of(chosen[0].loop.kernels.manifest)
         for lane, (place, watched) in enumerate(zip(places, monitors(memory, chosen), strict=True)):
-            rows = np.ascontiguousarray(memory.logged(lane))
-            found[place] = split_columns(signals, rows), watched
+            found[place] = then(place, split_columns(signals, memory.logged(lane)), watched)
+
+    _run_batches(tasks, read, True, jobs, progress)
     return found
+
+
+def cores() -> int:
+    """Number of cores that this process may use, at least 1."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0)) or 1
+    return os.cpu_count() or 1
 
 
 def _batches(tasks: Sequence[Task]) -> list[list[int]]:
@@ -82,36 +100,57 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
         groups.setdefault(_structure(task), []).append(place)
     found = []
     for places in groups.values():
-        lanes = library_of(tasks[places[0]].kernels.library).lanes
+        lanes = _vectors(tasks[places[0]]).lanes
         found += [places[k : k + lanes] for k in range(0, len(places), lanes)]
     return found
 
 
 def _structure(task: Task) -> tuple[object, ...]:
     """What the lanes of one batch have in common."""
-    scenario, manifest = task.scenario, task.kernels.manifest
-    steps = tuple(phase["step"] for phase in manifest["phases"])
+    scenario, kernels = task.loop.scenario, task.loop.kernels
+    steps = tuple(phase["step"] for phase in kernels.manifest["phases"])
     clock, actuator, sensor = scenario.clock, scenario.actuator, scenario.sensor
     pose = (sensor.perfect, None if sensor.perfect else sensor.pose_period)
-    settings = (task.settings.split, task.settings.rms_from)
-    return (task.kernels.library, clock, steps, pose, actuator.ideal, actuator.delay, settings)
+    windows = (task.loop.settings.split, task.loop.settings.rms_from)
+    drives = (actuator.ideal, actuator.delay)
+    return (kernels.library, task.vectors, clock, steps, pose, drives, windows)
+
+
+def _vectors(task: Task) -> VectorSet:
+    return vector_set(task.loop.kernels.library, task.vectors)
+
+
+def _run_batches(
+    tasks: Sequence[Task],
+    read: Callable[[list[int], Memory], None],
+    log: bool,
+    jobs: int | None,
+    progress: Progress | None,
+) -> None:
+    """Run all batches on a few threads and ``read`` each there; none is left when this ends."""
+    cancelled, done = ct.c_int32(0), 0
+
+    def one(places: list[int]) -> int:
+        chosen = [tasks[k] for k in places]
+        windows = [] if log else windows_of(chosen[0].loop.settings)
+        memory = laid_out(chosen, windows, log=log, cancelled=cancelled)
+        if not _vectors(chosen[0]).run(ct.byref(memory.settings)):
+            read(places, memory)
+        return len(places)
+
+    for count in _finished(one, _batches(tasks), cancelled, jobs or cores()):
+        done += count
+        if progress:
+            progress(done / len(tasks))
 
 
 def _finished(
-    batches: Iterable[list[int]], tasks: Sequence[Task], jobs: int | None
-) -> Iterable[tuple[list[int], Memory]]:
-    """Batches as they finish, from a few threads; none is left running when this ends."""
-    cancelled = ct.c_int32(0)
-
-    def one(places: list[int]) -> tuple[list[int], Memory]:
-        chosen = [tasks[k] for k in places]
-        memory = laid_out(chosen, windows_of(chosen[0].settings), cancelled=cancelled)
-        _run(chosen[0].kernels, memory)
-        return places, memory
-
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+    one: Callable[[list[int]], int], batches: Iterable[list[int]], cancelled: ct.c_int32, jobs: int
+) -> Iterable[int]:
+    """Sizes of the batches as they end; an error or an interrupt cancels the others."""
+    with ThreadPoolExecutor(jobs, thread_name_prefix="lanes") as pool:
         try:
-            waiting: set[Future[tuple[list[int], Memory]]] = {pool.submit(one, k) for k in batches}
+            waiting: set[Future[int]] = {pool.submit(one, places) for places in batches}
             while waiting:
                 ready, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                 yield from (item.result() for item in ready)
@@ -119,7 +158,3 @@ def _finished(
             cancelled.value = 1
             pool.shutdown(wait=True, cancel_futures=True)
             raise
-
-
-def _run(kernels: Kernels, memory: Memory) -> None:
-    library_of(kernels.library).run(ct.byref(memory.settings))

@@ -12,6 +12,7 @@ from wmr_ctrl.results import Monitor, Settings
 from wmr_ctrl.results.metrics import E_RMS_WINDOWS
 from wmr_ctrl.results.monitor import STOP_REASONS
 from wmr_ctrl.sim.batch_memory import Memory
+from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
 Figures = dict[str, NDArray[Any]]
@@ -21,12 +22,15 @@ SHAPES: Mapping[str, tuple[int, ...]] = {
     "e_rms": (len(E_RMS_WINDOWS), 3), "max_abs_v": (2,), "violations": (),
     "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
     "samples": (), "tau_peak": (), "tau_rms": (), "final_state": (5,),
+    "d_least": (2,), "bounds_left": (), "bounds_axis": (), "clipped": (2,),
 }  # fmt: skip
 """Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
 window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
 into STOP_REASONS); ``samples`` made; torques [N m]; ``final_state`` x, y [m], theta [rad],
-v1 [m/s], omega [rad/s].  NaN where there was no such event or the run ended before its window
+v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
+the first motion that a guard's bounds do not admit; ``clipped``, share of samples in which the
+guard acted.  NaN where there was no such event or the run ended before its window
 did."""
 
 
@@ -34,8 +38,8 @@ class Run(Protocol):
     """What is read of a task."""
 
     @property
-    def settings(self) -> Settings:
-        """Clocks and windows."""
+    def loop(self) -> Ready:
+        """What ran: its clocks and windows."""
 
 
 def windows_of(settings: Settings) -> list[tuple[int, int]]:
@@ -52,7 +56,7 @@ def empty_figures(count: int) -> Figures:
 
 def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Run]) -> None:
     """Write a batch's figures where its runs stand."""
-    settings = runs[0].settings
+    settings = runs[0].loop.settings
     found = _from_findings(memory, settings) | _from_sums(memory, settings)
     for name, values in found.items():
         figures[name][list(places)] = values
@@ -60,7 +64,7 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
 
 def monitors(memory: Memory, runs: Sequence[Run]) -> list[Monitor]:
     """What was watched in each run of a batch."""
-    found = _from_findings(memory, runs[0].settings)
+    found = _from_findings(memory, runs[0].loop.settings)
     return [
         monitor({name: values[lane] for name, values in found.items()})
         for lane, _ in enumerate(runs)
@@ -75,25 +79,34 @@ def monitor(one: Mapping[str, Any]) -> Monitor:
     reason = STOP_REASONS[int(one["stop"])]
     stopped = (float(one["stopped"]), int(one["stop_axis"])) if reason else None
     speeds = (float(one["max_abs_v"][0]), float(one["max_abs_v"][1]))
-    return Monitor(speeds, int(one["violations"]), first, stopped, reason)
+    left = None
+    if one["bounds_left"] >= 0:
+        left = (float(one["bounds_left"]), int(one["bounds_axis"]))
+    least = (float(one["d_least"][0]), float(one["d_least"][1]))
+    return Monitor(
+        speeds, int(one["violations"]), first, stopped, reason, bounds_left=left, d_least=least
+    )
 
 
 def _from_findings(memory: Memory, settings: Settings) -> Figures:
-    (*state, v1, omega, violations, first, axis, stop, stop_step, stop_axis, samples, torque) = (
-        memory.findings
-    )
-    step, violated, ended = settings.plant, violations > 0, stop > 0
+    found = memory.found
+    step, left = settings.plant, found("left_sample")
+    violated, ended, samples = found("violations") > 0, found("stop") > 0, found("samples")
     return {
-        "final_state": np.stack(state, axis=1),
-        "max_abs_v": np.stack([v1, omega], axis=1),
-        "violations": violations,
-        "first_violation": np.where(violated, first * step, np.nan),
-        "first_axis": np.where(violated, axis, np.nan),
-        "stop": stop,
-        "stopped": np.where(ended, stop_step * step, np.nan),
-        "stop_axis": np.where(ended, stop_axis, np.nan),
+        "final_state": found("x", "y", "theta", "v1", "omega"),
+        "max_abs_v": found("max_v1", "max_omega"),
+        "violations": found("violations"),
+        "first_violation": np.where(violated, found("first_step") * step, np.nan),
+        "first_axis": np.where(violated, found("first_axis"), np.nan),
+        "stop": found("stop"),
+        "stopped": np.where(ended, found("stop_step") * step, np.nan),
+        "stop_axis": np.where(ended, found("stop_axis"), np.nan),
         "samples": samples,
-        "tau_peak": np.where(samples > 0, torque, np.nan),
+        "tau_peak": np.where(samples > 0, found("torque"), np.nan),
+        "d_least": found("d_least1", "d_least2"),
+        "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
+        "bounds_axis": np.where(left >= 0, found("left_axis"), np.nan),
+        "clipped": found("clipped1", "clipped2") / np.maximum(samples, 1)[:, None],
     }
 
 
@@ -117,7 +130,7 @@ def _from_sums(memory: Memory, settings: Settings) -> Figures:
 
 def covered(window: tuple[int, int], settings: Settings, memory: Memory) -> NDArray[np.bool_]:
     """Which runs lasted through a window of samples."""
-    stop, stop_step = memory.findings[-5], memory.findings[-4]
+    stop, stop_step = memory.found("stop"), memory.found("stop_step")
     substeps = round(settings.control / settings.plant)
     whole = np.where(stop > 0, stop_step // substeps, settings.samples)
     first, last = window

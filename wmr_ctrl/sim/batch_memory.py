@@ -6,20 +6,27 @@ import ctypes as ct
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.native import Kernels, noise_key, pose_every, push_torque
+from wmr_ctrl.errors import CompilerError, UnknownNameError
+from wmr_ctrl.results import admitted
+from wmr_ctrl.sim.native import noise_key, pose_every, push_torque
+from wmr_ctrl.sim.ready import Ready
 from wmr_ctrl.sim.structs import LONG, LONGS, REAL, REALS, WORD
 
 Floats = NDArray[np.float64]
 ALIGNMENT = 64
 """Bytes; the widest vector."""
+FINDINGS = (
+    "x", "y", "theta", "v1", "omega", "max_v1", "max_omega", "violations", "first_step",
+    "first_axis", "stop", "stop_step", "stop_axis", "samples", "torque", "d_least1", "d_least2",
+    "left_sample", "left_axis", "clipped1", "clipped2",
+)  # fmt: skip
+"""Rows of the findings, in the order of WMR_FINDINGS."""
 
 
 class BatchSettings(ct.Structure):
@@ -33,14 +40,18 @@ class BatchSettings(ct.Structure):
         ("reference_parameters", REALS), ("controller_parameters", REALS),
         ("estimator_parameters", REALS), ("plant_parameters", REALS),
         ("plant_start", REALS), ("controller_start", REALS), ("numbers", REALS),
-        ("delay_line", REALS), ("sums", REALS), ("findings", REALS), ("log", REALS),
+        ("delay_line", REALS), ("sums", REALS), ("findings", REALS), ("log", ct.POINTER(REALS)),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class BatchLibrary:
-    """A library for lanes: their number, rows of findings, sums and log, and its one function."""
+class VectorSet:
+    """A library's loop for one set of vector instructions.
 
+    ``lanes``: robots at a time; ``findings``, ``sums``, ``row``: numbers of each lane.
+    """
+
+    name: str
     lanes: int
     findings: int
     sums: int
@@ -49,36 +60,58 @@ class BatchLibrary:
 
 
 @cache
-def library_of(path: str) -> BatchLibrary:
-    """The library at ``path``; raises CompilerError if it cannot be loaded or does not fit."""
+def vector_sets(path: str) -> tuple[VectorSet, ...]:
+    """What of the library at ``path`` this processor can run, best first.
+
+    Raises CompilerError if it cannot be loaded or does not fit.
+    """
     try:
         loaded = ct.CDLL(path)
     except OSError as error:
         raise CompilerError(
             f"the compiled library {path} cannot be loaded ({error}); delete it and run again."
         ) from error
-    sizes = (LONG * 5)()
+    loaded.wmr_batch_set.restype = ct.c_char_p
     loaded.wmr_batch_sizes.restype = None
-    loaded.wmr_batch_sizes(sizes)
-    if sizes[1] != ct.sizeof(BatchSettings):
+    loaded.wmr_run_batch.restype = ct.c_int32
+    found: list[VectorSet] = []
+    while name := loaded.wmr_batch_set(ct.c_int32(len(found))):
+        found.append(_vector_set(loaded, len(found), name.decode()))
+    return tuple(found)
+
+
+def _vector_set(loaded: ct.CDLL, place: int, name: str) -> VectorSet:
+    sizes = (LONG * 5)()
+    loaded.wmr_batch_sizes(ct.c_int32(place), sizes)
+    if (sizes[1], sizes[2]) != (ct.sizeof(BatchSettings), len(FINDINGS)):
         raise CompilerError(
             "the compiled library does not fit this version of wmr_ctrl; clear the build cache "
             "and run again."
         )
-    loaded.wmr_run_batch.restype = ct.c_int32
-    return BatchLibrary(sizes[0], sizes[2], sizes[3], sizes[4], loaded.wmr_run_batch)
+    run = partial(loaded.wmr_run_batch, ct.c_int32(place))
+    return VectorSet(name, sizes[0], sizes[2], sizes[3], sizes[4], run)
+
+
+def vector_set(path: str, name: str | None = None) -> VectorSet:
+    """The set called ``name`` of the library at ``path``, the best one without a name.
+
+    Raises UnknownNameError if this processor or the library lacks it, CompilerError as above.
+    """
+    known = vector_sets(path)
+    for item in known:
+        if name in (None, item.name):
+            return item
+    raise UnknownNameError(
+        "set of vector instructions", str(name), tuple(item.name for item in known)
+    )
 
 
 class Run(Protocol):
     """What a lane needs of a task."""
 
     @property
-    def kernels(self) -> Kernels:
-        """The library and its manifest."""
-
-    @property
-    def scenario(self) -> Scenario:
-        """Clocks, sensors, actuators, noise."""
+    def loop(self) -> Ready:
+        """Kernels, scenario and bounds."""
 
     @property
     def seed(self) -> int:
@@ -87,6 +120,10 @@ class Run(Protocol):
     @property
     def start(self) -> tuple[float, ...] | None:
         """Plant state at t = 0, if it is not the scenario's."""
+
+    @property
+    def vectors(self) -> str | None:
+        """Name of the set of vector instructions; None for the best."""
 
 
 @dataclass(frozen=True)
@@ -97,10 +134,10 @@ class Memory:
     arrays: Mapping[str, NDArray[Any]]
     count: int
 
-    @property
-    def findings(self) -> Floats:
-        """What was found, (findings, runs)."""
-        return self.arrays["findings"][:, : self.count]
+    def found(self, *names: str) -> Floats:
+        """Rows of FINDINGS for each run: (runs,), or (runs, names) for several."""
+        rows: Floats = self.arrays["findings"][[FINDINGS.index(name) for name in names]]
+        return rows[0, : self.count] if len(names) == 1 else rows[:, : self.count].T
 
     @property
     def sums(self) -> Floats:
@@ -109,8 +146,8 @@ class Memory:
 
     def logged(self, lane: int) -> Floats:
         """Rows of one run's log."""
-        made = int(self.findings[-2, lane])
-        return self.arrays["log"][:made, :, lane]
+        rows: Floats = self.arrays[f"log{lane}"][: int(self.found("samples")[lane])]
+        return rows
 
 
 def laid_out(
@@ -121,28 +158,31 @@ def laid_out(
     cancelled: ct.c_int32 | None = None,
 ) -> Memory:
     """Memory for up to as many runs as there are lanes; the lanes left over repeat the last run."""
-    library = library_of(runs[0].kernels.library)
-    padded = [*runs, *[runs[-1]] * (library.lanes - len(runs))]
-    first, scenario = runs[0].kernels.manifest, runs[0].scenario
+    loop = runs[0].loop
+    chosen = vector_set(loop.kernels.library, runs[0].vectors)
+    padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
+    phases, scenario = loop.kernels.manifest["phases"], loop.scenario
     clock, delay = scenario.clock, round(scenario.actuator.delay / scenario.clock.plant)
     arrays = _numbers(padded)
     arrays |= {
-        "phase_start": np.array([phase["step"] for phase in first["phases"]], dtype=np.int64),
+        "phase_start": np.array([phase["step"] for phase in phases], dtype=np.int64),
         "window": np.array(windows, dtype=np.int64).reshape(-1, 2),
         "key": np.array([noise_key(run.seed) for run in padded], dtype=np.uint64),
-        "delay_line": aligned(max(2 * delay, 1), library.lanes),
-        "sums": aligned(len(windows), library.sums, library.lanes),
-        "findings": aligned(library.findings, library.lanes),
+        "delay_line": aligned(max(2 * delay, 1), chosen.lanes),
+        "sums": aligned(len(windows), chosen.sums, chosen.lanes),
+        "findings": aligned(chosen.findings, chosen.lanes),
     }
-    if log:
-        arrays["log"] = aligned(clock.samples, library.row, library.lanes)
     settings = BatchSettings(
         control=clock.control, plant=clock.plant, samples=clock.samples, substeps=clock.substeps,
-        phases=len(first["phases"]), pose_every=pose_every(scenario),
+        phases=len(phases), pose_every=pose_every(scenario),
         actuator_ideal=int(scenario.actuator.ideal), delay_steps=delay, windows=len(windows),
         cancelled=ct.pointer(cancelled if cancelled is not None else ct.c_int32(0)),
         **{name: array.ctypes.data_as(_kind(array)) for name, array in arrays.items()},
     )  # fmt: skip
+    if log:
+        logs = [np.empty((clock.samples, chosen.row)) for _ in runs]
+        arrays |= {f"log{lane}": rows for lane, rows in enumerate(logs)}
+        settings.log = (REALS * chosen.lanes)(*(rows.ctypes.data_as(REALS) for rows in logs))
     return Memory(settings, arrays, len(runs))
 
 
@@ -169,7 +209,8 @@ def _numbers(runs: Sequence[Run]) -> dict[str, NDArray[Any]]:
 
 
 def _numbers_of(run: Run) -> dict[str, list[float]]:
-    systems, phases = run.kernels.manifest["systems"], run.kernels.manifest["phases"]
+    manifest = run.loop.kernels.manifest
+    systems, phases = manifest["systems"], manifest["phases"]
     return {
         **{
             f"{role}_parameters": systems[role]["parameter_values"]
@@ -178,17 +219,18 @@ def _numbers_of(run: Run) -> dict[str, list[float]]:
         "plant_parameters": [value for phase in phases for value in phase["parameters"]],
         "plant_start": list(run.start or systems["plant"]["start"]),
         "controller_start": systems["controller"]["start"],
-        "numbers": _lane_numbers(run.scenario),
+        "numbers": _lane_numbers(run.loop),
     }
 
 
-def _lane_numbers(scenario: Scenario) -> list[float]:
+def _lane_numbers(loop: Ready) -> list[float]:
     """In the order of WMR_NUMBERS."""
+    scenario = loop.scenario
     sensor, noise, lag = scenario.sensor, scenario.disturbance, scenario.actuator.lag
     decay = math.exp(-scenario.clock.plant / lag) if lag > 0 else 0.0
     return [
         *scenario.limits.v_u1, sensor.pose_noise, sensor.correction, *sensor.velocity_noise,
-        noise.std, noise.truncate, decay, *push_torque(scenario),
+        noise.std, noise.truncate, decay, *push_torque(scenario), *admitted(*loop.bounds),
     ]  # fmt: skip
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import Settings, outcome_of
+from wmr_ctrl.results import outcome_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Progress, Task, run_tasks
-from wmr_ctrl.sim.batch_figures import SHAPES, monitor
-from wmr_ctrl.sim.native import Kernels
+from wmr_ctrl.sim.batch_figures import SHAPES, Figures, monitor
+from wmr_ctrl.sim.ready import Ready
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,6 @@ class RunTable(Mapping[str, NDArray[Any]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
     Names and units are those of `sim.batch_figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
-    Motions beyond a guard's bounds are not watched here: no outcome is bounds-left.
     """
 
     figures: Mapping[str, NDArray[Any]]
@@ -38,8 +37,7 @@ class RunTable(Mapping[str, NDArray[Any]]):
 
 
 def run_many(
-    build: Callable[[Scenario], Kernels],
-    read: Callable[[Scenario], Settings],
+    build: Callable[[Scenario], Ready],
     scenarios: Sequence[Scenario],
     seeds: Sequence[int],
     *,
@@ -52,9 +50,7 @@ def run_many(
     Parameters
     ----------
     build
-        Kernels for lanes of a scenario; called once for each different one.
-    read
-        Clocks and windows of a scenario.
+        The compiled loop of a scenario; called once for each different one.
     scenarios
         One for all runs, or one a run.
     seeds
@@ -72,16 +68,19 @@ def run_many(
     count = len(seeds)
     _check(count, scenarios, starts)
     listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
-    known = {item: (build(item), read(item)) for item in dict.fromkeys(listed)}
+    known = {item: build(item) for item in dict.fromkeys(listed)}
     tasks = []
     for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
-        kernels, settings = known[scenario]
         start = None if starts is None else tuple(float(value) for value in starts[k])
-        tasks.append(Task(kernels, scenario, settings, int(seed), start))
+        tasks.append(Task(known[scenario], int(seed), start))
     figures = run_tasks(tasks, jobs=jobs, progress=progress)
-    outcomes = [outcome_of(monitor({name: figures[name][k] for name in SHAPES})).value
-                for k in range(count)]  # fmt: skip
+    outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
     return RunTable({**figures, "outcome": np.array(outcomes), "seed": np.array(seeds)})
+
+
+def _outcome(figures: Figures, place: int, task: Task) -> str:
+    watched = monitor({name: figures[name][place] for name in SHAPES})
+    return outcome_of(watched, task.loop.scenario.guard.enabled).value
 
 
 def _check(

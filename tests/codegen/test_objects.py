@@ -1,0 +1,79 @@
+"""One library from several units: what is optional may fail, what is not may not."""
+
+from __future__ import annotations
+
+import ctypes as ct
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.codegen.objects import Unit, build_units
+from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.errors import CompilerError
+
+SOURCES = {
+    "part.c": """
+#ifdef BROKEN
+#error this compiler cannot do that
+#endif
+int NAME(void) { return VALUE; }
+""",
+    "last.c": """
+int first(void);
+#ifdef WMR_HAS_second
+int second(void);
+#else
+static int second(void) { return 0; }
+#endif
+__attribute__((visibility("default"))) int total(void) { return first() + second(); }
+""",
+}
+FIRST = Unit("first", "part.c", ("-DNAME=first", "-DVALUE=40"))
+SECOND = Unit("second", "part.c", ("-DNAME=second", "-DVALUE=2"), optional=True)
+LAST = Unit("last", "last.c")
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    toolchain = find_toolchain()  # found with the usual cache, so that it need not be tried again
+    monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path))
+    monkeypatch.setattr("tests.codegen.test_objects.find_toolchain", lambda: toolchain)
+    return tmp_path
+
+
+def total(*units: Unit) -> int:
+    path = build_units(SOURCES, units, LAST, find_toolchain(), name="sum")
+    return int(ct.CDLL(str(path)).total())
+
+
+def broken(unit: Unit) -> Unit:
+    return replace(unit, flags=(*unit.flags, "-DBROKEN"))
+
+
+def unknown(unit: Unit) -> Unit:
+    return replace(unit, flags=(*unit.flags, "-march=no-such-processor"))
+
+
+def test_units_have_flags_of_their_own_and_end_in_one_library(cache: Path) -> None:
+    assert total(FIRST, SECOND) == 42
+    assert not list((cache / "kernels").rglob("*.o"))
+
+
+def test_the_library_goes_without_an_optional_unit_whose_flags_are_unknown() -> None:
+    assert total(FIRST, unknown(SECOND)) == 40
+
+
+@pytest.mark.parametrize(
+    "units", [(broken(FIRST), SECOND), (unknown(FIRST), SECOND), (FIRST, broken(SECOND))]
+)
+def test_any_other_failure_leaves_no_library(units: tuple[Unit, ...], cache: Path) -> None:
+    with pytest.raises(CompilerError, match=r"cannot do that|no-such-processor"):
+        total(*units)
+    assert not list(cache.glob("kernels/*"))
+
+
+def test_flags_of_units_are_part_of_the_key() -> None:
+    other = replace(SECOND, flags=("-DNAME=second", "-DVALUE=3"))
+
+    assert (total(FIRST, SECOND), total(FIRST, other)) == (42, 43)
