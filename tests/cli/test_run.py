@@ -14,7 +14,7 @@ from wmr_ctrl.results import load_run, summary
 module = import_module("wmr_ctrl.cli.run")
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise", "max_abs_v", "violations",
-        "tau_peak", "tau_rms", "e_rms", "provenance"]  # fmt: skip
+        "d_least", "dbar", "tau_peak", "tau_rms", "e_rms", "provenance"]  # fmt: skip
 
 
 def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):
@@ -43,6 +43,21 @@ def test_table_tells_outcome_and_limits(short_run):
     assert "The velocity limit was broken" in found.stdout
     assert "limit 1 m/s: BROKEN" in found.stdout
     assert "limit 1.5 rad/s: kept" in found.stdout
+    assert max(map(len, found.stdout.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(("options", "told"), [
+    ((), "within dbar 60 N, 15 N m"),
+    (("--guard",), "within dbar 60 N, 15 N m"),
+    (("--set", "disturbance.push=20,5", "--set", "guard.dbar=0,0", "--set", "robot.mu=0"),
+     "BEYOND dbar 0 N, 0 N m"),
+])  # fmt: skip
+def test_table_puts_the_least_disturbance_beside_its_bound(short_run, options, told):
+    found = short_run("paper-simulation", "--law", "mb", *options)
+
+    line = next(x for x in found.stdout.splitlines() if x.startswith("disturbance, at least"))
+    assert " N, " in line
+    assert told in " ".join(found.stdout.split())
     assert max(map(len, found.stdout.splitlines())) <= 80
 
 

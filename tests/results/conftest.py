@@ -23,11 +23,12 @@ def build(
     extra: Iterable[Signal] = (),
     labels: dict[str, Any] | None = None,
     provenance: dict[str, str] | None = None,
+    dbar: tuple[float, float] | None = None,
     **columns: Any,
 ) -> Run:
     """A run of ``duration`` s whose ``columns`` are given as constants or arrays, others zero."""
     half = duration / 2 if split is None else split
-    settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from)
+    settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from, dbar)
     count = settings.samples if rows is None else rows
     signals = (*LOG_HEAD, *extra)
     log: dict[str, Any] = {
@@ -38,13 +39,14 @@ def build(
         log[name] = np.broadcast_to(values, log[name].shape)
     seen = monitor or Monitor((0.5, 0.5))
     named = {"scenario": "toy", "law": "nn", "guard": False, "seed": 0, "engine": "native"}
+    labelled = {**named, **(labels or {})}
     return Run(
-        **{**named, **(labels or {})},
+        **labelled,
         settings=settings,
         signals=signals,
         columns=log,
         monitor=seen,
-        outcome=outcome_of(seen),
+        outcome=outcome_of(seen, labelled["guard"]),
         provenance=provenance or {},
     )
 

@@ -269,14 +269,21 @@ def test_the_summary_has_exactly_the_published_keys(make_run: MakeRun) -> None:
     figures = summary(run)
 
     assert " ".join(figures) == (
-        "scenario law guard seed engine outcome ise max_abs_v violations tau_peak tau_rms e_rms "
-        "provenance"
+        "scenario law guard seed engine outcome ise max_abs_v violations d_least dbar tau_peak "
+        "tau_rms e_rms provenance"
     )
     assert list(figures["ise"]) == ["total", "before", "after", "position"]
     assert list(figures["e_rms"]) == ["30-40", "40-45", "70-80"]
     assert figures["provenance"] == hashes
     assert (figures["violations"], figures["max_abs_v"]) == (4, [1.2, 0.5])
     assert (figures["outcome"], type(figures["outcome"])) == ("limit-violated", str)
+    assert (figures["d_least"], figures["dbar"]) == (None, None)
+
+
+def test_the_summary_puts_the_least_disturbance_beside_its_bound(make_run: MakeRun) -> None:
+    figures = summary(make_run(monitor=Monitor((0.1, 0.2), d_least=(3, math.inf)), dbar=(60, 15)))
+
+    assert (figures["d_least"], figures["dbar"]) == ([3.0, None], [60.0, 15.0])
 
 
 @given(value=st.sampled_from([math.nan, math.inf, -math.inf, 1e200]))

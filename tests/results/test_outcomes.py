@@ -29,8 +29,16 @@ CASES = [
 
 @pytest.mark.parametrize(("monitor", "value"), CASES)
 def test_the_gravest_event_gives_the_outcome(monitor: Monitor, value: str) -> None:
-    assert outcome_of(monitor) == Outcome(value)
-    assert outcome_of(monitor).value == value
+    assert outcome_of(monitor, guard=True) == Outcome(value)
+    assert outcome_of(monitor, guard=True).value == value
+
+
+def test_without_the_guard_there_is_no_guarantee_to_lose() -> None:
+    """The event is known all the same, and no other outcome depends on the guard."""
+    assert outcome_of(LEFT, guard=False) == outcome_of(LEFT) == Outcome.COMPLETED
+    for monitor, value in CASES:
+        if monitor is not LEFT:
+            assert outcome_of(monitor, guard=False).value == value
 
 
 def test_every_outcome_is_covered_here() -> None:
@@ -79,7 +87,7 @@ def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> Non
     ],
 )
 def test_the_sentence_names_what_when_axis_and_remedy(monitor: Monitor, parts: list[str]) -> None:
-    sentence = outcome_of(monitor).sentence(monitor)
+    sentence = outcome_of(monitor, guard=True).sentence(monitor)
 
     assert [part for part in parts if part not in sentence] == []
     assert "\n" not in sentence

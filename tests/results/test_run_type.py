@@ -92,6 +92,7 @@ def test_a_run_survives_pickling_and_copying(make_run: MakeRun) -> None:
         ({"signals": lambda s: s[1:]}, "begin with the time"),
         ({"signals": lambda s: (*s, s[1])}, "each signal"),
         ({"outcome": lambda _: Outcome.DIVERGED}, "outcome_of"),
+        ({"outcome": lambda _: Outcome.BOUNDS_LEFT}, "outcome_of"),
         ({"guard": lambda _: 1}, "guard = 1"),
         ({"law": lambda _: None}, "law = None"),
         ({"settings": lambda s: dataclasses.replace(s, duration=0.5)}, "100 rows, more than"),

@@ -103,6 +103,8 @@ def test_a_run_that_ended_early_loads_back_equal(
         {"provenance": {"version": "2"}},
         {"split": 0.06},
         {"monitor": Monitor((0.5, 0.6))},
+        {"monitor": Monitor((0.5, 0.5), d_least=(1.0, 0.0))},
+        {"dbar": (60.0, 15.0)},
         {"extra": (Signal("more", "1", "more"),)},
     ],
 )

@@ -11,7 +11,7 @@ import pytest
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.signals import GUARD_DIAGNOSTICS, LOG_HEAD
 from wmr_ctrl.sim.oracle import simulate_oracle
 
 KINEMATICS = {"k": (10.0, 5.0, 4.0)}
@@ -58,7 +58,8 @@ def test_columns_follow_the_catalogue(law: str) -> None:
     columns, monitor = simulate(scenario, law)
 
     further = {"nn": {"W_norm": 2}, "smc": {"m_hat": 2, "F_hat": 2}}.get(law, {})
-    sizes = {signal.name: signal.size for signal in LOG_HEAD} | further
+    heads = ({s.name: s.size for s in part} for part in (LOG_HEAD, GUARD_DIAGNOSTICS))
+    sizes = next(heads) | further | next(heads)
     assert list(columns) == list(sizes)
     for name, size in sizes.items():
         assert columns[name].shape == ((20,) if size == 1 else (20, size)), name

@@ -23,6 +23,7 @@ def summary_text(run: Run) -> str:
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield from _errors(run, figures)
     yield from _velocities(run, figures)
+    yield from _disturbance(run, figures)
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
@@ -50,8 +51,21 @@ def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         yield "beyond a limit", steps, f"of {run.settings.plant:g} s"
 
 
+def _disturbance(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    least, bound = figures["d_least"], figures["dbar"]
+    if least is None or bound is None:
+        return
+    left = run.monitor.bounds_left
+    verdict = "within" if left is None else f"from {left[0]:.4g} s on BEYOND"
+    yield "disturbance, at least", _force(least), f"{verdict} dbar {_force(bound)}"
+
+
 def _number(value: float | None, unit: str = "") -> str:
     return MISSING if value is None else f"{value:.4g} {unit}".strip()
+
+
+def _force(values: Sequence[float | None]) -> str:
+    return ", ".join(_number(value, unit) for value, unit in zip(values, ("N", "N m"), strict=True))
 
 
 def _vector(values: Sequence[float]) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.laws.guard import guard
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
@@ -64,8 +64,8 @@ def plant_block(scenario: Scenario) -> Block:
 
 
 def law_block(scenario: Scenario, law: str) -> Block:
-    """The controller of ``law``: one sample with its memory."""
-    system = controller(scenario, law)
+    """The controller of ``law``, watched: one sample with its memory."""
+    system = watched_controller(scenario, law)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 

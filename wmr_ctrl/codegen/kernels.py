@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.model.estimator import estimator
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
@@ -42,7 +42,7 @@ def loop_systems(scenario: Scenario, law: str) -> LoopSystems:
     return LoopSystems(
         reference(scenario),
         _stepped_plant(scenario),
-        controller(scenario, law),
+        watched_controller(scenario, law),
         estimator(scenario),
     )
 
@@ -80,6 +80,12 @@ def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
             {"next": law.update, "y": law.y, "d": law.d},
         ),
         kernel(
+            "controller_watched",
+            "One sample, and what is watched in every run: clip_active (2), d_least (2).",
+            {"u": law.u, "x": law.x, "p": law.p},
+            {"next": law.update, "y": law.y, "w": _watched(law)},
+        ),
+        kernel(
             "estimator_step",
             f"{dead.title.capitalize()}.",
             {"u": dead.u, "x": dead.x, "p": dead.p},
@@ -92,6 +98,11 @@ def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
             {"e": tracking_error(pose_d, pose)},
         ),
     )
+
+
+def _watched(law: System) -> ca.SX:
+    seen = {item.signal.name: item.expr for item in law.diagnostics}
+    return ca.vertcat(seen["clip_active"], seen["d_least"])
 
 
 def plant_phases(scenario: Scenario, system: System) -> list[tuple[int, list[float]]]:

@@ -1,4 +1,6 @@
-"""Does what the robot does contradict what the guard assumes?  One sampled filter of both axes.
+"""Does what the robot does contradict what a guard assumes?  One sampled filter of both axes.
+
+It stands behind every law, with the guard on or off, and changes no torque.
 
 While v > 0 at both ends of a sample, friction can only slow the robot, so with every mass in
 [M_min, M_max] and velocities known to +-nbar the mean disturbance was at least
@@ -28,7 +30,7 @@ STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")
 
 
 class Monitor:
-    """State, update and diagnostics that a guard brings into a System."""
+    """State, update and diagnostics that watching brings into a System."""
 
     def __init__(
         self,
@@ -38,7 +40,10 @@ class Monitor:
         wheels: tuple[ca.SX, ca.SX],
         flags: tuple[ca.SX, ca.SX],
     ) -> None:
-        """Watch over ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m]."""
+        """Watch over ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
+
+        ``flags``: clip_active (2,) and feasible, as the guard or what stands in its place has them.
+        """
         old, started = port(OLD_VELOCITY), port(STARTED)
         force = wheel_to_force(*wheels, applied)
         least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]

@@ -4,7 +4,7 @@ Everything here works on a finished :class:`Run`, whichever engine made it; noth
 a trajectory.
 """
 
-from wmr_ctrl.results.assumptions import first_beyond
+from wmr_ctrl.results.assumptions import admitted, first_beyond, largest_push
 from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
 from wmr_ctrl.results.diagnostics import (
     Rises,
@@ -38,6 +38,7 @@ __all__ = [
     "Run",
     "Settings",
     "WeightNorm",
+    "admitted",
     "atomic_path",
     "atomic_write",
     "check_suffix",
@@ -50,6 +51,7 @@ __all__ = [
     "ise",
     "ise_over",
     "json_safe",
+    "largest_push",
     "load_run",
     "outcome_of",
     "rises",

@@ -87,6 +87,8 @@ def summary(run: Run) -> dict[str, Any]:
         "ise": ise(run),
         "max_abs_v": run.monitor.max_abs_v,
         "violations": run.monitor.violations,
+        "d_least": run.monitor.d_least,
+        "dbar": run.settings.dbar,
         "tau_peak": tau_peak(run),
         "tau_rms": tau_rms(run),
         "e_rms": {f"{start}-{end}": e_rms(run, start, end) for start, end in E_RMS_WINDOWS},

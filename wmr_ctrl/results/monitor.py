@@ -24,8 +24,11 @@ class Monitor:
     ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``violations``: number of plant steps
     strictly beyond a limit; ``first_violation``: time [s] and axis of the first of them;
     ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
-    ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit.
+    ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit,
+    with the guard on or off.
     ``failure``: what else ended the run early, such as an FMU that refused a step.
+    ``d_least``: largest of the logged d_least [N, N m], to be compared with ``Settings.dbar``; None
+    where it was not watched.
     Raises ArgumentError where the fields contradict one another.
     """
 
@@ -36,6 +39,7 @@ class Monitor:
     stop_reason: str = ""
     bounds_left: Event | None = None
     failure: str = ""
+    d_least: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         linear, angular = self.max_abs_v
@@ -43,6 +47,9 @@ class Monitor:
         object.__setattr__(self, "violations", operator.index(self.violations))
         for name in ("first_violation", "stopped", "bounds_left"):
             object.__setattr__(self, name, _event(name, getattr(self, name)))
+        if self.d_least is not None:
+            force, moment = self.d_least
+            object.__setattr__(self, "d_least", (float(force), float(moment)))
         self._check()
 
     def _check(self) -> None:

@@ -72,10 +72,11 @@ _GUARDED = (
 )
 
 
-def outcome_of(monitor: Monitor) -> Outcome:
+def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
     """The gravest thing that the monitor saw.
 
-    In this order: failed, non-finite, diverged, limit-violated, bounds-left, completed.
+    In this order: failed, non-finite, diverged, limit-violated, bounds-left, completed.  Bounds are
+    left for nothing where the ``guard`` was off: such a run had no guarantee to lose.
     """
     if monitor.failure:
         return Outcome.FAILED
@@ -85,7 +86,7 @@ def outcome_of(monitor: Monitor) -> Outcome:
         return Outcome.DIVERGED
     if monitor.violations:
         return Outcome.LIMIT_VIOLATED
-    return Outcome.BOUNDS_LEFT if monitor.bounds_left else Outcome.COMPLETED
+    return Outcome.BOUNDS_LEFT if guard and monitor.bounds_left else Outcome.COMPLETED
 
 
 def _place(event: Event | None) -> str:

@@ -17,7 +17,8 @@ class Settings:
 
     ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as asked for;
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
-    before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s].
+    before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s]; ``dbar``:
+    bound of the disturbance that the scenario states or implies [N, N m], None where not known.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -27,12 +28,16 @@ class Settings:
     v_u1: tuple[float, float]
     split: float
     rms_from: float = 2.0
+    dbar: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
             object.__setattr__(self, name, float(getattr(self, name)))
         linear, angular = self.v_u1
         object.__setattr__(self, "v_u1", (float(linear), float(angular)))
+        if self.dbar is not None:
+            force, moment = self.dbar
+            object.__setattr__(self, "dbar", (float(force), float(moment)))
         self._check()
 
     def _check(self) -> None:
@@ -44,6 +49,8 @@ class Settings:
                 raise ArgumentError(_message(name, getattr(self, name), "finite and not negative"))
         if not all(limit > 0 for limit in self.v_u1):
             raise ArgumentError(_message("v_u1", self.v_u1, "two positive limits"))
+        if self.dbar is not None and not all(bound >= 0 for bound in self.dbar):
+            raise ArgumentError(_message("dbar", self.dbar, "two bounds from 0 up"))
 
     @property
     def samples(self) -> int:

@@ -6,11 +6,12 @@ import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from wmr_ctrl import __version__
-from wmr_ctrl.results import Monitor, Run, Settings, first_beyond, outcome_of
+from wmr_ctrl.results import Monitor, Run, Settings, first_beyond, largest_push, outcome_of
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
@@ -31,14 +32,19 @@ def finished(
 ) -> Run:
     """The Run of what an engine found.
 
-    ``bounds`` are what the guard assumes: largest disturbance and largest force [N, N m]; with
-    them the monitor tells the first motion that contradicts them.
+    ``bounds`` are what a guard assumes, be it on or off: largest disturbance and largest force
+    [N, N m]; with them the monitor tells the first motion that contradicts them, and how near the
+    least disturbance came.
     """
     signals, columns, seen = found
-    monitor = seen if bounds is None else replace(seen, bounds_left=first_beyond(columns, *bounds))
+    monitor, settings, guard = seen, settings_of(scenario), scenario.guard.enabled
+    if bounds is not None:
+        left, least = first_beyond(columns, *bounds), largest_push(columns)
+        monitor = replace(seen, bounds_left=left, d_least=least)
+        settings = replace(settings, dbar=bounds[0])
     return Run(
-        scenario.name, law, scenario.guard.enabled, seed, engine, settings_of(scenario), signals,
-        columns, monitor, outcome_of(monitor), {**provenance(scenario), **facts},
+        scenario.name, law, guard, seed, engine, settings, signals, columns, monitor,
+        outcome_of(monitor, guard), {**provenance(scenario), **facts},
     )  # fmt: skip
 
 
@@ -51,7 +57,8 @@ def settings_of(scenario: Scenario) -> Settings:
     )  # fmt: skip
 
 
-def provenance(scenario: Scenario) -> dict[str, str]:
+@lru_cache(maxsize=64)
+def provenance(scenario: Scenario) -> Mapping[str, str]:
     """What made a run: versions, the scenario as TOML and its hash."""
     text = to_toml(scenario, comments=False)
     return {

@@ -140,8 +140,15 @@ def monitor_of(state: Any, step: float) -> Monitor:
 
 def push_torque(scenario: Scenario) -> tuple[float, float]:
     """Wheel torques [N m] of disturbance.push: of the thrust, and of the moment."""
-    push, robot = scenario.disturbance.push, scenario.robot
-    return 0.5 * robot.r * push[0], 0.5 * robot.r * push[1] / robot.l
+    return pushed(scenario.disturbance.push, scenario.robot.r, scenario.robot.l)
+
+
+def pushed(push: Any, r: Any, half_track: Any) -> tuple[Any, Any]:
+    """The same for numbers or symbols of force (thrust, moment), wheel radius and half the track.
+
+    The first acts on both wheels, the second on the right wheel and against the left one.
+    """
+    return 0.5 * r * push[0], 0.5 * r * push[1] / half_track
 
 
 def pose_every(scenario: Scenario) -> int:

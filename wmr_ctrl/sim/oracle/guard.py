@@ -1,4 +1,4 @@
-"""The velocity guard and the maps behind it, one axis after the other."""
+"""The velocity guard and the maps behind it, one axis after the other; and what only watches."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _SHRINK = 2.0**-44
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """Numbers of one axis: limit, masses, bounds of disturbance and measurement, friction floor."""
+    """Numbers of one axis: limit, masses, bounds of disturbance and measurement, friction floor.
+
+    ``aim`` is the limit less what rounding may cost, more with every command under way.
+    """
 
     u1: float
     M_min: float
@@ -22,73 +25,119 @@ class Axis:
     nbar: float
     f_min: float
     f_speed: float
+    aim: float
 
-    def ceiling(self, y: float, alpha: float, T: float, brake: float) -> float:
-        """Largest force that is safe at the measured velocity ``y``."""
-        room = self.u1 * (1.0 - _SHRINK) - max(y + self.nbar, self.f_speed)
+    def ceiling(self, y: float, alpha: float, T: float, brake: float, coming: float = 0.0) -> float:
+        """Largest force that is safe at the measured velocity ``y`` with a rise that is coming."""
+        room = self.aim - max(y + self.nbar, self.f_speed) - coming
         gain = self.M_min * alpha if room >= 0.0 else self.M_max / T
         return max(gain * room - (self.dbar - self.f_min), -brake)
 
-    def cap(self, alpha: float) -> float:
-        """The largest force at rest."""
-        room = self.u1 * (1.0 - _SHRINK) - self.f_speed
-        return self.M_min * alpha * room - (self.dbar - self.f_min)
+    def cap(self, alpha: float, delay: float) -> float:
+        """The largest braking force that leaves room for as large a one to arrive too late."""
+        room = self.aim - self.f_speed
+        return self.M_min * alpha * room / (1.0 + alpha * delay) - (self.dbar - self.f_min)
+
+    def largest(self, alpha: float, delay: float, brake: float) -> float:
+        """What no force may exceed while it takes ``delay`` to arrive."""
+        if delay == 0.0:
+            return math.inf
+        push = self.dbar - self.f_min
+        kept = self.aim - self.f_speed
+        kept -= max(brake + push, 0.0) / (self.M_min * alpha)
+        return self.M_min * kept / delay - push
+
+    def rise(self, force: float, time: float) -> float:
+        """Most that v can gain while ``force`` acts for ``time``."""
+        return max(force + self.dbar - self.f_min, 0.0) * time / self.M_min
+
+    def can_be_kept(self, alpha: float, T: float, brake: float, delay: float) -> bool:
+        """Whether the numbers make sense and braking outweighs the push wherever it has to."""
+        sound = self.M_min <= self.M_max and self.f_speed < self.u1 and alpha * T <= 1.0 + _SHRINK
+        seen = 2.0 * self.nbar <= self.aim
+        push = self.dbar - self.f_min
+        return sound and seen and self.cap(alpha, delay) >= push and brake >= push
 
 
 class VelocityGuard:
-    """Clips a force to what is safe, and watches whether the motion fits the bounds."""
+    """Clips a force to what is safe, and watches whether the motion fits the bounds.
+
+    An unguarded run has one too, which only watches.
+    """
 
     def __init__(self, scenario: Scenario, tau_max: float) -> None:
         self.T, self.robot, self.settings = scenario.clock.control, scenario.robot, scenario.guard
         self.alpha = scenario.guard.alpha or 1.0 / self.T
+        self.delay = scenario.actuator.delay
+        self.sent: list[Pair] = [(0.0, 0.0)] * on_their_way(scenario)
         self.axes = axes_of(scenario)
         self.phi = 2.0 * tau_max / scenario.robot.r
         self.brakes = self._brakes()
+        self.feasible = float(self._can_be_kept())
         self.v_before: Pair | None = None
         self.seen: dict[str, object] = {}
         self.memory_of((0.0, 0.0), (0.0, 0.0))
 
     def _brakes(self) -> Pair:
-        first, second = (axis.cap(self.alpha) for axis in self.axes)
+        first, second = (axis.cap(self.alpha, self.delay) for axis in self.axes)
         given, half = self.settings.brake, self.robot.l
         if given is not None:
             return min(first, given[0]), min(second, given[1])
         if math.isinf(self.phi):
             return first, second
         need = [max(axis.dbar - axis.f_min, 0.0) for axis in self.axes]
-        spare = self.phi - need[0] - need[1] / half
+        spare = max(self.phi - need[0] - need[1] / half, 0.0)
         share = self.settings.brake_share
         return (
             min(first, need[0] + share * spare),
             min(second, need[1] + (1.0 - share) * spare * half),
         )
 
+    def _can_be_kept(self) -> bool:
+        """Whether there is a safe force at every state, within the wheels' reach."""
+        both = self.brakes[0] + self.brakes[1] / self.robot.l
+        within_reach = both <= self.phi * (1.0 + _SHRINK)
+        pairs = zip(self.axes, self.brakes, strict=True)
+        return within_reach and all(
+            a.can_be_kept(self.alpha, self.T, b, self.delay) for a, b in pairs
+        )
+
     def box(self, v: Pair) -> tuple[Pair, Pair]:
         """(lo, hi) of both axes, each a pair (thrust [N], moment [N m])."""
-        hi = self._ceilings(v)
-        lo = self._ceilings((-v[0], -v[1]))
-        return (-lo[0], -lo[1]), hi
-
-    def _ceilings(self, v: Pair) -> Pair:
-        first, second = (
-            axis.ceiling(v[i], self.alpha, self.T, self.brakes[i])
-            for i, axis in enumerate(self.axes)
+        return (-self._most(0, v, -1.0), -self._most(1, v, -1.0)), (
+            self._most(0, v, 1.0),
+            self._most(1, v, 1.0),
         )
-        return first, second
+
+    def _most(self, i: int, v: Pair, way: float) -> float:
+        """Largest force of axis ``i`` that is safe in direction ``way``."""
+        axis, brake = self.axes[i], self.brakes[i]
+        coming = sum(
+            axis.rise(way * force[i], min(self.T, self.delay - age * self.T))
+            for age, force in enumerate(self.sent)
+        )
+        hi = axis.ceiling(way * v[i], self.alpha, self.T, brake, coming)
+        return min(hi, axis.largest(self.alpha, self.delay, brake))
 
     def act(self, asked: Pair, v: Pair, applied: Pair) -> Pair:
         """The force that may act, within the wheels' reach."""
         box = self.box(v)
         held, safe = within(asked, box), within((0.0, 0.0), box)
         changed = (float(held[0] != asked[0]), float(held[1] != asked[1]))
+        self.watch(v, applied, changed)
+        reach = linear_first if self.settings.map == "linear-first" else rotation_first
+        force = reach(held, safe, self.phi, self.robot.l)
+        self.sent = [force, *self.sent][: len(self.sent)]
+        return force
+
+    def watch(self, v: Pair, applied: Pair, changed: Pair = (0.0, 0.0)) -> None:
+        """Take note of the sample at velocity ``v`` that the ``applied`` torque led to."""
         self.memory_of(changed, self._least(v, applied))
         self.v_before = v
-        reach = linear_first if self.settings.map == "linear-first" else rotation_first
-        return reach(held, safe, self.phi, self.robot.l)
 
     def memory_of(self, changed: Pair, least: Pair) -> None:
         """Note what is logged."""
-        self.seen = {"clip_active": changed, "d_least": least, "feasible": 1.0}
+        self.seen = {"clip_active": changed, "d_least": least, "feasible": self.feasible}
 
     def _least(self, v: Pair, applied: Pair) -> Pair:
         if self.v_before is None:
@@ -109,7 +158,12 @@ def least_push(axis: Axis, old: float, new: float, force: float, T: float) -> fl
     if min(old, new) <= axis.nbar:
         return 0.0
     rate = (new - old - 2.0 * axis.nbar) / T
-    return max(min(axis.M_min * rate, axis.M_max * rate) - force, 0.0)
+    return max(0.0, min(axis.M_min * rate, axis.M_max * rate) - force)
+
+
+def on_their_way(scenario: Scenario) -> int:
+    """How many commands have not ended when the next is computed."""
+    return math.ceil(scenario.actuator.delay / scenario.clock.control - 1e-9)
 
 
 def axes_of(scenario: Scenario) -> tuple[Axis, Axis]:
@@ -125,9 +179,10 @@ def axes_of(scenario: Scenario) -> tuple[Axis, Axis]:
     push = (2.0 * wheel / bot.r + g.d_model[0], 2.0 * wheel * bot.l / bot.r + g.d_model[1])
     push = (push[0] + noise.push[0], push[1] + noise.push[1])
     dbar, nbar = g.dbar or push, g.nbar or scenario.sensor.velocity_noise
-    u1 = scenario.limits.v_u1
+    u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + on_their_way(scenario))
     first, second = (
-        Axis(u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i]) for i in (0, 1)
+        Axis(u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i], u1[i] * aimed)
+        for i in (0, 1)
     )
     return first, second
 

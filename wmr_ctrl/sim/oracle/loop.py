@@ -40,9 +40,9 @@ def simulate_oracle(
 
     ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
     called now and then with the share of the run that is done.  Returns the columns, (N,) or
-    (N, size), of ``signals.LOG_HEAD`` and of the law's memory, and the monitor's numbers
-    (max_abs_v, violations, first_violation, stopped, stop_reason).  Raises ArgumentError for a law
-    that has no NumPy twin.
+    (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's diagnostics (on or
+    off), and the monitor's numbers (max_abs_v, violations, first_violation, stopped, stop_reason).
+    Raises ArgumentError for a law that has no NumPy twin.
     """
     loop = _Loop(scenario, law, gains, kinematics, seed)
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
@@ -70,7 +70,7 @@ class _Loop:
         self.applied: Pair = (0.0, 0.0)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
-        self.guard = VelocityGuard(scenario, self.tau_max) if scenario.guard.enabled else None
+        self.guard = VelocityGuard(scenario, self.tau_max)
         self.noise = torque_noise(key, clock.samples, scenario.disturbance)
         self.plants = plants(scenario.robot, scenario.changes, clock)
         self.log = Recorder(self._memory())
@@ -114,13 +114,14 @@ class _Loop:
     def _force(self, sight: Sight) -> Pair:
         """What the law asks for, as far as guard and wheels allow it."""
         asked = self.law.act(sight)
-        if self.guard is not None:
+        if self.scenario.guard.enabled:
             return self.guard.act(asked, sight.v, sight.applied)
+        self.guard.watch(sight.v, sight.applied)
         return limited_force(asked, self.tau_max, self.scenario.robot)
 
     def _memory(self) -> dict[str, Any]:
-        """Further columns: the law's, then the guard's."""
-        return {**self.law.memory(), **(self.guard.seen if self.guard else {})}
+        """Further columns: the law's, then the monitor's."""
+        return {**self.law.memory(), **self.guard.seen}
 
     def _look(self, k: int, target: Target) -> Sight:
         pose, v = self.sensor.look(k, self.state)

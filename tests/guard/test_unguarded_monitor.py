@@ -1,0 +1,150 @@
+"""The monitor of unguarded runs: what it reveals, and that it never accuses what holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.guard_bounds import mass_range
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Run, load_run, runs_equal, save_run
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.signals import GUARD_DIAGNOSTICS
+
+every_law = pytest.mark.parametrize("law", tuple(LAWS))
+every_twin = pytest.mark.parametrize("law", NAMES)
+OFF = {"guard.enabled": False, "clock.duration": 5.0, "changes": []}
+PUSHED = {"disturbance.push": [150.0, 40.0], "disturbance.std": 0.0, "robot.mu": 0.0,
+          "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0}  # fmt: skip
+
+
+def disturbance(run: Run) -> np.ndarray:
+    """What acted on thrust [N] and moment [N m] during each sample, (N, 2)."""
+    robot = load_scenario("paper-simulation").robot
+    right, left = run["noise_right"], run["noise_left"]
+    return np.column_stack([right + left, robot.l * (right - left)]) / robot.r
+
+
+def ahead(run: Run) -> np.ndarray:
+    """The largest disturbance in the direction of motion that d_least could tell, (N, 2).
+
+    Row k is about sample k - 1, and 0 in row 0 and where an axis was pushed back.
+    """
+    v = np.column_stack([run["v1"], run["omega"]])
+    pushed = np.sign(v) * np.vstack([np.zeros(2), disturbance(run)[:-1]])
+    return np.fmax(pushed, 0.0)
+
+
+def scale(run: Run) -> np.ndarray:
+    """What errors of rounding and integration may add [N, N m]: 1e-6 of what stops the robot."""
+    fastest = np.abs([run["v1"], run["omega"]]).max(axis=1)
+    return 1e-6 * np.array([70.0, 7.0]) * np.fmax(fastest, (1.0, 1.5)) / run.settings.control
+
+
+@every_law
+def test_a_push_beyond_dbar_is_revealed_by_a_known_mass(law: str, tmp_path: Path) -> None:
+    """Without friction and with the mass known, d_least is the push itself."""
+    run = simulate("paper-simulation", law, overrides={**OFF, **PUSHED})
+    found = run["d_least"].max(axis=0)
+
+    assert not run.guard
+    assert found[0] == pytest.approx(150.0, rel=1e-6)
+    assert 15.0 < found[1] < 40.0 * (1 + 1e-6)
+    assert run.monitor.d_least == tuple(found)
+    assert run.settings.dbar == (60.0, 15.0)
+    assert run.monitor.bounds_left is not None
+    assert run.outcome != "bounds-left"
+    save_run(run, tmp_path / "run.csv")
+    assert runs_equal(load_run(tmp_path / "run.csv"), run)
+    assert load_run(tmp_path / "run.csv").monitor == run.monitor
+
+
+@every_law
+def test_the_same_push_costs_a_guarded_run_its_outcome(law: str) -> None:
+    """The event is the same; the outcome is a warning only where there is a guarantee."""
+    run = simulate("paper-simulation", law, guard=True, overrides={**OFF, **PUSHED})
+
+    assert run.monitor.bounds_left is not None
+    assert run.outcome in ("bounds-left", "limit-violated")
+
+
+def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
+    """A robot within stated masses, under noise and a push, measured with an error or exactly."""
+    margin, mass = draw.uniform(0.0, 0.4), draw.uniform(30.0, 70.0)
+    off = 1.0 + margin * draw.uniform(-1.0, 1.0, 2)
+    stated = [mass, 0.1 * mass]
+    return {
+        **OFF,
+        **drive,
+        "robot.m": float(mass / off[0]),
+        "robot.I": float(0.1 * mass / off[1]),
+        "guard.M_min": [item / (1.0 + margin) for item in stated],
+        "guard.M_max": [item / (1.0 - margin) for item in stated],
+        "robot.mu": float(draw.choice([0.0, draw.uniform(0.0, 0.2)])),
+        "disturbance.std": float(draw.uniform(0.0, 3.0)),
+        "disturbance.push": [float(draw.uniform(0, 100)), float(draw.uniform(0, 30))],
+        "initial.velocity": (draw.uniform(-1.2, 1.2, 2) * (1.0, 1.5)).tolist(),
+        "sensor.velocity_noise": draw.choice([[0.0, 0.0], [0.02, 0.03]]).tolist(),
+        "actuator.tau_max": float(draw.choice([np.inf, 10.0])),
+    }
+
+
+@every_law
+@pytest.mark.parametrize(
+    "drive", [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}], ids=["ideal", "slow", "late"]
+)
+def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> None:
+    """d_least <= the true disturbance along the motion, whatever robot, push, law and drives."""
+    draw, told = np.random.default_rng(0), 0
+    for seed in range(8):
+        run = simulate("paper-simulation", law, seed=seed, overrides=drawn(draw, drive))
+        assert (run["d_least"] <= ahead(run) + scale(run)).all()
+        told += int((run["d_least"] > 1.0).sum())
+
+    assert told > 50
+
+
+def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
+    """The property above can fail: it does as soon as the robot is lighter than M_min."""
+    low = mass_range(load_scenario("paper-simulation"))[0]
+    wrong = {"guard.M_min": list(low), "robot.m": 20.0, "robot.I": 2.0, "robot.mu": 0.0}
+    run = simulate("paper-simulation", "pid", overrides={**OFF, **wrong})
+
+    assert (run["d_least"] > ahead(run) + scale(run)).any()
+
+
+@every_twin
+@pytest.mark.parametrize("changed", [
+    {"actuator.tau_max": 5.0},
+    {"actuator.lag": 0.02, "actuator.delay": 0.013},
+    {"sensor.velocity_noise": [0.02, 0.03]},
+    PUSHED,
+    {"initial.velocity": [1.3, 2.0]},
+])  # fmt: skip
+def test_both_engines_tell_the_same(law: str, changed: dict[str, Any]) -> None:
+    native, numpy = (
+        simulate("paper-simulation", law, seed=2, engine=e, overrides={**OFF, **changed})
+        for e in ("native", "numpy")
+    )
+
+    assert [s.name for s in native.signals] == [s.name for s in numpy.signals]
+    for signal in GUARD_DIAGNOSTICS:
+        gap = np.abs(native[signal.name] - numpy[signal.name]).max()
+        assert gap <= 1e-9 * max(1.0, np.abs(native[signal.name]).max()), signal.name
+    assert native.monitor.bounds_left == numpy.monitor.bounds_left
+    assert native.settings == numpy.settings
+
+
+@every_law
+def test_no_preset_of_the_paper_is_refused_for_what_it_states(law: str) -> None:
+    """Five newton metres brake no guard's bounds, and an unguarded run goes on all the same."""
+    run = simulate("far-start", law, overrides={"actuator.tau_max": 5.0, "clock.duration": 1.0})
+
+    assert run.rows == 100
+    assert not run["feasible"].any()
+    assert not run["clip_active"].any()
