@@ -65,6 +65,8 @@ static void set_numbers(wmr_settings *to, const double *v)
     memcpy(to->velocity_noise, v + WMR_AT_SENSOR_VELOCITY_NOISE, sizeof to->velocity_noise);
     to->torque_std = v[WMR_AT_DISTURBANCE_STD];
     to->torque_truncate = v[WMR_AT_DISTURBANCE_TRUNCATE];
+    wmr_push_torque(v + WMR_AT_DISTURBANCE_PUSH, v + WMR_AT_ROBOT_R, v + WMR_AT_ROBOT_L,
+                    to->push_torque);
     to->delay_steps = (int64_t)rint(v[WMR_AT_ACTUATOR_DELAY] / to->plant);
     to->actuator_ideal = v[WMR_AT_ACTUATOR_LAG] == 0.0 && v[WMR_AT_ACTUATOR_DELAY] == 0.0;
     to->lag_decay = v[WMR_AT_ACTUATOR_LAG] > 0.0 ? exp(-to->plant / v[WMR_AT_ACTUATOR_LAG]) : 0.0;

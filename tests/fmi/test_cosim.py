@@ -138,6 +138,17 @@ def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path, law):
     run = cosimulate(SHORT, law, master="jacobi")
     for name in ("x", "y", "theta", "v1", "omega"):
         assert np.array_equal(found[name][: run.rows - 1], run[name][1:]), name
+    for name in ("margin", "clip_active[1]", "d_least[1]", "d_least[2]", "feasible"):
+        assert np.array_equal(found[name][: run.rows], run[name]), name
+
+
+def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
+    """In order nothing pushes; all at once, each torque acts a step later than the law knows."""
+    late, in_order = (cosimulate(SHORT, "nn", master=m) for m in ("jacobi", "gauss-seidel"))
+    assert in_order.monitor.d_least == in_order.settings.dbar == (0.0, 0.0)
+    assert in_order.monitor.bounds_left is None
+    assert late.monitor.bounds_left is not None
+    assert late.outcome == in_order.outcome == "completed"
 
 
 def test_progress_is_told():

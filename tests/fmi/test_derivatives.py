@@ -10,7 +10,7 @@ import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.model.reference import reference
 from wmr_ctrl.scenario import load_scenario
@@ -33,7 +33,7 @@ def system_of(what):
         if what == "plant"
         else reference(SCENARIO)
         if what == "reference"
-        else controller(SCENARIO, what)
+        else watched_controller(SCENARIO, what)
     )
 
 

@@ -15,7 +15,7 @@ from lxml import etree
 
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.scenario import load_scenario
 
@@ -102,7 +102,7 @@ def test_structure_is_the_jacobians(exported):
 @pytest.mark.parametrize("law", LAWS)
 def test_structure_of_laws_is_the_jacobians(exported, law):
     description = read_model_description(str(exported(law, 2)))
-    system = controller(load_scenario("paper-simulation"), law)
+    system = watched_controller(load_scenario("paper-simulation"), law)
     inputs = [name for port in system.inputs for name in port.signal.elements]
     results = [*system.outputs, *system.diagnostics]
     rows = [name for item in results for name in item.signal.elements]
@@ -125,6 +125,34 @@ def test_parameters_are_key_paths_and_tunable_where_they_change(exported):
     law = {v.name: v for v in read_model_description(str(exported("nn", 2))).modelVariables}
     assert float(law["gains.nn.rho1[1]"].start) == 1350.0
     assert law["clock.control"].variability == "fixed"
+
+
+@pytest.mark.parametrize("what", [*LAWS, "closed-loop"])
+@pytest.mark.parametrize("version", [2, 3])
+def test_every_controller_publishes_its_monitor_and_the_bound(exported, what, version):
+    """Unguarded as the preset is: distance to the limit, clip, least disturbance, feasibility."""
+    path = str(exported(what, version))
+    variables = {v.name: v for v in read_model_description(path).modelVariables}
+    published = (
+        "margin",
+        "clip_active[1]",
+        "clip_active[2]",
+        "d_least[1]",
+        "d_least[2]",
+        "feasible",
+    )
+    assert {variables[name].causality for name in published} == {"output"}
+    units = {"d_least": ("N", "N.m"), "guard.dbar": ("N", "N.m"), "guard.M_min": ("kg", "kg.m2")}
+    for name, pair in units.items():
+        assert tuple(variables[f"{name}[{i}]"].unit for i in (1, 2)) == pair
+    assert {variables[f"guard.dbar[{i}]"].causality for i in (1, 2)} == {"parameter"}
+    assert [float(variables[f"guard.dbar[{i}]"].start) for i in (1, 2)] == [60.0, 15.0]
+
+
+@pytest.mark.parametrize("what", ["plant", "reference"])
+def test_what_commands_nothing_publishes_no_monitor(exported, what):
+    names = {v.name for v in read_model_description(str(exported(what, 2))).modelVariables}
+    assert not {"margin", "clip_active[1]", "d_least[1]", "feasible"} & names
 
 
 def test_weights_are_arrays_in_fmi3_and_flat_where_asked(exported, tmp_path):

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK
+from wmr_ctrl.laws import LAWS
 
 ROOT = Path(__file__).resolve().parents[2]
 WHAT = ("plant", "reference", "nn", "mb", "closed-loop")
@@ -78,6 +79,24 @@ def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
     for k in range(30, 50):
         assert instance.step(0.01 * k, 0.01) == OK
     assert json.loads(done.stdout.rpartition("ALL ")[2]) == [x.hex() for x in instance.all()]
+
+
+@pytest.mark.parametrize("what", LAWS)
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_monitor_remembers_the_sample_before(raw, what, version):
+    """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
+    first = raw(what, version).new().begin()
+    assert first.put({"v1": 0.1}) == OK
+    assert [first.step(0.01 * k, 0.01) for k in (0, 1)] == [OK, OK]
+    second, third = raw(what, version).new(), raw(what, version).new().begin()
+    assert second.restore(first.bytes_of_state()) == OK
+    for instance, start in ((first, 0.02), (second, 0.02), (third, 0.0)):
+        assert instance.put({"v1": 0.9}) == OK
+        assert instance.step(start, 0.01) == OK
+    assert first.get("d_least[1]") == second.get("d_least[1]")
+    assert first.all() == second.all()
+    assert first.get("d_least[1]")[0] > 60.0
+    assert third.get("d_least[1]")[0] == 0.0
 
 
 @every_fmu

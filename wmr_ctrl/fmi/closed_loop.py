@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 
+from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems
-from wmr_ctrl.fmi.bounds import LARGEST, Range, ranges_of
+from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, ranges_of
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.model.system import Port, System, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import LOG_HEAD, Signal
+from wmr_ctrl.sim.native import pushed
 
 KEYS = (
     "initial.pose",
@@ -28,8 +30,11 @@ KEYS = (
     "sensor.velocity_noise",
     "disturbance.std",
     "disturbance.truncate",
+    "disturbance.push",
     "actuator.lag",
     "actuator.delay",
+    "robot.r",
+    "robot.l",
 )
 """What the loop reads from its parameters besides those of its Systems."""
 MAX_ABS_V = Signal(
@@ -38,7 +43,6 @@ MAX_ABS_V = Signal(
 VIOLATIONS = Signal("violations", "1", "plant steps beyond a velocity limit so far")
 SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
-SPARE_DELAY = 64
 
 
 def closed_loop_model(scenario: Scenario, law: str) -> Model:
@@ -46,7 +50,7 @@ def closed_loop_model(scenario: Scenario, law: str) -> Model:
     systems = loop_systems(scenario, law)
     ports = _ports(scenario, systems.by_role())
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
-    ranges["actuator.delay"] = (0.0, _delay_room(scenario) * scenario.clock.plant)
+    ranges |= _drives(scenario)
     parameters = [TIME, *parameter_rows(ports, ranges), _seed(), *_changes(scenario)]
     columns = (*LOG_HEAD[1:], *own_diagnostics(systems.controller))
     outputs = [
@@ -61,7 +65,7 @@ def closed_loop_model(scenario: Scenario, law: str) -> Model:
         scenario,
         rows,
         systems.by_role(),
-        loop_kernels(systems),
+        (*loop_kernels(systems), _push_kernel(ports)),
         (),
         _layout(rows, len(parameters), scenario),
         _tables(rows, systems, scenario),
@@ -84,6 +88,32 @@ def _ports(scenario: Scenario, roles: Mapping[str, System]) -> tuple[Port, ...]:
     for key in KEYS:
         every.take(key)
     return every.ports
+
+
+def _push_kernel(ports: Iterable[Port]) -> Kernel:
+    """What `sim.native.push_torque` computes, from the FMU's parameters."""
+    sym = {port.signal.name: port.sym for port in ports}
+    push, r, half_track = (sym[key] for key in ("disturbance.push", "robot.r", "robot.l"))
+    return kernel(
+        "push_torque",
+        "Wheel torques of the push: of its thrust, and of its moment.",
+        {"push": push, "r": r, "l": half_track},
+        {"torque": stack(pushed(push, r, half_track))},
+    )
+
+
+def _drives(scenario: Scenario) -> dict[str, Range]:
+    """Ranges of the drives: the controller, which knows the torque that acts, is built for them.
+
+    Whether there is a lag, the delay, and with either of them the clock's steps, cannot change.
+    """
+    actuator, clock = scenario.actuator, scenario.clock
+    lag = (SMALLEST, LARGEST) if actuator.lag > 0 else (0.0, 0.0)
+    held = {"actuator.delay": (actuator.delay, actuator.delay), "actuator.lag": lag}
+    if actuator.ideal:
+        return held
+    periods = {"clock.control": clock.control, "clock.plant": clock.plant}
+    return held | {key: (value, value) for key, value in periods.items()}
 
 
 def _seed() -> Variable:
@@ -114,10 +144,6 @@ def _change_range(name: str) -> Range:
     return float(low), LARGEST
 
 
-def _delay_room(scenario: Scenario) -> int:
-    return max(SPARE_DELAY, round(scenario.actuator.delay / scenario.clock.plant))
-
-
 def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -> dict[str, int]:
     at = {row.name: i for i, row in enumerate(rows)}
     named = {
@@ -139,7 +165,7 @@ def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -
         "CONTINUOUS_STATES": 0,
         "HAS_ME": 0,
         "CHANGES": len(scenario.changes),
-        "DELAY_MAX": _delay_room(scenario),
+        "DELAY_MAX": round(scenario.actuator.delay / scenario.clock.plant),
         "AT_INITIAL": at["initial.pose[1]"],
         "AT_SEED": at["seed"],
         "AT_MAX_ABS_V": at["max_abs_v[1]"],

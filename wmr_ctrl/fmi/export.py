@@ -13,7 +13,7 @@ from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.fat import joined
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.package import write_archive
-from wmr_ctrl.fmi.provenance import EXTRA, reference_result
+from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
 from wmr_ctrl.fmi.sources import Sources, sources_of
 from wmr_ctrl.fmi.targets import Target, compile_for, host, targets_of
 from wmr_ctrl.laws import LAWS
@@ -124,7 +124,7 @@ def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, 
     yield "documentation/index.html", xml.documentation(model, TOOL)
     yield f"{EXTRA}/scenario.toml", to_toml(model.scenario)
     if model.graph:
-        yield f"{EXTRA}/evaluate.casadi", model.graph
+        yield GRAPH, model.graph
     for name, text in sources.files.items():
         yield f"sources/{name}", text
 

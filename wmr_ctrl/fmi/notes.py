@@ -28,7 +28,9 @@ _KIND = {
     "loop": (
         "One control sample is run at the start of each control period. Outputs are those of that "
         "sample; pose and velocity are those of the last control instant that was reached. seed "
-        "picks the noise, as --seed does.",
+        "picks the noise, as --seed does. disturbance.push pushes each axis on in its direction of "
+        "motion, through robot.r and robot.l. The drives' delay, and whether they have a lag, are "
+        "fixed: the controller is built for them.",
     ),
 }
 

@@ -14,6 +14,8 @@ from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.variables import Role
 
 EXTRA = "extra/org.wmr-ctrl"
+GRAPH = f"{EXTRA}/evaluate.casadi"
+"""The serialised function of a single block."""
 SECONDS = 2.0
 TORQUES = {"tau_right": 5.0, "tau_left": 4.5}
 """Constant torques [N m] that the plant's reference result is driven with."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, settled, write_fmu
 from wmr_ctrl.fmi.model import Model
@@ -16,13 +17,27 @@ from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.units import units_of
 from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import POSE, TAU_APPLIED, TORQUE, TORQUE_NOISE, VELOCITY
+from wmr_ctrl.signals import (
+    DIAGNOSTICS,
+    GUARD_DIAGNOSTICS,
+    POSE,
+    TAU_APPLIED,
+    TORQUE,
+    TORQUE_NOISE,
+    VELOCITY,
+)
 
-SHOWN = tuple(s.name for s in (*POSE, *VELOCITY, *TORQUE))
-"""Outputs of the whole system."""
+MARGIN = next(signal for signal in DIAGNOSTICS if signal.name == "margin")
+SHOWN = tuple(
+    name
+    for signal in (*POSE, *VELOCITY, *TORQUE, MARGIN, *GUARD_DIAGNOSTICS)
+    for name in signal.elements
+)
+"""Outputs of the whole system: its motion, and what the controller's monitor says of it."""
 DISTURBANCE = tuple(s.name for s in TORQUE_NOISE)
 """Inputs of the whole system; zero where nobody connects them."""
 ORDER = ("reference", "controller", "plant")
+_NOT_IN = "without the scenario's noise and changes of the robot"
 
 
 def export_ssp(
@@ -36,9 +51,12 @@ def export_ssp(
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
-    delay does to each law.  Raises UnknownNameError, ScenarioError or CompilerError.
+    delay does to each law.  The package has no noise and no changes of the robot: those come from
+    outside.  Raises ArgumentError for a push, sensors and drives, which it cannot hold;
+    UnknownNameError, ScenarioError or CompilerError.
     """
     found = settled(scenario)
+    _check_contents(found)
     models = {
         name: parallel(model_of(law if name == "controller" else name, law, found))
         for name in ORDER
@@ -51,6 +69,22 @@ def export_ssp(
     if progress:
         progress(f"{path}: reference, {law} and plant, {target}")
     return [path]
+
+
+def _check_contents(scenario: Scenario) -> None:
+    """Raise ArgumentError where the loop has more parts than reference, controller and plant."""
+    sensor = scenario.sensor
+    lost = {
+        "disturbance.push": any(scenario.disturbance.push),
+        "sensor": not sensor.perfect or any(sensor.velocity_noise),
+        "actuator.lag and actuator.delay": not scenario.actuator.ideal,
+    }
+    if any(lost.values()):
+        told = ", ".join(name for name, there in lost.items() if there)
+        raise ArgumentError(
+            f"an SSP package holds reference, controller and plant, and this scenario has more: "
+            f"{told}. Export the closed-loop FMU, which has all, or take that out of the scenario."
+        )
 
 
 def _fmu(model: Model, target: str) -> bytes:
@@ -66,7 +100,7 @@ def _structure(models: dict[str, Model], scenario: Scenario) -> str:
         "SystemStructure.ssd",
         m={
             "tool": TOOL,
-            "title": scenario.title or scenario.name,
+            "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
             "stop": repr(scenario.clock.duration),
             "ports": [
                 {"name": n, "kind": k, "unit": _unit_of(models, n)} for n, k in _outside(models)

@@ -2,7 +2,9 @@
 
 Gauss-Seidel steps reference, controller and plant in this order and passes values on in between,
 which is the native loop.  Jacobi steps all three with what was known before: the torque acts one
-step later, as under every master that copies connections after all have stepped.
+step later, as under every master that copies connections after all have stepped.  Reference and
+controller step once in a control period, our plant once in each of its own steps, with the torque
+held: so the monitor sees what the native one sees.
 """
 
 from __future__ import annotations
@@ -12,8 +14,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, ready
+from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, limited_torque, ready
 from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.sim.native import push_torque
 from wmr_ctrl.sim.oracle.actuator import Actuator
 from wmr_ctrl.sim.oracle.monitor import Watch
 from wmr_ctrl.sim.oracle.noise import key_of
@@ -35,7 +38,7 @@ class Parts:
 
 
 class Master:
-    """One co-simulation: rows of the log, and what was watched at communication points."""
+    """One co-simulation: rows of the log, and what was watched after each step of the plant."""
 
     def __init__(
         self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int
@@ -45,6 +48,8 @@ class Master:
         self.sensor = Sensor(scenario.sensor, scenario.clock, key_of(seed))
         self.actuator = Actuator(scenario.actuator, scenario.clock.plant)
         self.ideal = scenario.actuator.ideal
+        self.stride = self.clock.substeps if parts.plant.foreign else 1
+        self.push = push_torque(scenario)
         self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
         self.applied: Sequence[float] = (0.0, 0.0)
         self.changes = sorted(scenario.changes, key=lambda change: change.t)
@@ -69,10 +74,22 @@ class Master:
         self.parts.controller.write(self.seen(k, desired))
         self.parts.controller.step(t, h)
         given = self.parts.controller.read()
-        self.log(t, desired, given[:2], self.noise[k], given[2:])
-        self.drive(k, given[:2], self.noise[k])
-        self.state = state_of(self.parts.plant.read())
-        return self.watch.see(t + h, self.state)
+        torque, noise = self.limited(given), self.disturbance(k)
+        self.log(t, desired, torque, noise, given[2:])
+        return self.drive(k, torque, noise)
+
+    def limited(self, given: Sequence[float]) -> Sequence[float]:
+        """Torques within actuator.tau_max: ours keep it themselves, others by the drives."""
+        if not self.parts.controller.foreign:
+            return given[:2]
+        return limited_torque((given[0], given[1]), self.scenario)
+
+    def disturbance(self, k: int) -> tuple[float, float]:
+        """Noise of sample k (right, left) [N m], and a push on in each axis' direction."""
+        (right, left), (along, around) = self.noise[k], self.push
+        along = -along if self.state[3] < 0.0 else along
+        around = -around if self.state[4] < 0.0 else around
+        return right + (along + around), left + (along - around)
 
     def seen(self, k: int, desired: Sequence[float]) -> list[float]:
         """What the controller is shown at sample k, in the order of SEEN."""
@@ -93,28 +110,39 @@ class Master:
         """One row: state at t, torques over the step, what the controller published."""
         self.rows.append((t, *self.state, *desired, *torque, *noise, *further))
 
-    def drive(self, k: int, torque: Sequence[float], noise: Sequence[float]) -> None:
-        """The plant over one control period, cut where its parameters change or a lag wants it."""
-        step, first = self.clock.plant, k * self.clock.substeps
-        if self.ideal and not self.changes:
-            self.parts.plant.write(driven(torque, noise))
-            self.parts.plant.step(first * step, self.clock.control)
-            self.applied = torque
-            return
-        acted = []
-        for start, end in self.cuts(first):
-            acting = torque if self.ideal else self.actuator.advance((torque[0], torque[1]))
-            self.parts.plant.write(driven(acting, noise))
-            self.parts.plant.step(start * step, (end - start) * step)
-            acted.append(acting)
+    def drive(self, k: int, torque: Sequence[float], noise: Sequence[float]) -> bool:
+        """The plant over one control period; True if the run must end within it."""
+        acted: list[Sequence[float]] = []
+        ended = False
+        for start, end in self.cuts(k * self.clock.substeps):
+            if not self.ideal or not acted:
+                acted.append(self.acting(torque))
+                self.parts.plant.write(driven(acted[-1], noise))
+            ended = self.move(start, end)
+            if ended:
+                break
         self.applied = [sum(pair[i] for pair in acted) / len(acted) for i in (0, 1)]
+        return ended
+
+    def acting(self, torque: Sequence[float]) -> Sequence[float]:
+        """Torques that act over the next cut."""
+        return torque if self.ideal else self.actuator.advance((torque[0], torque[1]))
+
+    def move(self, start: int, end: int) -> bool:
+        """The plant from one cut to the next, watched after each of its communication steps."""
+        dt = self.clock.plant
+        for reached in self.parts.plant.steps(start * dt, (end - start) * dt, end * dt):
+            self.state = state_of(self.parts.plant.read())
+            if self.watch.see(reached, self.state):
+                return True
+        return False
 
     def cuts(self, first: int) -> Iterator[tuple[int, int]]:
         """Plant steps (from, to) to take at once; what changes at their start is changed before."""
         last = first + self.clock.substeps
         edges = [n for change in self.changes if first < (n := self._step_of(change)) < last]
-        points = [first, *edges, last] if self.ideal else range(first, last + 1)
-        for start, end in pairwise(points):
+        regular = range(first, last + 1, self.stride if self.ideal else 1)
+        for start, end in pairwise(sorted({*regular, *edges})):
             self._make_changes(start)
             yield start, end
 
@@ -147,13 +175,13 @@ class Jacobi(Master):
         self.parts.reference.step(t, h)
         self.parts.controller.step(t, h)
         given = self.parts.controller.read()
-        self.log(t, self.desired, self.given, self.noise[k], given[2:])
-        self.drive(k, self.given, self.noise[k])
-        self.state, self.given = state_of(self.parts.plant.read()), given[:2]
-        self.desired = list(self.parts.reference.read())
+        noise = self.disturbance(k)
+        self.log(t, self.desired, self.given, noise, given[2:])
+        ended = self.drive(k, self.given, noise)
+        self.given, self.desired = self.limited(given), list(self.parts.reference.read())
         if k + 1 < self.clock.samples:
             self.shown = self.seen(k + 1, self.desired)
-        return self.watch.see(t + h, self.state)
+        return ended
 
 
 def state_of(values: Sequence[float]) -> State:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.mapping import PartMap, Row, compiled, identity, input_rows, output_rows
 from wmr_ctrl.fmi.cosim.slave import Slave
-from wmr_ctrl.scenario import Robot
+from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE, TAU_APPLIED, TORQUE, TORQUE_NOISE
+from wmr_ctrl.sim.oracle.plant import limited_force, wheel_torques
 
 STATE = tuple(s.name for s in PLANT_STATE)
 DESIRED = tuple(s.name for s in REFERENCE)
@@ -32,7 +33,8 @@ SEEN = (*DESIRED, *STATE, *APPLIED, *READY)
 class Part:
     """An FMU with the maps of its inputs and outputs.
 
-    ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``.
+    ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
+    sources that the inputs are made of; ``foreign``: somebody else's, described by a map.
     """
 
     def __init__(
@@ -42,10 +44,14 @@ class Part:
         outputs: Sequence[Row],
         sources: Sequence[str],
         step: float | None = None,
+        *,
+        foreign: bool = False,
     ) -> None:
         self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
+        self.foreign = foreign
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
-        self.wants_ready = any(name in READY for row in inputs for name, _ in row.terms)
+        self.uses = frozenset(name for row in inputs for name, _ in row.terms)
+        self.wants_ready = not self.uses.isdisjoint(READY)
         self._inward = compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
@@ -64,12 +70,17 @@ class Part:
 
     def step(self, t: float, h: float) -> None:
         """One step, or several of the FMU's own size."""
-        if self.step_size is None:
-            self.slave.step(t, h)
-            return
-        count = max(1, round(h / self.step_size))
-        for i in range(count):
-            self.slave.step(t + i * (h / count), h / count)
+        for _ in self.steps(t, h, t + h):
+            continue
+
+    def steps(self, t: float, h: float, end: float) -> Iterator[float]:
+        """The same, stopping after each with the time that was reached; the last is ``end``."""
+        count = 1 if self.step_size is None else max(1, round(h / self.step_size))
+        for i in range(1, count):
+            self.slave.step(t + (i - 1) * (h / count), h / count)
+            yield t + i * (h / count)
+        self.slave.step(t + (count - 1) * (h / count), h / count)
+        yield end
 
 
 def reference_part(slave: Slave) -> Part:
@@ -96,6 +107,7 @@ def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[st
         _sorted(outputs_, TORQUES),
         SEEN,
         part.step,
+        foreign=True,
     )
 
 
@@ -113,6 +125,7 @@ def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
         _sorted(outputs, STATE),
         DRIVEN,
         part.step,
+        foreign=True,
     )
 
 
@@ -121,6 +134,14 @@ def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
     _, _, theta, v1, omega = state
     turn = robot.l * omega
     return theta + math.pi / 2, (v1 + turn) / robot.r, (v1 - turn) / robot.r
+
+
+def limited_torque(torque: tuple[float, float], scenario: Scenario) -> Sequence[float]:
+    """Torques (right, left) [N m] within actuator.tau_max, the thrust served first."""
+    robot, (right, left) = scenario.robot, torque
+    force = ((right + left) / robot.r, robot.l * (right - left) / robot.r)
+    kept = limited_force(force, scenario.actuator.tau_max, robot)
+    return torque if kept == force else wheel_torques(kept, robot)
 
 
 def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:

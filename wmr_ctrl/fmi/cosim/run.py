@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.codegen.block import PARALLEL
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import parallel
+from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure
 from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
 from wmr_ctrl.fmi.cosim.noise import torque_noise
@@ -24,9 +24,10 @@ from wmr_ctrl.fmi.cosim.parts import (
 )
 from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
 from wmr_ctrl.fmi.export import model_of, settled, write_fmu
+from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
-from wmr_ctrl.laws.controller import controller as composed
+from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.laws.guard_bounds import assumed
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.system import System
@@ -67,8 +68,9 @@ def cosimulate(
 
     Returns
     -------
-    Run with engine "fmu".  Its monitor saw communication points, not every plant step.  Raises
-    FmuError where an FMU cannot be loaded; one that fails later ends the Run and is named by it.
+    Run with engine "fmu", whose monitor saw every step of our plant; of a plant with a map, its
+    communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks for,
+    FmuError where it cannot be loaded; one that fails later ends the Run and is named by it.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
@@ -97,11 +99,15 @@ def _slaves(
     for name, given in files.items():
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            model = model_of(law if name == "controller" else name, law, scenario)
-            model = parallel(model) if at_once else model
+            model = _model(scenario, law, name, at_once=at_once)
             write_fmu(model, fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
+
+
+def _model(scenario: Scenario, law: str, name: str, *, at_once: bool) -> Model:
+    model = model_of(law if name == "controller" else name, law, scenario)
+    return parallel(model) if at_once else model
 
 
 def _run(
@@ -113,7 +119,7 @@ def _run(
     seed: int,
     progress: Progress | None,
 ) -> Run:
-    system = composed(scenario, law)
+    system = watched_controller(scenario, law)
     further = [name for item in system.diagnostics for name in item.signal.elements]
     parts = Parts(
         reference_part(slaves["reference"]),
@@ -121,9 +127,12 @@ def _run(
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
+    check_parts(scenario, parts.plant, parts.controller)
     for name, slave in slaves.items():
-        starts = maps[name].start if name in maps else _starts(scenario, law, slave)
+        ours = None if name in maps else _model(scenario, law, name, at_once=master == "jacobi")
+        starts = maps[name].start if ours is None else _starts(ours, slave)
         slave.begin(scenario.clock.duration, starts)
+    check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, torque_noise(scenario, seed), seed)
     facts = {"master": master, **_paths(slaves)}
 
@@ -135,16 +144,14 @@ def _run(
     return _result(scenario, law, system, loop, parts.controller, seed, facts, failure)
 
 
-def _starts(scenario: Scenario, law: str, slave: Slave) -> dict[str, float]:
+def _starts(model: Model, slave: Slave) -> dict[str, float]:
     """The scenario's numbers for an FMU of ours that may come from another scenario."""
-    model = model_of(law if slave.name == "controller" else slave.name, law, scenario)
-    numbers = (
-        v
+    check_structure(slave.path, model)
+    return {
+        v.name: v.start
         for v in model.variables
         if (v.parameter or v.role is Role.START) and not (v.array or v.integer)
-    )
-    numbers = (v for v in numbers if v.name != PARALLEL.name)
-    return {v.name: v.start for v in numbers if v.name in slave.variables}
+    }
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:

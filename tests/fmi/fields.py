@@ -1,0 +1,115 @@
+"""Every field of a scenario, each with another value: what the walk over all fields takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from wmr_ctrl.laws import LAWS, auxiliary
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.scenario.change import Change
+from wmr_ctrl.scenario.fields import quantities
+from wmr_ctrl.scenario.reference import KINDS
+from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.scenario.values import Quantity
+
+Changed = tuple[str, dict[str, Any]]
+"""A field's key, and the overrides that change it."""
+
+POINTS = [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]
+FULL = {
+    "clock.duration": 0.3,
+    "robot": {"m": 52.0, "I": 5.0, "mu": 0.1},
+    "model": {"m": 48.0, "I": 5.6, "mu": 0.07},
+    "limits": {"v_u1": [0.3, 0.8], "v_u2": [0.15, 0.4], "clip": 0.02},
+    "initial.velocity": [0.302, -0.85],
+    "reference.rate": 0.3,
+    "disturbance": {"std": 1.0, "truncate": 0.8, "push": [3.0, 0.5]},
+    "sensor.pose_period": 0.04,
+    "sensor.pose_noise": 0.01,
+    "sensor.velocity_noise": [0.002, 0.004],
+    "sensor.correction": 0.6,
+    "actuator": {"tau_max": 6.0, "lag": 0.02, "delay": 0.003},
+    "guard": {"enabled": True, "f_min": [1.0, 0.1], "f_speed": [0.2, 0.3]},
+    "changes": [{"t": 0.1, "m": 60.0, "I": 6.0, "mu": 0.12}],
+}
+"""Everything on, and so strong that every field matters within 0.3 s."""
+LOOSE = {
+    **FULL,
+    "guard": {"enabled": False},
+    "actuator": {"tau_max": 60.0, "lag": 0.02, "delay": 0.003},
+    "limits": {"v_u1": [1.0, 1.5], "v_u2": [0.1, 0.1], "clip": 0.02},
+    "initial.velocity": [0.02, -0.3],
+}
+"""The same without guard and with strong wheels, where gains have their say."""
+
+OTHER: Mapping[str, Any] = {
+    "clock.control": 0.02,
+    "clock.plant": 0.0005,
+    "clock.duration": 0.2,
+    "sensor.pose_period": 0.02,
+    "actuator.delay": 0.013,
+    "guard.M_min": [40.0, 4.0],
+    "guard.M_max": [90.0, 9.0],
+    "guard.dbar": [15.0, 3.0],
+    "guard.nbar": [0.02, 0.01],
+    "guard.alpha": 60.0,
+    "guard.brake": [30.0, 9.0],
+    "guard.f_speed": [0.28, 0.7],
+    "gains.nn.ratio_cap": 1.01,
+    "metrics.split": 0.1,
+    "reference.points": [*POINTS, [2.5, 3.0]],
+}
+"""Values that the rule of `other` does not give."""
+
+
+def based(changes: Mapping[str, Any]) -> Scenario:
+    """A scenario that has everything: of FULL or LOOSE."""
+    return override(load_scenario("paper-simulation"), changes)
+
+
+def other(key: str, what: Quantity, value: Any) -> Any:
+    """Another value of a field: an option, a flag, or each number a little larger."""
+    if key in OTHER:
+        return OTHER[key]
+    if what.options:
+        return next(option for option in what.options if option != value)
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, tuple):
+        return [number * (1.15 + 0.1 * i) + 0.02 for i, number in enumerate(value)]
+    return min(value * 1.15 + 0.02, 1.0) if what.bounds.maximum == 1 else value * 1.15 + 0.002
+
+
+def of_sections(base: Scenario) -> Iterator[Changed]:
+    """All fields but those of gains and references."""
+    yield "name", {}
+    yield "title", {"title": "Another title"}
+    for section, cls in SECTIONS.items():
+        yield from _of(section, cls, getattr(base, section))
+    yield from _of("changes[1]", Change, base.changes[0])
+
+
+def of_gains(law: str) -> Iterator[Changed]:
+    """The gains of one law, and of Eq. (7)."""
+    yield from _of("gains.kinematics", auxiliary.Gains, auxiliary.Gains())
+    yield from _of(f"gains.{law}", LAWS[law].gains, LAWS[law].gains())
+
+
+def of_references() -> Iterator[Changed]:
+    """Every kind, by itself and with each of its fields changed."""
+    for kind, cls in KINDS.items():
+        start = {"reference.kind": kind}
+        if kind == "waypoints":
+            start["reference.points"] = POINTS
+        yield f"reference.kind = {kind}", start
+        for name, what in quantities(cls):
+            key = f"reference.{name}"
+            value = other(key, what, what.default)
+            yield f"{key} of {kind}", {**start, key: value}
+
+
+def _of(section: str, cls: Any, holder: Any) -> Iterator[Changed]:
+    for name, what in quantities(cls):
+        key = f"{section}.{name}"
+        yield key, {key: other(key, what, getattr(holder, name))}

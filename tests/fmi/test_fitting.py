@@ -1,0 +1,137 @@
+"""What FMUs cannot do of a scenario is refused; what their drives and clocks fix, too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, PLANT, PLANT_MAP
+from tests.fmi.raw import OK, REFUSED
+from tests.fmi.test_cosim import SHORT, foreign, mapped  # noqa: F401
+from wmr_ctrl.api import simulate
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fmi.closed_loop import closed_loop_model
+from wmr_ctrl.fmi.cosim import cosimulate
+from wmr_ctrl.fmi.ssp import export_ssp
+from wmr_ctrl.scenario import load_scenario, override
+
+THEIRS = ("TheirController", CONTROLLER)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"guard.enabled": True},
+        {"gains.nn.regressor": "q"},
+        {"gains.nn.barrier": "smooth"},
+        {"actuator.lag": 0.02},
+        {"actuator.delay": 0.003},
+    ],
+)
+def test_a_controller_of_another_structure_is_refused(exported, changes):
+    with pytest.raises(ArgumentError, match="more than numbers"):
+        cosimulate(override(SHORT, changes), "nn", controller=exported("nn", 2))
+
+
+def test_another_law_is_refused(exported):
+    with pytest.raises(ArgumentError, match="not the mb of this scenario"):
+        cosimulate(SHORT, "mb", controller=exported("nn", 2))
+
+
+def test_a_foreign_fmu_needs_a_map(foreign):  # noqa: F811
+    with pytest.raises(ArgumentError, match="map"):
+        cosimulate(SHORT, "pid", controller=foreign(*THEIRS))
+
+
+def test_a_guard_that_a_foreign_controller_lacks_is_refused(foreign, mapped):  # noqa: F811
+    with pytest.raises(ArgumentError, match=r"guard\.enabled"):
+        cosimulate(
+            override(SHORT, {"guard.enabled": True}),
+            "pid",
+            controller=foreign(*THEIRS),
+            map_file=mapped(CONTROLLER_MAP),
+        )
+
+
+def test_drives_limit_a_foreign_controller(foreign, mapped):  # noqa: F811
+    limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
+    run = cosimulate(limited, "pid", controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
+    free = cosimulate(
+        override(limited, {"actuator.tau_max": float("inf")}),
+        "pid",
+        controller=foreign(*THEIRS),
+        map_file=mapped(CONTROLLER_MAP),
+    )
+    assert np.abs(run["tau_right"]).max() == pytest.approx(4.5, rel=1e-12)
+    assert np.abs(free["tau_right"]).max() > 20.0
+
+
+@pytest.mark.parametrize("changes", [{"disturbance.std": 1.0}, {"disturbance.push": [3.0, 0.0]}])
+def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes):  # noqa: F811
+    deaf = PLANT_MAP.replace("torque_right", "tau_right").replace("torque_left", "tau_left")
+    plant = foreign("TheirRobot", PLANT)
+    with pytest.raises(ArgumentError, match="does not reach"):
+        cosimulate(override(SHORT, changes), "pid", plant=plant, map_file=mapped(deaf))
+
+
+def test_a_foreign_plant_starts_where_the_scenario_does(foreign, mapped):  # noqa: F811
+    elsewhere = override(SHORT, {"initial.pose": [-0.5, 0.25, -0.7]})
+    plant = foreign("TheirRobot", PLANT)
+    with pytest.raises(ArgumentError, match=r"y = -0\.5, not 0\.25"):
+        cosimulate(elsewhere, "pid", plant=plant, map_file=mapped(PLANT_MAP))
+
+
+def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):  # noqa: F811
+    """Twice in a control period at 5 ms, as the map says."""
+    slow = override(SHORT, {"clock.duration": 0.5, "limits.v_u1": [1e-9, 1e-9],
+                            "limits.v_u2": [1e-10, 1e-10], "limits.clip": 1e-11})  # fmt: skip
+    run = cosimulate(slow, "pid", plant=foreign("TheirRobot", PLANT), map_file=mapped(PLANT_MAP))
+    assert run.monitor.violations == 2 * run.rows
+    assert simulate(slow, "pid").monitor.violations == 10 * run.rows
+
+
+def test_our_files_take_the_masters_timing(exported):
+    """A law exported for masters in order runs under the other one, as one exported for it."""
+    given = cosimulate(SHORT, "nn", controller=exported("nn", 2), master="jacobi")
+    assert np.array_equal(given["x"], cosimulate(SHORT, "nn", master="jacobi")["x"])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"disturbance.push": [3.0, 0.0]},
+        {"sensor.pose_noise": 0.01},
+        {"sensor.velocity_noise": [0.0, 0.01]},
+        {"actuator.lag": 0.02},
+        {"actuator.delay": 0.003},
+    ],
+)
+def test_a_package_that_would_lose_a_part_is_refused(tmp_path, changes):
+    with pytest.raises(ArgumentError, match=next(iter(changes)).split("_")[0].split(".")[0]):
+        export_ssp(scenario=override(SHORT, changes), out=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("drives", "fixed", "free"),
+    [
+        ({}, {"actuator.delay": 0.003, "actuator.lag": 0.02}, {"clock.plant": 0.0005}),
+        (
+            {"actuator.lag": 0.02, "actuator.delay": 0.003},
+            {"actuator.delay": 0.0, "actuator.lag": 0.0, "clock.plant": 0.0005},
+            {"actuator.lag": 0.03},
+        ),
+    ],
+)
+def test_drives_that_the_controller_is_built_for_are_fixed(drives, fixed, free):
+    model = closed_loop_model(override(load_scenario("paper-simulation"), drives), "mb")
+    rows = {v.name: v for v in model.variables}
+    assert not [k for k, value in fixed.items() if rows[k].low <= value <= rows[k].high]
+    assert [k for k, value in free.items() if rows[k].low <= value <= rows[k].high] == [*free]
+
+
+def test_setting_fixed_drives_is_an_error(raw):
+    loop = raw("closed-loop", 2).new()
+    assert loop.put({"actuator.delay": 0.003}) in REFUSED
+    assert loop.put({"actuator.delay": 0.0, "disturbance.push[1]": 5.0}) == OK
+    assert loop.put({"disturbance.push[1]": -5.0}) in REFUSED
+    loop.free()

@@ -1,0 +1,68 @@
+"""What a scenario asks for and the given FMUs cannot do is refused before the first step."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fmi.cosim.parts import STATE, Part
+from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.provenance import GRAPH
+from wmr_ctrl.scenario import Scenario
+
+_WHEELS = ({"noise_right", "torque_right"}, {"noise_left", "torque_left"})
+_NEAR = 1e-6
+"""How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
+
+
+def check_structure(path: str | Path, model: Model) -> None:
+    """Raise ArgumentError unless the FMU is ``model`` but for its numbers.
+
+    An FMU of ours carries the graph that it was made from; numbers are set before a run, but
+    guard, drives and options of a law are part of the graph.
+    """
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        graph = archive.read(GRAPH).decode() if GRAPH in names else ""
+    if not graph:
+        raise ArgumentError(
+            f"the FMU {path} is not one of ours. Give a map of its names and units (--map "
+            "FILE.toml)."
+        )
+    if graph != model.graph:
+        raise ArgumentError(
+            f"the FMU {path} is not the {model.what} of this scenario: they differ in more than "
+            "numbers (the law or its options, guard, drives), or it is another version's. Export "
+            "it from this scenario, or leave it out."
+        )
+
+
+def check_parts(scenario: Scenario, plant: Part, controller: Part) -> None:
+    """Raise ArgumentError where a foreign part leaves out a part of the scenario."""
+    if controller.foreign and scenario.guard.enabled:
+        raise ArgumentError(
+            "guard.enabled is true, but the guard is part of our controllers and not in "
+            f"{controller.slave.path}. Set guard.enabled = false."
+        )
+    noise = scenario.disturbance
+    if (noise.std > 0 or any(noise.push)) and not all(plant.uses & wheel for wheel in _WHEELS):
+        raise ArgumentError(
+            f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
+            "which have it in them, or set disturbance.std and disturbance.push to 0."
+        )
+
+
+def check_start(scenario: Scenario, plant: Part) -> None:
+    """Raise ArgumentError unless an initialised foreign plant starts where the scenario does."""
+    wanted = (*scenario.initial.pose, *scenario.initial.velocity)
+    off = [
+        f"{name} = {has:.9g}, not {want:.9g}"
+        for name, want, has in zip(STATE, wanted, plant.read(), strict=True)
+        if not abs(has - want) <= _NEAR * max(1.0, abs(want))
+    ]
+    if plant.foreign and off:
+        raise ArgumentError(
+            f"{plant.slave.path} does not start where the scenario does: {', '.join(off)}. Set "
+            "the map's [plant.start], or initial.pose and initial.velocity."
+        )
