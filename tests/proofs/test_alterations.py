@@ -14,13 +14,15 @@ from types import FunctionType
 
 import pytest
 
-from wmr_ctrl.laws import auxiliary, barrier, mb, nn, rbf, stable_barrier
+from wmr_ctrl.laws import auxiliary, barrier, mb, nn, rbf, smooth_barrier, stable_barrier
 from wmr_ctrl.model import dynamics, kinematics, tracking
 from wmr_ctrl.proofs.check import check, graph_hash
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.ledger import load
 
-AXIS = stable_barrier.Axis
+AXIS, SMOOTH = stable_barrier.Axis, smooth_barrier.SmoothAxis
+GRADIENT = '0.5 * sample.per_axis("w") / sample.per_axis("q")'
+"""A/2, which v' = -(rho/2) dV1/dv has where law (9) has V1/A."""
 ALTERATIONS = [
     (barrier.a_term, "v - c", "v + c", "eq74"),
     (barrier.a_term, "sign(v)", "-sign(v)", "eq74"),
@@ -34,6 +36,16 @@ ALTERATIONS = [
     (AXIS.lyapunov.func, "0.5 *", "0.6 *", "forms.V1"),
     (stable_barrier._chi, "1 / order", "1 / (order + 1)", "forms.series"),
     (mb.build, 'sample.per_axis("q")', '2 * sample.per_axis("q")', "P8"),
+    (mb.build, 'sample.per_axis("V1_over_A")', GRADIENT, "gain.none"),
+    (mb.build, 'sample.per_axis("V1_over_A")', GRADIENT, "gain.none-smooth"),
+    (mb.decay_rate, "-ca.expm1", "-2 * ca.expm1", "prox.newton-side"),
+    (mb.decay_rate, "-ca.expm1", "-2 * ca.expm1", "prox.newton"),
+    (barrier.f, "(u1 - ca.fabs(v)) / (u1 - u2)", "(u1 - ca.fabs(v)) ** 2", "convex"),
+    (barrier.a_term, "u1 - ca.fabs(v)", "2 * (u1 - ca.fabs(v))", "convex"),
+    (barrier.f, "-ca.log", "ca.log", "gain.ceiling"),
+    (SMOOTH.divisor.func, "1 + ca.if_else", "2 + ca.if_else", "prox.smooth-ratio"),
+    (SMOOTH.p.func, "(product + 1)", "(product + 2)", "smooth.v_c1"),
+    (AXIS.lyapunov.func, "0.5 *", "0.6 *", "smooth.slope"),
     (nn._adapted, "* weights - learning", "* weights + learning", "eq58"),
     (nn.build, '-sample.gain("rho1")', 'sample.gain("rho1")', "eq57"),
     (rbf.corner_basis, "-4 * node", "-2 * node", "eq58.basis"),

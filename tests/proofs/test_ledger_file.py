@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.paper import equations
+from wmr_ctrl.proofs.guarantees import GUARANTEES
 from wmr_ctrl.proofs.ledger import (
     PUBLIC_KEYS,
     VERDICTS,
@@ -85,6 +86,12 @@ def test_uses_name_entries_and_hand_entries_have_their_argument() -> None:
         assert set(entry.uses) <= set(known), entry.id
         if entry.verdict == "HAND":
             assert f"## {entry.id}\n" in lemmas, entry.id
+
+
+def test_guarantees_name_entries() -> None:
+    known = load().by_id()
+
+    assert [key for _, ids in GUARANTEES for key in ids.split() if key not in known] == []
 
 
 def test_page_is_current() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from wmr_ctrl.paper import Equation, equations
+from wmr_ctrl.proofs.guarantees import GUARANTEES
 from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
 
 HEAD = """\
@@ -42,6 +43,7 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     shown = ledger or load()
     marked = set(stale)
     parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
+    parts += ["## By guarantee\n", _guarantees(shown)]
     for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
         parts.append(
             f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n"
@@ -67,6 +69,16 @@ def _equation_row(item: Equation, entries: list[Entry]) -> str:
     return (
         f"| ({item.number}) | {_cell(item.title)} | {item.status} | {_cell(item.note)} | {named} |"
     )
+
+
+def _guarantees(ledger: Ledger) -> str:
+    known = ledger.by_id()
+    rows = "\n".join(
+        f"| {_cell(what)} | {', '.join(f'{key} {known[key].verdict}' for key in ids.split())} |"
+        for what, ids in GUARANTEES
+        if all(key in known for key in ids.split())
+    )
+    return f"What is not in the paper.\n\n| what | entries |\n|---|---|\n{rows}\n"
 
 
 def _row(entry: Entry, is_stale: bool) -> str:

@@ -2,12 +2,13 @@
 
 u2 > 0 and the width b = u1 - u2 > 0 are free, so every case holds for all 0 < v_u2 < v_u1.  Each
 interval is the image of a positive number n under n/(1 + n); beyond u2 + 1/b the target is written
-by the gap d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d.
+by the gap d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d (less 1/b for the
+smooth barrier).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +16,11 @@ from wmr_ctrl.proofs.case import POSITIVE, Case
 
 TARGETS = ("far-", "middle-", "near-", "zero", "near+", "middle+", "far+")
 TARGET_EDGES = ("edge-", "corner-", "corner+", "edge+")
+SMOOTH_TARGETS = ("beyond-", "corner-", "near-", "zero", "near+", "corner+", "beyond+")
+"""Of the smooth barrier, whose middle region is gone: beyond v_u2 the target follows at once."""
 SIDES = ("out-", "in-", "zero", "in+", "out+")
 SIDE_EDGES = ("kink-", "kink+")
-CHARTED = ("far", "middle", "near", "out", "in")
+CHARTED = ("far", "middle", "near", "beyond", "out", "in")
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,7 @@ def target_value(target: str, u2: Any, b: Any, j: Any) -> Any:
         "middle": u2 + j / (1 + j) / b,
         "edge": u2 + 1 / b,
         "far": u2 + b - d + 1 / d,
+        "beyond": u2 + b - d + 1 / d - 1 / b,
     }[target.rstrip("+-")]
     return -size if target.endswith("-") else size
 
@@ -95,11 +99,25 @@ def all_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
     )
 
 
+def smooth_cases(
+    axis: Axis = Axis(), sides: Iterable[str] = SIDES + SIDE_EDGES
+) -> tuple[Case, ...]:
+    """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
+    return tuple(
+        axis.case(t, s, order)
+        for t in SMOOTH_TARGETS
+        for s in sides
+        for order in (
+            ("<", "=", ">") if _shared(t, s) or (t[:-1], s[:-1]) == ("beyond", "out") else ("",)
+        )
+    )
+
+
 def target_cases(axis: Axis = Axis(), edges: bool = True) -> tuple[Case, ...]:
     """Regions of v_c0 alone (v at 0)."""
     return tuple(axis.case(t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS))
 
 
 def _shared(target: str, side: str) -> bool:
-    pairs = {("near", "in"), ("far", "out")}
+    pairs = {("near", "in"), ("far", "out"), ("beyond", "out")}
     return target[-1] == side[-1] and (target[:-1], side[:-1]) in pairs

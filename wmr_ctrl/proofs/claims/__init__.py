@@ -21,12 +21,16 @@ THEMES = (
     ("network", "The adaptive network"),
     ("errata", "What does not hold as printed"),
     ("authority", "Which disturbance the barrier withstands"),
+    ("gain", "No gain of a disturbance"),
     ("sampled", "The limits under a held command"),
     ("strict", "A strict Lyapunov function and an invariant set"),
     ("guard", "The velocity guard"),
+    ("guard_delay", "The velocity guard behind a delay"),
     ("wheel_maps", "Wheels behind the guard"),
     ("resolvent", "The barrier's proximal map"),
     ("prox", "The sampled-data law"),
+    ("newton", "The decay of a whole period"),
+    ("smooth", "The smooth barrier"),
     ("hand", "Arguments by hand, assumptions, open ends"),
 )
 DEFINITIONS = "Definitions"

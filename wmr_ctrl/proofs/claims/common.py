@@ -84,14 +84,18 @@ def scalars(ports: Iterable[Port]) -> dict[str, ca.SX]:
 
 @dataclass(frozen=True)
 class LawGraph:
-    """A law's System and, in the same symbols, the inner quantities that all laws share."""
+    """A law's System and, in the same symbols, the inner quantities that all laws share.
+
+    ``options`` are the law's own choices of form, such as ("gains.mb.decay", "exact").
+    """
 
     name: str
+    options: tuple[tuple[str, str], ...] = ()
 
     @cached_property
     def scenario(self) -> Scenario:
         """The preset whose structure the graph has; its numbers stay symbols."""
-        return load_scenario(PRESET)
+        return load_scenario(PRESET, dict(self.options))
 
     @cached_property
     def system(self) -> System:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from wmr_ctrl.laws import barrier
+from wmr_ctrl.laws.smooth_barrier import SmoothAxis
 from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import BarrierAxis
@@ -21,6 +22,7 @@ def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX | None, ca.SX | None]]
         "near": (ca.SX(0), u2),
         "middle": (u2, edge),
         "far": (edge, None),
+        "beyond": (u2, None),
         "in": (ca.SX(0), u2),
         "out": (u2, u2 + b),
     }
@@ -95,6 +97,15 @@ def _far_reached(flip: float) -> Statement:
     return Statement(a.symbols, goals, (*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
 
 
+def _beyond_reached(flip: float) -> Statement:
+    """The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j)."""
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
+    goals = (above(d), above(b, d), equal(u1 - d + flip / d - 1 / b, c))
+    return Statement(a.symbols, goals, (*a.inside, above(c, u2), above(1e100, c)))
+
+
 def _ordered(flip: float) -> Statement:
     """Two numbers i, j > 0 are equal, or i = j + m, or i = j m/(1 + m), with m > 0."""
     t = {name: ca.SX.sym(name) for name in ("i", "j")}
@@ -162,6 +173,26 @@ CLAIMS = (
         WHY,
         "0 < v_u2 < v_u1, v_c0 > v_u2 + 1/(v_u1 - v_u2); mirrored for v_c0 < 0",
         _far_reached,
+        Z3(),
+    ),
+    Claim(
+        "cover.smooth-targets",
+        (),
+        OURS,
+        "the 7 regions and boundaries of v_c0 for the smooth barrier are all of the real line",
+        WHY,
+        "0 < v_u2 < v_u1",
+        _cover(regions.SMOOTH_TARGETS, 1),
+        Z3(),
+    ),
+    Claim(
+        "cover.beyond",
+        (),
+        OURS,
+        "smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b",
+        WHY,
+        "0 < v_u2 < v_u1 = v_u2 + b, v_u2 < v_c0 < 1e100; mirrored for v_c0 < 0",
+        _beyond_reached,
         Z3(),
     ),
     Claim(

@@ -66,13 +66,14 @@ def _outside(flip: float) -> Statement:
 
 
 def _return_step(flip: float) -> Statement:
-    """One sample from outside: v falls to u1, or by T (FB - net)/M_max."""
+    """One sample from outside: v falls to u1, or by T (FB - net)/M with the true mass M."""
     a = GuardAxis()
-    b = a.bounds
-    step = b.period * (ca.fmin(b.brake, b.cap) - b.net) / b.M_max
-    end = a["v"] + b.period * (a.force + b.net) / b.M_max
+    b, mass = a.bounds, a["mass"]
+    step = b.period * (ca.fmin(b.brake, b.cap) - b.net) / mass
+    end = a["v"] + b.period * (a.force + b.net) / mass
     goal = at_least(ca.fmax(a["u1"], a["v"] - (1 if flip > 0 else 1.01) * step), end)
-    return Statement(a.symbols, (goal,), (*a.feasible(), *a.measured, above(a["v"], a["u1"])))
+    given = (*a.feasible(), *a.measured, *a.during, above(a["v"], a["u1"]))
+    return Statement(a.symbols, (goal,), given)
 
 
 def _no_overshoot(flip: float) -> Statement:
@@ -224,9 +225,10 @@ CLAIMS = (
         "guard.return",
         (),
         OURS,
-        "v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M_max) for M = M_max",
-        "Hence back inside within ceil((v - u1) M_max/(T (FB - dbar + f_min))) samples.",
-        f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
+        "v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M)",
+        "Hence back inside within ceil((v - u1) M/(T (FB - dbar + f_min))) samples, M_max for M "
+        "at worst.",
+        f"{ALL}: {FEASIBLE}; |y - v| <= nbar, M_min <= M <= M_max",
         _return_step,
         SLOW,
         theme=THEME,

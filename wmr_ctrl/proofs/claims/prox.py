@@ -11,7 +11,6 @@ import casadi as ca
 
 from wmr_ctrl.laws.prox import prox_step
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
@@ -167,10 +166,11 @@ CLAIMS = (
         OURS,
         "V1(v+) <= exp(-rho T) V1(v*)",
         "V1 decays by its rate for every control period.",
-        "V1 - v^2/2 convex, A in dV1; 1 + tau = 1/E = exp(rho T/2)",
+        "V1 - v^2/2 convex, A in dV1: at v* and, for V1(v+) <= A^2/2, at v_c1; 1 + tau = 1/E = "
+        "exp(rho T/2)",
         _decay,
         SLOW,
-        uses=("prox.implicit", "prox.monotone"),
+        uses=("prox.implicit", "convex", "prox.monotone-smooth"),
         theme=THEME,
     ),
     Claim(
@@ -179,10 +179,10 @@ CLAIMS = (
         OURS,
         "V1' <= -(rho/2) V1 + d^2/(rho M^2) in the limit of short samples",
         "A bounded disturbance leaves V1 bounded, hence the velocity inside: it has authority.",
-        "A^2 >= 2 V1",
+        "A^2 >= 2 V1: V1 - v^2/2 convex, at v_c1",
         _bounded_push,
         SLOW,
-        uses=("eq75",),
+        uses=("convex", "prox.monotone-smooth"),
         theme=THEME,
     ),
     Claim(
@@ -207,27 +207,6 @@ CLAIMS = (
         _light_model,
         SLOW,
         uses=("prox.jury",),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.newton",
-        (),
-        OURS,
-        "one Newton step towards exp(-rho T) V1 makes V1 fall and never passes v_c1",
-        "The exact-decay option of the model-based law cannot overshoot, whatever the period.",
-        "V1 convex in v, c frozen, exact model",
-        verdict=HAND,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.smooth-ratio",
-        (),
-        OURS,
-        "smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2",
-        "The network's regressor is bounded where V1 is.",
-        "A = v - v_c1 + f'(v) - f'(v_c1), mean value theorem on f'",
-        verdict=HAND,
-        uses=("prox.optimal-smooth", "prox.monotone-smooth"),
         theme=THEME,
     ),
 )

@@ -96,6 +96,18 @@ def _torques(flip: float) -> Statement:
     return Statement(t, (equal(largest, t["r"] / 2 * size),), (above(t["half"]), above(t["r"])))
 
 
+def _necessary(flip: float) -> Statement:
+    """At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger."""
+    w = Wheels()
+    t = {**w.symbols, **symbols("dbar1 dbar2")}
+    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+    tight = above(t["dbar1"] + t["dbar2"] / t["half"], (1 if flip > 0 else 0.99) * t["phi"])
+    held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
+    positive = [at_least(t[f"dbar{i}"]) for i in (1, 2)] + [above(t["half"]), above(t["r"])]
+    return Statement(t, (above(largest, t["phi"] * t["r"] / 2),), (*positive, *held, tight))
+
+
 SLOW = Z3(timeout=60)
 
 CLAIMS = (
@@ -107,6 +119,18 @@ CLAIMS = (
         "The torque limit is a diamond of forces.",
         "r, l > 0",
         _torques,
+        SLOW,
+        theme=THEME,
+    ),
+    Claim(
+        "wheels.necessary",
+        (),
+        OURS,
+        "dbar1 + dbar2/l > phi = 2 tau_max/r: a force that holds both velocities at their limits "
+        "needs a torque above tau_max",
+        "Motors weaker than the disturbances cannot keep both limits, whatever the guard does.",
+        "F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0",
+        _necessary,
         SLOW,
         theme=THEME,
     ),

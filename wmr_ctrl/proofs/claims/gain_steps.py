@@ -1,0 +1,187 @@
+"""Statements about law (9) close to the limit: see `gain`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import casadi as ca
+
+from wmr_ctrl.laws import barrier
+from wmr_ctrl.laws.smooth_barrier import smooth_barrier
+from wmr_ctrl.laws.stable_barrier import Axis
+from wmr_ctrl.model.dynamics import acceleration
+from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.claims.authority import AXES, Numbers
+from wmr_ctrl.proofs.claims.common import BarrierAxis, LawGraph
+from wmr_ctrl.proofs.claims.sampled import SETTINGS
+from wmr_ctrl.proofs.methods.spec import Point
+from wmr_ctrl.proofs.regions import CHARTED, target_value
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+
+def reach(delta: Any, B: Any) -> Any:
+    """8 delta + B, in front of rho M/D."""
+    return 8 * delta + B
+
+
+def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
+    """v* for k = rho M/D."""
+    delta, B = u1 - u2, u1 + ca.fabs(c)
+    return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
+
+
+def cost(a: BarrierAxis) -> ca.SX:
+    """(v - v_c0)^2/2 + f(v)."""
+    v, c, u1, u2 = a.all
+    return 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
+
+
+def smaller_slope(a: BarrierAxis) -> ca.SX:
+    """A - 1/delta: the slope of the smooth barrier for v > v_u2, below that of the paper's."""
+    return a.A - 1 / (a.all[2] - a.all[3])
+
+
+def ceiling(flip: float) -> Statement:
+    """V1 <= J because the minimum of J is not negative."""
+    a = BarrierAxis()
+    v, c, _, _ = a.all
+    J = cost(a)
+    return Statement(a.symbols, (at_least(J if flip > 0 else J - 0.1 * (v - c) ** 2, a.V),))
+
+
+def ceiling_smooth(flip: float) -> Statement:
+    """For v > v_u2, as compiled; (v - v_c1)/q is the slope."""
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    found = smooth_barrier(c, v, u1, u2)
+    slope = equal(found.w, flip * found.q * smaller_slope(a))
+    return Statement(a.symbols, (at_least(cost(a), found.V1), slope))
+
+
+def fades(flip: float) -> Statement:
+    """rho M J <= D A/2 and A > 0 from v* on, with the smaller of the slopes as A."""
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    t = symbols("rho M D")
+    A = smaller_slope(a)
+    pull = cost(a) if flip > 0 else 0.5 * A**2
+    goals = (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull))
+    return Statement(
+        {**a.symbols, **t},
+        goals,
+        (above(u1, v), at_least(v, level(c, u1, u2, t["rho"] * t["M"] / t["D"]))),
+    )
+
+
+def near_limit(sign: int) -> Case:
+    """v_c0 = sign m; 1/g = 3 + 2 b B + e; rho M/D = e/((8 b + B)(1 + i)), up to what v* allows."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b, B = n["u2"], n["b"], n["u2"] + n["b"] + n["m"]
+        k = n["e"] / (reach(b, B) * (1 + n["i"]))
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        rho = k * n["D"] / n["M"]
+        return {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho} | {
+            name: n[name] for name in ("M", "D")
+        }
+
+    numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
+    ends = dict.fromkeys(("m", "i"), NONNEGATIVE)
+    return Case(f"v_c0 {'>=' if sign > 0 else '<='} 0, v >= v*", {**numbers, **ends}, values)
+
+
+def charted(target: str) -> Case:
+    """The same near the limit with v_c0 in one of its regions, whatever rho M/D is."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n["u2"], n["b"]
+        c = target_value(target, u2, b, n.get("j", 0))
+        B = u2 + b + (-c if target.endswith("-") else c)
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        return {"u1": u2 + b, "u2": u2, "c": c, "v": v}
+
+    names = ("u2", "b", "e", *(("j",) if target[:-1] in CHARTED else ()))
+    return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
+
+
+def closed(form: type[Axis], flip: float) -> Statement:
+    """The argument of phi, in the compiled axis as it is mirrored to v_c0 >= 0."""
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    s = ca.if_else(c >= 0, 1, -1)
+    return Statement(a.symbols, (above(form(s * c, s * v, u1, u2).y, 0.5 if flip > 0 else 1),))
+
+
+def covered(flip: float) -> Statement:
+    """The numbers e and i that give a point of [v*, v_u1) back."""
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    k = ca.SX.sym("k")
+    b, B = u1 - u2, u1 + ca.fabs(c)
+    root = ca.sqrt(b / (u1 - v))
+    e = root - 3 - (2 if flip > 0 else 5) * b * B
+    goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
+    given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
+    return Statement({**a.symbols, "k": k}, goals, given)
+
+
+def outward(form: str, flip: float) -> Statement:
+    """v' >= D/(2 M) on the law's graph, both axes."""
+    law = LawGraph("mb", (("gains.mb.barrier", form),))
+    mass, friction = law.own(law.sample.mass), law.own(law.sample.friction)
+    every, cuts = dict(law.symbols), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for axis in (0, 1):
+        t = symbols(" ".join(f"{name}{axis + 1}" for name in ("A", "J", "D", *INNER)))
+        A, J, D, *inner = t.values()
+        rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
+        cuts |= dict(zip(list(t)[3:], _inner(law, axis), strict=True))
+        nominal = acceleration(mass[axis], law.force[axis], friction[axis])
+        rate = nominal if flip > 0 else -0.5 * rho * A
+        goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
+        given += [*_premises(A, J, rho * mass[axis], D, inner), above(mass[axis]), above(rho)]
+        every |= t
+    return Statement(every, tuple(goals), tuple(given), cuts)
+
+
+INNER = ("quotient", "q", "w", "cdot")
+
+
+def _inner(law: LawGraph, axis: int) -> list[ca.SX]:
+    found = law.sample.barrier[axis]
+    return [law.own(x) for x in (found.V1_over_A, found.q, found.w, law.sample.v_c0_dot[axis])]
+
+
+def _premises(
+    A: ca.SX, J: ca.SX, pull: ca.SX, D: ca.SX, inner: list[ca.SX]
+) -> tuple[Relation, ...]:
+    """A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held."""
+    quotient, _, _, c_dot = inner
+    fades = at_least(0.5 * D * A, pull * J)
+    return above(A), at_least(J, A * quotient), fades, above(D), equal(c_dot)
+
+
+def levels(flip: float) -> Statement:
+    """v* of a disturbance that is held back at v lies beyond v; low = D/M."""
+    t = symbols("v c u1 u2 rho low")
+    star = level(t["c"], t["u1"], t["u2"], t["rho"] / t["low"])
+    return Statement(t, (above(flip * (star - t["v"])),))
+
+
+def held_back() -> list[Point]:
+    """d_max and where it is met, at v_c0 = 0 to 20; the sampled settings at 0 and the largest."""
+    found = []
+    for n in AXES:
+        for c in map(float, range(21)):
+            v = n.best(c)
+            found.append(_point(n, v=v, c=c, low=n.resisted(v, c)))
+    for s in SETTINGS:
+        for farthest in ("0", s.target):
+            found.append(_point(AXES[s.axis], v=s.level, c=farthest, low=s.disturbance))
+    return found
+
+
+def _point(n: Numbers, **values: float | str) -> Point:
+    return {k: Fraction(x) for k, x in {**values, "u1": n.u1, "u2": n.u2, "rho": n.rho}.items()}

@@ -1,0 +1,105 @@
+"""The smooth barrier as compiled: where it aims, that A is the slope of V1, how far A/w goes."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from wmr_ctrl.laws.resolvent import resolvent
+from wmr_ctrl.laws.smooth_barrier import Barrier, smooth_barrier
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
+from wmr_ctrl.proofs.methods.spec import Ring
+from wmr_ctrl.proofs.regions import smooth_cases
+from wmr_ctrl.proofs.statement import Statement, at_least, equal
+
+
+def _compiled(a: BarrierAxis) -> Barrier:
+    v, c, u1, u2 = a.all
+    return smooth_barrier(c, v, u1, u2)
+
+
+def _target(flip: float) -> Statement:
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
+    return Statement(a.symbols, (equal(found.v_c1, flip * nearest), equal(found.w, v - nearest)))
+
+
+def _slope(flip: float) -> Statement:
+    """q dV1/dv = v - v_c1."""
+    a = BarrierAxis()
+    found = _compiled(a)
+    return Statement(a.symbols, (equal(found.q * ca.gradient(found.V1, a.all[0]), flip * found.w),))
+
+
+def _quotient(flip: float) -> Statement:
+    """(V1/A) (v - v_c1) = q V1."""
+    a = BarrierAxis()
+    found = _compiled(a)
+    return Statement(a.symbols, (equal(found.V1_over_A * found.w, flip * found.q * found.V1),))
+
+
+def _ratio(flip: float) -> Statement:
+    """q = (v - v_c1)/A: q <= 1 and (1 + 1/(u1 - m)^2) q >= 1, m = max(|v|, |v_c1|)."""
+    a = BarrierAxis()
+    v, _, u1, _ = a.all
+    found = _compiled(a)
+    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
+    share = 1 if flip > 0 else 0.9
+    top = (1 + share / (u1 - m) ** 2) * found.q
+    return Statement(a.symbols, (at_least(1, found.q), at_least(top, 1)))
+
+
+EVERY = smooth_cases()
+OPEN = tuple(
+    c
+    for c in EVERY
+    if c.label != "v_c0 zero, v zero" and "corner" not in c.label and "kink" not in c.label
+)
+
+CLAIMS = (
+    Claim(
+        "smooth.v_c1",
+        (),
+        OURS,
+        "smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1",
+        "The generated code aims at the nearest velocity inside the limit.",
+        ALL_LIMITS + FINITE,
+        _target,
+        Ring(EVERY),
+        uses=("prox.optimal-smooth", "cover.smooth-targets", "cover.beyond"),
+    ),
+    Claim(
+        "smooth.slope",
+        (),
+        OURS,
+        "smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i",
+        "What the laws divide by is the slope of the barrier function.",
+        "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2" + NO_SERIES,
+        _slope,
+        Ring(OPEN, CLOSED_FORM),
+        uses=("cover.smooth-targets", "cover.beyond"),
+    ),
+    Claim(
+        "smooth.quotient",
+        (),
+        OURS,
+        "smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i",
+        "The feedback term is the quotient of the two.",
+        ALL_LIMITS + NO_SERIES,
+        _quotient,
+        Ring(EVERY, CLOSED_FORM),
+        uses=("cover.smooth-targets", "cover.beyond"),
+    ),
+    Claim(
+        "prox.smooth-ratio",
+        (),
+        OURS,
+        "smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q)",
+        "The network's regressor is bounded where V1 is.",
+        ALL_LIMITS + FINITE,
+        _ratio,
+        Ring(EVERY),
+        uses=("smooth.slope", "cover.smooth-targets", "cover.beyond"),
+    ),
+)
