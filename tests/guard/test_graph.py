@@ -167,15 +167,17 @@ def evaluated(item: System, u: object, x: object) -> tuple[np.ndarray, np.ndarra
     return tuple(part.full().ravel() for part in f(u, x, item.p0))
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.003, 0.01, 0.024])
 @pytest.mark.parametrize("order", MAPS)
-def test_guard_by_itself_equals_its_numpy_twin(order: str) -> None:
+def test_guard_by_itself_equals_its_numpy_twin(order: str, delay: float) -> None:
     changed = {"guard.enabled": True, "actuator.tau_max": 12.0, "guard.map": order}
+    changed |= {"actuator.delay": delay}
     scenario = load_scenario("paper-simulation", {**changed, "sensor.velocity_noise": [0.02, 0.03]})
     item, twin = guard(scenario), VelocityGuard(scenario, 12.0)
-    draw, x, torque = np.random.default_rng(5), np.array(item.x0), (0.0, 0.0)
+    draw, x = np.random.default_rng(5), np.array(item.x0)
     for _ in range(500):
         asked, v = draw.normal(size=2) * (300, 60), draw.uniform(-1.2, 1.2, 2) * (1.0, 1.5)
-        thrust, moment = twin.act(tuple(asked), tuple(v), torque)
+        thrust, moment = twin.act(tuple(asked), tuple(v), tuple(x[:2]))
         x, found, watched = evaluated(item, [*asked, *v], x)
         share = moment / scenario.robot.l
         torque = tuple(0.5 * scenario.robot.r * np.array([thrust + share, thrust - share]))

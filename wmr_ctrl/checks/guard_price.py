@@ -7,18 +7,20 @@ from collections.abc import Iterator
 from wmr_ctrl.checks.barrier import phases
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.laws.guard_bounds import torque_limit, usable_speed
+from wmr_ctrl.checks.wording import SPEEDS, UNITS
+from wmr_ctrl.laws.guard_bounds import early_speed, torque_limit, usable_speed
 from wmr_ctrl.model.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
-    """Yield drives that act late, and a reference that is faster than the guard can allow."""
+    """Yield drives with lag, a start that a delay carries out, and a reference that is too fast."""
     if not loop.guarded:
         return
-    if not loop.scenario.actuator.ideal:
-        yield _late_drives(loop)
+    if loop.scenario.actuator.lag > 0:
+        yield _slow_drives(loop)
+    yield from _early_start(loop)
     fastest = reference_bounds(loop.scenario)[1]
     usable = slowest(loop)
     if fastest > usable:
@@ -32,16 +34,31 @@ def slowest(loop: Loop) -> float:
     return usable_speed(scenario, (friction, 0.0), torque_limit(scenario, loop.law))[0]
 
 
-def _late_drives(loop: Loop) -> Warning:
-    actuator = loop.scenario.actuator
-    key, time = ("lag", actuator.lag) if actuator.lag > 0 else ("delay", actuator.delay)
+def _slow_drives(loop: Loop) -> Warning:
     return Warning(
-        f"actuator.{key}",
-        f"actuator.{key} = {time:g} s: the guard's theorem lets the torque act at once, so it "
-        "filters but promises nothing here. Make the drives faster than clock.control by far, or "
-        "keep away from the limit with a smaller guard.alpha.",
+        "actuator.lag",
+        f"actuator.lag = {loop.scenario.actuator.lag:g} s: the guard's theorem knows torque that "
+        "acts at once or after a delay, so it filters but promises nothing here. Make the drives "
+        "faster than clock.control by far, or keep away from the limit with a smaller guard.alpha.",
         PLACE,
     )
+
+
+def _early_start(loop: Loop) -> Iterator[Warning]:
+    """A start inside the limit that a push can leave before the first command acts."""
+    scenario = loop.scenario
+    gained = early_speed(scenario, torque_limit(scenario, loop.law))
+    for i, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
+        start, u1 = abs(scenario.initial.velocity[i]), scenario.limits.v_u1[i]
+        if start <= u1 < start + gained[i]:
+            yield Warning(
+                "initial.velocity",
+                f"Before the first command acts, a push of guard.dbar can add {gained[i]:.3g} "
+                f"{unit} to |{speed}| = {start:g}, and the guard can only bring it back from "
+                f"beyond {u1:g}. Start below {u1 - gained[i]:.4g} {unit} for a guarantee from the "
+                "first instant.",
+                PLACE,
+            )
 
 
 def _too_fast(fastest: float, usable: float) -> Warning:
@@ -49,7 +66,7 @@ def _too_fast(fastest: float, usable: float) -> Warning:
     return Warning(
         "guard.dbar",
         f"The reference asks for {fastest:.3g} m/s, and against friction the guard leaves {can}, "
-        "v_u1 - nbar - (friction + dbar - f_min)/(M_min alpha): the robot falls behind. Shorten "
+        "v_u1 - nbar - (friction + dbar - f_min) (1/alpha + delay)/M_min: it falls behind. Shorten "
         "clock.control, or state a larger guard.M_min or a smaller guard.dbar if they are true.",
         PLACE,
     )

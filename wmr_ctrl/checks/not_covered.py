@@ -29,11 +29,13 @@ def drives(loop: Loop) -> Iterator[Warning]:
             "Eq. (4)",
         )
     if actuator.delay >= scenario.clock.control:
+        kept = loop.guarded and actuator.lag == 0
+        promise = "The guard keeps the limits all the same, not the path. " if kept else ""
         yield Warning(
             "actuator.delay",
             f"actuator.delay = {actuator.delay:g} s is a whole control period or more; the "
             "theorems let the torque act at once, and at 10 ms a single period of delay is enough "
-            "to break mb. Lower the gains, or shorten both clock.control and the delay.",
+            f"to break mb. {promise}Lower the gains, or shorten both clock.control and the delay.",
             THEOREMS,
         )
 

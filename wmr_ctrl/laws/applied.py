@@ -29,12 +29,11 @@ class Applied:
     def __init__(self, scenario: Scenario, p: Parameters, known: Port | None = None) -> None:
         """State of the drives of ``scenario``; ``known`` is a law's own tau_applied port."""
         self.port = known or port(TAU_APPLIED)
-        clock, actuator = scenario.clock, scenario.actuator
-        self.steps = clock.substeps
-        self.whole, self.part = divmod(round(actuator.delay / clock.plant), self.steps)
-        ages = range(1, self.whole + (1 if self.part else 0) + 1)
+        self.steps = scenario.clock.substeps
+        self.whole, self.part = delay_in_periods(scenario)
+        ages = range(1, commands_under_way(scenario) + 1)
         self.earlier = tuple(port(_command(age)) for age in ages)
-        self.acting = (port(ACTING),) if actuator.lag > 0 else ()
+        self.acting = (port(ACTING),) if scenario.actuator.lag > 0 else ()
         self.decay = (
             ca.exp(-p.take("clock.plant") / p.take("actuator.lag")) if self.acting else ca.SX(0)
         )
@@ -48,6 +47,12 @@ class Applied:
     def state(self) -> tuple[Port, ...]:
         """All ports of the state, tau_applied first."""
         return (self.port, *self.earlier, *self.acting)
+
+    @property
+    def under_way(self) -> tuple[tuple[ca.SX, float], ...]:
+        """Commands that have not ended: torque (2,), and how long it will act, in periods."""
+        shares = [1.0] * self.whole + [self.part / self.steps] * bool(self.part)
+        return tuple(zip((item.sym for item in self.earlier), shares, strict=True))
 
     def following(self, torque: ca.SX) -> list[ca.SX]:
         """Next state for the torque that is commanded now."""
@@ -70,6 +75,18 @@ class Applied:
                 total = total + self.decay * (1 - kept) / (1 - self.decay) * (acting - wanted)
             acting = wanted + kept * (acting - wanted)
         return total / self.steps, acting
+
+
+def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
+    """actuator.delay as whole control periods and the plant steps that are left."""
+    clock = scenario.clock
+    return divmod(round(scenario.actuator.delay / clock.plant), clock.substeps)
+
+
+def commands_under_way(scenario: Scenario) -> int:
+    """How many commands have not acted to their end when the next one is computed."""
+    whole, part = delay_in_periods(scenario)
+    return whole + bool(part)
 
 
 def _command(age: int) -> Signal:

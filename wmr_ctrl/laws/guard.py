@@ -8,24 +8,28 @@ proof is in docs/guarantee.md.  It is no part of the paper.  Per axis, with the 
     hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside
     lo(y)   = -hi(-y),                              F = min(max(asked, lo), hi)
 
+Behind drives with a delay the room shrinks by what is under way (see `guard_delay`).
+
 No logarithm, no model of the friction, nothing that the law knows.  Choose it whenever the limit
 has to hold; its price is the speed that the bounds cost (see `usable_speed`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import casadi as ca
 
 from wmr_ctrl.laws.applied import Applied
-from wmr_ctrl.laws.guard_bounds import ROUNDING, settled_guard, wheel_limit
+from wmr_ctrl.laws.guard_bounds import ROUNDING, rounding, settled_guard, wheel_limit
+from wmr_ctrl.laws.guard_delay import UnderWay, largest_force, under_way
 from wmr_ctrl.laws.guard_monitor import Monitor
 from wmr_ctrl.laws.wheel_map import MAPS
-from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port, ports, stack
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Guard, Scenario
 from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
 
 NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
@@ -33,7 +37,10 @@ NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed
 
 @dataclass(frozen=True)
 class Bounds:
-    """Symbols (or numbers) of one axis that the guard's formula reads; SI units as in Guard."""
+    """Symbols (or numbers) of one axis that the guard's formula reads; SI units as in Guard.
+
+    ``delay`` [s] is what the graph was built for; None without delay.
+    """
 
     u1: ca.SX
     period: ca.SX
@@ -45,6 +52,7 @@ class Bounds:
     brake: ca.SX
     f_min: ca.SX
     f_speed: ca.SX
+    delay: ca.SX | None = None
 
     @property
     def net(self) -> ca.SX:
@@ -53,48 +61,63 @@ class Bounds:
 
     @property
     def cap(self) -> ca.SX:
-        """Largest force away from rest: what hi is at rest, and at most what it brakes with."""
-        return self.M_min * self.alpha * (self.u1 - self.f_speed) - self.net
+        """Most that it may brake with; without delay also what hi is at rest."""
+        reach = self.M_min * self.alpha * (self.u1 - self.f_speed)
+        return (reach if self.delay is None else reach / (1 + self.alpha * self.delay)) - self.net
+
+    @property
+    def braking(self) -> ca.SX:
+        """Largest force with which it brakes [N or N m]."""
+        return ca.fmin(self.brake, self.cap)
 
     def axis(self, i: int) -> Bounds:
         """The bounds of axis ``i``, for bounds that hold both."""
         parts = {item.name: getattr(self, item.name) for item in fields(self)}
-        return Bounds(**{key: v[i] if v.numel() > 1 else v for key, v in parts.items()})
+        return Bounds(**{key: v[i] if v is not None and v.numel() > 1 else v
+                         for key, v in parts.items()})  # fmt: skip
 
 
-def bounds_of(scenario: Scenario, p: Parameters, tau_max: float) -> Bounds:
-    """Symbols of both axes' bounds, valued by `settled_guard`; u1 is shrunk against rounding."""
-    settled = settled_guard(scenario, tau_max)
+def bounds_of(p: Parameters, settled: Guard, applied: Applied) -> Bounds:
+    """Symbols of both axes' bounds with the numbers of a guard; u1 is shrunk against rounding."""
     read = {name: p.field(f"guard.{name}", settled, name) for name in NUMBERS}
-    u1 = p.take("limits.v_u1") * (1 - ROUNDING)
-    return Bounds(u1=u1, period=p.take("clock.control"), **read)
+    sent, period = applied.under_way, p.take("clock.control")
+    u1 = p.take("limits.v_u1") * (1 - rounding(len(sent)))
+    delay = period * sum(share for _, share in sent) if sent else None
+    return Bounds(u1=u1, period=period, delay=delay, **read)
 
 
-def ceiling(y: ca.SX, b: Bounds) -> ca.SX:
-    """hi(y) of one axis [N or N m]: largest force that is safe at the measured velocity y."""
-    room = b.u1 - ca.fmax(y + b.nbar, b.f_speed)
+def ceiling(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+    """hi(y) of one axis [N or N m]: largest force that is safe at the measured velocity y.
+
+    ``coming`` goes with bounds that have a delay.
+    """
+    fastest = ca.fmax(y + b.nbar, b.f_speed)
+    room = b.u1 - (fastest if coming is None else fastest + coming.ahead)
     slope = ca.if_else(room >= 0, b.M_min * b.alpha, b.M_max / b.period)
-    return ca.fmax(slope * room - b.net, -ca.fmin(b.brake, b.cap))
+    hi = ca.fmax(slope * room - b.net, -b.braking)
+    return hi if coming is None else ca.fmin(hi, largest_force(b))
 
 
-def floor(y: ca.SX, b: Bounds) -> ca.SX:
+def floor(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
     """lo(y) of one axis [N or N m]: smallest force that is safe."""
-    return -ceiling(-y, b)
+    return -ceiling(-y, b, None if coming is None else coming.mirrored)
 
 
-def clipped(asked: ca.SX, y: ca.SX, b: Bounds) -> ca.SX:
+def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
     """The nearest safe force of one axis; a force that is not a number becomes a safe one."""
-    return ca.fmin(ca.fmax(asked, floor(y, b)), ceiling(y, b))
+    return ca.fmin(ca.fmax(asked, floor(y, b, coming)), ceiling(y, b, coming))
 
 
 def feasible(b: Bounds) -> ca.SX:
     """1 where lo <= hi for every y, hence where there is always a safe force; else 0."""
+    need = 2 * b.net if b.delay is None else 2 * b.net * (1 + b.alpha * b.delay)
     conditions = (
-        2 * b.net <= b.M_min * b.alpha * (b.u1 - b.f_speed),
+        need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
         2 * b.nbar <= b.u1,
         b.brake >= b.net,
         b.alpha * b.period <= 1 + ROUNDING,
         b.M_min <= b.M_max,
+        b.f_speed < b.u1,
     )
     result = conditions[0]
     for condition in conditions[1:]:
@@ -109,16 +132,22 @@ class Guarded:
     force: ca.SX
     safe: ca.SX
     active: ca.SX
-    feasible: ca.SX
 
 
-def guarded(asked: ca.SX, v: ca.SX, both: Bounds) -> Guarded:
-    """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,)."""
-    axes = [both.axis(i) for i in (0, 1)]
-    force = ca.vertcat(*(clipped(asked[i], v[i], b) for i, b in enumerate(axes)))
-    safe = ca.vertcat(*(clipped(ca.SX(0), v[i], b) for i, b in enumerate(axes)))
-    possible = ca.logic_and(feasible(axes[0]), feasible(axes[1]))
-    return Guarded(force, safe, force != asked, possible)
+def guarded(
+    asked: ca.SX, v: ca.SX, both: Bounds, sent: Sequence[tuple[ca.SX, float]] = ()
+) -> Guarded:
+    """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,).
+
+    ``sent``: forces (2,) under way, and for how many periods from now on each will act.
+    """
+    axes = [
+        (v[i], b, under_way(sent, i, b) if sent else None)
+        for i, b in enumerate(map(both.axis, (0, 1)))
+    ]
+    force = ca.vertcat(*(clipped(asked[i], *axis) for i, axis in enumerate(axes)))
+    safe = ca.vertcat(*(clipped(ca.SX(0), *axis) for axis in axes))
+    return Guarded(force, safe, force != asked)
 
 
 def guard(scenario: Scenario) -> System:
@@ -129,7 +158,7 @@ def guard(scenario: Scenario) -> System:
     asked, velocity = port(FORCE), ports(VELOCITY)
     p = Parameters(scenario)
     applied, v = Applied(scenario, p), stack(item.sym for item in velocity)
-    torque, monitor = guarded_torque(scenario, p, asked.sym, v, applied.value, None)
+    torque, monitor = guarded_torque(scenario, p, asked.sym, v, applied, None)
     return System(
         "guard",
         "velocity guard",
@@ -144,20 +173,33 @@ def guard(scenario: Scenario) -> System:
 
 
 def guarded_torque(
-    scenario: Scenario, p: Parameters, asked: ca.SX, v: ca.SX, applied: ca.SX, law: str | None
+    scenario: Scenario, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied, law: str | None
 ) -> tuple[ca.SX, Monitor]:
     """Wheel torques (2,) [N m] of a guarded force, and what watches over the guard's bounds."""
     r, half_track, tau_max = p.take("robot.r"), p.take("robot.l"), wheel_limit(scenario, p, law)
-    both, phi = bounds_of(scenario, p, tau_max.number), 2 * tau_max.sym / r
-    held = guarded(asked, v, both)
+    both, phi = bounds_of(p, settled_guard(scenario, tau_max.number), applied), 2 * tau_max.sym / r
+    sent = [(wheel_to_force(r, half_track, tau), share) for tau, share in applied.under_way]
+    held = guarded(asked, v, both, sent)
     torque = force_to_wheel(
         r, half_track, MAPS[scenario.guard.map](held.force, phi, half_track, held.safe)
     )
-    possible = ca.logic_and(held.feasible, within_reach(both, phi, half_track))
-    return torque, Monitor(both, v, applied, (r, half_track), (held.active, possible))
+    flags = (held.active, possible(p, both, phi, half_track))
+    return torque, Monitor(both, v, applied.value, (r, half_track), flags)
+
+
+def possible(p: Parameters, both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
+    """1 where both axes' bounds can be met, by the wheels too (``phi`` = 2 tau_max/r [N]).
+
+    With a delay, 0 as well where the parameter actuator.delay is longer than the graph allows for.
+    """
+    axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
+    met = ca.logic_and(axes, within_reach(both, phi, half_track))
+    if both.delay is None:
+        return met
+    return ca.logic_and(met, p.take("actuator.delay") <= both.delay * (1 + ROUNDING))
 
 
 def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
     """1 where the wheels can brake both axes at once, FB1 + FB2/l <= phi; else 0."""
-    first, second = (ca.fmin(b.brake, b.cap) for b in (both.axis(0), both.axis(1)))
+    first, second = (b.braking for b in (both.axis(0), both.axis(1)))
     return first + second / half_track <= phi * (1 + ROUNDING)

@@ -1,13 +1,14 @@
-"""The guard's numbers: what a scenario leaves out is derived, what cannot be met is refused."""
+"""The guard's numbers: what a scenario leaves out is derived, what a guard cannot meet refused."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import casadi as ca
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.laws.applied import commands_under_way
 from wmr_ctrl.laws.gains import gains_of
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.scenario import Guard, Scenario
@@ -15,12 +16,20 @@ from wmr_ctrl.scenario import Guard, Scenario
 Pair = tuple[float, float]
 
 ROUNDING = 2.0**-44
-"""The guard aims at v_u1 (1 - ROUNDING): more than its rounding errors can add up to."""
+"""The guard aims at v_u1 (1 - ROUNDING): more than its rounding errors can add up to.
+
+Every command under way adds another ROUNDING (see `rounding`).
+"""
 
 SIGMAS = 3.0
 """dbar of Gaussian noise that is not truncated, in standard deviations."""
 
 UNITS, AXES = ("N", "N m"), (0, 1)
+
+
+def rounding(under_way: int) -> float:
+    """Share of v_u1 that is kept back against rounding, with commands ``under_way``."""
+    return ROUNDING * (1 + under_way)
 
 
 @dataclass(frozen=True)
@@ -47,27 +56,39 @@ def torque_limit(scenario: Scenario, law: str | None) -> float:
     return min(scenario.actuator.tau_max, own)
 
 
+@dataclass(frozen=True)
+class Stated(Guard):
+    """A guard's numbers as they were stated or implied, whether or not they can be met."""
+
+    def relate(self) -> None:
+        """Nothing is refused here: an unguarded run may state what no guard could keep."""
+
+
 def settled_guard(scenario: Scenario, tau_max: float) -> Guard:
     """The scenario's guard with every number in it, for wheels with ``tau_max`` [N m].
 
     Raises ScenarioError where no force keeps the limit, with inequality, numbers and remedy.
     """
-    given = scenario.guard
+    settled = stated_guard(scenario, tau_max)
+    Guard.relate(settled)
+    _check(scenario, settled)
+    _check_brake(scenario, settled, tau_max)
+    return settled
+
+
+def stated_guard(scenario: Scenario, tau_max: float) -> Stated:
+    """What `settled_guard` gives, and the same derivation where that refuses."""
+    given = Stated(**asdict(scenario.guard))
     low, high = mass_range(scenario)
-    settled = replace(
+    stated = replace(
         given,
         M_min=given.M_min or low,
         M_max=given.M_max or high,
         dbar=given.dbar or disturbance_bound(scenario),
         nbar=given.nbar or scenario.sensor.velocity_noise,
         alpha=given.alpha or 1.0 / scenario.clock.control,
-        brake=given.brake or (0.0, 0.0),
     )
-    _check(scenario, settled)
-    if given.brake is None:
-        settled = replace(settled, brake=_derived_brake(scenario, settled, tau_max))
-    _check_brake(scenario, settled, tau_max)
-    return settled
+    return replace(stated, brake=given.brake or _derived_brake(scenario, stated, tau_max))
 
 
 def mass_range(scenario: Scenario) -> tuple[Pair, Pair]:
@@ -94,24 +115,34 @@ def net(guard: Guard, axis: int) -> float:
 
 
 def reach(scenario: Scenario, guard: Guard, axis: int) -> float:
-    """M_min alpha (v_u1 - f_speed) of one axis [N or N m]: what slows down from the limit."""
-    u1 = scenario.limits.v_u1[axis] * (1.0 - ROUNDING)
-    return _of(guard.M_min)[axis] * float(guard.alpha or 0.0) * (u1 - guard.f_speed[axis])
+    """M_min (v_u1 - f_speed)/(1/alpha + delay) of one axis [N or N m]: what slows it down."""
+    u1 = scenario.limits.v_u1[axis] * (1.0 - rounding(commands_under_way(scenario)))
+    alpha = float(guard.alpha or 0.0)
+    at_once = _of(guard.M_min)[axis] * alpha * (u1 - guard.f_speed[axis])
+    return at_once / (1.0 + alpha * scenario.actuator.delay)
 
 
 def usable_speed(scenario: Scenario, friction: Pair, tau_max: float = math.inf) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    v_u1 - nbar - (friction + dbar - f_min)/(M_min alpha) [m/s, rad/s]; negative where the guard
-    would not let the robot move at all.
+    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + delay)/M_min [m/s, rad/s]; negative where
+    the guard would not let the robot move at all.
     """
     guard = settled_guard(scenario, tau_max)
+    time = 1.0 / float(guard.alpha or 0.0) + scenario.actuator.delay
     first, second = (
         scenario.limits.v_u1[i]
         - _of(guard.nbar)[i]
-        - (friction[i] + net(guard, i)) / (_of(guard.M_min)[i] * float(guard.alpha or 0.0))
+        - (friction[i] + net(guard, i)) * time / _of(guard.M_min)[i]
         for i in AXES
     )
+    return first, second
+
+
+def early_speed(scenario: Scenario, tau_max: float = math.inf) -> Pair:
+    """What a push can add to a speed before the first command acts: delay (dbar - f_min)/M_min."""
+    guard, delay = settled_guard(scenario, tau_max), scenario.actuator.delay
+    first, second = (delay * max(net(guard, i), 0.0) / _of(guard.M_min)[i] for i in AXES)
     return first, second
 
 
@@ -135,7 +166,7 @@ def _check(scenario: Scenario, guard: Guard) -> None:
 
 def _check_noise(scenario: Scenario, guard: Guard, i: int) -> None:
     u1, nbar = scenario.limits.v_u1[i], _of(guard.nbar)[i]
-    if 2.0 * nbar > u1 * (1.0 - ROUNDING):
+    if 2.0 * nbar > u1 * (1.0 - rounding(commands_under_way(scenario))):
         raise ScenarioError(
             f"guard.nbar[{i + 1}] = {nbar:g} cannot be met: 2 nbar <= v_u1 is needed, but "
             f"{2 * nbar:g} > limits.v_u1[{i + 1}] = {u1:g}. Measure the velocity to within "
@@ -152,20 +183,32 @@ def _check_push(scenario: Scenario, guard: Guard, i: int) -> None:
     need, have = 2.0 * net(guard, i), reach(scenario, guard, i)
     if need <= have:
         return
-    low, alpha = _of(guard.M_min)[i], float(guard.alpha or 0.0)
+    low, alpha, delay = _of(guard.M_min)[i], float(guard.alpha or 0.0), scenario.actuator.delay
     room = scenario.limits.v_u1[i] - guard.f_speed[i]
+    late = (f"/(1 + alpha delay), delay = {delay:g} s,", f"/{1 + alpha * delay:g}")
+    said, divided = late if delay > 0 else ("", "")
     raise ScenarioError(
         f"guard: no force can keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
-        f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed) is needed on axis {i + 1}, but "
-        f"{need:g} > {low:g} * {alpha:g} * {room:g} = {have:.6g} {UNITS[i]}. It holds "
-        f"{_faster(need / (low * room), scenario.clock.control)}, or with "
-        f"guard.dbar[{i + 1}] <= {have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with "
-        f"guard.M_min[{i + 1}] >= {need / (alpha * room):.4g}."
+        f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
+        f"{need:g} > {low:g} * {alpha:g} * {room:g}{divided} = {have:.6g} {UNITS[i]}. It holds "
+        f"{_sooner(low * room / need, alpha, scenario)}"
+        f"with guard.dbar[{i + 1}] <= {have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with "
+        f"guard.M_min[{i + 1}] >= {need * (1 / alpha + delay) / room:.4g}."
     )
 
 
+def _sooner(longest: float, alpha: float, scenario: Scenario) -> str:
+    """The remedies by time, for 1/alpha + delay <= ``longest`` [s]; none where neither does."""
+    delay = scenario.actuator.delay
+    shorter = delay > 0 and longest >= 1.0 / alpha
+    remedies = [f"with actuator.delay <= {max(longest - 1 / alpha, 0.0):.4g} s"] * shorter
+    if longest > delay:
+        remedies.append(_faster(1.0 / (longest - delay), scenario.clock.control))
+    return "".join(f"{remedy}, or " for remedy in remedies)
+
+
 def _faster(alpha: float, period: float) -> str:
-    """The remedy by time: a larger alpha where T allows it, else a shorter T."""
+    """The remedy by rate: a larger alpha where T allows it, else a shorter T."""
     if alpha * period <= 1.0:
         return f"from guard.alpha >= {alpha:.4g} 1/s on"
     return f"from clock.control <= {1.0 / alpha:.4g} s on (alpha = 1/T)"
@@ -173,7 +216,7 @@ def _faster(alpha: float, period: float) -> str:
 
 def _derived_brake(scenario: Scenario, guard: Guard, tau_max: float) -> Pair:
     """All that is allowed without torque limits, else dbar and a share of what is to spare."""
-    caps = tuple(reach(scenario, guard, i) - net(guard, i) for i in AXES)
+    caps = tuple(max(reach(scenario, guard, i) - net(guard, i), 0.0) for i in AXES)
     if math.isinf(tau_max):
         return caps[0], caps[1]
     half_track, share = scenario.robot.l, guard.brake_share
@@ -214,11 +257,8 @@ def _check_wheels(
     )
 
 
-def assumed(scenario: Scenario, law: str) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """What the guard assumes of the motion: largest disturbance and force [N, N m]; None if off."""
-    if not scenario.guard.enabled:
-        return None
-    guard = settled_guard(scenario, torque_limit(scenario, law))
-    mass, u1, period = guard.M_max or (0.0, 0.0), scenario.limits.v_u1, scenario.clock.control
-    largest = (mass[0] * u1[0] / period, mass[1] * u1[1] / period)
-    return guard.dbar or (0.0, 0.0), largest
+def assumed(scenario: Scenario, law: str) -> tuple[Pair, Pair]:
+    """What a guard assumes of the motion, on or off: largest disturbance and force [N, N m]."""
+    guard = stated_guard(scenario, torque_limit(scenario, law))
+    mass, u1, period = _of(guard.M_max), scenario.limits.v_u1, scenario.clock.control
+    return _of(guard.dbar), (mass[0] * u1[0] / period, mass[1] * u1[1] / period)
