@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from . import floor, fmu, generated
+from . import floor, fmu, generated, numba_peer
 from .hand_c import HandC
 from .numpy_loop import closed_loop
 from .setup import Case, Setup
@@ -41,12 +41,14 @@ RATIOS = (
     Ratio("mb_step_vs_hand_c", "mb", "mb_hand", "<= 1.2"),
     Ratio("nn_step_numpy_vs_native", "nn_numpy", "nn", ">= 250"),
     Ratio("nn_step_vm_vs_native", "nn_vm", "nn", ">= 100"),
+    Ratio("nn_step_numba_vs_native", "nn_numba", "nn", ""),
     Ratio("nn_call_from_python_vs_hand_c", "nn_python", "nn_hand", "<= 7"),
     Ratio("mb_call_from_python_vs_hand_c", "mb_python", "mb_hand", "<= 7"),
     Ratio("plant_step_vs_hand_c", "plant", "plant_hand", ""),
     Ratio("closed_loop_nn_vs_hand_c", "nn_loop", "nn_loop_hand", "<= 1.3"),
     Ratio("closed_loop_mb_vs_hand_c", "mb_loop", "mb_loop_hand", "<= 1.3"),
     Ratio("closed_loop_numpy_vs_native", "nn_loop_numpy", "nn_loop", ""),
+    Ratio("closed_loop_numba_vs_native", "nn_loop_numba", "nn_loop", ""),
     Ratio("batch_nn_per_core_vs_scalar_hand_c", "nn_loop_hand", "nn_batch", ">= 3 (AVX-512)"),
     Ratio("batch_nn_avx512_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx512", ">= 3"),
     Ratio("batch_nn_avx2_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx2", ">= 2"),
@@ -73,15 +75,15 @@ def run_bench(progress: Progress | None = None, quick: bool = True) -> dict[str,
     """
     rounds = 9 if quick else 25
     found: dict[str, Timing] = {}
-    for place, factory in enumerate(FACTORIES):
+    for place, (factory, base) in enumerate(FACTORIES):
         told = partial(_told, progress, place / len(FACTORIES)) if progress else None
-        found |= measure_in_processes(factory, _floor_of(factory), rounds=rounds, progress=told)
+        found |= measure_in_processes(factory, base, rounds=rounds, progress=told)
     return summary(found)
 
 
 def summary(found: Mapping[str, Timing]) -> dict[str, Any]:
     """The result of `run_bench` from the timings of its candidates."""
-    spread = {item.key: _quartiles(found, item) for item in RATIOS}
+    spread = {item.key: quartiles(found, item) for item in RATIOS}
     ours = {law: found[law].ns * 1e4 * 1e-9 for law in PAPER_SECONDS if law in found}
     return {
         "ratios": {key: values and values[1] for key, values in spread.items()},
@@ -106,14 +108,16 @@ def table(result: Mapping[str, Any]) -> str:
 
 
 def steps() -> dict[str, Candidate]:
-    """Control and plant steps: hand-written, generated, NumPy, CasADi's VM, from Python."""
-    hand = floor.step_candidates(HandC(Setup.from_scenario(generated.scenario())), STEPS)
+    """Control and plant steps: hand-written, generated, NumPy, numba, CasADi's VM, from Python."""
+    setup = Setup.from_scenario(generated.scenario())
+    hand = floor.step_candidates(HandC(setup), STEPS)
     slow = floor.numpy_candidates(200)
     return {
         **{f"{name.removesuffix('_step')}_hand": item for name, item in hand.items()},
         **{law: generated.step(law, STEPS) for law in PAPER_SECONDS},
         "plant": generated.plant_step(STEPS),
         "nn_numpy": slow["nn_numpy"],
+        **numba_peer.step_candidates(setup, STEPS),
         "nn_vm": generated.virtual_machine("nn", 300),
         **{f"{law}_python": generated.call_from_python(law, STEPS) for law in ("mb", "nn")},
     }
@@ -131,31 +135,30 @@ def loops() -> dict[str, Candidate]:
         },
         **{f"{law}_loop": generated.closed_loop(law, CONTROL) for law in ("mb", "nn")},
         "nn_loop_numpy": Candidate(partial(closed_loop, "nn", setup, short), short.samples),
+        **numba_peer.loop_candidates(setup, case),
         **generated.batches(CONTROL),
     }
 
 
 def fmus() -> dict[str, Candidate]:
-    """Steps of the plant FMU and of an empty one, by FMPy; a stand-in where they cannot be had."""
-    return fmu.candidates(20_000) or {"nothing": Candidate(lambda: None, 1)}
+    """Steps of the plant FMU and of an empty one, by FMPy."""
+    return fmu.candidates(20_000)
 
 
-FACTORIES: tuple[Callable[[], dict[str, Candidate]], ...] = (steps, loops, fmus)
-
-
-def _floor_of(factory: Callable[[], Mapping[str, Candidate]]) -> str:
-    """The candidate that the others of a factory are divided by."""
-    if factory is fmus:
-        return next(iter(factory()))
-    return "nn_hand" if factory is steps else "nn_loop_hand"
+FACTORIES: tuple[tuple[Callable[[], dict[str, Candidate]], str], ...] = (
+    (steps, "nn_hand"),
+    (loops, "nn_loop_hand"),
+    (fmus, "fmu_empty"),
+)
+"""What is measured together, and the candidate that the others are divided by."""
 
 
 def _told(progress: Progress, start: float, done: int, of: int) -> None:
     progress(start + done / of / len(FACTORIES))
 
 
-def _quartiles(found: Mapping[str, Timing], item: Ratio) -> tuple[float, float, float] | None:
-    """Lower quartile, median and upper quartile of a ratio, round by round."""
+def quartiles(found: Mapping[str, Timing], item: Ratio) -> tuple[float, float, float] | None:
+    """Quartiles and median of a ratio, low to high, round by round; None if not measured."""
     if item.above not in found or item.below not in found:
         return None
     pairs = zip(found[item.above].ratios, found[item.below].ratios, strict=True)

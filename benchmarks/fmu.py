@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from shutil import copyfile, unpack_archive
 from typing import Any
@@ -27,14 +27,12 @@ _EXPORTED = '__attribute__((visibility("default")))'
 
 
 def candidates(steps: int) -> dict[str, Candidate]:
-    """``fmu_plant`` and ``fmu_empty``; none where FMPy or the exporter is not there."""
-    try:
-        from fmpy.fmi2 import FMU2Slave
+    """``fmu_plant`` and ``fmu_empty``, in a folder that goes when this process ends."""
+    from fmpy.fmi2 import FMU2Slave
 
-        from wmr_ctrl.fmi.export import export_fmu
-    except ImportError:
-        return {}
-    folder = Path(tempfile.mkdtemp(prefix="wmr_ctrl-bench-"))
+    from wmr_ctrl.fmi.export import export_fmu
+
+    folder = Path(_temporary().name)
     (archive,) = export_fmu("plant", fmi=2, out=folder)
     unpack_archive(archive, folder / "plant", "zip")
     identifier = next((folder / "plant" / "binaries").rglob("*.*")).stem
@@ -50,6 +48,11 @@ def candidates(steps: int) -> dict[str, Candidate]:
         "fmu_plant": Candidate(partial(_steps, slave, steps), steps),
         "fmu_empty": Candidate(partial(_steps, empty, steps), steps),
     }
+
+
+@cache
+def _temporary() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="wmr_ctrl-bench-", ignore_cleanup_errors=True)
 
 
 def _steps(slave: Any, steps: int) -> None:

@@ -1,7 +1,8 @@
-"""Slower peers, apart from the cheap measures: python-control's simulator on the same closed loop.
+"""Peers on the same closed loop, apart from the cheap measures: python-control, and numba.
 
-``python -m benchmarks.peers`` prints how many times longer than ours it takes for a second of the
-model-based loop: continuous law and plant, its own step control, NumPy inside.
+``python -m benchmarks.peers`` prints how many times longer than ours they take: python-control's
+simulator for a second of the model-based loop (continuous law and plant, its own step control,
+NumPy inside), numba for the network law's step and loop where it is installed.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from . import generated
+from . import generated, numba_peer
+from .bench import CONTROL, STEPS, Ratio, quartiles
 from .numpy_loop import circle, rate
 from .numpy_step import NumpyLaws
 from .setup import Case, Setup
@@ -20,15 +22,24 @@ from .timing import Candidate, measure
 Array = NDArray[np.float64]
 
 SECONDS = 1.0
-CONTROL = 1e-3
+RATIOS = (
+    Ratio("mb_loop_control_vs_native", "mb_loop_control", "mb_loop", ""),
+    Ratio("nn_step_numba_vs_native", "nn_numba", "nn", ""),
+    Ratio("closed_loop_numba_vs_native", "nn_loop_numba", "nn_loop", ""),
+)
 
 
 def candidates() -> dict[str, Candidate]:
-    """One second of the loop by python-control, and 80 s of it in C; a step is 1 ms."""
+    """Loops by python-control, numba and in C, steps by numba and in C; a step is one sample."""
+    setup, case = Setup(period=CONTROL), Case(control=CONTROL)
     samples = round(SECONDS / CONTROL)
     return {
         "mb_loop": generated.closed_loop("mb", CONTROL),
         "mb_loop_control": Candidate(partial(control_loop, Setup(), Case()), samples),
+        "nn": generated.step("nn", STEPS),
+        **numba_peer.step_candidates(Setup(), STEPS),
+        "nn_loop": generated.closed_loop("nn", CONTROL),
+        **numba_peer.loop_candidates(setup, case),
     }
 
 
@@ -49,9 +60,11 @@ def control_loop(setup: Setup, case: Case, seconds: float = SECONDS) -> Array:
 
 
 def main() -> None:
-    """Print the ratio."""
-    found = measure(candidates(), "mb_loop")["mb_loop_control"]
-    print(f"python-control's simulator takes {found.ratio:.0f} times as long as our loop")
+    """Print the ratios."""
+    found = measure(candidates(), "mb_loop")
+    for item in RATIOS:
+        values = quartiles(found, item)
+        print(f"{item.key:28} {f'{values[1]:.3g}' if values else 'not measured'}")
 
 
 if __name__ == "__main__":

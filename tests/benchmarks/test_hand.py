@@ -133,8 +133,8 @@ def test_closed_loop_equals_a_plain_python_loop(hand: HandC, law: str, noise: fl
     state, fastest, violations = closed_loop(law, Setup(), case)
     result, _ = hand.loop(law, case)
 
-    np.testing.assert_allclose(list(result.state), state, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(list(result.max_abs_v), fastest, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(list(result.state), state, rtol=0, atol=TOLERANCE)
+    np.testing.assert_allclose(list(result.max_abs_v), fastest, rtol=0, atol=TOLERANCE)
     assert result.violations == violations
     assert result.steps == 5000
 

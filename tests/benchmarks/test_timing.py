@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import pytest
 
+from benchmarks import timing
 from benchmarks.timing import Candidate, measure, measure_in_processes, sample, summarize
 
 
@@ -56,6 +58,17 @@ def test_processes_pool_their_rounds() -> None:
     found = measure_in_processes(two, "floor", processes=2)
 
     assert len(found["slow"].ratios) == 18
+
+
+def test_a_step_costs_what_the_clock_advanced_by_its_number(monkeypatch: Any) -> None:
+    now = [0]
+
+    def work() -> None:
+        now[0] += 600
+
+    monkeypatch.setattr(timing, "clock", lambda: now[0])
+
+    assert sample({"worker": Candidate(work, 3)}, 2) == {"worker": [200.0, 200.0]}
 
 
 def test_too_few_rounds_and_unknown_floors_are_refused() -> None:

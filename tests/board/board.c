@@ -19,7 +19,8 @@
 #define COPROCESSORS REGISTER(0xE000ED88u)
 #define PAINT 0xA5A5A5A5u
 
-extern uint32_t stack_bottom, stack_top, data_from, data_begin, data_end, bss_begin, bss_end;
+extern uint32_t stack_bottom[], stack_top[], data_from[], data_begin[], data_end[], bss_begin[],
+    bss_end[];
 
 static LAW_PARAMETERS parameters;
 static LAW_STATE memory;
@@ -51,11 +52,11 @@ static void send(const void *from, size_t count)
 
 static uint32_t deepest_stack(void)
 {
-    const uint32_t *word = &stack_bottom;
-    while (word < &stack_top && *word == PAINT) {
+    const uint32_t *word = stack_bottom;
+    while (word < stack_top && *word == PAINT) {
         ++word;
     }
-    return (uint32_t)((const char *)&stack_top - (const char *)word);
+    return (uint32_t)((const char *)stack_top - (const char *)word);
 }
 
 static void answer(void)
@@ -92,13 +93,14 @@ void reset(void)
 {
     COPROCESSORS |= 0xfu << 20;
     __asm volatile("dsb\n isb");
-    for (uint32_t *to = &data_begin, *from = &data_from; to < &data_end;) {
+    for (uint32_t *to = data_begin, *from = data_from; to < data_end;) {
         *to++ = *from++;
     }
-    for (uint32_t *to = &bss_begin; to < &bss_end;) {
+    for (uint32_t *to = bss_begin; to < bss_end;) {
         *to++ = 0;
     }
-    for (volatile uint32_t *word = &stack_bottom; word < &stack_top - 64; ++word) {
+    volatile uint32_t *const here = (volatile uint32_t *)__builtin_frame_address(0);
+    for (volatile uint32_t *word = stack_bottom; word < here - 16; ++word) {
         *word = PAINT;
     }
     serve();
@@ -110,7 +112,12 @@ static void halt(void)
     }
 }
 
-__attribute__((section(".vectors"), used)) static void (*const vectors[16])(void) = {
-    (void (*)(void))&stack_top, reset, halt, halt, halt, halt, halt, halt,
-    halt, halt, halt, halt, halt, halt, halt, halt,
+typedef struct {
+    void *stack;
+    void (*handlers[15])(void);
+} vector_table;
+
+__attribute__((section(".vectors"), used)) static const vector_table vectors = {
+    stack_top, {reset, halt, halt, halt, halt, halt, halt, halt, halt, halt, halt, halt, halt, halt,
+                halt},
 };

@@ -51,13 +51,15 @@ def built(law: str, scenario: Scenario, board: Board, folder: Path, *, float32: 
     out = folder / "board.elf"
     command = [
         COMPILER, "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic",
-        "-Wno-unused-parameter", "-mthumb", "-mfloat-abi=hard", *board.flags,
+        "-Werror", "-mthumb", "-mfloat-abi=hard", *board.flags,
         *(f"-D{key}={value}" for key, value in names.items()), f"-I{folder}", "-nostartfiles",
         "-ffreestanding", "-fno-tree-loop-distribute-patterns", "--specs=nosys.specs",
         f"-T{HERE / 'board.ld'}", str(HERE / "board.c"), str(folder / f"wmr_{law}.c"),
         "-lm", "-o", str(out),
     ]  # fmt: skip
-    subprocess.run(command, check=True, capture_output=True, text=True)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{COMPILER} refused the firmware: {done.stderr}")
     return out
 
 

@@ -2,71 +2,67 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.board.emulated import BOARDS, Emulated, HostBuild, built, missing
+from tests.board.emulated import BOARDS, Emulated, built, missing
+from tests.board.lockstep import lockstep
 from tests.board.robot import Robot
-from wmr_ctrl.scenario import load_scenario
+from tests.codegen.measured import BOARD, loop_scenario
+from wmr_ctrl.codegen.footprint import known_footprint
+from wmr_ctrl.codegen.package import step_kernel
+from wmr_ctrl.laws.controller import controller
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 
-SCENARIO = load_scenario("paper-simulation-nominal")
-SAMPLES = 1000
-"""10 s at 10 ms."""
-
-TOLERANCE = {False: 1e-11, True: 2e-4}
+TOLERANCE = {False: 1e-12, True: 5e-5}
 """Largest torque difference from the host's build of the same precision, relative to 1 N m + the
 torque: two mathematics libraries, and memories that each carry on for 10 s."""
 
 MOST_INSTRUCTIONS = {
-    ("cortex-m4f", "mb", True): 2_000,
-    ("cortex-m4f", "nn", True): 8_000,
-    ("cortex-m4f", "mb", False): 60_000,
-    ("cortex-m4f", "nn", False): 150_000,
-    ("cortex-m7", "mb", True): 2_000,
-    ("cortex-m7", "nn", True): 8_000,
-    ("cortex-m7", "mb", False): 4_000,
-    ("cortex-m7", "nn", False): 12_000,
+    ("mb", True): 2_000,
+    ("mb", False): 4_000,
+    ("nn", True): 8_000,
+    ("nn", False): 12_000,
+    ("prox", True): 2_000,
+    ("prox", False): 4_000,
 }
-"""Of the slowest sample; doubles are computed in software on the M4F."""
+"""Of the slowest sample on a Cortex-M7, by law and whether in single precision."""
 
 
 @pytest.mark.parametrize("float32", [True, False], ids=["float32", "double"])
-@pytest.mark.parametrize("law", ["mb", "nn"])
-@pytest.mark.parametrize("board", list(BOARDS))
+@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+@pytest.mark.parametrize(
+    ("board", "guarded"), [*((board, False) for board in BOARDS), (BOARD, True)]
+)
 def test_ten_seconds_in_lockstep(
-    board: str, law: str, float32: bool, tmp_path: Path, record_property: object
+    board: str, law: str, guarded: bool, float32: bool, tmp_path: Path, record_property: object
 ) -> None:
-    firmware = built(law, SCENARIO, BOARDS[board], tmp_path / "board", float32=float32)
-    host = HostBuild(law, SCENARIO, tmp_path / "host", float32=float32)
-    robot, counts, worst = Robot(SCENARIO), [], 0.0
-    with Emulated(firmware, BOARDS[board], float32=float32) as emulated:
-        for k in range(SAMPLES):
-            inputs = robot.inputs(k)
-            status, torque, instructions = emulated.step(inputs)
-            counts.append(instructions)
-            assert status == 0
-            wanted = host.step(inputs)[1]
-            worst = max(worst, float((abs(torque - wanted) / (1 + abs(wanted))).max()))
-            robot.advance(torque)
-        stack = emulated.deepest_stack()
-    for name, value in (("worst", worst), ("instructions", float(np.median(counts))),
-                        ("most_instructions", max(counts)), ("stack", stack)):  # fmt: skip
+    scenario = loop_scenario(guarded)
+    found = lockstep(law, scenario, board, tmp_path, float32=float32)
+    for name, value in asdict(found).items():
         record_property(name, value)
 
-    assert worst < TOLERANCE[float32]
-    assert max(counts) <= MOST_INSTRUCTIONS[board, law, float32]
-    assert stack < 8192
-    assert robot.distance(SAMPLES) < 0.2
+    assert found.worst < TOLERANCE[float32]
+    assert found.distance < 0.2
+    if board == BOARD:
+        operations = step_kernel(controller(scenario, law)).operations
+        told = known_footprint(law, float32, guarded, operations)
+        assert told is not None
+        assert found.most_instructions <= 1.1 * told.most_instructions + 80
+        assert found.stack <= 1.1 * told.deepest
+    else:
+        assert found.most_instructions <= MOST_INSTRUCTIONS[law, float32]
 
 
 def test_bad_input_gives_no_torque_and_keeps_the_memory(tmp_path: Path) -> None:
-    firmware = built("nn", SCENARIO, BOARDS["cortex-m4f"], tmp_path, float32=True)
-    with Emulated(firmware, BOARDS["cortex-m4f"], float32=True) as emulated:
-        good = Robot(SCENARIO).inputs(0)
+    scenario = loop_scenario(False)
+    firmware = built("nn", scenario, BOARDS[BOARD], tmp_path, float32=True)
+    with Emulated(firmware, BOARDS[BOARD], float32=True) as emulated:
+        good = Robot(scenario).inputs(0)
         first = emulated.step(good)[1]
         status, torque, _ = emulated.step(np.where(np.arange(len(good)) == 7, np.nan, good))
 

@@ -10,36 +10,73 @@ import pytest
 
 from tests.board.emulated import HostBuild
 from tests.board.robot import Robot
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.codegen.single_precision import PERIODS
+from wmr_ctrl.scenario import Scenario, load_scenario
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
 
-REGION = np.array([5.0, 5.0, np.pi, 0.98, 0.98 * 1.5])
+NEAR = 0.9999
+"""Largest share of the limits at a start."""
+
+REGION = np.array([5.0, 5.0, np.pi, NEAR * 1.0, NEAR * 1.5])
 """Half-widths of the starts: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
 
+LIMITS = np.array([1.0, 1.5])
+CASES = [(law, guarded, T) for (law, guarded), periods in PERIODS.items() for T in periods]
 
-@pytest.mark.parametrize(
-    ("law", "control", "starts"), [("mb", 1e-3, 6), ("nn", 1e-3, 6), ("nn", 1e-2, 40)]
-)
-def test_the_limit_is_kept_from_the_stated_region(
-    law: str, control: float, starts: int, tmp_path: Path
-) -> None:
-    scenario = load_scenario("paper-simulation-nominal", {"clock.control": control})
-    builds = [HostBuild(law, scenario, tmp_path / str(f), float32=f) for f in (False, True)]
+
+def nominal(control: float, guarded: bool, **changes: object) -> Scenario:
+    """The paper's circle without noise or change."""
+    return load_scenario(
+        "paper-simulation-nominal",
+        {"clock.control": control, "guard.enabled": guarded, **changes},
+    )
+
+
+def starts(inside: int, at_the_edge: int) -> list[np.ndarray]:
+    """Starts anywhere in the region, then some with both velocities at its edge."""
     draw = np.random.default_rng(3)
-    for _ in range(starts):
-        start = draw.uniform(-1, 1, 5) * REGION
+    drawn = draw.uniform(-1, 1, (inside + at_the_edge, 5))
+    drawn[inside:, 3:] = np.sign(drawn[inside:, 3:])
+    return list(drawn * REGION)
+
+
+@pytest.mark.parametrize(("law", "guarded", "control"), CASES)
+def test_the_limit_is_kept_from_the_stated_region(
+    law: str, guarded: bool, control: float, tmp_path: Path
+) -> None:
+    scenario = nominal(control, guarded)
+    builds = [HostBuild(law, scenario, tmp_path / str(f), float32=f) for f in (False, True)]
+    for start in starts(4, 2) if control < 1e-2 else starts(12, 8):
         double, single = (fastest(build, Robot(scenario, start), control) for build in builds)
         assert double < 1.0
         assert single < 1.0
         assert abs(single - double) < 2e-4
 
 
-def fastest(build: HostBuild, robot: Robot, control: float) -> float:
-    """Largest velocity in 2 s, as a share of its limit."""
+@pytest.mark.parametrize("law", ["pid", "mb"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_guard_keeps_the_limit_against_the_worst_push(
+    law: str, side: float, tmp_path: Path
+) -> None:
+    """No friction, the lightest robot, a disturbance of dbar all the time, a target ahead."""
+    scenario = nominal(
+        1e-2, True, **{"robot.mu": 0.0, "guard.mass_margin": 0.0, "guard.dbar": [60.0, 15.0]}
+    )  # fmt: skip
+    build = HostBuild(law, scenario, tmp_path, float32=True)
+    robot = Robot(scenario, np.array([0.0, -side * 60.0, 0.0, 0.0, 0.0]))
+    share = fastest(build, robot, 1e-2, push=np.full(2, 3.0 * side), seconds=8.0)
+
+    assert 0.999 < share < 1.0
+
+
+def fastest(
+    build: HostBuild, robot: Robot, control: float, push: object = 0.0, seconds: float = 2.0
+) -> float:
+    """Largest velocity as a share of its limit, under a constant push [N m] on the wheels."""
     build.reset()
-    for k in range(round(2.0 / control)):
+    for k in range(round(seconds / control)):
         status, torque = build.step(robot.inputs(k))
         assert status == 0
-        robot.advance(torque)
-    return float((robot.fastest / [1.0, 1.5]).max())
+        robot.advance(torque + push)
+    return float((robot.fastest / LIMITS).max())

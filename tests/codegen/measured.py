@@ -1,8 +1,8 @@
 """Measure the packages' footprints and write the committed copies.
 
-``python -m tests.codegen.measured`` measures with the GNU Arm compiler, writes
-wmr_ctrl/codegen/templates/footprint.json, and renews fmu/golden/c; without that compiler it only
-renews the copies.
+``python -m tests.codegen.measured`` measures with the GNU Arm compiler and on an emulated board,
+writes wmr_ctrl/codegen/templates/footprint.json, and renews fmu/golden/c; without those tools it
+only renews the copies.
 """
 
 from __future__ import annotations
@@ -10,36 +10,74 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import sys
 import tempfile
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import casadi as ca
 
+from tests.board.emulated import BOARDS, COMPILER, missing
+from tests.board.lockstep import lockstep
 from wmr_ctrl.codegen import footprint
-from wmr_ctrl.codegen.package import write_package
+from wmr_ctrl.codegen.package import step_kernel, write_package
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.scenario import Scenario, load_scenario
 
-COMPILER = "arm-none-eabi-gcc"
-TARGET = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
-LAWS = ("mb", "nn", "pid", "smc")
+BOARD = "cortex-m4f"
+TARGET = ("-mthumb", "-mfloat-abi=hard", *BOARDS[BOARD].flags)
+PACKAGES = tuple(
+    (law, float32, guarded)
+    for law in NAMES for float32 in (False, True) for guarded in (False, True)
+)  # fmt: skip
+SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
+"""By whether the guard is on."""
+NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"
 COPIES = tuple((law, float32) for law in ("mb", "nn") for float32 in (False, True))
 VERSION = "casadi-version.txt"
 
 
-def measure(law: str, float32: bool, folder: Path) -> footprint.Footprint:
-    """Footprint of a law's package."""
-    write_package(law, folder, load_scenario("paper-simulation"), float32=float32)
+@dataclass(frozen=True)
+class Sizes:
+    """What the compiler tells: operations of the kernel, then bytes."""
+
+    operations: int
+    code: int
+    data: int
+    stack: int
+
+
+def sizes(law: str, float32: bool, guarded: bool, folder: Path) -> Sizes:
+    """Sizes of a law's package, compiled for the board's processor."""
+    scenario = load_scenario(SCENARIOS[guarded])
+    write_package(law, folder, scenario, float32=float32)
     command = [COMPILER, "-std=c99", "-O2", "-ffp-contract=off", *TARGET, "-fstack-usage", "-c",
                f"wmr_{law}.c"]  # fmt: skip
     subprocess.run(command, cwd=folder, check=True)
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
+    operations = step_kernel(controller(scenario, law)).operations
+    return Sizes(operations, int(text), int(data) + int(bss), stack)
+
+
+def loop_scenario(guarded: bool) -> Scenario:
+    """What the boards run: the paper's circle without noise or change."""
+    return load_scenario(NOMINAL, {"guard.enabled": guarded})
+
+
+def measure(law: str, float32: bool, guarded: bool, folder: Path) -> footprint.Footprint:
+    """Footprint of a law's package."""
+    found = sizes(law, float32, guarded, folder / "sizes")
+    loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
     version = _output([COMPILER, "-dumpversion"], folder)[0]
-    return footprint.Footprint(int(text), int(data) + int(bss), stack, f"gcc {version}")
+    return footprint.Footprint(
+        found.operations, found.code, found.data, found.stack, loop.stack, loop.instructions,
+        loop.most_instructions, f"gcc {version}",
+    )  # fmt: skip
 
 
 def _output(command: list[str], folder: Path) -> list[str]:
@@ -56,17 +94,23 @@ def write_golden() -> None:
     (GOLDEN / VERSION).write_text(f"{ca.__version__}\n", encoding="utf-8")
 
 
+def write_footprints() -> None:
+    """Measure and record all packages."""
+    found = {}
+    for law, float32, guarded in PACKAGES:
+        with tempfile.TemporaryDirectory() as folder:
+            measured = measure(law, float32, guarded, Path(folder))
+        found[footprint.key(law, float32, guarded)] = asdict(measured)
+    footprint.RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    footprint._record.cache_clear()
+
+
 def main() -> None:
     """Measure, record, renew."""
-    if shutil.which(COMPILER):
-        found = {}
-        for law in LAWS:
-            for float32 in (False, True):
-                with tempfile.TemporaryDirectory() as folder:
-                    measured = measure(law, float32, Path(folder))
-                found[footprint.key(law, float32)] = asdict(measured)
-        footprint.RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    footprint._record.cache_clear()
+    if missing():
+        print(missing(), file=sys.stderr)
+    else:
+        write_footprints()
     write_golden()
 
 

@@ -1,4 +1,9 @@
-"""Code size and stack of the packages, as measured with the GNU Arm compiler for a Cortex-M4F."""
+"""What a package takes of a Cortex-M4F: code, stack, instructions; measured, and recorded.
+
+The GNU Arm compiler tells size and frames; an emulated board tells instructions and the deepest
+stack of ten seconds of closed loop.  A record counts only for the kernel that it was made with,
+known by its number of operations: a scenario may ask for another one.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +19,20 @@ RECORD = Path(__file__).parent / "templates" / "footprint.json"
 
 @dataclass(frozen=True)
 class Footprint:
-    """Bytes of code with constants, of writable data, of stack; and with what they were measured.
+    """Bytes of code with constants, of writable data and of stack; instructions of a sample.
 
-    ``stack`` is the deepest frame of the package's own functions, without libm's.
+    ``stack`` is the sum of the frames of the package's own functions, without libm's;
+    ``deepest`` is what was in use on the board, libm and caller included.  ``instructions`` is the
+    median, ``most_instructions`` the slowest sample.
     """
 
+    operations: int
     code: int
     data: int
     stack: int
+    deepest: int
+    instructions: int
+    most_instructions: int
     compiler: str
 
     def as_mapping(self) -> Mapping[str, Any]:
@@ -29,15 +40,15 @@ class Footprint:
         return asdict(self)
 
 
-def known_footprint(law: str, float32: bool) -> Footprint | None:
+def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
     """The recorded footprint of a law's package, None where none was measured."""
-    found = _record().get(key(law, float32))
-    return Footprint(**found) if found else None
+    found = _record().get(key(law, float32, guarded), {})
+    return Footprint(**found) if found.get("operations") == operations else None
 
 
-def key(law: str, float32: bool) -> str:
+def key(law: str, float32: bool, guarded: bool = False) -> str:
     """Name under which a package's footprint is recorded."""
-    return f"{law}-{'float32' if float32 else 'double'}"
+    return f"{law}-{'float32' if float32 else 'double'}{'-guard' if guarded else ''}"
 
 
 @cache

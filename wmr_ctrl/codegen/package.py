@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,8 @@ import jinja2
 from wmr_ctrl.codegen.dialect_single import package_dialect
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
-from wmr_ctrl.codegen.vectors import TOLERANCES, vectors_of
+from wmr_ctrl.codegen.single_precision import MARGIN, PERIODS, with_margin
+from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.laws.controller import controller
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.results import atomic_write
@@ -22,6 +24,8 @@ from wmr_ctrl.signals import Signal
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip
+_CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
@@ -54,13 +58,9 @@ def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dic
     Raises ScenarioError or UnknownNameError as building the law does.
     """
     system = controller(scenario, law)
-    step = kernel(
-        "step",
-        f"One sample: {system.title}.",
-        {"u": system.u, "x": system.x, "p": system.p},
-        {"next": system.update, "y": system.y},
-    )
-    context = _context(law, scenario, system, step, float32)
+    if float32 and scenario.guard.enabled:
+        system = with_margin(system)
+    context = _context(law, scenario, system, step_kernel(system), float32)
     engine = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
@@ -71,27 +71,40 @@ def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dic
     }
 
 
+def step_kernel(system: System) -> Kernel:
+    """The package's one kernel: a sample of the law."""
+    return kernel(
+        "step",
+        f"One sample: {system.title}.",
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"next": system.update, "y": system.y},
+    )
+
+
 def write_package(
     law: str, out: Path, scenario: Scenario, *, float32: bool = False
 ) -> tuple[Path, ...]:
     """Write the package into the folder ``out`` (made if need be) and return the files' paths.
 
-    Each file appears whole or not at all.  Raises OSError if the folder cannot be made,
-    ResultFileError if a file cannot be written.
+    All files appear, or none where one of them cannot be written.  Raises OSError if the folder
+    cannot be made, ResultFileError for a file.
     """
     files = package_files(law, scenario, float32=float32)
     out.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        with atomic_write(out / name, text=True) as file:
+    with ExitStack() as together:
+        for name, text in files.items():
+            file = together.enter_context(atomic_write(out / name, text=True))
             file.write(text)
+            file.flush()  # a full disk shows here, before the first file gets its name
     return tuple(out / name for name in files)
 
 
 def _context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> Mapping[str, Any]:
-    dialect = package_dialect(float32)
-    vectors = vectors_of(system, float32=float32)
+    dialect, guarded = package_dialect(float32), scenario.guard.enabled
+    vectors = vectors_of(system, scenario.limits, float32=float32)
+    text = definition(step, dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
     return {
@@ -102,10 +115,20 @@ def _context(
         "parameters": _fields(system.params), "outputs": outputs,
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel()},
-        "kernel": definition(step, dialect), "operations": step.operations,
-        "number": dialect.number, "vectors": vectors, "tolerance": TOLERANCES[float32],
-        "footprint": _shown(known_footprint(law, float32)), "library": f"wmr_{law}",
+        "kernel": text, "calls": library_calls(text, float32), "operations": step.operations,
+        "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
+        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": MARGIN,
+        "periods": [f"{1e3 * period:g} ms" for period in PERIODS.get((law, guarded), ())],
+        "footprint": _shown(known_footprint(law, float32, guarded, step.operations)),
+        "library": f"wmr_{law}",
     }  # fmt: skip
+
+
+def library_calls(kernel: str, float32: bool) -> list[str]:
+    """Functions of the C library that a kernel's text calls, sorted."""
+    called = set(_CALL.findall(_COMMENT.sub("", kernel))) - {"if", "for", "while", "sizeof"}
+    tanh = {"tanhf" if float32 else "tanh"} if "wmr_tanh(" in kernel else set()
+    return sorted(called | tanh)
 
 
 def _shown(footprint: Footprint | None) -> Mapping[str, Any] | None:

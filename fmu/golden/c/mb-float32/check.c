@@ -14,8 +14,10 @@ int main(void)
     double worst = 0.0;
 
     wmr_mb_defaults(&parameters);
-    wmr_mb_start(&memory);
     for (int k = 0; k < WMR_VECTORS; ++k) {
+        if (k % WMR_SAMPLES == 0) {
+            wmr_mb_start(&memory);
+        }
         memcpy(&in, wmr_inputs[k], sizeof in);
         if (wmr_mb_step(&parameters, &memory, &in, &out)) {
             printf("sample %d: the result is not finite\n", k);

@@ -57,7 +57,7 @@ typedef struct {
     wmr_real tau_left; /* [N.m] torque on the left wheel, as commanded */
 } wmr_mb_outputs;
 
-/* Parameters of the scenario paper-simulation. */
+/* Parameters of the scenario paper-simulation, with what was changed when this was generated. */
 void wmr_mb_defaults(wmr_mb_parameters *parameters);
 
 /* Memory at the first sample. */

@@ -58,7 +58,7 @@ typedef struct {
     wmr_real tau_left; /* [N.m] torque on the left wheel, as commanded */
 } wmr_nn_outputs;
 
-/* Parameters of the scenario paper-simulation. */
+/* Parameters of the scenario paper-simulation, with what was changed when this was generated. */
 void wmr_nn_defaults(wmr_nn_parameters *parameters);
 
 /* Memory at the first sample. */

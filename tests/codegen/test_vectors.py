@@ -1,0 +1,77 @@
+"""Test vectors see what they are there for: every number of a law, and the guard at work."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tests.codegen.measured import SCENARIOS
+from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
+from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import load_scenario
+
+UNSEEN = {
+    "clock.control": "MB holds no memory",
+    "gains.nn.ratio_cap": "so far from the nodes the network is 0",
+    "guard.brake": "as derived, it is what the guard does anyway",
+    "guard.f_speed": "f_min is 0 by default",
+    "limits.clip": "shows only beyond the limit, where the guard takes over",
+    "guard.M_max": "prox brakes by itself where it counts",
+}
+
+
+def torques_with(system: System, p: np.ndarray, inputs: np.ndarray) -> np.ndarray:
+    """Torques [N m] (steps, 2) of the law with parameters ``p``."""
+    machine, found = system.function("step", [system.update, system.y]), []
+    x = ca.DM(system.x0)
+    for k, u in enumerate(inputs):
+        x, torque = machine(u, x if k % SAMPLES else system.x0, p)
+        found.append(torque.full().ravel())
+    return np.array(found)
+
+
+def unseen(system: System, vectors: Vectors) -> set[str]:
+    """Names of parameters of which an error of 1 % stays within the checker's tolerance."""
+    names, missed = [p.signal.name for p in system.params for _ in p.value], set()
+    for k, value in enumerate(system.p0):
+        p = np.array(system.p0)
+        p[k] = 5.0 if np.isinf(value) else 1.01 * value or 0.01
+        error = abs(torques_with(system, p, vectors.inputs) - vectors.torques)
+        if (error <= TOLERANCES[False] * (1 + abs(vectors.torques))).all():
+            missed.add(names[k])
+    return missed
+
+
+@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize("guarded", [False, True], ids=["plain", "guarded"])
+def test_an_error_of_one_per_cent_in_any_number_is_seen(law: str, guarded: bool) -> None:
+    scenario = load_scenario(SCENARIOS[guarded])
+    system = controller(scenario, law)
+    no_barrier = {"limits.v_u2"} if guarded else {"limits.v_u1", "limits.v_u2"}
+    missed = unseen(system, vectors_of(system, scenario.limits))
+
+    assert missed <= set(UNSEEN) | (no_barrier if law in ("pid", "smc") else set())
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_the_guard_acts_in_some_samples_and_not_in_others(law: str) -> None:
+    scenario = load_scenario(SCENARIOS[True])
+    plain = vectors_of(controller(load_scenario(SCENARIOS[False]), law), scenario.limits)
+    held = vectors_of(controller(scenario, law), scenario.limits)
+    changed = np.any(plain.torques != held.torques, axis=1)
+
+    assert 5 < changed.sum() < len(changed)
+
+
+def test_runs_cover_both_sides_of_both_limits() -> None:
+    scenario = load_scenario(SCENARIOS[False])
+    vectors = vectors_of(controller(scenario, "mb"), scenario.limits)
+    share = vectors.inputs[:, -2:] / scenario.limits.v_u1
+
+    assert len(vectors.inputs) == SAMPLES * len(SITUATIONS)
+    assert (share > 1).any(axis=0).all()
+    assert (share < -1).any(axis=0).all()
+    assert np.isfinite(vectors.torques).all()
