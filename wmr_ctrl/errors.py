@@ -29,6 +29,10 @@ class CompilerError(WmrError, RuntimeError):
     """No C compiler was found, or it refused the generated source."""
 
 
+class CacheError(CompilerError):
+    """What was compiled cannot be stored: a full disk, say, whatever the compiler."""
+
+
 class ResultFileError(WmrError, ValueError):
     """A saved run cannot be read, or a result cannot be written."""
 

@@ -13,7 +13,9 @@ import pytest
 from wmr_ctrl.codegen import cache, cache_folder
 from wmr_ctrl.codegen.cache import build_cached, cache_info, clear_cache, content_key
 from wmr_ctrl.codegen.cache_folder import cache_dir
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.codegen.whole import is_whole
+from wmr_ctrl.errors import CacheError, CompilerError
 
 SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
 
@@ -257,3 +259,37 @@ def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatc
 
     assert cache_dir() != prepared
     assert cache_dir().stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="NOT RUN: not an ELF platform")
+def test_a_library_that_was_cut_short_is_not_kept(folder):
+    """A compiler that ran out of space and reports success: loading its file would end Python."""
+    whole = build_library({"a.c": "int a(void) { return 1; }"})
+    content = whole.read_bytes()
+    assert is_whole(whole)
+
+    for share in (0.0, 0.1, 0.5, 0.9, 0.999):
+
+        def cut(place, share=share):
+            path = place / "half.so"
+            path.write_bytes(content[: int(share * len(content))])
+            return path
+
+        with pytest.raises(CacheError, match="only a part"):
+            build_cached({"half.c": str(share)}, cut)
+    assert leftovers(folder) == []
+    assert not list(folder.glob("kernels/*/half.so"))
+
+
+@pytest.mark.parametrize("said", ["No space left on device", "error: NoSpaceLeft"])
+def test_a_full_disk_is_never_blamed_on_the_compiler(folder, tmp_path, monkeypatch, said):
+    script = tmp_path / "cc"
+    script.write_text(f"#!/bin/sh\necho 'cc: {said}' >&2\nexit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("WMR_CTRL_CC", raising=False)
+
+    with pytest.raises(CacheError, match="space") as caught:
+        find_toolchain()
+    assert "WMR_CTRL_CACHE" in str(caught.value)
+    assert "Install" not in str(caught.value)

@@ -23,8 +23,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache_folder import cache_dir
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir
+from wmr_ctrl.codegen.whole import is_whole
+from wmr_ctrl.errors import CacheError
 
 Sources = Mapping[str, str | bytes]
 """Relative file name (it may have folders) to the file's text."""
@@ -67,7 +68,7 @@ def build_cached(
     Raises
     ------
     CompilerError
-        If compiling fails, or the folder cannot be written (a full disk, say).
+        If compiling fails; its kind CacheError if the folder cannot be written (a full disk, say).
     """
     entry = cache_dir() / "kernels" / content_key(sources, key)
     return _intact(entry) or _build(entry, sources, compile_in)
@@ -147,13 +148,14 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
         folder = _fresh_folder(entry.parent)
         _write(folder, sources)
         library = compile_in(folder)
+        if not is_whole(library):
+            raise OSError(f"the compiler wrote only a part of {library.name}")
         _write_stamp(folder, library)
         _publish(folder, entry)
         return entry / library.relative_to(folder)
     except OSError as error:
-        raise CompilerError(
-            f"a compiled library could not be stored in {entry.parent}: {error}. Free some space "
-            "there, or name another folder in the environment variable WMR_CTRL_CACHE."
+        raise CacheError(
+            f"a compiled library could not be stored in {entry.parent}: {error}. {STORAGE_REMEDY}"
         ) from error
     finally:
         if folder is not None:

@@ -16,6 +16,10 @@ log = logging.getLogger(__name__)
 VARIABLE = "WMR_CTRL_CACHE"
 """Environment variable that names the cache folder."""
 
+STORAGE_REMEDY = (
+    f"Free some space there, or name another folder in the environment variable {VARIABLE}."
+)
+
 
 def cache_dir() -> Path:
     """Return the cache folder, which exists and can be written.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import os
 import platform
+import re
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,9 +17,9 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir
 from wmr_ctrl.codegen.process import Finished, run_command
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.errors import CacheError, CompilerError
 
 VARIABLE = "WMR_CTRL_CC"
 """Environment variable that names the C compiler."""
@@ -29,6 +30,7 @@ _REMEDY = (
     f"Another compiler can be named in the environment variable {VARIABLE} (`zig cc` after "
     "`pip install ziglang`); `--engine numpy` runs without one."
 )
+_FULL = re.compile("no space left|nospaceleft|disk quota exceeded", re.IGNORECASE)
 _VALUE_SAFE = ("-fno-fast-math", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
@@ -112,8 +114,8 @@ def compile_library(
     Raises
     ------
     CompilerError
-        If the compiler cannot be started, fails, is killed or runs out of time; ``out`` does
-        not exist then.
+        If the compiler cannot be started, fails, is killed or runs out of time (CacheError: of
+        space); ``out`` does not exist then.
     """
     tail = () if os.name == "nt" else ("-lm",)
     return _compiled(toolchain, (*toolchain.flags, *flags), sources, out, include, timeout, tail)
@@ -153,6 +155,11 @@ def _compiled(
     finished = _run(command, out.parent, timeout)
     if finished.how or not out.is_file():
         out.unlink(missing_ok=True)
+        if _FULL.search(finished.output):
+            raise CacheError(
+                f"the C compiler {toolchain.name} found no space left to write in {out.parent}. "
+                f"{STORAGE_REMEDY}"
+            )
         raise CompilerError(_failure(toolchain, finished, command, timeout))
     return out
 

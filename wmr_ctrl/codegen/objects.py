@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from wmr_ctrl.codegen.cache import Sources, build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, library_suffix
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.errors import CacheError, CompilerError
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,8 @@ def _object(toolchain: Toolchain, unit: Unit, folder: Path) -> Path | None:
     source, out = folder / unit.source, folder / f"{unit.name}.o"
     try:
         return compile_object(toolchain, source, out, include=[folder], flags=unit.flags)
+    except CacheError:
+        raise
     except CompilerError:
         if unit.optional and not _knows(toolchain, unit.flags, folder):
             return None
@@ -67,6 +69,8 @@ def _knows(toolchain: Toolchain, flags: tuple[str, ...], folder: Path) -> bool:
         probe.write_text("int wmr_probe(void) { return 0; }\n", encoding="utf-8")
         try:
             compile_object(toolchain, probe, probe.with_suffix(".o"), flags=flags)
+        except CacheError:
+            raise
         except CompilerError:
             return False
         return True

@@ -31,7 +31,7 @@ from wmr_ctrl.codegen.compiler import (
     library_suffix,
 )
 from wmr_ctrl.codegen.process import run_command
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.errors import CacheError, CompilerError
 
 _INSTALL = (
     "Install one with `pip install ziglang` (or, on Debian and Ubuntu, `apt install gcc "
@@ -125,6 +125,8 @@ def _find(named: str, path: str | None, cache: Path) -> Toolchain:
     for command in _candidates(path):
         try:
             return _working(command)
+        except CacheError:
+            raise
         except CompilerError as error:
             reasons.append(str(error).partition(" The command was")[0])
     tried = f" What they said: {' '.join(reasons)}" if reasons else ""
@@ -140,6 +142,8 @@ def _named(text: str) -> Toolchain:
         command = [*_zig(), *command[1:]]
     try:
         return _working(tuple(command))
+    except CacheError:
+        raise
     except CompilerError as error:
         raise CompilerError(
             f"the C compiler named in the environment variable {VARIABLE} ({text!r}) does not "
