@@ -13,6 +13,7 @@ import pytest
 from wmr_ctrl.codegen import cache, cache_folder
 from wmr_ctrl.codegen.cache import build_cached, cache_info, clear_cache, content_key
 from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.codegen.whole import is_whole
 from wmr_ctrl.errors import CacheError, CompilerError
@@ -262,11 +263,14 @@ def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatc
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="NOT RUN: not an ELF platform")
-def test_a_library_that_was_cut_short_is_not_kept(folder):
+def test_a_library_that_was_cut_short_is_not_kept(folder, tmp_path):
     """A compiler that ran out of space and reports success: loading its file would end Python."""
     whole = build_library({"a.c": "int a(void) { return 1; }"})
     content = whole.read_bytes()
     assert is_whole(whole)
+    source = tmp_path / "b.c"
+    source.write_text("int b(void) { return 2; }")
+    assert is_whole(compile_object(find_toolchain(), source, tmp_path / "b.o"))
 
     for share in (0.0, 0.1, 0.5, 0.9, 0.999):
 

@@ -48,7 +48,8 @@ def _ends(content: bytes) -> Iterator[int]:
     )
     yield segments + segment_size * count
     yield sections + section_size * section_count
-    for at in range(segments, segments + segment_size * count, segment_size):
+    for k in range(count):
+        at = segments + k * segment_size
         (offset,) = struct.unpack_from(order + kind.word, content, at + kind.offset)
         (size,) = struct.unpack_from(order + kind.word, content, at + kind.size)
         yield offset + size
