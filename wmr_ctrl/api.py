@@ -10,6 +10,7 @@ True
 
 from __future__ import annotations
 
+import operator
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -341,5 +342,6 @@ def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress 
 
 
 def _check_seed(seed: int) -> None:
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+    whole = hasattr(seed, "__index__") and not isinstance(seed, bool)
+    if not (whole and 0 <= operator.index(seed) < 2**63):
         raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

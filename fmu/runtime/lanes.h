@@ -4,8 +4,13 @@
 #ifndef WMR_LANES_H
 #define WMR_LANES_H
 
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
+
+#if FLT_EVAL_METHOD == 2
+#error "lanes need arithmetic in doubles, which this processor's x87 unit does not do: use SSE2"
+#endif
 
 #if defined(__AVX__)
 #include <immintrin.h>

@@ -77,3 +77,16 @@ def test_flags_of_units_are_part_of_the_key() -> None:
     other = replace(SECOND, flags=("-DNAME=second", "-DVALUE=3"))
 
     assert (total(FIRST, SECOND), total(FIRST, other)) == (42, 43)
+
+
+def test_an_error_stops_the_compilers_that_still_run(tmp_path: Path) -> None:
+    """What fails at once neither waits for what takes long nor leaves it running."""
+    script, ended = tmp_path / "slow-cc", tmp_path / "ended"
+    quick = 'case "$*" in *QUICK*) exit 1;; esac'
+    script.write_text(f"#!/bin/sh\n{quick}\nsleep 20\ntouch {ended}\n")
+    script.chmod(0o755)
+    slow = replace(find_toolchain(), command=(str(script),))
+
+    with pytest.raises(CompilerError):
+        build_units(SOURCES, (replace(FIRST, flags=("-DQUICK",)), SECOND), LAST, slow, name="slow")
+    assert not ended.exists()

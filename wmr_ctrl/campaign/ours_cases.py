@@ -8,9 +8,10 @@ from typing import Any, TypeAlias
 from wmr_ctrl.campaign.ours import Case
 from wmr_ctrl.campaign.ours_run import REFUSED, SCENARIO, Comparison, comparison_of
 from wmr_ctrl.campaign.progress import Progress, Silent
-from wmr_ctrl.campaign.run import Loop, Simulate, check_jobs, followed
+from wmr_ctrl.campaign.run import Loop, Simulate, followed
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
+from wmr_ctrl.sim.batch import check_jobs
 
 BuildCase: TypeAlias = Callable[[str, str, bool, Mapping[str, Any]], Loop]
 """(scenario, law, guard, overrides) -> Loop; raises ScenarioError for what cannot be."""

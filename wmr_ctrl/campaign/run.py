@@ -13,6 +13,7 @@ from wmr_ctrl.campaign.rows import Row, row_of
 from wmr_ctrl.campaign.table import Table
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Run
+from wmr_ctrl.sim.batch import check_jobs
 
 Loop: TypeAlias = Any
 """A law on a scenario, ready to run; whatever :data:`Prepare` gives and :class:`Simulate` takes."""
@@ -98,12 +99,6 @@ def followed(
         return simulate(runs, then, jobs, told)
     finally:
         progress.done()
-
-
-def check_jobs(jobs: int | None) -> None:
-    """Raise ArgumentError unless ``jobs`` is a number of threads, or None."""
-    if jobs is not None and jobs < 1:
-        raise ArgumentError(f"jobs = {jobs!r} must be at least 1, or left out for one per core.")
 
 
 def _prepare_all(

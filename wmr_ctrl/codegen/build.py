@@ -43,7 +43,7 @@ def described(scenario: Scenario, law: str, systems: LoopSystems) -> dict[str, A
 def _built(files: dict[str, str | bytes]) -> Path:
     """A library for this very processor; for any of its kind if the compiler cannot do that."""
     try:
-        return build_library(files, find_toolchain(native=True))
+        return build_library(files, find_toolchain(native=not find_toolchain().misaligns_vectors))
     except CompilerError:
         return build_library(files)
 

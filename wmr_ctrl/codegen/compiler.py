@@ -12,6 +12,7 @@ import platform
 import re
 import shlex
 import sys
+import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -43,6 +44,11 @@ class Toolchain:
     name: str
     version: str
     flags: tuple[str, ...]
+
+    @property
+    def misaligns_vectors(self) -> bool:
+        """Whether it is a GCC for Windows, which keeps wide vectors on a stack of 16 bytes."""
+        return os.name == "nt" and not (is_zig(self.command) or "clang" in self.name)
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -129,13 +135,16 @@ def compile_object(
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
     timeout: float = TIMEOUT,
+    stop: threading.Event | None = None,
 ) -> Path:
     """Compile one C file into the object file ``out``, to be linked by `compile_library`.
 
-    Parameters and errors are those of `compile_library`.
+    Parameters and errors are those of `compile_library`; the compiler is killed when ``stop`` is
+    set.
     """
     kept = tuple(flag for flag in toolchain.flags if flag != "-shared")
-    return _compiled(toolchain, (*kept, "-c", *flags), (source,), out, include, timeout)
+    given = (*kept, "-c", *flags)
+    return _compiled(toolchain, given, (source,), out, include, timeout, stop=stop)
 
 
 def _compiled(
@@ -146,13 +155,14 @@ def _compiled(
     include: Sequence[Path],
     timeout: float,
     tail: Sequence[str] = (),
+    stop: threading.Event | None = None,
 ) -> Path:
     out = out.absolute()
     command = [*toolchain.command, *flags]
     command += [f"-I{folder.absolute()}" for folder in include]
     command += [str(source.absolute()) for source in sources]
     command += ["-o", str(out), *tail]
-    finished = _run(command, out.parent, timeout)
+    finished = _run(command, out.parent, timeout, stop)
     if finished.how or not out.is_file():
         out.unlink(missing_ok=True)
         if _FULL.search(finished.output):
@@ -164,9 +174,12 @@ def _compiled(
     return out
 
 
-def _run(command: Sequence[str], folder: Path, timeout: float) -> Finished:
+def _run(
+    command: Sequence[str], folder: Path, timeout: float, stop: threading.Event | None
+) -> Finished:
+    own = environment(folder)
     try:
-        return run_command(command, timeout=timeout, folder=folder, environment=environment(folder))
+        return run_command(command, timeout=timeout, folder=folder, environment=own, stop=stop)
     except OSError as error:
         return Finished(127, str(error))
 

@@ -55,7 +55,7 @@ def build_batch(scenario: Scenario, law: str) -> Kernels:
     files = {**unity(generated, _RUNTIME), _DISPATCH: dispatch}
     units = [
         Unit(item.name, _RUNTIME[0], tuple(flags_of(item, toolchain)), item is not BASELINE)
-        for item in vector_sets()
+        for item in ((BASELINE,) if toolchain.misaligns_vectors else vector_sets())
     ]
     library = build_units(files, units, Unit("dispatch", _DISPATCH), toolchain, name="batch")
     return Kernels(str(library), described(scenario, law, systems), digest(generated))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -36,8 +37,7 @@ def build_units(
     """
 
     def compile_in(folder: Path) -> Path:
-        with ThreadPoolExecutor(len(units)) as pool:
-            made = dict(pool.map(lambda unit: (unit, _object(toolchain, unit, folder)), units))
+        made = dict(zip(units, _objects(toolchain, units, folder), strict=True))
         objects = [path for path in made.values() if path]
         known = tuple(f"-DWMR_HAS_{unit.name}" for unit, path in made.items() if path)
         joint = Unit(last.name, last.source, (*last.flags, *known))
@@ -50,25 +50,41 @@ def build_units(
     return build_cached(sources, compile_in, key=(*toolchain.key, name, *_key((*units, last))))
 
 
-def _object(toolchain: Toolchain, unit: Unit, folder: Path) -> Path | None:
+def _objects(toolchain: Toolchain, units: Sequence[Unit], folder: Path) -> list[Path | None]:
+    """All units side by side; an interrupt or an error kills the compilers that still run."""
+    stop = threading.Event()
+    with ThreadPoolExecutor(len(units)) as pool:
+        try:
+            return list(pool.map(lambda unit: _object(toolchain, unit, folder, stop), units))
+        except BaseException:
+            stop.set()
+            raise
+
+
+def _object(
+    toolchain: Toolchain, unit: Unit, folder: Path, stop: threading.Event | None = None
+) -> Path | None:
     source, out = folder / unit.source, folder / f"{unit.name}.o"
     try:
-        return compile_object(toolchain, source, out, include=[folder], flags=unit.flags)
+        return compile_object(toolchain, source, out, include=[folder], flags=unit.flags, stop=stop)
     except CacheError:
         raise
     except CompilerError:
-        if unit.optional and not _knows(toolchain, unit.flags, folder):
+        stopped = stop is not None and stop.is_set()
+        if unit.optional and not stopped and not _knows(toolchain, unit.flags, folder, stop):
             return None
         raise  # the compiler was killed, say: a library without this unit must not be kept
 
 
-def _knows(toolchain: Toolchain, flags: tuple[str, ...], folder: Path) -> bool:
+def _knows(
+    toolchain: Toolchain, flags: tuple[str, ...], folder: Path, stop: threading.Event | None
+) -> bool:
     """Whether the compiler accepts ``flags`` at all."""
     with TemporaryDirectory(dir=folder) as trial:
         probe = Path(trial) / "probe.c"
         probe.write_text("int wmr_probe(void) { return 0; }\n", encoding="utf-8")
         try:
-            compile_object(toolchain, probe, probe.with_suffix(".o"), flags=flags)
+            compile_object(toolchain, probe, probe.with_suffix(".o"), flags=flags, stop=stop)
         except CacheError:
             raise
         except CompilerError:

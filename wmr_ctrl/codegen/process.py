@@ -6,9 +6,14 @@ import contextlib
 import os
 import signal
 import subprocess
+import threading
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+_PATIENCE = 0.2
+"""Longest time until a thread notices that it shall stop [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +40,14 @@ def run_command(
     timeout: float,
     folder: Path | None = None,
     environment: Mapping[str, str] | None = None,
+    stop: threading.Event | None = None,
 ) -> Finished:
     """Run ``command`` in ``folder`` without input and return how it ended.
 
     ``environment`` is added to the process's own; messages come in English.  After ``timeout``
-    seconds, or when this process is interrupted, the command's whole process group is killed:
-    compiler drivers start children which would outlive them.
+    seconds, when this process is interrupted, or when ``stop`` is set (in threads, which interrupts
+    do not reach), the command's whole process group is killed: compiler drivers start children
+    which would outlive them.
 
     Raises OSError if the command cannot be started.
     """
@@ -56,13 +63,24 @@ def run_command(
         start_new_session=True,
     )
     try:
-        output, _ = process.communicate(timeout=timeout)
+        output = _output(process, timeout, stop or threading.Event())
     except subprocess.TimeoutExpired:
         return Finished(-int(signal.SIGTERM), _kill(process), timed_out=True)
     except BaseException:
         _kill(process)
         raise
     return Finished(process.returncode, output)
+
+
+def _output(process: subprocess.Popen[str], timeout: float, stop: threading.Event) -> str:
+    """All output; raises TimeoutExpired when the time is over, or at once when ``stop`` is set."""
+    end = time.monotonic() + timeout
+    while True:
+        try:
+            return process.communicate(timeout=min(_PATIENCE, max(end - time.monotonic(), 0.0)))[0]
+        except subprocess.TimeoutExpired:
+            if stop.is_set() or time.monotonic() >= end:
+                raise
 
 
 def _kill(process: subprocess.Popen[str]) -> str:

@@ -8,15 +8,18 @@ a run costs no memory; `run_logged` keeps the columns of a batch for as long as 
 from __future__ import annotations
 
 import ctypes as ct
+import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.batch_figures import Figures, empty_figures, monitors, put, windows_of
 from wmr_ctrl.sim.batch_memory import Memory, VectorSet, laid_out, vector_set
@@ -42,6 +45,11 @@ class Task:
     start: tuple[float, ...] | None = None
     vectors: str | None = None
 
+    def __post_init__(self) -> None:
+        start = self.start
+        if start is not None and not (len(start) == 5 and all(map(math.isfinite, start))):
+            raise ArgumentError(f"start = {start!r} must be five finite numbers: x, y, theta, v.")
+
 
 def run_tasks(
     tasks: Sequence[Task], *, jobs: int | None = None, progress: Progress | None = None
@@ -51,7 +59,7 @@ def run_tasks(
     ``jobs``: threads, by default one per processor; results do not depend on it.  ``progress`` is
     called with the share done.  Ctrl-C ends all batches within a sample and raises
     KeyboardInterrupt.  Raises CompilerError if a library does not fit, UnknownNameError for
-    vectors that this processor lacks.
+    vectors that this processor lacks, ArgumentError for jobs < 1.
     """
     found = empty_figures(len(tasks))
 
@@ -80,10 +88,19 @@ def run_logged(
         chosen = [tasks[k] for k in places]
         signals = columns_of(chosen[0].loop.kernels.manifest)
         for lane, (place, watched) in enumerate(zip(places, monitors(memory, chosen), strict=True)):
-            found[place] = then(place, split_columns(signals, memory.logged(lane)), watched)
+            seen = replace(watched, d_least=None)  # what a log holds is not watched as well
+            found[place] = then(place, split_columns(signals, memory.logged(lane)), seen)
 
     _run_batches(tasks, read, True, jobs, progress)
     return found
+
+
+def check_jobs(jobs: int | None) -> None:
+    """Raise ArgumentError unless ``jobs`` is a number of threads, or None."""
+    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
+        raise ArgumentError(
+            f"jobs = {jobs!r} must be a whole number from 1 up, or left out for one per core."
+        )
 
 
 def cores() -> int:
@@ -128,6 +145,7 @@ def _run_batches(
     progress: Progress | None,
 ) -> None:
     """Run all batches on a few threads and ``read`` each there; none is left when this ends."""
+    check_jobs(jobs)
     cancelled, done = ct.c_int32(0), 0
 
     def one(places: list[int]) -> int:
@@ -150,8 +168,12 @@ def _finished(
     """Sizes of the batches as they end; an error or an interrupt cancels the others."""
     with ThreadPoolExecutor(jobs, thread_name_prefix="lanes") as pool:
         try:
-            waiting: set[Future[int]] = {pool.submit(one, places) for places in batches}
-            while waiting:
+            left = iter(batches)
+            waiting: set[Future[int]] = set()
+            while True:
+                waiting |= {pool.submit(one, k) for k in islice(left, 4 * jobs - len(waiting))}
+                if not waiting:
+                    break
                 ready, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
                 yield from (item.result() for item in ready)
         except BaseException:

@@ -82,7 +82,9 @@ def monitor(one: Mapping[str, Any]) -> Monitor:
     left = None
     if one["bounds_left"] >= 0:
         left = (float(one["bounds_left"]), int(one["bounds_axis"]))
-    least = (float(one["d_least"][0]), float(one["d_least"][1]))
+    least = None
+    if not np.isnan(one["d_least"]).any():
+        least = (float(one["d_least"][0]), float(one["d_least"][1]))
     return Monitor(
         speeds, int(one["violations"]), first, stopped, reason, bounds_left=left, d_least=least
     )
@@ -91,6 +93,7 @@ def monitor(one: Mapping[str, Any]) -> Monitor:
 def _from_findings(memory: Memory, settings: Settings) -> Figures:
     found = memory.found
     step, left = settings.plant, found("left_sample")
+    made = (found("samples") > 0)[:, None]
     violated, ended, samples = found("violations") > 0, found("stop") > 0, found("samples")
     return {
         "final_state": found("x", "y", "theta", "v1", "omega"),
@@ -103,10 +106,12 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
         "stop_axis": np.where(ended, found("stop_axis"), np.nan),
         "samples": samples,
         "tau_peak": np.where(samples > 0, found("torque"), np.nan),
-        "d_least": found("d_least1", "d_least2"),
+        "d_least": np.where(made, found("d_least1", "d_least2"), np.nan),
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
         "bounds_axis": np.where(left >= 0, found("left_axis"), np.nan),
-        "clipped": found("clipped1", "clipped2") / np.maximum(samples, 1)[:, None],
+        "clipped": np.where(
+            made, found("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
+        ),
     }
 
 
