@@ -296,8 +296,7 @@ def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
     from wmr_ctrl.sim.ready import Ready
 
     settled = scenario_of(scenario)
-    kernels = build_batch(settled, law)
-    return Ready(kernels, kernels.digest, settled, law, assumed(settled, law))
+    return Ready(build_batch(settled, law), settled, law, assumed(settled, law))
 
 
 def law_table() -> list[dict[str, str]]:

@@ -15,7 +15,7 @@ from wmr_ctrl.codegen.block import (
     plant_block,
     reference_block,
 )
-from wmr_ctrl.fmi.bounds import Range, ranges_of
+from wmr_ctrl.fmi.bounds import clock_of, ranges_of
 from wmr_ctrl.fmi.model import Dependency, Model
 from wmr_ctrl.fmi.variables import (
     TIME,
@@ -112,7 +112,7 @@ def _sections(
         [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
     )
     ranges = ranges_of(scenario, (port.signal.name for port in system.params))
-    ranges |= {PARALLEL.name: (0.0, 1.0)} | (_built_in(scenario) if discrete else {})
+    ranges |= {PARALLEL.name: (0.0, 1.0)} | (clock_of(scenario) if discrete else {})
     published = {item.signal.name for item in system.outputs} - {
         item.signal.name for item in block.results
     }
@@ -133,13 +133,6 @@ def _sections(
             )
         ),
     }
-
-
-def _built_in(scenario: Scenario) -> dict[str, Range]:
-    """What a controller that knows its drives cannot change: how many plant steps a period has."""
-    if scenario.actuator.ideal:
-        return {}
-    return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
 
 
 def _follows_time(system: System) -> bool:

@@ -25,6 +25,13 @@ def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
     }
 
 
+def clock_of(scenario: Scenario) -> dict[str, Range]:
+    """Ranges of the clock where the drives have lag or delay: the controller counts its steps."""
+    if scenario.actuator.ideal:
+        return {}
+    return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
+
+
 def _holder(scenario: Scenario, key: str) -> Any:
     """The dataclass that declares the field ``key``, or None."""
     section, _, rest = key.partition(".")

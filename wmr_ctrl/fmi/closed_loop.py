@@ -7,7 +7,7 @@ from dataclasses import fields
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems
-from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, ranges_of
+from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.laws import LAWS
@@ -107,13 +107,10 @@ def _drives(scenario: Scenario) -> dict[str, Range]:
 
     Whether there is a lag, the delay, and with either of them the clock's steps, cannot change.
     """
-    actuator, clock = scenario.actuator, scenario.clock
+    actuator = scenario.actuator
     lag = (SMALLEST, LARGEST) if actuator.lag > 0 else (0.0, 0.0)
     held = {"actuator.delay": (actuator.delay, actuator.delay), "actuator.lag": lag}
-    if actuator.ideal:
-        return held
-    periods = {"clock.control": clock.control, "clock.plant": clock.plant}
-    return held | {key: (value, value) for key, value in periods.items()}
+    return held | clock_of(scenario)
 
 
 def _seed() -> Variable:

@@ -93,8 +93,8 @@ def monitor(one: Mapping[str, Any]) -> Monitor:
 def _from_findings(memory: Memory, settings: Settings) -> Figures:
     found = memory.found
     step, left = settings.plant, found("left_sample")
-    made = (found("samples") > 0)[:, None]
     violated, ended, samples = found("violations") > 0, found("stop") > 0, found("samples")
+    made = (samples > 0)[:, None]
     return {
         "final_state": found("x", "y", "theta", "v1", "omega"),
         "max_abs_v": found("max_v1", "max_omega"),

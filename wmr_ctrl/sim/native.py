@@ -29,6 +29,10 @@ class Kernels(Protocol):
         """Path of the shared library."""
 
     @property
+    def digest(self) -> str:
+        """Hash of the sources that it was made from."""
+
+    @property
     def manifest(self) -> Mapping[str, Any]:
         """Sizes, signals and numbers of the Systems in it."""
 

@@ -14,13 +14,12 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True)
 class Ready:
-    """Kernels for lanes with their hash, scenario, law, and what a guard assumes of the motion.
+    """Kernels for lanes, scenario, law, and what a guard assumes of the motion.
 
     ``bounds``: largest disturbance and force [N, N m], as in `sim.finish.finished`.
     """
 
     kernels: Kernels
-    digest: str
     scenario: Scenario
     law: str
     bounds: tuple[Pair, Pair]

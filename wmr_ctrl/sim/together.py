@@ -31,7 +31,7 @@ def run_each(
     def made(place: int, columns: Columns, watched: Monitor) -> T:
         item, seed = runs[place]
         found = (columns_of(item.kernels.manifest), columns, watched)
-        facts = {"kernel_hash": item.digest}
+        facts = {"kernel_hash": item.kernels.digest}
         run = finished(item.scenario, item.law, seed, "lanes", found, facts, item.bounds)
         return then(place, run)
 
