@@ -48,7 +48,7 @@ class Setup:
     @staticmethod
     def from_scenario(scenario: Any) -> Setup:
         """Numbers of a `wmr_ctrl.scenario.Scenario`, with the laws' defaults where it is silent."""
-        from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+        from wmr_ctrl.control.gains import gains_of, kinematic_gains
 
         robot, limits = scenario.believed, scenario.limits
         mb, nn, pid, smc = (gains_of(scenario, law) for law in ("mb", "nn", "pid", "smc"))

@@ -48,8 +48,8 @@ def scenario_of(
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
-    from wmr_ctrl.laws.gains import check_gains
-    from wmr_ctrl.laws.guard_bounds import settled_guard
+    from wmr_ctrl.control.gains import check_gains
+    from wmr_ctrl.guard.bounds import settled_guard
 
     switch = {} if guard is None else {"guard.enabled": guard}
     changed = {**(overrides or {}), **switch}
@@ -292,7 +292,7 @@ def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
     Raises UnknownNameError, ScenarioError or CompilerError.
     """
     from wmr_ctrl.codegen.lanes import build_batch
-    from wmr_ctrl.laws.guard_bounds import assumed
+    from wmr_ctrl.guard.bounds import assumed
     from wmr_ctrl.sim.ready import Ready
 
     settled = scenario_of(scenario)
@@ -309,7 +309,7 @@ def law_table() -> list[dict[str, str]]:
 def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
     """The compiled loop of ``law`` on ``scenario`` as a function of the seed."""
     from wmr_ctrl.codegen.build import build_loop
-    from wmr_ctrl.laws.guard_bounds import assumed
+    from wmr_ctrl.guard.bounds import assumed
     from wmr_ctrl.sim.native import columns_of, run_native
 
     kernels, bounds = build_loop(scenario, law), assumed(scenario, law)
@@ -324,9 +324,9 @@ def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
-    from wmr_ctrl.laws.controller import watched_controller
-    from wmr_ctrl.laws.gains import gains_of, kinematic_gains
-    from wmr_ctrl.laws.guard_bounds import assumed
+    from wmr_ctrl.control.controller import watched_controller
+    from wmr_ctrl.control.gains import gains_of, kinematic_gains
+    from wmr_ctrl.guard.bounds import assumed
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 

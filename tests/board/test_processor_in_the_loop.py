@@ -14,7 +14,7 @@ from tests.board.robot import Robot
 from tests.codegen.measured import BOARD, loop_scenario
 from wmr_ctrl.codegen.footprint import known_footprint
 from wmr_ctrl.codegen.package import step_kernel
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.control.controller import controller
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 

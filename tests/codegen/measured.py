@@ -22,7 +22,7 @@ from tests.board.lockstep import lockstep
 from wmr_ctrl.codegen import footprint
 from wmr_ctrl.codegen.package import step_kernel, write_package
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import Scenario, load_scenario
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.codegen.measured import SCENARIOS
 from wmr_ctrl.codegen.vectors import SAMPLES, SITUATIONS, TOLERANCES, Vectors, vectors_of
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario

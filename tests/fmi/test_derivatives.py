@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
+from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.model.reference import reference
 from wmr_ctrl.scenario import load_scenario

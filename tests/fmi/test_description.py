@@ -13,9 +13,9 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import watched_controller
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.scenario import load_scenario
 

@@ -12,10 +12,10 @@ from typing import ClassVar
 
 import casadi as ca
 
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 from wmr_ctrl.signals import Signal
 
 SUM = Signal("toy_sum", "m, rad", "integral of the velocity error", 2)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tests.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
-from wmr_ctrl.laws.guard import guard
+from wmr_ctrl.guard.guard import guard
 from wmr_ctrl.scenario import Scenario
 
 PIECES = 3

@@ -15,9 +15,9 @@ from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
 from wmr_ctrl.api import simulate
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws import guard as product
-from wmr_ctrl.laws.guard_bounds import early_speed, settled_guard, torque_limit, usable_speed
-from wmr_ctrl.laws.guard_delay import UnderWay, under_way
+from wmr_ctrl.guard import guard as product
+from wmr_ctrl.guard.bounds import early_speed, settled_guard, torque_limit, usable_speed
+from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario

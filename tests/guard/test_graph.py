@@ -11,9 +11,9 @@ import pytest
 
 from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.laws.guard import Bounds, ceiling, clipped, feasible, floor, guard
-from wmr_ctrl.laws.guard_monitor import least_push
-from wmr_ctrl.laws.wheel_map import MAPS
+from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, feasible, floor, guard
+from wmr_ctrl.guard.monitor import least_push
+from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.oracle.guard import VelocityGuard, axes_of

@@ -8,8 +8,8 @@ import pytest
 
 from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.guard import guard
-from wmr_ctrl.laws.guard_bounds import disturbance_bound, mass_range, settled_guard
+from wmr_ctrl.guard.bounds import disturbance_bound, mass_range, settled_guard
+from wmr_ctrl.guard.guard import guard
 from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.laws.guard_bounds import settled_guard, torque_limit
+from wmr_ctrl.guard.bounds import settled_guard, torque_limit
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate, simulate_runs
-from wmr_ctrl.laws.guard_bounds import usable_speed
+from wmr_ctrl.guard.bounds import usable_speed
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
+from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.guard_bounds import mass_range
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario

@@ -6,10 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.gains import gains_of
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import controller
-from wmr_ctrl.laws.gains import gains_of
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario, override
 from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY

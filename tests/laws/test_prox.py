@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.laws.barrier import f, lyapunov, minimiser
+from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
+from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.laws.prox import prox_step
-from wmr_ctrl.laws.resolvent import resolvent
 from wmr_ctrl.results import Run
 
 U1, U2 = 1.0, 0.8

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.laws.smooth_barrier import smooth_barrier
+from wmr_ctrl.barrier.smooth import smooth_barrier
 
 U1, U2 = 1.0, 0.8
 c, v = ca.SX.sym("c"), ca.SX.sym("v")

@@ -11,12 +11,12 @@ import pytest
 
 from wmr_ctrl.api import compile_law, law_table, simulate
 from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control import registry
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.laws import registry
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ import pytest
 from tests.codegen.compiled import compiled
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.control.controller import controller, watched_controller
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import settled_guard, torque_limit
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.controller import controller, watched_controller
-from wmr_ctrl.laws.guard_bounds import settled_guard, torque_limit
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario

@@ -14,8 +14,11 @@ from types import FunctionType
 
 import pytest
 
-from wmr_ctrl.laws import auxiliary, barrier, mb, nn, rbf, smooth_barrier, stable_barrier
-from wmr_ctrl.model import dynamics, kinematics, tracking
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier import smooth as smooth_barrier
+from wmr_ctrl.barrier import stable as stable_barrier
+from wmr_ctrl.laws import mb, nn, rbf
+from wmr_ctrl.model import auxiliary, dynamics, kinematics, tracking
 from wmr_ctrl.proofs.check import check, graph_hash
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.ledger import load

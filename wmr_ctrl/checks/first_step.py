@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Floats, Loop
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import System
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.start_point import StartPoint, start_point
+from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.auxiliary import auxiliary_rate
-from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.model.auxiliary import auxiliary_rate
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.model.tracking import error_rotation
 from wmr_ctrl.scenario import Scenario

@@ -8,7 +8,7 @@ from wmr_ctrl.checks.barrier import Phase, drag, phases, pushed_through
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.control.gains import kinematic_gains
 
 NOTABLE = 0.01
 """Velocity error [m/s] from which it is worth a line."""

@@ -13,7 +13,7 @@ from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.wording import SPEEDS
-from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.control.gains import gains_of, kinematic_gains
 from wmr_ctrl.laws.rbf import corner_basis
 
 LAW = "nn"

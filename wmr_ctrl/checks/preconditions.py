@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.model.references import reference_bounds
 
 THEOREM = "Theorem 1, Eq. (7)"

@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
-from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.control.gains import kinematic_gains
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.scenario import Scenario

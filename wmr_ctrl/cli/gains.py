@@ -9,8 +9,9 @@ Docs = dict[str, dict[str, tuple[Any, str, str]]]
 
 def gains_docs() -> Docs:
     """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
-    from wmr_ctrl.laws import LAWS, auxiliary
-    from wmr_ctrl.laws.gains import KINEMATICS
+    from wmr_ctrl.control.gains import KINEMATICS
+    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.model import auxiliary
 
     tables: dict[str, type] = {KINEMATICS: auxiliary.Gains}
     tables |= {law: LAWS[law].gains for law in LAWS}

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.laws.controller import watched_controller
-from wmr_ctrl.laws.guard import guard
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.guard.guard import guard
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.reference import reference

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.fold import folded
-from wmr_ctrl.codegen.graph import SELECT, Graph
 from wmr_ctrl.codegen.items import Block, Item, Line, Roll, Slice, Writing, line, ordered, writing
 from wmr_ctrl.codegen.rolls import rolled
+from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.codegen.graph import SELECT, Graph
 from wmr_ctrl.codegen.items import Block, Item, Line, ordered, values
+from wmr_ctrl.model.graph import SELECT, Graph
 
 WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""

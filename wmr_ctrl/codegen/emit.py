@@ -16,7 +16,7 @@ import casadi as ca
 
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
-from wmr_ctrl.codegen.graph import Graph, read
+from wmr_ctrl.model.graph import Graph, read
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.codegen.graph import Graph
 from wmr_ctrl.codegen.items import Block, Item, Line, Roll, Slice, Writing
+from wmr_ctrl.model.graph import Graph
 
 LONG_ENOUGH = 8
 """Loops shorter than this take no other loop into their expression: eight lanes stay eight."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from wmr_ctrl.codegen.graph import Graph, Store
+from wmr_ctrl.model.graph import Graph, Store
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.laws.controller import watched_controller
+from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.model.estimator import estimator
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step

@@ -16,7 +16,7 @@ from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.single_precision import MARGIN, PERIODS, with_margin
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
-from wmr_ctrl.laws.controller import controller
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import Scenario

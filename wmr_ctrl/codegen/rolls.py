@@ -13,8 +13,8 @@ from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.graph import Graph
 from wmr_ctrl.codegen.items import Item, Line, Roll, Slice, Writing, ordered, values
+from wmr_ctrl.model.graph import Graph
 
 SHORTEST = 8
 """Fewest elements that a loop is begun with."""

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
-from wmr_ctrl.laws import LAWS, auxiliary
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model import auxiliary
 from wmr_ctrl.scenario import Scenario
 
 LARGEST = 1e12

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from wmr_ctrl import __version__
+from wmr_ctrl.control.gains import check_gains
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
@@ -17,7 +18,6 @@ from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
 from wmr_ctrl.fmi.sources import Sources, sources_of
 from wmr_ctrl.fmi.targets import Target, compile_for, host, targets_of
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.laws.gains import check_gains
 from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
 
 TOOL = f"wmr_ctrl {__version__}"

@@ -16,11 +16,11 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.laws.gains import gains_of
+from wmr_ctrl.control.gains import gains_of
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.sample import BARRIERS, Sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 
 
 @dataclass(frozen=True)

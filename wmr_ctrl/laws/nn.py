@@ -16,12 +16,12 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.laws.gains import gains_of
+from wmr_ctrl.control.gains import gains_of
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.rbf import corner_basis, dot
 from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 from wmr_ctrl.signals import Signal
 
 NODES = 64

@@ -22,12 +22,12 @@ from typing import ClassVar
 
 import casadi as ca
 
+from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.observer import Observer
-from wmr_ctrl.laws.resolvent import resolvent
 from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 
 ADAPTIVE = True
 """The memory holds an estimate, which checks of a run's start keep at its start value."""

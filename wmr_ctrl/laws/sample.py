@@ -8,11 +8,11 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws.auxiliary import auxiliary_rate, auxiliary_velocity
-from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.barrier.smooth import smooth_barrier
+from wmr_ctrl.barrier.stable import Barrier, stable_barrier
+from wmr_ctrl.control.gains import gains_of, kinematic_gains
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.laws.smooth_barrier import smooth_barrier
-from wmr_ctrl.laws.stable_barrier import Barrier, stable_barrier
+from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
 from wmr_ctrl.model.dynamics import friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, ports, stack

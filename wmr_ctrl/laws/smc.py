@@ -13,10 +13,10 @@ from typing import ClassVar
 
 import casadi as ca
 
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import Section, quantity
 from wmr_ctrl.signals import Signal
 
 MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sample's update", 2)

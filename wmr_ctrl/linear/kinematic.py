@@ -10,13 +10,13 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
-from wmr_ctrl.laws.gains import kinematic_gains
-from wmr_ctrl.laws.stable_barrier import stable_minimiser
+from wmr_ctrl.barrier.stable import stable_minimiser
+from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.linear.linearise import linearise
 from wmr_ctrl.linear.names import V_D
 from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import reference_velocity
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.scenario import Scenario

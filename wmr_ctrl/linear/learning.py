@@ -18,7 +18,7 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import largest_square, square_bound
-from wmr_ctrl.laws.gains import gains_of, kinematic_gains
+from wmr_ctrl.control.gains import gains_of, kinematic_gains
 from wmr_ctrl.linear.loop import hold
 from wmr_ctrl.linear.numbers import Floats, radius
 from wmr_ctrl.linear.sampled import supremum

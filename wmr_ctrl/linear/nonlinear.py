@@ -12,8 +12,8 @@ import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.control.controller import controller
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.laws.controller import controller
 from wmr_ctrl.linear.blocks import continuous_reading, holding
 from wmr_ctrl.linear.loop import MEMORY
 from wmr_ctrl.linear.names import element_names

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.laws.analysis import position_lyapunov
-from wmr_ctrl.laws.gains import kinematic_gains
+from wmr_ctrl.barrier.lyapunov import position_lyapunov
+from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.linear.batch import Ending
 from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import reference_velocity

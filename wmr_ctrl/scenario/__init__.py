@@ -5,16 +5,17 @@ This layer knows nothing of control laws or symbolic expressions; gains are kept
 
 from __future__ import annotations
 
+from wmr_ctrl.fields.frozen import Frozen as Frozen
+from wmr_ctrl.fields.problems import UnknownKeyError as UnknownKeyError
+from wmr_ctrl.fields.section import REQUIRED as REQUIRED
+from wmr_ctrl.fields.section import Section as Section
+from wmr_ctrl.fields.section import build as build
+from wmr_ctrl.fields.section import quantities as quantities
+from wmr_ctrl.fields.section import quantity as quantity
 from wmr_ctrl.scenario.actuator import Actuator as Actuator
 from wmr_ctrl.scenario.change import Change as Change
 from wmr_ctrl.scenario.clock import Clock as Clock
 from wmr_ctrl.scenario.disturbance import Disturbance as Disturbance
-from wmr_ctrl.scenario.fields import REQUIRED as REQUIRED
-from wmr_ctrl.scenario.fields import Section as Section
-from wmr_ctrl.scenario.fields import build as build
-from wmr_ctrl.scenario.fields import quantities as quantities
-from wmr_ctrl.scenario.fields import quantity as quantity
-from wmr_ctrl.scenario.frozen import Frozen as Frozen
 from wmr_ctrl.scenario.guard import Guard as Guard
 from wmr_ctrl.scenario.initial import Initial as Initial
 from wmr_ctrl.scenario.limits import Limits as Limits
@@ -24,7 +25,6 @@ from wmr_ctrl.scenario.overrides import parse_assignments as parse_assignments
 from wmr_ctrl.scenario.paths import path_of as path_of
 from wmr_ctrl.scenario.presets import preset_names as preset_names
 from wmr_ctrl.scenario.presets import preset_titles as preset_titles
-from wmr_ctrl.scenario.problems import UnknownKeyError as UnknownKeyError
 from wmr_ctrl.scenario.raw import from_dict as from_dict
 from wmr_ctrl.scenario.raw import scenario_dict as scenario_dict
 from wmr_ctrl.scenario.reference import Circle as Circle

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmr_ctrl.scenario.fields import REQUIRED, Section, quantity
+from wmr_ctrl.fields.section import REQUIRED, Section, quantity
 
 
 @dataclass(frozen=True)

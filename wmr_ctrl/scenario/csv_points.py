@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.scenario.files import read_text
-from wmr_ctrl.scenario.problems import show
 
 Point = tuple[float, float]
 SAME = 1e-9

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.fields.section import Section, quantity
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario.frozen import Frozen
-from wmr_ctrl.scenario.problems import show
-from wmr_ctrl.scenario.values import Bounds, Quantity, as_list
+from wmr_ctrl.fields.frozen import Frozen
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.values import Bounds, Quantity, as_list
 
 Gain: TypeAlias = float | bool | str | tuple[float, ...]
 Gains: TypeAlias = Mapping[str, Mapping[str, Gain]]

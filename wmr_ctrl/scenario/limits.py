@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.fields.section import Section, quantity
 
 UNITS = ("m/s", "rad/s")
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.scenario.merge import Raw, drop_unreached, with_defaults
-from wmr_ctrl.scenario.problems import show
 from wmr_ctrl.scenario.raw import from_dict, scenario_dict
 from wmr_ctrl.scenario.scenario import Scenario
 

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.problems import UnknownKeyError, choices, show
+from wmr_ctrl.fields.section import Section, build
+from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.csv_points import read_points
-from wmr_ctrl.scenario.fields import Section, build
-from wmr_ctrl.scenario.problems import UnknownKeyError, choices, show
 from wmr_ctrl.scenario.reference import KINDS, Reference, Waypoints, kind_name
 from wmr_ctrl.scenario.scenario import SECTIONS, Scenario
-from wmr_ctrl.scenario.values import as_list
 
 OTHER_KEYS = ("title", "gains", "reference", "changes")
 

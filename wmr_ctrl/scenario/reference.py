@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario.fields import Section, quantity
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.scenario.initial import HEADING
 
 

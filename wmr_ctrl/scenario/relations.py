@@ -6,12 +6,12 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import multiple
-from wmr_ctrl.scenario.fields import Section
-from wmr_ctrl.scenario.problems import show
 from wmr_ctrl.scenario.reference import KINDS
-from wmr_ctrl.scenario.values import as_list
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario.scenario import Scenario

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.scenario.actuator import Actuator
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import Clock
 from wmr_ctrl.scenario.disturbance import Disturbance
-from wmr_ctrl.scenario.frozen import Frozen
 from wmr_ctrl.scenario.gains import Gains, clean_gains
 from wmr_ctrl.scenario.guard import Guard
 from wmr_ctrl.scenario.initial import Initial

@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 import tomlkit
 from tomlkit.items import AoT, Table
 
+from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.fields import Section, quantities
 from wmr_ctrl.scenario.raw import scenario_dict
 from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import Scenario

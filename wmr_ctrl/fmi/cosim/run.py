@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure
@@ -27,8 +28,7 @@ from wmr_ctrl.fmi.export import model_of, settled, write_fmu
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
-from wmr_ctrl.laws.controller import watched_controller
-from wmr_ctrl.laws.guard_bounds import assumed
+from wmr_ctrl.guard.bounds import assumed
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results import Monitor, Run

@@ -11,8 +11,8 @@ from math import log, sqrt
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
-from wmr_ctrl.laws.analysis import authority_limit
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.lyapunov import authority_limit
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
-from wmr_ctrl.laws.analysis import total_barrier
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.lyapunov import total_barrier
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis

@@ -8,9 +8,10 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.laws import LAWS, barrier
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.sample import Sample
-from wmr_ctrl.laws.stable_barrier import SERIES_BELOW, Barrier, stable_barrier
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.proofs.statement import Relation, above, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
-from wmr_ctrl.laws.smooth_barrier import SmoothAxis
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.smooth import SmoothAxis
 from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import BarrierAxis

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, theorem1
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.barrier import theorem1
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim

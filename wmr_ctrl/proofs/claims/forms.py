@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws import stable_barrier as stable
+from wmr_ctrl.barrier import stable
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import (

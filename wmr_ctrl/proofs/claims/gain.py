@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from wmr_ctrl.laws.smooth_barrier import SmoothAxis
-from wmr_ctrl.laws.stable_barrier import Axis
+from wmr_ctrl.barrier.smooth import SmoothAxis
+from wmr_ctrl.barrier.stable import Axis
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims import gain_steps as steps
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES

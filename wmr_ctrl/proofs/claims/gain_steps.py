@@ -8,9 +8,9 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
-from wmr_ctrl.laws.smooth_barrier import smooth_barrier
-from wmr_ctrl.laws.stable_barrier import Axis
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.smooth import smooth_barrier
+from wmr_ctrl.barrier.stable import Axis
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claims.authority import AXES, Numbers

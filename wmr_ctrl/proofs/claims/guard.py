@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.guard import ceiling, clipped, floor
-from wmr_ctrl.laws.guard_monitor import least_push
+from wmr_ctrl.guard.guard import ceiling, clipped, floor
+from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.finding import HAND

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.laws.guard import Bounds, clipped
+from wmr_ctrl.guard.guard import Bounds, clipped
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"

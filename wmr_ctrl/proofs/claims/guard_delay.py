@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from wmr_ctrl.laws.guard import ceiling, clipped, floor
+from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
 from wmr_ctrl.proofs.finding import HAND

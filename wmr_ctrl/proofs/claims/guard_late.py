@@ -7,8 +7,8 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.laws.guard import Bounds, ceiling, clipped, floor
-from wmr_ctrl.laws.guard_delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 

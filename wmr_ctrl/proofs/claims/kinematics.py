@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.auxiliary import auxiliary_rate
 from wmr_ctrl.model import dynamics
+from wmr_ctrl.model.auxiliary import auxiliary_rate
 from wmr_ctrl.model.kinematics import constraint, pose_rate, velocity_map
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.model.tracking import error_rate, tracking_error

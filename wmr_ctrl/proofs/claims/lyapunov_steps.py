@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
-from wmr_ctrl.laws.analysis import target_rate, total_barrier
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import BarrierAxis, LawGraph
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols

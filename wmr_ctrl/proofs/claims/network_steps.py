@@ -9,7 +9,8 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, nn, rbf
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.laws import nn, rbf
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import BarrierAxis, LawGraph
 from wmr_ctrl.proofs.statement import (

@@ -13,7 +13,7 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
+from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.resolvent import resolvent
+from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.resolvent import resolvent
-from wmr_ctrl.laws.smooth_barrier import Barrier, smooth_barrier
+from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.barrier.smooth import Barrier, smooth_barrier
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
 from wmr_ctrl.proofs.methods.spec import Ring

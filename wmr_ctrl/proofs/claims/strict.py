@@ -6,8 +6,9 @@ from fractions import Fraction
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, barrier
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import OURS, PRINTED, Claim

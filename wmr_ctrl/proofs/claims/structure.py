@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws import barrier
+from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import (
     ALL_LIMITS,

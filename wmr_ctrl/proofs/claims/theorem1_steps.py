@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, theorem1
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 

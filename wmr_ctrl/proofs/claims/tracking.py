@@ -7,8 +7,9 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.laws import analysis, theorem1
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.barrier import theorem1
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claim

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from wmr_ctrl.campaign.ours import BASES, overrides_of
 from wmr_ctrl.campaign.ours_run import SCENARIO
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.guard_bounds import net, settled_guard, usable_speed
+from wmr_ctrl.guard.bounds import net, settled_guard, usable_speed
 from wmr_ctrl.report.tables import TextTable
 from wmr_ctrl.report.wording import shown
 from wmr_ctrl.scenario import Scenario, load_scenario

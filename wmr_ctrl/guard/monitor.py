@@ -23,7 +23,7 @@ from wmr_ctrl.model.system import Output, Port, port
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS, Signal
 
 if TYPE_CHECKING:
-    from wmr_ctrl.laws.guard import Bounds
+    from wmr_ctrl.guard.guard import Bounds
 
 OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previous sample", 2)
 STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")

@@ -21,8 +21,8 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.laws.resolvent import root
-from wmr_ctrl.laws.stable_barrier import Axis, Barrier
+from wmr_ctrl.barrier.resolvent import root
+from wmr_ctrl.barrier.stable import Axis, Barrier
 
 
 def smooth_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:

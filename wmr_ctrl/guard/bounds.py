@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass, replace
 
 import casadi as ca
 
+from wmr_ctrl.control.applied import commands_under_way
+from wmr_ctrl.control.gains import gains_of
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.laws.applied import commands_under_way
-from wmr_ctrl.laws.gains import gains_of
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.scenario import Guard, Scenario
 

@@ -21,11 +21,11 @@ from dataclasses import dataclass, fields
 
 import casadi as ca
 
-from wmr_ctrl.laws.applied import Applied
-from wmr_ctrl.laws.guard_bounds import ROUNDING, rounding, settled_guard, wheel_limit
-from wmr_ctrl.laws.guard_delay import UnderWay, largest_force, under_way
-from wmr_ctrl.laws.guard_monitor import Monitor
-from wmr_ctrl.laws.wheel_map import MAPS
+from wmr_ctrl.control.applied import Applied
+from wmr_ctrl.guard.bounds import ROUNDING, rounding, settled_guard, wheel_limit
+from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.monitor import Monitor
+from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port, ports, stack

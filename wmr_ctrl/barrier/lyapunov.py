@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.auxiliary import auxiliary_velocity
-from wmr_ctrl.laws.barrier import a_term, lyapunov, minimiser
+from wmr_ctrl.barrier.paper import a_term, lyapunov, minimiser
+from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 
 

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import casadi as ca
 
+from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.tracking import error_rate
-from wmr_ctrl.scenario.fields import Section, quantity
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.laws import auxiliary
+from wmr_ctrl.fields.section import build
 from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.model import auxiliary
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.fields import build
 
 KINEMATICS = "kinematics"
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.applied import Applied
-from wmr_ctrl.laws.guard import bounds_of, guarded_torque, possible
-from wmr_ctrl.laws.guard_bounds import stated_guard, wheel_limit
-from wmr_ctrl.laws.guard_monitor import Monitor
+from wmr_ctrl.control.applied import Applied
+from wmr_ctrl.guard.bounds import stated_guard, wheel_limit
+from wmr_ctrl.guard.guard import bounds_of, guarded_torque, possible
+from wmr_ctrl.guard.monitor import Monitor
+from wmr_ctrl.guard.wheel_map import linear_first
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.laws.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, stack

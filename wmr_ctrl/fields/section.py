@@ -16,8 +16,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, TypeVar
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario.problems import UnknownKeyError, show
-from wmr_ctrl.scenario.values import Bounds, Quantity, kind_of
+from wmr_ctrl.fields.problems import UnknownKeyError, show
+from wmr_ctrl.fields.values import Bounds, Quantity, kind_of
 
 REQUIRED = dataclasses.MISSING
 """Default of a field that every scenario must give (a number)."""

@@ -9,7 +9,7 @@ from numbers import Real
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario.problems import choices, show
+from wmr_ctrl.fields.problems import choices, show
 
 LARGEST = 1e12
 """No finite quantity of a scenario may be larger in size: it would be a slip of units."""

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 if TYPE_CHECKING:
-    from wmr_ctrl.laws.guard import Bounds
+    from wmr_ctrl.guard.guard import Bounds
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.analysis import square_rest
+from wmr_ctrl.barrier.lyapunov import square_rest
 
 
 def window(l: ca.SX, k2: ca.SX, v1dmin: ca.SX) -> ca.SX:

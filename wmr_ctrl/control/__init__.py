@@ -1,0 +1,1 @@
+"""Control: law, guard and map onto the wheels composed into one sampled System."""
