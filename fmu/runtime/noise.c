@@ -1,11 +1,6 @@
 #include "noise.h"
 
-#include <math.h>
-
 #define ROUNDS 10
-#define ATTEMPTS 64
-
-static const double TWO_PI = 6.283185307179586;
 
 /* High and low half of a 64 by 64 bit product; from 32-bit pieces where there is no wider type. */
 #ifdef __SIZEOF_INT128__
@@ -47,43 +42,4 @@ void wmr_philox(const uint64_t counter[4], const uint64_t key[2], uint64_t out[4
     out[1] = c1;
     out[2] = c2;
     out[3] = c3;
-}
-
-/* The first two words of a block as 53-bit numbers on [0, 1). */
-static void uniforms(const uint64_t key[2], uint64_t k, uint64_t stream, uint64_t attempt, double u[2])
-{
-    const uint64_t counter[4] = {k, stream, attempt, 0};
-    uint64_t words[4];
-    wmr_philox(counter, key, words);
-    for (int i = 0; i < 2; ++i) {
-        u[i] = (double)(words[i] >> 11) * 0x1p-53;
-    }
-}
-
-void wmr_uniform_pair(const uint64_t key[2], uint64_t k, uint64_t stream, double out[2])
-{
-    uniforms(key, k, stream, 0, out);
-    out[0] = 2.0 * out[0] - 1.0;
-    out[1] = 2.0 * out[1] - 1.0;
-}
-
-static double clipped(double value, double bound)
-{
-    return value < -bound ? -bound : (value > bound ? bound : value);
-}
-
-void wmr_torque_noise(const uint64_t key[2], uint64_t k, double std, double truncate, double out[2])
-{
-    double u[2], normal[2] = {0.0, 0.0};
-    for (uint64_t attempt = 0; attempt < ATTEMPTS; ++attempt) {
-        uniforms(key, k, WMR_STREAM_TORQUE, attempt, u);
-        const double radius = sqrt(-2.0 * log(1.0 - u[0]));
-        normal[0] = radius * cos(TWO_PI * u[1]);
-        normal[1] = radius * sin(TWO_PI * u[1]);
-        if (fabs(normal[0]) <= truncate && fabs(normal[1]) <= truncate) {
-            break;
-        }
-    }
-    out[0] = std * clipped(normal[0], truncate);
-    out[1] = std * clipped(normal[1], truncate);
 }

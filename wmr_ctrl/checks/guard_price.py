@@ -9,7 +9,7 @@ from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.wording import SPEEDS, UNITS
 from wmr_ctrl.guard.bounds import early_speed, torque_limit, usable_speed
-from wmr_ctrl.model.references import reference_bounds
+from wmr_ctrl.world.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"
 

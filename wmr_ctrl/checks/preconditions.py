@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.gains import kinematic_gains
-from wmr_ctrl.model.references import reference_bounds
+from wmr_ctrl.world.references import reference_bounds
 
 THEOREM = "Theorem 1, Eq. (7)"
 STANDSTILL = 1e-9

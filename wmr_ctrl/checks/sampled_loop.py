@@ -15,9 +15,9 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import Floats, Loop
 from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
 """Periods that are tried [s], and the factor from one to the next."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
 

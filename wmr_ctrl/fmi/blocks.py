@@ -28,11 +28,11 @@ from wmr_ctrl.fmi.variables import (
     state_rows,
 )
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
 from wmr_ctrl.signals import TIME as SECONDS
+from wmr_ctrl.world.references import sample
 
 CHANGED = ("robot.m", "robot.I", "robot.mu")
 """The plant's parameters that may be changed while it runs, as the paper does at 40 s."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from wmr_ctrl.linear.loop import closed_loop
 from wmr_ctrl.linear.point import on_reference
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 STILL = 1e-12
 """Variation of the desired velocity [m/s, rad/s] that counts as none."""

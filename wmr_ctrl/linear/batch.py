@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmr_ctrl.linear.numbers import Floats
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.sim.many import run_many
 from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.world.references import sample
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.blocks import error_law, error_plant
 from wmr_ctrl.linear.linearise import outputs_at
 from wmr_ctrl.linear.numbers import Floats, column
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.system import System, values
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE
+from wmr_ctrl.world.references import sample
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from wmr_ctrl.control.gains import kinematic_gains
 from wmr_ctrl.linear.batch import Ending
 from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import reference_velocity
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import error_rotation
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 
 @dataclass(frozen=True)

@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.results.monitor import Event
 
+N = TypeVar("N", covariant=True)
+
 ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 
 
-def admitted(dbar: tuple[float, float], largest: tuple[float, float]) -> tuple[float, float]:
+class Axes(Protocol[N]):
+    """Two numbers of one kind, floats or symbols: the linear and the angular axis."""
+
+    def __getitem__(self, axis: Literal[0, 1], /) -> N:
+        """The number of one axis."""
+
+
+def stopping_force(mass: Axes[N], limit: Axes[N], period: N) -> tuple[N, N]:
+    """Force that stops the robot from the limit in one sample [N, N m], for floats or symbols."""
+    return mass[0] * limit[0] / period, mass[1] * limit[1] / period
+
+
+def admitted(dbar: Axes[N], largest: Axes[N]) -> tuple[N, N]:
     """Largest d_least that does not contradict ``dbar``; arguments as in `first_beyond`."""
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 from wmr_ctrl.scenario.paths import path_of
 from wmr_ctrl.scenario.reference import RoundedSquare, Waypoints
-from wmr_ctrl.scenario.spline import SplinePath
 from wmr_ctrl.sim.oracle.target import Pair, Target, target_on
+from wmr_ctrl.world.references.spline import SplinePath
 
 
 def splined(kind: RoundedSquare | Waypoints) -> Callable[[float], Target]:
