@@ -5,8 +5,6 @@
 #include "noise.h"
 
 #define HALF_PI 1.5707963267948966
-#define TWO_PI 6.283185307179586
-#define ATTEMPTS 64
 #define SPEED_MAX 1e3
 
 enum { DIVERGED = 1, NON_FINITE = 2 };
@@ -84,45 +82,8 @@ static void start(const wmr_batch_settings *s, batch *w)
     }
     memset(s->sums, 0, (size_t)s->windows * WMR_SUMS * sizeof(wmr_v));
     w->first_step = w->left_sample = wmr_all(-1.0);
-    w->running = wmr_bits(-1);
+    w->running = wmr_always();
     monitor(s, w, w->running);
-}
-
-/* Two uniform numbers on [0, 1) for each lane. */
-static void uniform_lanes(const wmr_batch_settings *s, int64_t k, uint64_t stream, uint64_t attempt, wmr_v u[2])
-{
-    const uint64_t counter[4] = {(uint64_t)k, stream, attempt, 0};
-    for (int i = 0; i < WMR_LANES; ++i) {
-        uint64_t words[4];
-        wmr_philox(counter, s->key + 2 * i, words);
-        u[0][i] = (double)(int64_t)(words[0] >> 11) * 0x1p-53;
-        u[1][i] = (double)(int64_t)(words[1] >> 11) * 0x1p-53;
-    }
-}
-
-static void centred(const wmr_batch_settings *s, int64_t k, uint64_t stream, wmr_v out[2])
-{
-    uniform_lanes(s, k, stream, 0, out);
-    out[0] = 2.0 * out[0] - 1.0;
-    out[1] = 2.0 * out[1] - 1.0;
-}
-
-static void torque_noise(const wmr_batch_settings *s, int64_t k, wmr_v out[2])
-{
-    const wmr_v most = s->numbers[TRUNCATE];
-    wmr_m open = wmr_bits(-1);
-    wmr_v u[2];
-    out[0] = out[1] = wmr_all(0.0);
-    for (uint64_t attempt = 0; attempt < ATTEMPTS && wmr_some(open); ++attempt) {
-        uniform_lanes(s, k, WMR_STREAM_TORQUE, attempt, u);
-        const wmr_v radius = wmr_sqrt(-2.0 * wmr_log(1.0 - u[0])), angle = TWO_PI * u[1];
-        set(&out[0], open, radius * wmr_cos(angle));
-        set(&out[1], open, radius * wmr_sin(angle));
-        open &= (wmr_m)(wmr_abs(out[0]) > most) | (wmr_m)(wmr_abs(out[1]) > most);
-    }
-    for (int i = 0; i < 2; ++i) {
-        out[i] = s->numbers[STD] * wmr_max(-most, wmr_min(most, out[i]));
-    }
 }
 
 /* The adversary of loop.c: away from rest on each axis. */
@@ -141,7 +102,7 @@ static void measure(const wmr_batch_settings *s, batch *w, wmr_v *pose, wmr_v *v
     copy_lanes(pose, w->plant, 3);
     if (s->pose_every > 0) {
         if (wmr_some((wmr_m)(s->numbers[POSE_NOISE] > 0.0))) {
-            centred(s, w->sample, WMR_STREAM_POSE, error);
+            wmr_uniform_pair(s->key, (uint64_t)w->sample, WMR_STREAM_POSE, error);
         }
         copy_lanes(u, w->plant, WMR_PLANT_NX);
         u[0] += s->numbers[POSE_NOISE] * error[0];
@@ -155,7 +116,7 @@ static void measure(const wmr_batch_settings *s, batch *w, wmr_v *pose, wmr_v *v
     const wmr_v *half = s->numbers + VELOCITY_NOISE;
     error[0] = error[1] = wmr_all(0.0);
     if (wmr_some((wmr_m)(half[0] > 0.0) | (wmr_m)(half[1] > 0.0))) {
-        centred(s, w->sample, WMR_STREAM_VELOCITY, error);
+        wmr_uniform_pair(s->key, (uint64_t)w->sample, WMR_STREAM_VELOCITY, error);
     }
     v[0] = w->plant[3] + half[0] * error[0];
     v[1] = w->plant[4] + half[1] * error[1];
@@ -275,7 +236,7 @@ static void sample(const wmr_batch_settings *s, batch *w)
     }
     noise[0] = noise[1] = wmr_all(0.0);
     if (wmr_some((wmr_m)(s->numbers[STD] > 0.0))) {
-        torque_noise(s, w->sample, noise);
+        wmr_torque_noise(s->key, (uint64_t)w->sample, s->numbers[STD], s->numbers[TRUNCATE], noise);
     }
     push(s, w, noise);
     if (s->log) {

@@ -3,7 +3,7 @@
 #ifndef WMR_BATCH_H
 #define WMR_BATCH_H
 
-#include "lanes.h"
+#include "arithmetic.h"
 
 #include "kernels.h"
 

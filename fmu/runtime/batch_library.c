@@ -12,7 +12,7 @@
 #define wmr_torque_noise WMR_OWN(wmr_torque_noise)
 #define wmr_batch_run WMR_OWN(wmr_batch_run)
 
-#include "lanes.h"
+#include "arithmetic.h"
 
 #include "kernels.c"
 #include "noise.c"

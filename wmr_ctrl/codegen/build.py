@@ -17,7 +17,7 @@ from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.scenario import Scenario
 
 RUNTIME = (
-    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", "wmr_math.h", "export.h",
+    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h",
 )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.scenario import Scenario
 
-_RUNTIME = ("batch_library.c", "batch.c", "batch.h", "lanes.h", "noise.c", "noise.h", "export.h")
+_RUNTIME = ("batch_library.c", "batch.c", "batch.h", "arithmetic.h", "noise.c", "noise.h", "export.h")
 _DISPATCH = "batch_dispatch.c"
 
 
