@@ -12,15 +12,15 @@ from wmr_ctrl.codegen.emit import Kernel, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
-_HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "wmr_math.h"\n\n'
+_HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n\n'
 REALS = ct.POINTER(ct.c_double)
 
 
 def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callable[..., np.ndarray]]:
     """Callables of kernels with one output vector, from one library."""
     text = _HEAD + "\n".join(definition(item) for item in kernels)
-    header = (runtime_dir() / "wmr_math.h").read_text(encoding="utf-8")
-    path = build_library({"one.c": text, "wmr_math.h": header}, find_toolchain(native=native))
+    header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
+    path = build_library({"one.c": text, "arithmetic.h": header}, find_toolchain(native=native))
     library = ct.CDLL(str(path))
     return [_callable(library[f"wmr_{item.name}"], item.function) for item in kernels]
 

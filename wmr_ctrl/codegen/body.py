@@ -151,7 +151,7 @@ class _Writer:
         found.append(f"{indent}if (wmr_some({condition})) {{")
         found += self._arm(block.then, block.defines, 1, inner)
         found.append(f"{indent}}}")
-        found.append(f"{indent}if (wmr_some(~{condition})) {{")
+        found.append(f"{indent}if (wmr_some(wmr_not({condition}))) {{")
         found += self._lines(block.other, inner)
         for k in block.defines:
             truths = self.graph.is_logical(k)

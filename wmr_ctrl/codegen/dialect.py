@@ -8,66 +8,27 @@ from types import MappingProxyType
 
 import casadi as ca
 
-_SHARED = {
+_NUMBERS = {
     ca.OP_ADD: "{0} + {1}",
     ca.OP_SUB: "{0} - {1}",
     ca.OP_MUL: "{0} * {1}",
     ca.OP_DIV: "{0} / {1}",
-    ca.OP_LT: "{0} < {1}",
-    ca.OP_LE: "{0} <= {1}",
-    ca.OP_EQ: "{0} == {1}",
-    ca.OP_NE: "{0} != {1}",
-    ca.OP_FMIN: "wmr_min({0}, {1})",
-    ca.OP_FMAX: "wmr_max({0}, {1})",
     ca.OP_NEG: "-{0}",
     ca.OP_SQ: "{0} * {0}",
-    ca.OP_SIGN: "wmr_sign({0})",
-    ca.OP_TANH: "wmr_tanh({0})",
-}
-_SCALAR = {
-    **_SHARED,
-    ca.OP_AND: "{0} && {1}",
-    ca.OP_OR: "{0} || {1}",
-    ca.OP_NOT: "!{0}",
     ca.OP_TWICE: "2.0 * {0}",
     ca.OP_INV: "1.0 / {0}",
-    ca.OP_FABS: "fabs({0})",
-    ca.OP_SQRT: "sqrt({0})",
-    ca.OP_EXP: "exp({0})",
-    ca.OP_LOG: "log({0})",
-    ca.OP_LOG1P: "log1p({0})",
-    ca.OP_EXPM1: "expm1({0})",
-    ca.OP_SIN: "sin({0})",
-    ca.OP_COS: "cos({0})",
-    ca.OP_TAN: "tan({0})",
-    ca.OP_ASIN: "asin({0})",
-    ca.OP_ACOS: "acos({0})",
-    ca.OP_ATAN: "atan({0})",
-    ca.OP_ATAN2: "atan2({0}, {1})",
-    ca.OP_SINH: "sinh({0})",
-    ca.OP_COSH: "cosh({0})",
-    ca.OP_HYPOT: "hypot({0}, {1})",
-    ca.OP_POW: "pow({0}, {1})",
-    ca.OP_CONSTPOW: "pow({0}, {1})",
-    ca.OP_COPYSIGN: "copysign({0}, {1})",
-    ca.OP_FLOOR: "floor({0})",
-    ca.OP_CEIL: "ceil({0})",
-}
-_VECTOR = {
-    **_SHARED,
-    ca.OP_AND: "{0} & {1}",
-    ca.OP_OR: "{0} | {1}",
-    ca.OP_NOT: "~{0}",
-    ca.OP_TWICE: "{0} + {0}",
-    ca.OP_INV: "wmr_all(1.0) / {0}",
+    ca.OP_FMIN: "wmr_min({0}, {1})",
+    ca.OP_FMAX: "wmr_max({0}, {1})",
     ca.OP_FABS: "wmr_abs({0})",
+    ca.OP_SIGN: "wmr_sign({0})",
+    ca.OP_COPYSIGN: "wmr_copysign({0}, {1})",
     ca.OP_SQRT: "wmr_sqrt({0})",
     ca.OP_EXP: "wmr_exp({0})",
+    ca.OP_EXPM1: "wmr_expm1({0})",
     ca.OP_LOG: "wmr_log({0})",
+    ca.OP_LOG1P: "wmr_log1p({0})",
     ca.OP_SIN: "wmr_sin({0})",
     ca.OP_COS: "wmr_cos({0})",
-    ca.OP_LOG1P: "wmr_log1p({0})",
-    ca.OP_EXPM1: "wmr_expm1({0})",
     ca.OP_TAN: "wmr_tan({0})",
     ca.OP_ASIN: "wmr_asin({0})",
     ca.OP_ACOS: "wmr_acos({0})",
@@ -75,12 +36,32 @@ _VECTOR = {
     ca.OP_ATAN2: "wmr_atan2({0}, {1})",
     ca.OP_SINH: "wmr_sinh({0})",
     ca.OP_COSH: "wmr_cosh({0})",
+    ca.OP_TANH: "wmr_tanh({0})",
     ca.OP_HYPOT: "wmr_hypot({0}, {1})",
     ca.OP_POW: "wmr_pow({0}, {1})",
     ca.OP_CONSTPOW: "wmr_pow({0}, {1})",
-    ca.OP_COPYSIGN: "wmr_copysign({0}, {1})",
     ca.OP_FLOOR: "wmr_floor({0})",
     ca.OP_CEIL: "wmr_ceil({0})",
+}
+_SCALAR = {
+    **_NUMBERS,
+    ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}",
+    ca.OP_EQ: "{0} == {1}",
+    ca.OP_NE: "{0} != {1}",
+    ca.OP_AND: "{0} && {1}",
+    ca.OP_OR: "{0} || {1}",
+    ca.OP_NOT: "!{0}",
+}
+_VECTOR = {
+    **_NUMBERS,
+    ca.OP_LT: "wmr_mask({0} < {1})",
+    ca.OP_LE: "wmr_mask({0} <= {1})",
+    ca.OP_EQ: "wmr_mask({0} == {1})",
+    ca.OP_NE: "wmr_mask({0} != {1})",
+    ca.OP_AND: "{0} & {1}",
+    ca.OP_OR: "{0} | {1}",
+    ca.OP_NOT: "wmr_not({0})",
 }
 TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 """Operations whose operands are truth values."""
@@ -123,8 +104,10 @@ class Dialect:
 
     def as_truth(self, real: str) -> str:
         """A number as a truth value: whether it is not 0."""
-        return f"wmr_truth({real})" if self.lanes else real
+        return f"wmr_truth({real})" if self.lanes else f"({real} != 0)"
 
 
-SCALAR = Dialect("wmr_math.h", "double", "int", MappingProxyType(_SCALAR), lanes=False)
-LANES = Dialect("lanes.h", "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)
+HEADER = "arithmetic.h"
+"""The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
+SCALAR = Dialect(HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False)
+LANES = Dialect(HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)

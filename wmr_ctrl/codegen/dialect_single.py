@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from types import MappingProxyType
 
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
@@ -11,7 +12,9 @@ from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 LARGEST = 1e18
 """Larger finite constants are lowered to this in single precision: their squares must be finite."""
 
-_CALL = re.compile(r"\b(?!wmr_)([a-z0-9]+)\(")
+_CALL = re.compile(r"\bwmr_(?!min\b|max\b|sign\b)([a-z0-9]+)\(")
+_NAMES = {"abs": "fabs"}
+"""What the C library calls otherwise."""
 
 
 class SingleDialect(Dialect):
@@ -29,11 +32,12 @@ class SingleDialect(Dialect):
 def package_dialect(float32: bool) -> Dialect:
     """The dialect of a package in double or single precision."""
     if not float32:
-        return Dialect("", "wmr_real", "int", SCALAR.patterns, lanes=False)
+        return replace(SCALAR, real="wmr_real")
     patterns = {op: _single(text) for op, text in SCALAR.patterns.items()}
     return SingleDialect("", "wmr_real", "int", MappingProxyType(patterns), lanes=False)
 
 
 def _single(pattern: str) -> str:
-    """A pattern with the functions and literals of float: ``exp(`` as ``expf(``."""
-    return re.sub(r"\b(\d\.\d)\b", r"\1f", _CALL.sub(r"\1f(", pattern))
+    """A pattern with the C library's functions and literals of float: ``wmr_exp(`` as ``expf(``."""
+    called = _CALL.sub(lambda call: f"{_NAMES.get(call[1], call[1])}f(", pattern)
+    return re.sub(r"\b(\d\.\d)\b", r"\1f", called)

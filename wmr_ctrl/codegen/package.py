@@ -12,8 +12,10 @@ from typing import Any
 import jinja2
 
 from wmr_ctrl.codegen.dialect_single import package_dialect
+from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
+from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.single_precision import MARGIN, PERIODS, with_margin
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
@@ -25,6 +27,7 @@ from wmr_ctrl.signals import Signal
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip
 _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
+_ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -66,9 +69,11 @@ def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dic
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     names = {name.format(law=law): name.format(law="law") for name in FILES}
-    return {
+    files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
     }
+    header = {} if float32 else {HEADER: (runtime_dir() / HEADER).read_text(encoding="utf-8")}
+    return files | header
 
 
 def step_kernel(system: System) -> Kernel:
@@ -126,9 +131,10 @@ def _context(
 
 def library_calls(kernel: str, float32: bool) -> list[str]:
     """Functions of the C library that a kernel's text calls, sorted."""
-    called = set(_CALL.findall(_COMMENT.sub("", kernel))) - {"if", "for", "while", "sizeof"}
-    tanh = {"tanhf" if float32 else "tanh"} if "wmr_tanh(" in kernel else set()
-    return sorted(called | tanh)
+    text = _COMMENT.sub("", kernel)
+    if float32:
+        return sorted(set(_CALL.findall(text)) - {"if", "for", "while", "sizeof"})
+    return ["sqrt"] if _ROOT.search(text) else []
 
 
 def _shown(footprint: Footprint | None) -> Mapping[str, Any] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from wmr_ctrl.codegen.dialect import SCALAR
+from wmr_ctrl.codegen.dialect import HEADER, SCALAR
 from wmr_ctrl.codegen.emit import Kernel, prototype
 from wmr_ctrl.model.graph import SELECT, Graph
 
@@ -20,7 +20,7 @@ def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
     return {
         f"{name}.h": f"{_BANNER}#ifndef {guard}\n#define {guard}\n\n#ifndef WMR_KERNEL\n"
         f"#define WMR_KERNEL\n#endif\n\n{prototypes}\n\n#endif\n",
-        f"{name}.c": f'{_BANNER}#include "{name}.h"\n\n#include "wmr_math.h"\n\n{bodies}',
+        f"{name}.c": f'{_BANNER}#include "{name}.h"\n\n#include "{HEADER}"\n\n{bodies}',
     }
 
 

@@ -16,8 +16,9 @@ from pathlib import Path
 from wmr_ctrl.codegen.cache_folder import cache_dir
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.codegen.emit import Kernel, definition
+from wmr_ctrl.model import graph
 
-_EMITTER = ("body", "branches", "dialect", "emit", "fold", "graph", "items", "rolls")
+_EMITTER = ("body", "branches", "dialect", "emit", "fold", "items", "rolls")
 
 
 def kept_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
@@ -57,6 +58,6 @@ def _fingerprint() -> str:
     """Hash of the emitter's source: another emitter writes another text."""
     folder = Path(__file__).parent
     digest = hashlib.sha256()
-    for name in _EMITTER:
-        digest.update((folder / f"{name}.py").read_bytes())
+    for path in (Path(graph.__file__), *(folder / f"{name}.py" for name in _EMITTER)):
+        digest.update(path.read_bytes())
     return digest.hexdigest()

@@ -16,7 +16,7 @@ RUNTIME = {
     "sampled": (),
     "loop": ("loop.c", "loop.h", "noise.c", "noise.h", "seed.c", "seed.h"),
 }
-"""Files of fmu/runtime that a kind of model needs besides wmr_math.h."""
+"""Files of fmu/runtime that a kind of model needs besides arithmetic.h."""
 
 
 @dataclass(frozen=True)

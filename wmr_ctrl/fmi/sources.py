@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.plain import plain_sources
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import sources as kernel_sources
@@ -59,7 +60,7 @@ def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
         path.name: _read(path)
         for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))
     }
-    files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], "wmr_math.h")}
+    files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], HEADER)}
     files["model.c"] = render(
         "model.c", identifier=model.identifier, variables=_rows(model, arrays and version == 3)
     )

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
 from wmr_ctrl.codegen.toolchain import find_toolchain
@@ -61,8 +62,8 @@ def targets_of(name: str) -> tuple[Target, ...]:
 
 
 HEAVY = {
-    "kernels.c": ("kernels.c", "kernels.h", "wmr_math.h"),
-    "jacobian.c": ("jacobian.c", "jacobian.h", "wmr_math.h"),
+    "kernels.c": ("kernels.c", "kernels.h", HEADER),
+    "jacobian.c": ("jacobian.c", "jacobian.h", HEADER),
 }
 """Units that take long to compile, with all that they read: models share them across scenarios."""
 
