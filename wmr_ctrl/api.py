@@ -26,6 +26,8 @@ from wmr_ctrl.signals import LOG_HEAD
 from wmr_ctrl.sim.finish import finished, versions
 
 if TYPE_CHECKING:
+    from wmr_ctrl.compiled import CompiledLoop
+    from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.sim.many import RunTable
     from wmr_ctrl.sim.ready import Ready
 
@@ -48,17 +50,14 @@ def scenario_of(
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
-    from wmr_ctrl.control.gains import check_gains
-    from wmr_ctrl.guard.bounds import settled_guard
+    from wmr_ctrl.control.setup import settle
 
     switch = {} if guard is None else {"guard.enabled": guard}
     changed = {**(overrides or {}), **switch}
     loaded = (
         override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )
-    check_gains(loaded)
-    if loaded.guard.enabled:
-        settled_guard(loaded, loaded.actuator.tau_max)
+    settle(loaded, None)
     return loaded
 
 
@@ -85,12 +84,12 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    settled = scenario_of(scenario, overrides, guard)
+    chosen = scenario_of(scenario, overrides, guard)
     _check_seed(seed)
     if engine == "native":
-        return _prepared(settled, law)(seed)
+        return _simulate_native(chosen, law, seed)
     if engine == "numpy":
-        return _simulate_numpy(settled, law, seed, progress)
+        return _simulate_numpy(chosen, law, seed, progress)
     raise UnknownNameError("engine", engine, ENGINES)
 
 
@@ -116,10 +115,10 @@ def simulate_runs(
     """
     from wmr_ctrl.sim.together import run_each
 
-    settled, listed = scenario_of(scenario, overrides, guard), list(seeds)
+    listed = list(seeds)
     for seed in listed:
         _check_seed(seed)
-    loop = compile_loop(settled, law)
+    loop = compile_loop(scenario_of(scenario, overrides, guard), law)
     return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
 
@@ -280,9 +279,10 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     True
     """
     from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.control.setup import settle
     from wmr_ctrl.sim.compiled_law import CompiledLaw
 
-    return CompiledLaw(build_loop(scenario_of(scenario), law))
+    return CompiledLaw(build_loop(settle(scenario_of(scenario), law)))
 
 
 def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
@@ -291,12 +291,17 @@ def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
     For `wmr_ctrl.linear.batch.endings` and studies of one's own with `wmr_ctrl.sim.batch`.
     Raises UnknownNameError, ScenarioError or CompilerError.
     """
-    from wmr_ctrl.codegen.lanes import build_batch
-    from wmr_ctrl.guard.bounds import assumed
+    from wmr_ctrl.codegen.build import build_batch
+    from wmr_ctrl.control.setup import settle
+
+    setup = settle(scenario_of(scenario), law)
+    return _ready(setup, build_batch(setup))
+
+
+def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
     from wmr_ctrl.sim.ready import Ready
 
-    settled = scenario_of(scenario)
-    return Ready(build_batch(settled, law), settled, law, assumed(settled, law))
+    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
 
 
 def law_table() -> list[dict[str, str]]:
@@ -306,38 +311,33 @@ def law_table() -> list[dict[str, str]]:
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
 
 
-def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
-    """The compiled loop of ``law`` on ``scenario`` as a function of the seed."""
+def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
     from wmr_ctrl.codegen.build import build_loop
-    from wmr_ctrl.guard.bounds import assumed
-    from wmr_ctrl.sim.native import columns_of, run_native
+    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.sim.native import run_native
 
-    kernels, bounds = build_loop(scenario, law), assumed(scenario, law)
-    signals, facts = columns_of(kernels.manifest), {"kernel_hash": kernels.digest}
-
-    def engine(seed: int) -> Run:
-        columns, monitor = run_native(kernels, scenario, seed)
-        found = (signals, columns, monitor)
-        return finished(scenario, law, seed, "native", found, facts, bounds)
-
-    return engine
+    setup = settle(scenario, law)
+    loop = _ready(setup, build_loop(setup))
+    columns, monitor = run_native(loop, seed)
+    logged = (loop.compiled.layout.columns, columns, monitor)
+    facts = {"kernel_hash": loop.compiled.digest}
+    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
     from wmr_ctrl.control.controller import watched_controller
-    from wmr_ctrl.control.gains import gains_of, kinematic_gains
-    from wmr_ctrl.guard.bounds import assumed
+    from wmr_ctrl.control.setup import settle
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 
-    watched = watched_controller(scenario, law)
-    own = {signal.name: signal for signal in own_diagnostics(watched)}
-    gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
+    setup = settle(scenario, law)
+    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
+    gains, kinematics = asdict(setup.gains), asdict(setup.kinematics)
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    found = (signals, columns, Monitor(**numbers))
+    logged = (signals, columns, Monitor(**numbers))
     facts = {"kernel_hash": ""}
-    return finished(scenario, law, seed, "numpy", found, facts, assumed(scenario, law))
+    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
 
 
 def _check_seed(seed: int) -> None:

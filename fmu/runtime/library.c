@@ -30,13 +30,13 @@ static void tidy(void)
 #endif
 }
 
-/* Runs all lanes to the end; `findings` (WMR_FINDINGS) and `state` (WMR_NX) may not be NULL. */
+/* Runs all lanes to the end; `findings` (WMR_FINDINGS) and `state` (WMR_STATE) may not be NULL. */
 int32_t WMR_OWN(wmr_run_set)(const void *settings, void *findings, void *state)
 {
     wmr_loop w;
     const int cancelled = wmr_loop_run(settings, &w);
     memcpy(findings, w.findings, sizeof w.findings);
-    memcpy(state, w.state, WMR_NX * sizeof(wmr_v));
+    memcpy(state, w.state, WMR_STATE * sizeof(wmr_v));
     tidy();
     return cancelled;
 }
@@ -49,6 +49,6 @@ void WMR_OWN(wmr_set_sizes)(int64_t sizes[7])
     sizes[2] = WMR_FINDINGS;
     sizes[3] = WMR_SUMS;
     sizes[4] = WMR_ROW;
-    sizes[5] = WMR_NX;
-    sizes[6] = WMR_NP;
+    sizes[5] = WMR_STATE;
+    sizes[6] = WMR_PARAMETERS;
 }

@@ -76,7 +76,7 @@ static void monitor(wmr_loop *w, wmr_m moved)
 
 static const wmr_v *parameters(const wmr_settings *s, const wmr_loop *w)
 {
-    return s->parameters + w->phase * WMR_NP;
+    return s->parameters + w->phase * WMR_PARAMETERS;
 }
 
 /* Moves on to the parameters that hold from this plant step on. */
@@ -96,7 +96,7 @@ static int64_t whole(wmr_v number)
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
 {
     memset(w, 0, sizeof *w);
-    copy(w->state, s->start, WMR_NX);
+    copy(w->state, s->start, WMR_STATE);
     wmr_clock(s->parameters, w->clock);
     w->substeps = whole(w->clock[WMR_CLOCK_CONTROL] / w->clock[WMR_CLOCK_PLANT]);
     w->delay_steps = whole(w->clock[WMR_CLOCK_DELAY_STEPS]);
@@ -175,13 +175,14 @@ static void deliver(const wmr_settings *s, const wmr_loop *w, const wmr_v *comma
     }
 }
 
+#ifndef WMR_OUTSIDE
 static void move(wmr_loop *w, wmr_m moving, const wmr_v *next)
 {
 #if WMR_WIDTH == 1
     (void)moving;
-    copy(w->state, next, WMR_NFAST);
+    copy(w->state, next, WMR_FAST);
 #else
-    for (int k = 0; k < WMR_NFAST; ++k) {
+    for (int k = 0; k < WMR_FAST; ++k) {
         w->state[k] = wmr_choose(moving, next[k], w->state[k]);
     }
 #endif
@@ -189,7 +190,7 @@ static void move(wmr_loop *w, wmr_m moving, const wmr_v *next)
 
 static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
 {
-    wmr_v u[WMR_HELD], next[WMR_NFAST], draws[WMR_STEP_DRAWS + 1];
+    wmr_v u[WMR_HELD], next[WMR_FAST], draws[WMR_STEP_DRAWS + 1];
     copy(u, held, WMR_HELD);
     for (int64_t i = 0; i < w->substeps && wmr_some(w->running); ++i) {
         const wmr_m moving = w->running;
@@ -238,7 +239,7 @@ static void watch(wmr_loop *w, const wmr_v *seen)
 
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
 {
-    wmr_v next[WMR_NX - WMR_NFAST + 1], held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
+    wmr_v next[WMR_STATE - WMR_FAST + 1], held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
     const wmr_v k = wmr_all((double)w->sample);
     change(s, w);
     draw(s, w, 0, w->sample, draws);
@@ -251,7 +252,7 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
         add_up(s, w, seen);
     }
     w->findings[WMR_FOUND_SAMPLES] += wmr_number(w->running);
-    copy(w->state + WMR_NFAST, next, WMR_NX - WMR_NFAST);
+    copy(w->state + WMR_FAST, next, WMR_STATE - WMR_FAST);
     plant_steps(s, w, held);
     w->sample += 1;
 }
@@ -280,3 +281,4 @@ int wmr_loop_run(const wmr_settings *s, wmr_loop *w)
     }
     return *s->cancelled != 0;
 }
+#endif

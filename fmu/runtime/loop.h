@@ -23,8 +23,8 @@ typedef struct {
     const int64_t *window;             /* windows pairs: first sample, first sample after it */
     const uint64_t *key;               /* of the noise: WMR_WIDTH pairs */
     const volatile int32_t *cancelled; /* not 0: return at the next sample */
-    const wmr_v *parameters;           /* phases rows of WMR_NP */
-    const wmr_v *start;                /* WMR_NX */
+    const wmr_v *parameters;           /* phases rows of WMR_PARAMETERS */
+    const wmr_v *start;                /* WMR_STATE */
     wmr_v *queue;                      /* commands under way: 2 for each plant step of the delay */
     wmr_v *sums;                       /* windows rows of WMR_SUMS */
     double *const *log;                /* a lane each: samples rows of WMR_ROW, or NULL; or NULL */
@@ -35,7 +35,7 @@ typedef struct {
     int64_t sample, step, phase, substeps, delay_steps;
     wmr_m running;
     wmr_v clock[WMR_CLOCK];
-    wmr_v state[WMR_NX + 1];
+    wmr_v state[WMR_STATE + 1];
     wmr_v findings[WMR_FINDINGS];
 } wmr_loop;
 

@@ -22,6 +22,8 @@ from wmr_ctrl.codegen.kernels import (
     controller_kernel,
     loop_constants,
     loop_kernels,
+    outside_constants,
+    outside_kernels,
     sizes_of,
 )
 from wmr_ctrl.codegen.objects import Unit, build_units
@@ -29,7 +31,7 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
-from wmr_ctrl.control.loop import SUMS, LoopGraphs
+from wmr_ctrl.control.loop import SUMS, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
@@ -38,6 +40,7 @@ from wmr_ctrl.signals import PLANT_STATE, Signal
 
 _LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *_LOOP)
+OUTSIDE = ("outside.c", *_LOOP[1:])
 _DISPATCH = "dispatch.c"
 
 
@@ -108,13 +111,8 @@ class Program:
 
     @cached_property
     def native(self) -> Path:
-        """The library for one robot: for this very processor, where the compiler can do that."""
-        files = unity(self.generated)
-        try:
-            native = not find_toolchain().misaligns_vectors
-            return build_library(files, find_toolchain(native=native))
-        except CompilerError:
-            return build_library(files)
+        """The library for one robot."""
+        return _for_this_processor(unity(self.generated))
 
     @cached_property
     def lanes(self) -> Path:
@@ -128,6 +126,14 @@ class Program:
             for item in chosen
         ]
         return build_units(files, units, Unit("dispatch", _DISPATCH), toolchain, name="batch")
+
+
+def _for_this_processor(files: dict[str, str | bytes]) -> Path:
+    """A library for this very processor; for any of its kind if the compiler cannot do that."""
+    try:
+        return build_library(files, find_toolchain(native=not find_toolchain().misaligns_vectors))
+    except CompilerError:
+        return build_library(files)
 
 
 _PROGRAMS: dict[Hashable, Program] = {}
@@ -156,7 +162,7 @@ def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> Compi
         law_layout(setup, program.loop.controller),
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
-        start_of(setup, program.loop),
+        start_of(setup, program.loop.x0),
     )
 
 
@@ -184,15 +190,42 @@ def law_layout(setup: Setup, system: System) -> LawLayout:
     )
 
 
+def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
+    """Compile what lies between a controller and a plant that are elsewhere.
+
+    Raises CompilerError without a working compiler.
+    """
+    generated = sources(outside_constants(loop), outside_kernels(loop), SCALAR)
+    parameters = tuple(item.signal for item in loop.parameters.ports)
+    first = numbers_of(setup, parameters)
+    phases = phases_of(setup, parameters, first)
+    state = (*loop.fast, *loop.slow)
+    signals = tuple(item.signal for item in state)
+    return CompiledLoop(
+        str(_for_this_processor(unity(generated, OUTSIDE))),
+        digest(generated),
+        "",
+        LoopLayout("", (), signals, parameters, FINDINGS, ()),
+        LawLayout((), (), (), (), ()),
+        tuple(row for _, row in phases),
+        tuple(step for step, _ in phases),
+        (
+            *setup.scenario.initial.pose,
+            *setup.scenario.initial.velocity,
+            *values(state)[len(PLANT_STATE) :],
+        ),
+    )
+
+
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
     """A setup's values of parameters, by their keys, flat and in order."""
     return tuple(number for item in parameters for number in setup.number(item.name)[1])
 
 
-def start_of(setup: Setup, loop: LoopGraphs) -> tuple[float, ...]:
+def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
     """The whole state at t = 0: the scenario's pose and velocity, then the graphs' own values."""
     initial = setup.scenario.initial
-    return (*initial.pose, *initial.velocity, *loop.x0[len(PLANT_STATE) :])
+    return (*initial.pose, *initial.velocity, *own[len(PLANT_STATE) :])
 
 
 def phases_of(

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import casadi as ca
+
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, LoopGraphs
-from wmr_ctrl.model.system import System, values
+from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.wiring import Stream
+from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.signals import VELOCITY
 from wmr_ctrl.world.effect import Rate
 
@@ -23,70 +26,107 @@ samples with the clip active."""
 
 def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
     """The C functions that the runtime calls."""
-    given = {"k": loop.k.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
+    given = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
     left = {"next": loop.next_slow, "held": loop.held}
     return (
         kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
         kernel("sample_logged", "A control sample with its log.", given, {**left, "row": loop.row}),
         kernel(
-            "sample_watched", "A control sample and what is watched.", given,
+            "sample_watched",
+            "A control sample and what is watched.",
+            given,
             {**left, "seen": loop.seen},
         ),
+        kernel("step", "The fast state after a plant step.", _stepped(loop), _fast(loop)),
+    )
+
+
+def outside_kernels(loop: OutsideGraphs) -> tuple[Kernel, ...]:
+    """The C functions of what lies between a controller and a plant that are elsewhere."""
+    p = stack(item.sym for item in loop.parameters.ports)
+    x = stack(item.sym for item in (*loop.fast, *loop.slow))
+    sampled = {"k": loop.sample.clock.sym, "x": x, "p": p, "w": loop.draws(Rate.SAMPLE)}
+    return (
+        kernel("clock", "Numbers that the loop itself takes.", {"p": p}, {"n": loop.clock}),
         kernel(
-            "step", "The fast state after one plant step.",
-            {
-                "i": loop.i.sym, "u": loop.u.sym, "x": loop.x_fast, "p": loop.p,
-                "w": loop.draws(Rate.STEP),
-            },
-            {"next": loop.next_fast},
+            "measure",
+            "What the sensors show, and what disturbs.",
+            sampled,
+            {"next": stack(loop.sample.following), "y": loop.measured},
         ),
-    )  # fmt: skip
+        kernel("act", "What acts on the plant.", _stepped(loop), {**_fast(loop), "y": loop.acting}),
+    )
+
+
+def _stepped(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
+    return {
+        "i": loop.step.clock.sym,
+        "u": loop.u.sym,
+        "x": stack(item.sym for item in loop.fast),
+        "p": stack(item.sym for item in loop.parameters.ports),
+        "w": loop.draws(Rate.STEP),
+    }
+
+
+def _fast(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
+    return {"next": loop.next_fast}
 
 
 def controller_kernel(system: System) -> Kernel:
     """One sample of the controller by itself."""
     return kernel(
-        "controller", f"One sample: {system.title}.",
-        {"u": system.u, "x": system.x, "p": system.p}, {"next": system.update, "y": system.y},
-    )  # fmt: skip
-
-
-def plant_kernel(loop: LoopGraphs) -> Kernel:
-    """One plant step by itself, for measuring: the first state entries are the plant's."""
-    return next(item for item in loop_kernels(loop) if item.name == "step")
+        "controller",
+        f"One sample: {system.title}.",
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"next": system.update, "y": system.y},
+    )
 
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
     """Sizes and places that the runtime is written against, by their names in C."""
-    state = [name for item in loop.fast for name in item.signal.elements]
     sizes: dict[str, int | str] = {
-        "NX": len(loop.x0),
-        "NFAST": loop.next_fast.numel(),
-        "NP": len(values(loop.parameters.ports)),
-        "HELD": loop.held.numel(),
         "ROW": loop.row.numel(),
         "SUMS": len(SUMS),
         "SEEN": len(SEEN),
+        **{f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)},
+    }
+    return {**sizes, **_constants(loop)}
+
+
+def outside_constants(loop: OutsideGraphs) -> Mapping[str, int | str]:
+    """The same for what lies between a controller and a plant."""
+    sizes: dict[str, int | str] = {
+        "PLANT": loop.plant.x.numel(),
+        "MEASURED": loop.measured.numel(),
+        "ACTING": loop.acting.numel(),
+        "SUMS": 0,
+    }
+    return {**sizes, **_constants(loop)}
+
+
+def _constants(loop: LoopGraphs | OutsideGraphs) -> Mapping[str, int | str]:
+    state = [name for item in loop.fast for name in item.signal.elements]
+    sizes: dict[str, int | str] = {
+        "STATE": len(values((*loop.fast, *loop.slow))),
+        "FAST": len(state),
+        "PARAMETERS": len(values(loop.parameters.ports)),
+        "HELD": loop.u.sym.numel(),
         "CLOCK": loop.clock.numel(),
         "FINDINGS": len(FINDINGS),
         "SAMPLE_DRAWS": loop.draws(Rate.SAMPLE).numel(),
         "STEP_DRAWS": loop.draws(Rate.STEP).numel(),
         "CLOCK_STREAMS": len(CLOCK),
-        "STREAMS": ", ".join(map(_stream, range(len(loop.streams)), [loop] * len(loop.streams))),
+        "STREAMS": ", ".join(map(_stream, loop.streams)) or "{0u, 0, 0, 0}",
     }
     sizes |= {f"AT_{s.name.upper()}": state.index(s.name) for s in VELOCITY}
     sizes |= {f"CLOCK_{name.upper()}": place for place, name in enumerate(CLOCK)}
-    sizes |= {f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)}
-    sizes |= {f"FOUND_{name.upper()}": place for place, name in enumerate(FINDINGS)}
-    return sizes
+    return sizes | {f"FOUND_{name.upper()}": place for place, name in enumerate(FINDINGS)}
 
 
-def _stream(place: int, loop: LoopGraphs) -> str:
+def _stream(item: Stream) -> str:
     """A row of the table of streams: number, whether normal, pairs, whether drawn each step."""
-    item = loop.streams[place]
-    return (
-        f"{{{item.number}u, {int(item.normal)}, {item.size // 2}, {int(item.rate is Rate.STEP)}}}"
-    )
+    numbers = (f"{item.number}u", item.normal, item.size // 2, item.rate is Rate.STEP)
+    return f"{{{', '.join(str(int(n)) if isinstance(n, bool) else str(n) for n in numbers)}}}"
 
 
 def sizes_of(role: str, system: System) -> Mapping[str, int]:

@@ -12,10 +12,11 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of
-from wmr_ctrl.guard.bounds import Assumptions, Stated, settled_guard, stated_guard
+from wmr_ctrl.guard.bounds import Stated, assumptions, settled_guard, stated_guard
 from wmr_ctrl.laws.law import Law, TorqueLimited
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.results import Assumptions
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
@@ -63,7 +64,7 @@ class Setup:
     @property
     def assumptions(self) -> Assumptions:
         """What a guard assumes of the motion, be it on or off."""
-        return Assumptions.of(self.scenario, self.guard)
+        return assumptions(self.scenario, self.guard)
 
     @cached_property
     def bound(self) -> Bound:

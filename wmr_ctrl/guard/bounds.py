@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.assumptions import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
 from wmr_ctrl.world.effect import Bound
@@ -45,21 +46,10 @@ class Stated(Guard):
         return whole + bool(part)
 
 
-@dataclass(frozen=True)
-class Assumptions:
-    """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
-
-    ``force`` stops the robot in one sample: the scale of what the monitor compares.
-    """
-
-    dbar: Pair
-    force: Pair
-
-    @staticmethod
-    def of(scenario: Scenario, guard: Guard) -> Assumptions:
-        """Those of a guard's numbers on a scenario."""
-        force = stopping_force(_of(guard.M_max), scenario.limits.v_u1, scenario.clock.control)
-        return Assumptions(_of(guard.dbar), force)
+def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
+    """What a guard's numbers assume of the motion, be it on or off."""
+    force = stopping_force(_of(guard.M_max), scenario.limits.v_u1, scenario.clock.control)
+    return Assumptions(_of(guard.dbar), force)
 
 
 def settled_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Literal, Protocol, TypeVar
 
 import numpy as np
@@ -29,22 +30,26 @@ def stopping_force(mass: Axes[N], limit: Axes[N], period: N) -> tuple[N, N]:
 
 
 def admitted(dbar: Axes[N], largest: Axes[N]) -> tuple[N, N]:
-    """Largest d_least that does not contradict ``dbar``; arguments as in `first_beyond`."""
+    """Largest d_least that does not contradict ``dbar``; arguments as in `Assumptions`."""
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 
 
-def first_beyond(
-    columns: Mapping[str, NDArray[np.float64]],
-    dbar: tuple[float, float],
-    largest: tuple[float, float],
-) -> Event | None:
-    """Time [s] and axis of the first row whose d_least is above ``dbar`` [N, N m], or None.
+@dataclass(frozen=True)
+class Assumptions:
+    """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
 
-    ``largest`` is the force that stops the robot in one sample [N, N m]: the scale of d_least.
+    ``force`` stops the robot in one sample: the scale of what the monitor compares.
     """
+
+    dbar: tuple[float, float]
+    force: tuple[float, float]
+
+
+def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:
+    """Time [s] and axis of the first row whose d_least contradicts ``bounds``, or None."""
     if "d_least" not in columns:
         return None
-    rows, axes = np.nonzero(columns["d_least"] > np.array(admitted(dbar, largest)))
+    rows, axes = np.nonzero(columns["d_least"] > np.array(admitted(bounds.dbar, bounds.force)))
     return (float(columns["t"][rows[0]]), int(axes[0]) + 1) if rows.size else None
 
 

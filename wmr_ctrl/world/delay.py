@@ -34,6 +34,7 @@ class Delay(Section):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: the torque that arrives [N m]."""
     torque, p = ports(TORQUE), Parameters(scenario)
+    late = p.take("actuator.delay")
     return System(
         "delay",
         "delay of the drives",
@@ -43,11 +44,11 @@ def build(scenario: Scenario) -> System:
         ca.SX(0, 1),
         tuple(Output(item.signal, item.sym) for item in torque),
         period=scenario.clock.plant,
-        transport=Parameters(scenario, p.ports).take("actuator.delay"),
+        transport=late,
     )
 
 
-def present(scenario: Scenario) -> bool:
+def acts(scenario: Scenario) -> bool:
     """Whether there is a delay."""
     return scenario.section(Delay).delay > 0
 
@@ -62,7 +63,7 @@ DELAY = Effect(
     role=EffectRole.DRIVE,
     section=Delay,
     build=build,
-    present=present,
+    acts=acts,
     bound=bound,
     rate=Rate.STEP,
 )

@@ -66,22 +66,24 @@ class Effect:
     """One sensor, disturbance or drive.
 
     ``section``: its fields, whose KEY is a table of the scenario.  ``build(scenario)`` gives its
-    System, ``present(scenario)`` whether it is part of the loop's structure, ``bound(scenario)``
-    what it adds to the guard's assumptions; without a bound the guard refuses to be switched on.
+    System.  ``acts(scenario)`` tells whether it makes a difference, ``present(scenario)`` whether
+    it is part of the loop's structure: where it acts, unless it is so cheap that it is always
+    there and its numbers decide.  ``bound(scenario)`` is what it adds to the guard's assumptions;
+    without a bound the guard refuses to be switched on.
     """
 
     name: str
     role: EffectRole
     section: type[Section]
     build: Callable[[Scenario], System]
-    present: Callable[[Scenario], bool]
+    acts: Callable[[Scenario], bool]
     bound: Callable[[Scenario], Bound] | None = None
     rate: Rate = Rate.SAMPLE
+    always: bool = False
 
-
-def always(scenario: Scenario) -> bool:
-    """Return True: the effect costs nothing where its numbers are 0, so it is always there."""
-    return True
+    def present(self, scenario: Scenario) -> bool:
+        """Whether it is part of the loop's structure."""
+        return self.always or self.acts(scenario)
 
 
 def total(bounds: list[Bound]) -> Bound:

@@ -45,7 +45,7 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def present(scenario: Scenario) -> bool:
+def acts(scenario: Scenario) -> bool:
     """Whether there is a lag."""
     return scenario.section(Lag).lag > 0
 
@@ -66,7 +66,7 @@ LAG = Effect(
     role=EffectRole.DRIVE,
     section=Lag,
     build=build,
-    present=present,
+    acts=acts,
     bound=bound,
     rate=Rate.STEP,
 )

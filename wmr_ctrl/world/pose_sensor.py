@@ -13,7 +13,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, SAMPLE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, always
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -95,6 +95,11 @@ def _share(k: ca.SX, every: ca.SX, correction: ca.SX) -> ca.SX:
     return ca.if_else(k == 0, 1, ca.if_else(came, correction, 0))
 
 
+def acts(scenario: Scenario) -> bool:
+    """Whether the laws see another pose than the true one."""
+    return not scenario.section(PoseSensor).perfect
+
+
 def bound(scenario: Scenario) -> Bound:
     """Nothing: the guard reads no pose."""
     return Bound()
@@ -105,6 +110,7 @@ POSE_SENSOR = Effect(
     role=EffectRole.SENSOR,
     section=PoseSensor,
     build=build,
-    present=always,
+    acts=acts,
     bound=bound,
+    always=True,
 )

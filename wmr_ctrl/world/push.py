@@ -15,7 +15,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports, stack
 from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, always
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -50,6 +50,11 @@ def build(scenario: Scenario) -> System:
     )
 
 
+def acts(scenario: Scenario) -> bool:
+    """Whether there is a push."""
+    return any(scenario.section(Push).push)
+
+
 def bound(scenario: Scenario) -> Bound:
     """Its own size: it is a force [N, N m]."""
     return Bound(dbar=scenario.section(Push).push)
@@ -60,6 +65,7 @@ PUSH = Effect(
     role=EffectRole.DISTURBANCE,
     section=Push,
     build=build,
-    present=always,
+    acts=acts,
     bound=bound,
+    always=True,
 )

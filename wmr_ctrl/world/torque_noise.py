@@ -14,7 +14,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import NORMAL, Output, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, always
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -61,6 +61,11 @@ def build(scenario: Scenario) -> System:
     )
 
 
+def acts(scenario: Scenario) -> bool:
+    """Whether there is noise."""
+    return scenario.section(TorqueNoise).std > 0
+
+
 def bound(scenario: Scenario) -> Bound:
     """Both wheels at their largest, n std each: thrust 2 n std/r, moment l times that.
 
@@ -77,6 +82,7 @@ TORQUE_NOISE_EFFECT = Effect(
     role=EffectRole.DISTURBANCE,
     section=TorqueNoise,
     build=build,
-    present=always,
+    acts=acts,
     bound=bound,
+    always=True,
 )

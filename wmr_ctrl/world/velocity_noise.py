@@ -10,7 +10,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, ports
 from wmr_ctrl.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, always
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -53,6 +53,11 @@ def build(scenario: Scenario) -> System:
     )
 
 
+def acts(scenario: Scenario) -> bool:
+    """Whether there is noise."""
+    return any(scenario.section(VelocityNoise).velocity_noise)
+
+
 def bound(scenario: Scenario) -> Bound:
     """The half-widths: the error never exceeds them."""
     return Bound(nbar=scenario.section(VelocityNoise).velocity_noise)
@@ -63,6 +68,7 @@ VELOCITY_NOISE = Effect(
     role=EffectRole.SENSOR,
     section=VelocityNoise,
     build=build,
-    present=always,
+    acts=acts,
     bound=bound,
+    always=True,
 )
