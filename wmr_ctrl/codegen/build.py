@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems, plant_phases
 from wmr_ctrl.codegen.manifest import Kernels, manifest
 from wmr_ctrl.codegen.resources import runtime_dir
@@ -17,7 +18,7 @@ from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.scenario import Scenario
 
 RUNTIME = (
-    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h",
+    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", HEADER, "export.h",
 )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from wmr_ctrl.codegen.build import described, digest, unity
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
-from wmr_ctrl.codegen.dialect import LANES
+from wmr_ctrl.codegen.dialect import HEADER, LANES
 from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems
 from wmr_ctrl.codegen.manifest import Kernels
 from wmr_ctrl.codegen.objects import Unit, build_units
@@ -21,7 +21,9 @@ from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.scenario import Scenario
 
-_RUNTIME = ("batch_library.c", "batch.c", "batch.h", "arithmetic.h", "noise.c", "noise.h", "export.h")
+_RUNTIME = (
+    "batch_library.c", "batch.c", "batch.h", HEADER, "noise.c", "noise.h", "export.h",
+)  # fmt: skip
 _DISPATCH = "batch_dispatch.c"
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import jinja2
 
-from wmr_ctrl.codegen.dialect_single import package_dialect
 from wmr_ctrl.codegen.dialect import HEADER
+from wmr_ctrl.codegen.dialect_single import package_dialect
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.resources import runtime_dir

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
+from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.toolchain import find_toolchain
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
