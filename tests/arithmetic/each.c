@@ -74,7 +74,7 @@ static double input(uint64_t *state)
     return kind < 4 ? unit * sizes[kind] : half + (kind == 5 ? unit * 0x1p-40 : 0.0);
 }
 
-/* FNV-1a of the bits that function `which` makes, every NaN as one; 0 beyond the last function. */
+/* Hash of the bits that function `which` makes, every NaN as one; 0 beyond the last function. */
 SHOWN uint64_t hash_of(int32_t which)
 {
     static const uint64_t special[] = {
@@ -82,7 +82,7 @@ SHOWN uint64_t hash_of(int32_t which)
         0x4000000000000000, 0x433fffffffffffff, 0x7fefffffffffffff, 0x7ff0000000000000, 0x7ff8000000000000,
     };
     const int count = (int)(sizeof special / sizeof *special);
-    uint64_t state = UINT64_C(0x9E3779B97F4A7C15), hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t state = UINT64_C(0x9E3779B97F4A7C15), hash = 1;
     if (which < 0 || which >= (int32_t)(sizeof WALKS / sizeof *WALKS)) {
         return 0;
     }
@@ -97,7 +97,8 @@ SHOWN uint64_t hash_of(int32_t which)
     for (int i = 0; i < DRAWS; ++i) {
         uint64_t bits;
         memcpy(&bits, &given[i], sizeof bits);
-        hash = (hash ^ bits) * UINT64_C(0x100000001b3);
+        hash = (hash ^ bits) * UINT64_C(0x9E3779B97F4A7C15);
+        hash ^= hash >> 31; /* products carry bits up only */
     }
     return hash;
 }

@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 import ctypes as ct
+import math
 from collections.abc import Callable, Sequence
 
 import casadi as ca
 import numpy as np
 
+from tests.arithmetic.functions import one
 from wmr_ctrl.codegen.emit import Kernel, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
 _HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n\n'
 REALS = ct.POINTER(ct.c_double)
+ELEMENTARY = {
+    ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos",
+}  # fmt: skip
+EXACT: dict[int, Callable[..., float]] = {
+    ca.OP_ASSIGN: lambda a: a, ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b,
+    ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b, ca.OP_NEG: lambda a: -a,
+    ca.OP_SQ: lambda a: a * a, ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a,
+    ca.OP_SQRT: math.sqrt, ca.OP_FABS: abs, ca.OP_FMIN: min, ca.OP_FMAX: max,
+    ca.OP_SIGN: lambda a: (a > 0) - (a < 0), ca.OP_LT: lambda a, b: a < b,
+    ca.OP_LE: lambda a, b: a <= b, ca.OP_NOT: lambda a: not a, ca.OP_AND: lambda a, b: a and b,
+    ca.OP_OR: lambda a, b: a or b, ca.OP_IF_ELSE_ZERO: lambda a, b: b if a else 0.0,
+}  # fmt: skip
+"""Operations of which there is only one right result."""
 
 
 def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callable[..., np.ndarray]]:
@@ -38,5 +53,25 @@ def _callable(entry: Callable[..., None], function: ca.Function) -> Callable[...
 
 
 def machine(item: Kernel) -> Callable[..., np.ndarray]:
-    """The same by CasADi's virtual machine."""
-    return lambda *given: item.function(*given).full().ravel()
+    """The same by CasADi's list of instructions, one by one, with our elementary functions."""
+    f, calls = item.function, {op: one(name) for op, name in ELEMENTARY.items()}
+    listed = [
+        (f.instruction_id(k), f.instruction_output(k), f.instruction_input(k), k)
+        for k in range(f.n_instructions())
+    ]
+
+    def run(*given: np.ndarray) -> np.ndarray:
+        work, out = np.zeros(f.sz_w()), np.zeros(f.numel_out(0))
+        for op, into, operands, k in listed:
+            if op == ca.OP_INPUT:
+                work[into[0]] = np.ravel(given[operands[0]])[operands[1]]
+            elif op == ca.OP_OUTPUT:
+                out[into[1]] = work[operands[0]]
+            elif op == ca.OP_CONST:
+                work[into[0]] = f.instruction_constant(k)
+            else:
+                made = calls.get(op) or EXACT[op]
+                work[into[0]] = made(*(float(work[i]) for i in operands))
+        return out
+
+    return run

@@ -1,4 +1,4 @@
-"""The emitter on graphs of its own: random ones, loops, branches; bit by bit against the VM."""
+"""The emitter on graphs of its own: random ones, loops, branches; to the bit what they say."""
 
 from __future__ import annotations
 
@@ -49,15 +49,16 @@ def random_graph(name: str, seed: int) -> Kernel:
 
 
 @pytest.mark.parametrize("native", [False, True])
-def test_random_graphs_equal_the_virtual_machine_to_the_bit(native: bool) -> None:
+def test_random_graphs_equal_their_instructions_to_the_bit(native: bool) -> None:
     kernels = [random_graph(f"random{seed}", seed) for seed in range(12)]
     draw = np.random.default_rng(1)
     branches = 0
     for item, step in zip(kernels, compiled(kernels, native=native), strict=True):
         branches += definition(item).count("if (")
+        wanted = machine(item)
         for _ in range(40):
             x = draw.normal(size=INPUTS) * 10.0 ** draw.integers(-3, 3)
-            assert (step(x) == machine(item)(x)).all(), item.name
+            assert (step(x) == wanted(x)).all(), item.name
     assert branches > 25
 
 
@@ -80,13 +81,13 @@ def network(lanes: int = 8) -> Kernel:
 
 
 @pytest.mark.parametrize("lanes", [8, 16])
-def test_loops_equal_the_virtual_machine_to_the_bit(lanes: int) -> None:
+def test_loops_equal_their_instructions_to_the_bit(lanes: int) -> None:
     item = network(lanes)
-    step = compiled([item])[0]
+    step, wanted = compiled([item])[0], machine(item)
     draw = np.random.default_rng(0)
     for _ in range(50):
         z, W = draw.normal(size=5), draw.normal(size=128)
-        assert (step(z, W) == machine(item)(z, W)).all()
+        assert (step(z, W) == wanted(z, W)).all()
 
 
 def test_networks_become_short_loops() -> None:
@@ -114,10 +115,10 @@ def test_runs_of_any_shape_keep_their_values(seed: int) -> None:
             row.append((left + right, left * right, left - right)[seed % 3] / 2)
         rows.append(row if len(row) > 3 else before)
     item = kernel(f"runs{seed}", "Runs.", {"x": x}, {"y": ca.vertcat(*rows[-1], *rows[3])})
-    step = compiled([item])[0]
+    step, wanted = compiled([item])[0], machine(item)
     for _ in range(20):
         given = draw.normal(size=40)
-        assert (step(given) == machine(item)(given)).all()
+        assert (step(given) == wanted(given)).all()
 
 
 def test_a_loop_read_once_needs_no_array() -> None:
@@ -161,21 +162,3 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
     for _ in range(20):
         given = draw.normal(size=3), draw.uniform(0.1, 3, 1)
         assert step(*given) == pytest.approx(machine(item)(*given), rel=4e-16)
-
-
-def test_tanh_is_right_to_2_ulp_and_odd() -> None:
-    mp = pytest.importorskip("mpmath")
-    x = ca.SX.sym("x")
-    step = compiled([kernel("tanh_of", "tanh.", {"x": x}, {"y": ca.tanh(x)})])[0]
-    draw = np.random.default_rng(0)
-    worst = 0.0
-    with mp.workdps(40):
-        for exponent in draw.uniform(-12, 1.6, 4000):
-            value = 10.0**exponent
-            found, wanted = step(np.array([value]))[0], mp.tanh(mp.mpf(value))
-            worst = max(worst, float(abs(found - wanted) / np.spacing(float(wanted))))
-            assert step(np.array([-value]))[0] == -found
-    assert worst < 2.0
-    assert step(np.array([1e308]))[0] == 1.0
-    assert step(np.array([5e-324]))[0] == 5e-324
-    assert np.isnan(step(np.array([np.nan]))[0])

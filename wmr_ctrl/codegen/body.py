@@ -7,8 +7,20 @@ from collections.abc import Iterable, Sequence
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.fold import folded
-from wmr_ctrl.codegen.items import Block, Item, Line, Roll, Slice, Writing, line, ordered, writing
+from wmr_ctrl.codegen.items import (
+    Block,
+    Item,
+    Line,
+    Roll,
+    Slice,
+    Together,
+    Writing,
+    line,
+    ordered,
+    writing,
+)
 from wmr_ctrl.codegen.rolls import rolled
+from wmr_ctrl.codegen.together import together
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
@@ -18,7 +30,8 @@ def body(graph: Graph, dialect: Dialect) -> list[str]:
     """Statements of a function that computes the graph: branches, loops, and results last."""
     lines = [line(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
-    items, places = rolled(graph, branched(graph, scope))
+    scope = branched(graph, scope)
+    items, places = rolled(graph, together(graph, scope) if dialect.together else scope)
     return _Writer(graph, dialect, items, places).text()
 
 
@@ -33,6 +46,12 @@ class _Writer:
         places: dict[int, tuple[str, int]],
     ) -> None:
         self.graph, self.dialect, self.items, self.places = graph, dialect, items, places
+        self.grouped = {
+            number: (item.array, index)
+            for item in items
+            if isinstance(item, Together)
+            for index, number in enumerate(item.defines)
+        }
         self.folded = folded(graph, items)
         self.rolls = [item for item in items if isinstance(item, Roll) and item.defines]
 
@@ -58,9 +77,20 @@ class _Writer:
                 found.append(f"{indent}{target} = {self._real(item.store.node)};")
             elif isinstance(item, Block):
                 found.extend(self._block(item, indent))
+            elif isinstance(item, Together):
+                found.extend(self._exponentials(item, indent))
             elif isinstance(item, Roll) and item not in self.folded:
                 found.extend(self._loop(item, indent))
         return found
+
+    def _exponentials(self, item: Together, indent: str) -> list[str]:
+        """What is missing to a multiple of the dialect's size is filled up with zeros."""
+        given = [self._real(number) for number in item.operands]
+        given += [self.dialect.number(0.0)] * (-len(given) % self.dialect.together)
+        return [
+            f"{indent}{self.dialect.real} {item.array}[{len(given)}] = {{{', '.join(given)}}};",
+            f"{indent}wmr_exp_many({item.array}, {len(given)});",
+        ]
 
     def _assignment(self, number: int) -> str:
         if number in self.places:
@@ -82,7 +112,7 @@ class _Writer:
 
     def _name(self, number: int) -> str:
         node = self.graph.nodes[number]
-        place = node.place or self.places.get(number)
+        place = node.place or self.places.get(number) or self.grouped.get(number)
         if place is not None:
             return f"{place[0]}[{place[1]}]"
         return self.dialect.number(node.number) if node.leaf else f"t{number}"

@@ -69,13 +69,18 @@ TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 
 @dataclass(frozen=True)
 class Dialect:
-    """Types and patterns of one way to write C, and the header that has its functions."""
+    """Types and patterns of one way to write C, and the header that has its functions.
+
+    ``together``: independent exponentials are computed side by side, in arrays of multiples of this
+    size; 0: one by one.
+    """
 
     header: str
     real: str
     truth: str
     patterns: Mapping[int, str]
     lanes: bool
+    together: int = 0
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands."""
@@ -109,5 +114,5 @@ class Dialect:
 
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
-SCALAR = Dialect(HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False)
-LANES = Dialect(HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True)
+SCALAR = Dialect(HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False, together=8)
+LANES = Dialect(HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, together=1)

@@ -64,6 +64,14 @@ class Roll(Item):
     operands: tuple[Slice | int, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Together(Item):
+    """The exponentials of ``operands``, in order, as elements of an array."""
+
+    array: str = ""
+    operands: tuple[int, ...] = ()
+
+
 def line(graph: Graph, number: int) -> Line:
     """The item of one operation."""
     return Line((number,), values(graph, graph.nodes[number].operands), graph.cost(number))

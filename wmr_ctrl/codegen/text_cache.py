@@ -18,7 +18,7 @@ from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.codegen.emit import Kernel, definition
 from wmr_ctrl.model import graph
 
-_EMITTER = ("body", "branches", "dialect", "emit", "fold", "items", "rolls")
+_EMITTER = ("body", "branches", "dialect", "emit", "fold", "items", "rolls", "together")
 
 
 def kept_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:

@@ -1,0 +1,194 @@
+"""Elementary functions: how near they are to the truth, special values, lanes like numbers."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from tests.arithmetic.functions import EVERY, PAIRS, called, hashes, library
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.codegen.lanes import build_batch, flags_of, vector_sets
+from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.sim.batch_memory import vector_sets as usable
+
+DRAWS = 300
+LIMITS = {
+    "exp": 1.0, "log": 1.0, "log1p": 1.0, "asin": 1.0, "acos": 1.0, "atan": 1.0, "sqrt": 0.501,
+    "expm1": 2.0, "sin": 2.0, "cos": 2.0, "tanh": 2.0, "cosh": 2.0, "sinh": 3.0, "tan": 3.0,
+    "atan2": 2.0, "hypot": 2.0, "pow": 2.0,
+}  # fmt: skip
+"""Units in the last place, as the header states them."""
+
+Range = tuple[float, float]
+UNIFORM: dict[str, list[Range]] = {
+    "exp": [(-745.0, 709.7), (-701.0, -699.0), (699.0, 701.0), (-1.0, 1.0)],
+    "expm1": [(-60.0, 60.0), (-1.5, 1.5), (-0.36, 0.36), (55.0, 57.0), (600.0, 709.7)],
+    "log": [(0.5, 2.0), (0.999, 1.001)],
+    "log1p": [(-0.99, 3.0), (-0.5, 0.5)],
+    "sin": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
+    "cos": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
+    "tan": [(-10.0, 10.0), (-1000.0, 1000.0), (999.0, 1001.0)],
+    "tanh": [(-3.0, 3.0), (0.6, 0.65), (18.0, 20.0)],
+    "sinh": [(-3.0, 3.0), (-710.4, 710.4), (0.99, 1.01), (699.0, 701.0)],
+    "cosh": [(-3.0, 3.0), (-710.4, 710.4), (699.0, 701.0)],
+    "asin": [(-1.0, 1.0), (0.49, 0.51), (0.97, 1.0)],
+    "acos": [(-1.0, 1.0), (0.49, 0.51), (-0.51, -0.49), (0.97, 1.0)],
+    "atan": [(-5.0, 5.0), (0.43, 0.44), (0.68, 0.69), (1.18, 1.19), (2.43, 2.44)],
+    "sqrt": [(0.0, 4.0)],
+}
+POWERS: dict[str, list[Range]] = {
+    "exp": [(-20.0, 0.0)], "expm1": [(-20.0, 0.0)], "log": [(-323.0, -308.0), (-307.0, 308.0)],
+    "log1p": [(-20.0, 300.0)], "sin": [(-20.0, 0.0), (3.0, 308.0)],
+    "cos": [(-20.0, 0.0), (3.0, 308.0)], "tan": [(-20.0, 0.0), (3.0, 308.0)],
+    "tanh": [(-20.0, 1.3)], "sinh": [(-20.0, 0.0)], "cosh": [(-20.0, 0.0)],
+    "asin": [(-20.0, -0.01)], "acos": [(-20.0, -0.01)], "atan": [(-20.0, 20.0)],
+    "sqrt": [(-323.0, 308.0)],
+}  # fmt: skip
+"""Of ten: both signs where the function takes them."""
+SPECIAL = np.array(
+    [sign * size for sign in (1.0, -1.0) for size in (
+        0.0, 5e-324, 1e-310, 2.2250738585072014e-308, 1e-20, 0.5, 0.5 + 2**-52, 0.625, 1.0, 1.5,
+        np.pi / 2, 2.0, 3.0, 19.1, 999.9999, 1000.0, 709.78, 709.79, 710.475, 745.0, 746.0,
+        4503599627370495.5, 2.0**52, 2.0**53, 2.0**53 + 2, 1e300, 1.7976931348623157e308,
+        math.inf, math.nan,
+    )]
+)  # fmt: skip
+NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2",
+         "pow": "power", "abs": "fabs"}  # fmt: skip
+SETS = {item.name: item for item in vector_sets()}
+
+
+def inputs(name: str) -> np.ndarray:
+    draw = np.random.default_rng(0)
+    both = [1.0] if name in ("log", "log1p", "sqrt") else [1.0, -1.0]
+    parts = [draw.uniform(low, high, DRAWS) for low, high in UNIFORM[name]]
+    parts += [draw.choice(both, DRAWS) * 10 ** draw.uniform(*ends, DRAWS) for ends in POWERS[name]]
+    if name in ("sin", "cos", "tan"):
+        zeros = np.arange(1, 640, 7) * (math.pi / 2)
+        parts += [zeros, np.nextafter(zeros, 0.0), -np.nextafter(zeros, np.inf)]
+    return np.concatenate(parts)
+
+
+def pairs(name: str) -> tuple[np.ndarray, np.ndarray]:
+    draw = np.random.default_rng(0)
+
+    def power(low: float, high: float) -> np.ndarray:
+        return 10 ** draw.uniform(low, high, DRAWS)
+
+    if name == "pow":
+        bases = [draw.uniform(0, 5, DRAWS), power(-300, 300), power(-323, -308),
+                 1 + draw.choice([1, -1], DRAWS) * power(-10, -1)]  # fmt: skip
+        exponents = [draw.uniform(-400, 400, DRAWS), *(draw.uniform(-1, 1, (2, DRAWS))),
+                     power(2, 9)]  # fmt: skip
+        return np.concatenate(bases), np.concatenate(exponents)
+    ranges = [(-5, 5), (-300, 300), (-323, -300), (300, 308)]
+    sides = [np.concatenate([power(*ends) for ends in ranges]) for _ in range(2)]
+    return tuple(side * draw.choice([1.0, -1.0], len(side)) for side in sides)
+
+
+def error(found: float, wanted: mpmath.mpf) -> float:
+    """Of a result, in units in its last place."""
+    rounded = float(wanted)
+    if math.isinf(rounded) or math.isinf(found):
+        return 0.0 if rounded == found else math.inf
+    return float(abs(mpmath.mpf(found) - wanted) / math.ulp(rounded))
+
+
+def worst(name: str, given: tuple[np.ndarray, ...], precision: int = 120) -> float:
+    truth = getattr(mpmath, {"pow": "power"}.get(name, name))
+    found = called(name, *given, of=library())
+    with mpmath.workprec(precision):
+        return max(
+            error(float(one), truth(*(mpmath.mpf(float(item)) for item in row)))
+            for one, row in zip(found, zip(*given, strict=True), strict=True)
+        )
+
+
+@pytest.mark.parametrize("name", UNIFORM)
+def test_functions_are_as_right_as_the_header_says(name: str) -> None:
+    assert worst(name, (inputs(name),)) <= LIMITS[name]
+
+
+@pytest.mark.parametrize("name", ["atan2", "hypot", "pow"])
+def test_functions_of_two_are_as_right_as_the_header_says(name: str) -> None:
+    assert worst(name, pairs(name)) <= LIMITS[name]
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "tan"])
+def test_angles_of_any_size_are_reduced_exactly(name: str) -> None:
+    """Next to multiples of pi/2 too: the first is the double that is nearest to one of all."""
+    given = np.array([6381956970095103 * 2.0**797, 1e300, 1e22, 2.0**1023, -1.7976931348623157e308])
+
+    assert worst(name, (given,), precision=1300) <= LIMITS[name]
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_special_values_are_the_c_librarys(name: str) -> None:
+    """Signs of zeros included."""
+    rows = itertools.product(SPECIAL, SPECIAL) if name in PAIRS else zip(SPECIAL, strict=True)
+    given = [np.array(column) for column in zip(*rows, strict=True)]
+    found = called(name, *given, of=library())
+    with np.errstate(all="ignore"):
+        wanted = truth_of(name)(*given)
+    ends = ~np.isfinite(wanted) | (wanted == 0)
+
+    assert np.array_equal(found[ends], wanted[ends], equal_nan=True)
+    assert found[~ends] == pytest.approx(wanted[~ends], rel=1e-15, abs=5e-324)
+    known = ~np.isnan(wanted)
+    assert np.array_equal(np.signbit(found[known]), np.signbit(wanted[known]))
+
+
+def truth_of(name: str) -> np.ufunc:
+    own = {
+        "exp_many": np.exp,
+        "one_nan": np.positive,
+        "sign": lambda a: np.where(a == 0, a, np.sign(a)),
+        "min": lambda a, b: np.where(a < b, a, b),
+        "max": lambda a, b: np.where(a > b, a, b),
+    }
+    return own.get(name) or getattr(np, NUMPY.get(name, name))
+
+
+def test_every_nan_becomes_the_same() -> None:
+    bits = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x7FF0000000000001], dtype=np.uint64)
+    found = called("one_nan", bits.view(float), of=library())
+
+    assert (found.view(np.uint64) == 0x7FF8000000000000).all()
+
+
+def available() -> list[str]:
+    """The sets of vector instructions that this processor has, as a library for lanes finds out."""
+    kernels = build_batch(scenario_of("paper-simulation"), "mb")
+    return [item.name for item in usable(kernels.library)]
+
+
+@pytest.mark.parametrize("vectors", SETS)
+def test_lanes_have_the_bits_of_numbers(vectors: str) -> None:
+    if vectors not in available():
+        pytest.skip(f"NOT RUN: this processor has no {vectors}")
+    toolchain = find_toolchain()
+    lanes = library(toolchain, tuple(flags_of(SETS[vectors], toolchain)))
+
+    assert hashes(lanes) == hashes(library())
+    assert len(set(hashes(lanes).values())) == len(EVERY) - 1  # exp_many is exp
+
+
+def test_branches_of_other_lanes_change_nothing() -> None:
+    """Numbers of all kinds side by side, against the same number in all lanes."""
+    toolchain = find_toolchain()
+    lanes = library(toolchain, ("-DWMR_LANES=8", "-Wno-psabi"))
+    draw = np.random.default_rng(2)
+    given = draw.permutation(np.concatenate([np.tile(SPECIAL, 4), draw.normal(size=500) * 20]))
+    for name in EVERY:
+        mixed = called(name, given, given[::-1], of=lanes)
+        alone = called(name, given, given[::-1], of=library())
+        assert np.array_equal(mixed, alone, equal_nan=True), name
+
+
+def test_denormal_numbers_are_kept() -> None:
+    assert called("sqrt", np.array([5e-324]), of=library())[0] > 0
+    assert float(np.float64(2.3e-308) / 8) > 0

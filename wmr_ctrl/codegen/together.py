@@ -1,0 +1,41 @@
+"""Independent exponentials side by side, so that compilers make vector instructions of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from wmr_ctrl.codegen.items import Item, Line, Together, ordered, values
+from wmr_ctrl.model.graph import Graph
+
+FEWEST = 4
+"""Exponentials that are worth an array."""
+
+
+def together(graph: Graph, items: Sequence[Item]) -> list[Item]:
+    """The items with exponentials of one rank, of which none needs another, as one item each."""
+    groups = [group for group in _ranks(graph, items).values() if len(group) >= FEWEST]
+    gone = {number for group in groups for number in group}
+    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    made = [_together(graph, group, f"e{place}") for place, group in enumerate(groups, 1)]
+    return ordered([*made, *kept])
+
+
+def _ranks(graph: Graph, items: Sequence[Item]) -> dict[int, list[int]]:
+    """Exponentials by how many stand before them on the longest way from the inputs."""
+    rank: dict[int, int] = {}
+    groups: dict[int, list[int]] = {}
+    for item in items:
+        before = max((rank.get(number, 0) for number in item.reads), default=0)
+        if isinstance(item, Line) and graph.nodes[item.node].op == ca.OP_EXP:
+            groups.setdefault(before, []).append(item.node)
+            before += 1
+        rank.update(dict.fromkeys(item.defines, before))
+    return groups
+
+
+def _together(graph: Graph, numbers: Sequence[int], array: str) -> Together:
+    operands = tuple(graph.nodes[number].operands[0] for number in numbers)
+    cost = sum(graph.cost(number) for number in numbers)
+    return Together(tuple(numbers), values(graph, operands), cost, array, operands)
