@@ -17,7 +17,7 @@ from wmr_ctrl.codegen.cache_folder import cache_dir
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.codegen.emit import Kernel, definition
 
-_EMITTER = ("body", "branches", "dialect", "emit", "fold", "graph", "items", "rolls")
+_EMITTER = ("body", "branches", "dialect", "emit", "fold", "items", "rolls", "../model/graph")
 
 
 def kept_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
