@@ -36,7 +36,8 @@ class BarrierAxis:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """v, c, u1, u2 with the suffix."""
-        return symbols(" ".join(f"{name}{self.suffix}" for name in ("v", "c", "u1", "u2")))
+        s = self.suffix
+        return symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
 
     @property
     def all(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
