@@ -1,12 +1,42 @@
-"""What the main job hands back."""
+"""What a report is made of, and what writing it hands back."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from wmr_ctrl.campaign import Table
+from wmr_ctrl.campaign import Campaign, FigureTable
+from wmr_ctrl.campaign.comparison import GuardComparison
 from wmr_ctrl.report.claims import Judged, Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What stands in a report beside the runs' numbers.
+
+    ``titles``: law -> text; ``timings``: law -> s per 10,000 evaluations, empty where they were not
+    taken; ``versions``: name -> text; ``stale``: ids of the proof ledger whose graph has changed
+    since, None where that was not compared.
+    """
+
+    titles: Mapping[str, str] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    stale: Sequence[str] | None = None
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """Finished runs, the verdicts that follow from them, and facts: all that a report shows.
+
+    ``comparison`` is the one past the paper, without rows where it was not run.
+    """
+
+    campaign: Campaign
+    judged: tuple[Judged, ...]
+    facts: Facts = field(default_factory=Facts)
+    comparison: GuardComparison = field(default_factory=GuardComparison)
 
 
 @dataclass(frozen=True)
@@ -14,7 +44,7 @@ class Verdicts:
     """The verdict on every claim, the table behind them, and the files that were written."""
 
     judged: tuple[Judged, ...]
-    table: Table
+    table: FigureTable
     folder: Path
     files: tuple[Path, ...]
 
