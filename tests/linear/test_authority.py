@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.linear import authority, closed_loop, dead_zone, linear_offset, settled_speed, stepper
-from wmr_ctrl.linear.velocity import pull_of
+from wmr_ctrl.linear.pull import pull_of
 
 MASS = (50.0, 5.4)
 TABLE = [

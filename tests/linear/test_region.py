@@ -7,8 +7,7 @@ import pytest
 
 from wmr_ctrl.api import compile_loop
 from wmr_ctrl.linear import SADDLE, kinematic_loop
-from wmr_ctrl.linear.batch import endings
-from wmr_ctrl.linear.region import certified, converged, level, start_at
+from wmr_ctrl.linear.kinematic import certified, converged, endings, level, start_at
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import override
 

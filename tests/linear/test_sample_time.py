@@ -16,7 +16,7 @@ from wmr_ctrl.linear import (
     learning_periods,
     one_step_period,
     regressor_square,
-    settled,
+    resting_point,
     spectral_radius,
     stepper,
 )
@@ -74,7 +74,7 @@ def test_kink_limits_of_the_audit(nominal):
 @pytest.mark.parametrize("axis", [0, 1])
 def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
     """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
-    from wmr_ctrl.linear.velocity import pull_of
+    from wmr_ctrl.linear.pull import pull_of
 
     limit, mass = kink_periods(nominal, "mb")[axis], (50.0, 5.4)[axis]
     u2 = nominal.limits.v_u2[axis]
@@ -129,7 +129,7 @@ def test_frozen_regressor_bound_of_the_audit(nominal):
 
 def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
     """|S|^2 = 0.319 at eta = sqrt 2: no period is stable once the weights move."""
-    point = settled(nominal, "nn")
+    point = resting_point(nominal, "nn")
 
     assert regressor_square(nominal) == pytest.approx(0.319, rel=2e-3)
     assert largest_learning_period(nominal, "nn", point) == 0.0
@@ -140,7 +140,7 @@ def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
 def test_a_narrower_network_is_stable_up_to_a_period(nominal):
     """eta^2 = 1 gives |S|^2 = 0.007; runs on both sides of the limit agree."""
     narrow = override(nominal, {"gains.nn.eta": 1.0})
-    point = settled(narrow, "nn")
+    point = resting_point(narrow, "nn")
     limit = largest_learning_period(narrow, "nn", point)
 
     assert regressor_square(narrow) == pytest.approx(0.0070, rel=1e-2)

@@ -35,11 +35,7 @@ def row(law, seed, **values):
 def evidence(*rows):
     """Rows with every figure None but those that are given."""
     empty = dict.fromkeys((figure.name for figure in FIGURES), None)
-    return Evidence(
-        FigureTable(
-            FigureRow(r.scenario, r.law, r.seed, r.outcome, {**empty, **r.values}) for r in rows
-        )
-    )
+    return Evidence(FigureTable(replace(r, values={**empty, **r.values}) for r in rows))
 
 
 def measured(value, **bound):

@@ -15,15 +15,31 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.linear.names import APPLIED, DISTURBANCE, ERROR_STATE, V_D, V_D_DOT
-from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.linearise import Floats, element_names
 from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
 from wmr_ctrl.model.tracking import error_rate, error_rotation
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
+from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, TRACKING_ERROR, VELOCITY, Signal
+
+DISTURBANCE = Signal(
+    "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
+)
+APPLIED = Signal("force_applied", "N, N.m", "generalised force behind the drives' lag", 2)
+V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
+V_D_DOT = Signal("v_d_dot", "m/s2, rad/s2", "rate of the desired velocity", 2)
+
+ERROR_STATE = (TRACKING_ERROR, *VELOCITY)
+"""e (3), v1, omega: the robot seen from its reference."""
+
+
+FORCES = element_names((FORCE,))
+DISTURBANCES = element_names((DISTURBANCE,))
+STATES = element_names(ERROR_STATE)
+
 
 PERIOD = "clock.control"
 

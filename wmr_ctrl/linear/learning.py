@@ -18,9 +18,10 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import largest_square, square_bound
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.gains import gains_of, kinematic_gains
+from wmr_ctrl.linear.linearise import Floats, radius
 from wmr_ctrl.linear.loop import hold
-from wmr_ctrl.linear.numbers import Floats, radius
 from wmr_ctrl.linear.sampled import supremum
 from wmr_ctrl.scenario import Scenario
 
