@@ -15,8 +15,8 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.laws import LAWS
 from wmr_ctrl.linear.linearise import Floats, element_names
 from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
@@ -77,13 +77,19 @@ def _drives(
 
 
 @lru_cache(maxsize=64)
+def law_loop(scenario: Scenario, law: str) -> Loop:
+    """``law`` on ``scenario`` as the checks see it: what it uses, whether it adapts; built once."""
+    return Loop(scenario, law)
+
+
+@lru_cache(maxsize=64)
 def error_law(scenario: Scenario, law: str) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
     The law's own graph, with the robot at the origin and the reference placed to give e; a law that
     asks for the torque applied before is given its own last one, as behind ideal drives.
     """
-    core = _with_own_torque(LAWS[law].build(scenario), scenario)
+    core = _with_own_torque(law_loop(scenario, law).core, scenario)
     e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
     pose_d = error_rotation(ca.SX(0)).T @ e.sym
     known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
 from wmr_ctrl.linear.pull import pull_curve
@@ -27,7 +27,7 @@ def draw(report: LinearReport, folder: Path) -> list[Path]:
     """Write the figures as PNG into ``folder``, which is made; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     parts = {"poles": _poles, "sample-time": _sample_time, "nyquist": _nyquist}
-    if Loop(report.scenario, report.law).uses("limits."):
+    if law_loop(report.scenario, report.law).uses("limits."):
         parts["pull"] = _pull
     paths = []
     for name, plot in parts.items():
@@ -87,7 +87,7 @@ def _nyquist(report: LinearReport, panels: Sequence[Axes]) -> None:
 
 
 def _pull(report: LinearReport, panels: Sequence[Axes]) -> None:
-    asked = Loop(report.scenario, report.law).start.v_c0
+    asked = law_loop(report.scenario, report.law).start.v_c0
     for axis, panel in enumerate(panels):
         u1 = report.scenario.limits.v_u1[axis]
         v = np.linspace(-u1, u1, 800)[1:-1]

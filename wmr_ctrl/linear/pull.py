@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from wmr_ctrl.checks.barrier import Phase, drag
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop
 from wmr_ctrl.linear.point import Point
@@ -37,7 +37,7 @@ def pull_of(
     ``v_c0`` (2) stays; the other axis rests at its own v_c0.  The friction that the law believes
     in is taken off, so that with a correct model the barrier's own pull is left.
     """
-    loop = Loop(scenario, law)
+    loop = law_loop(scenario, law)
     compensated = 1.0 if loop.uses("model.mu") else 0.0
     robot = scenario.believed
     phase = Phase(0.0, robot.m, robot.mu)

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable, radius
 from wmr_ctrl.linear.loop import closed_loop, constant_speed
@@ -143,7 +143,7 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
 
 def learned_point(scenario: Scenario, law: str) -> Point | None:
     """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
-    if not Loop(scenario, law).adaptive:
+    if not law_loop(scenario, law).adaptive:
         return None
     try:
         return resting_point(scenario, law)

@@ -14,11 +14,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import kink_limits
 from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.blocks import PERIOD
+from wmr_ctrl.linear.blocks import PERIOD, law_loop
 from wmr_ctrl.linear.linearise import Floats, bisect, radius
 from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at
 from wmr_ctrl.linear.point import Point, on_reference
@@ -83,10 +82,10 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf where a
     law adapts its gains to its period such that no period is too long.
     """
-    loop = Loop(scenario, law)
+    loop = law_loop(scenario, law)
     if not loop.uses("limits."):
         return None
-    return for_own_period(scenario, law, lambda other: kink_limits(Loop(other, law)))
+    return for_own_period(scenario, law, lambda other: kink_limits(law_loop(other, law)))
 
 
 def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Floats]) -> Floats:
@@ -94,7 +93,7 @@ def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Flo
 
     Where the law's force does not depend on the period that is ``limit(scenario)``.
     """
-    if not Loop(scenario, law).uses(PERIOD):
+    if not law_loop(scenario, law).uses(PERIOD):
         return limit(scenario)
 
     def share(axis: int) -> Callable[[float], float]:
@@ -122,7 +121,7 @@ def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) ->
     The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
     for a law that does not know the limit, inf where no hold is too long.
     """
-    loop = Loop(scenario, law)
+    loop = law_loop(scenario, law)
     if not loop.uses("limits."):
         return None
     asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)

@@ -16,13 +16,13 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import (
     by_port,
     error_law,
     error_plant,
     holding,
+    law_loop,
     with_period,
     with_values,
 )
@@ -98,7 +98,7 @@ def stepper(
     held = scenario.clock.control if period is None else period
     law_block = error_law(scenario, law)
     acting = with_values(with_period(law_block, held), by_port(law_block, at.memory))
-    if memory == "frozen" and Loop(scenario, law).adaptive:
+    if memory == "frozen" and law_loop(scenario, law).adaptive:
         acting = holding(acting, [item.signal.name for item in acting.state])
     moving = error_plant(scenario)
     step = _one_period(moving, acting, at, held, max(1, round(held / min(LONGEST_STEP, held))))
