@@ -23,6 +23,7 @@ ORDER = (
     {"proofs", "linear", "fmi"},
     {"campaign"},
     {"report"},
+    {"api_types"},
     {"api"},
     {"__init__"},
     {"cli"},
@@ -47,6 +48,7 @@ THIRD_PARTY = {
     "fmi": {"fmpy", "jinja2", "numpy"},
     "campaign": {"numpy"},
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},
+    "api_types": set(),
     "api": {"numpy"},
     "__init__": set(),
 }
@@ -119,6 +121,19 @@ def test_runs_and_studies_are_handed_their_kernels():
         return layers_used(module) & graphs if module.layer in {"sim", "campaign"} else set()
 
     assert offenders(builds) == {}
+
+
+def test_the_report_runs_nothing():
+    running = {"codegen", "sim", "fmi"}
+    jobs = {"run_campaign", "run_comparison", "simulate", "run_each"}
+
+    def runs(module: Module) -> set[str]:
+        if module.layer != "report":
+            return set()
+        named = {node.id for node in ast.walk(module.tree) if isinstance(node, ast.Name)}
+        return (layers_used(module) & running) | (named & jobs)
+
+    assert offenders(runs) == {}
 
 
 def test_report_reads_proofs_through_the_ledger_only():

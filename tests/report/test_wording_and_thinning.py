@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.report.decimate import running_mean, running_rms, thin, thin_path
+from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
 from wmr_ctrl.report.style import look, unit_text
-from wmr_ctrl.report.wording import shown, told
+from wmr_ctrl.report.wording import shown, spoken
 
 COUNTS = st.integers(1, 9000)
 
@@ -39,7 +39,7 @@ def test_numbers_keep_three_digits(value):
 
 
 def test_numbers_in_sentences():
-    assert f"{told(0.0273):%} {told(0.00072):mm} {told(2.41)}" == "2.7 % 0.72 mm 2.41"
+    assert f"{spoken(0.0273):%} {spoken(0.00072):mm} {spoken(2.41)}" == "2.7 % 0.72 mm 2.41"
 
 
 def test_units_are_written_for_readers():

@@ -82,7 +82,7 @@ def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> No
     check_output(plot, PLOTS, "--plot")
     check_output(animate, ANIMATIONS, "--animate")
     if animate and animate.lower().endswith(".mp4"):
-        from wmr_ctrl.report.animation.film import find_ffmpeg
+        from wmr_ctrl.report.animate import find_ffmpeg
 
         find_ffmpeg()
 

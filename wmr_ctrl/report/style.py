@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import matplotlib as mpl
 
@@ -23,13 +23,17 @@ DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
 DOTTED = (0, (1.2, 1.4))
 
 
+Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
+"""A line's dash pattern, as matplotlib takes it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Look:
     """How a law is drawn: colour, dash pattern, marker, and its short name."""
 
     label: str
     colour: str
-    dash: Any = "-"
+    dash: Dash = "-"
     marker: str = "o"
 
 

@@ -30,7 +30,7 @@ def _raised(exponent: int) -> str:
     return str(exponent).translate(signs)
 
 
-class Told(float):
+class SpokenNumber(float):
     """A number for sentences: three digits, or by its format ``%`` per cent, ``mm`` millimetres."""
 
     def __format__(self, spec: str) -> str:
@@ -39,6 +39,6 @@ class Told(float):
         return f"{shown(1000 * self, 2)} mm" if spec == "mm" else shown(float(self))
 
 
-def told(value: float | None) -> Told:
+def spoken(value: float | None) -> SpokenNumber:
     """A number for sentences; NaN stands for one that is missing."""
-    return Told(math.nan if value is None else value)
+    return SpokenNumber(math.nan if value is None else value)
