@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
@@ -62,14 +61,14 @@ def scenario_of(
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
-    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.control.setup import check_scenario
 
     switch = {} if guard is None else {"guard.enabled": guard}
     changed = {**(overrides or {}), **switch}
     loaded = (
         override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )
-    settle(loaded, None)
+    check_scenario(loaded)
     return loaded
 
 
@@ -333,7 +332,7 @@ def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress 
 
     setup = settle(scenario, law)
     own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
-    gains, kinematics = asdict(setup.gains), asdict(setup.kinematics)
+    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
     columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
     logged = (signals, columns, Monitor(**numbers))

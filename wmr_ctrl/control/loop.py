@@ -10,6 +10,7 @@ one.  Compiled loops and FMUs are made from these graphs and know no System by n
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any, cast
 
 import casadi as ca
 
@@ -136,9 +137,10 @@ class LoopGraphs:
         off = self.sample.column(POSE) - self.sample.column(REFERENCE[:3])
         e, torque = known[TRACKING_ERROR.name], self.sample.column(TORQUE)
         peak = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-        least, u1 = known["d_least"], p.take("limits.v_u1")
-        force = stopping_force(p.take("guard.M_max"), u1, p.take("clock.control"))
-        most = admitted(p.take("guard.dbar"), force)
+        least = known["d_least"]
+        keys = ("guard.M_max", "limits.v_u1", "clock.control", "guard.dbar")
+        mass, u1, period, dbar = (cast(Any, p.take(key)) for key in keys)  # symbols for floats
+        most = admitted(dbar, stopping_force(mass, u1, period))
         sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
         squares = torque[0] * torque[0] + torque[1] * torque[1]
         beyond = [least[axis] > most[axis] for axis in (0, 1)]

@@ -119,6 +119,17 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
 
 
+def check_scenario(scenario: Scenario) -> None:
+    """Raise what `settle` raises for every law: gains, a reference, a guard that cannot be.
+
+    Of the guard that is on, what no law's own torque limit changes.
+    """
+    check_gains(scenario)
+    _finite_reference(scenario)
+    if scenario.guard.enabled:
+        settle(scenario, None)
+
+
 def gains_of(scenario: Scenario, law: Law) -> Section:
     """The law's gains with what the scenario sets; raises on unknown names and bad values."""
     return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")

@@ -17,6 +17,7 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.linearise import Floats, element_names
 from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
@@ -79,7 +80,7 @@ def _drives(
 @lru_cache(maxsize=64)
 def law_loop(scenario: Scenario, law: str) -> Loop:
     """``law`` on ``scenario`` as the checks see it: what it uses, whether it adapts; built once."""
-    return Loop(scenario, law)
+    return Loop(settle(scenario, law))
 
 
 @lru_cache(maxsize=64)

@@ -19,7 +19,7 @@ import numpy as np
 from wmr_ctrl.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.control.gains import kinematic_gains
+from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.linear.blocks import V_D
 from wmr_ctrl.linear.linearise import Floats, linearise
 from wmr_ctrl.linear.point import reference_velocity
@@ -106,7 +106,7 @@ def level(scenario: Scenario, e: Floats) -> Floats:
 def start_at(scenario: Scenario, e: Floats, v: Floats | None = None) -> Floats:
     """Pose and velocity (5) at t = 0 with tracking error ``e`` (3); v defaults to v_d."""
     wanted = np.asarray(e, dtype=float)
-    pose_d = sample(scenario.reference, np.zeros(1))[0, :3]
+    pose_d = sample(scenario, np.zeros(1))[0, :3]
     theta = pose_d[2] - wanted[2]
     back = np.asarray(ca.evalf(error_rotation(ca.SX(theta)))).T @ wanted
     velocity = reference_velocity(scenario, 0.0)[0] if v is None else np.asarray(v, dtype=float)
@@ -147,7 +147,7 @@ def endings(
         starts=rows, jobs=jobs, progress=progress,
     )  # fmt: skip
     scenario = loop.scenario
-    end = sample(scenario.reference, np.array([scenario.clock.duration]))[0, :2]
+    end = sample(scenario, np.array([scenario.clock.duration]))[0, :2]
     gaps = np.hypot(*(table["final_state"][:, :2] - end).T)
     gaps[table["stop"] > 0] = np.inf
     return [

@@ -18,7 +18,8 @@ import numpy as np
 
 from wmr_ctrl.checks.network import largest_square, square_bound
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.control.gains import gains_of, kinematic_gains
+from wmr_ctrl.control.setup import kinematic_gains, settle
+from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats, radius
 from wmr_ctrl.linear.loop import hold
@@ -31,7 +32,7 @@ AXES = (0, 1)
 
 def regressor_square(scenario: Scenario) -> float:
     """|S|^2 on the reference, where the ratio A/(v - v_c1) is 1."""
-    return largest_square(law_loop(scenario, LAW), gains_of(scenario, LAW).eta)
+    return largest_square(law_loop(scenario, LAW), settle(scenario, LAW).own(NetworkGains).eta)
 
 
 def learning_periods(scenario: Scenario, square: float | None = None) -> Floats:
@@ -85,6 +86,6 @@ def _radius_of(scenario: Scenario, axis: int, square: float) -> Callable[[float]
 
 def _numbers(scenario: Scenario, axis: int) -> tuple[float, float, float, float]:
     """a [1/s], M1ii, Gamma and sigma of an axis."""
-    gains, robot = gains_of(scenario, LAW), scenario.robot
+    gains, robot = settle(scenario, LAW).own(NetworkGains), scenario.robot
     mass = (robot.m, robot.I)[axis]
     return gains.rho1[axis] / (2 * mass), mass, gains.Gamma[axis], gains.sigma[axis]

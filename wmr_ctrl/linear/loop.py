@@ -175,6 +175,6 @@ def along_reference(
 def constant_speed(scenario: Scenario) -> bool:
     """Whether the desired velocity is the same all along the reference."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
-    desired = sample(scenario.reference, np.linspace(0.0, end, 257))[:, 3:7]
+    desired = sample(scenario, np.linspace(0.0, end, 257))[:, 3:7]
     swing = np.ptp(desired[:, :2], axis=0).max()
     return bool(swing < STILL and np.abs(desired[:, 2:]).max() < STILL)

@@ -14,6 +14,7 @@ import numpy as np
 
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import continuous_reading, holding
 from wmr_ctrl.linear.linearise import Floats, column, element_names
@@ -62,7 +63,7 @@ def law_nlsys(
     """
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
-    block = controller(scenario, law)
+    block = controller(settle(scenario, law))
     if memory == "frozen":
         block = holding(block, [item.signal.name for item in block.state])
     return to_nlsys(block if sampled else continuous_reading(block))
@@ -99,7 +100,7 @@ def loop_nlsys(
 
 def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
     """Start of `loop_nlsys`: the law's memory, then pose and velocity."""
-    own = controller(scenario, law).x0 if memory == "learning" else []
+    own = controller(settle(scenario, law)).x0 if memory == "learning" else []
     return np.array([*own, *scenario.initial.pose, *scenario.initial.velocity])
 
 

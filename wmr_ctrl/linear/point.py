@@ -50,7 +50,7 @@ class Point:
 
 def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
     """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
-    desired = sample(scenario.reference, np.array([t]))[0]
+    desired = sample(scenario, np.array([t]))[0]
     return desired[3:5], desired[5:7]
 
 

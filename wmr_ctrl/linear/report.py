@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
@@ -137,7 +138,7 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         margins=[margins_at(scenario, law, axis, at) for axis in AXES],
         sampled_margins=[margins_at(scenario, law, axis, at, period) for axis in AXES],
         model_errors=model_errors(scenario, law),
-        warnings=tuple(str(item) for item in warnings_for(scenario, law)),
+        warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
 
 

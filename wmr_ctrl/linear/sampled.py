@@ -106,7 +106,7 @@ def at_period(scenario: Scenario, period: float) -> Scenario:
     """The scenario with control period ``period`` [s], on a clock of its own."""
     drives = replace(scenario.actuator, delay=0.0)
     sensor = replace(scenario.sensor, pose_period=0.0)
-    clock = Clock(period, period, 100 * period)
+    clock = Clock(control=period, plant=period, duration=100 * period)
     return replace(
         scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=()
     )

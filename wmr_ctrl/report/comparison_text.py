@@ -24,7 +24,8 @@ from wmr_ctrl.campaign.comparison import (
     median,
     overrides_of,
 )
-from wmr_ctrl.guard.bounds import net, settled_guard, usable_speed
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.guard.bounds import net, usable_speed
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.style import look
 from wmr_ctrl.report.tables import TextTable, comparison_tables
@@ -264,9 +265,9 @@ class GuardPrice:
 def price_of(base: str, factor: str) -> GuardPrice:
     """v_use of a case against the largest friction of the paper's robot."""
     scenario = _scenario(base, factor)
-    guard = settled_guard(scenario, scenario.actuator.tau_max)
+    guard = settle(scenario, None).guard
     friction = largest_friction(load_scenario(SCENARIO))
-    usable = usable_speed(scenario, (friction, 0.0), scenario.actuator.tau_max)[0]
+    usable = usable_speed(scenario, guard, (friction, 0.0))[0]
     mass, dbar = (guard.M_min or (0.0, 0.0))[0], (guard.dbar or (0.0, 0.0))[0]
     room = scenario.limits.v_u1[0] - (guard.nbar or (0.0, 0.0))[0]
     standstill = mass * room / (friction + net(guard, 0))

@@ -4,32 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeVar
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.results.monitor import Event
 
-N = TypeVar("N", covariant=True)
+Pair: TypeAlias = tuple[float, float]
 
 ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 
 
-class Axes(Protocol[N]):
-    """Two numbers of one kind, floats or symbols: the linear and the angular axis."""
-
-    def __getitem__(self, axis: Literal[0, 1], /) -> N:
-        """The number of one axis."""
-
-
-def stopping_force(mass: Axes[N], limit: Axes[N], period: N) -> tuple[N, N]:
-    """Force that stops the robot from the limit in one sample [N, N m], for floats or symbols."""
+def stopping_force(mass: Pair, limit: Pair, period: float) -> Pair:
+    """Force that stops the robot from the limit in one sample [N, N m]; symbols will do too."""
     return mass[0] * limit[0] / period, mass[1] * limit[1] / period
 
 
-def admitted(dbar: Axes[N], largest: Axes[N]) -> tuple[N, N]:
+def admitted(dbar: Pair, largest: Pair) -> Pair:
     """Largest d_least that does not contradict ``dbar``; arguments as in `Assumptions`."""
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 

@@ -23,7 +23,9 @@ from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
 Numbers: TypeAlias = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
-REAL, WORD, LONG = ct.c_double, ct.c_uint64, ct.c_int64
+REAL: TypeAlias = ct.c_double
+WORD: TypeAlias = ct.c_uint64
+LONG: TypeAlias = ct.c_int64
 REALS, LONGS, WORDS = ct.POINTER(REAL), ct.POINTER(LONG), ct.POINTER(WORD)
 ALIGNMENT = 64
 """Bytes; the widest vector."""
@@ -199,7 +201,7 @@ def laid_out(
     settings = LoopSettings(
         samples=clock.samples, phases=len(compiled.phase_start), windows=len(windows),
         cancelled=ct.pointer(cancelled if cancelled is not None else ct.c_int32(0)),
-        **{name: array.ctypes.data_as(_kind(array)) for name, array in arrays.items()},
+        **{name: pointer_to(array) for name, array in arrays.items()},
     )  # fmt: skip
     logs = [np.empty((clock.samples, chosen.row)) for _ in runs] if log else []
     if log:
@@ -240,6 +242,8 @@ def _columns(lanes: Sequence[Sequence[float]]) -> Floats:
     return array
 
 
-def _kind(array: Numbers) -> type[ct._Pointer[REAL]]:
-    kinds = {"f": REALS, "i": LONGS, "u": WORDS}
-    return kinds[array.dtype.kind]
+def pointer_to(array: Numbers) -> ct._Pointer[REAL] | ct._Pointer[LONG] | ct._Pointer[WORD]:
+    """An array's first element, as its kind of number."""
+    if array.dtype.kind == "f":
+        return array.ctypes.data_as(REALS)
+    return array.ctypes.data_as(LONGS if array.dtype.kind == "i" else WORDS)

@@ -18,7 +18,7 @@ from wmr_ctrl.control.loop import OutsideGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.monitor import STOP_REASONS
-from wmr_ctrl.sim.memory import LONGS, REALS, WORDS, LoopSettings, aligned, noise_key
+from wmr_ctrl.sim.memory import LoopSettings, Numbers, aligned, noise_key, pointer_to
 
 Floats = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -56,7 +56,7 @@ class Outside:
         self.steady = not graphs.always_moves and setup.scenario.actuator.ideal
         delay = round(setup.scenario.actuator.delay / setup.scenario.clock.plant)
         self._step = setup.scenario.clock.plant
-        self._arrays = {
+        self._arrays: dict[str, Numbers] = {
             "parameters": np.array([number for row in compiled.parameters for number in row]),
             "start": np.array(compiled.start),
             "phase_start": np.array(compiled.phase_start, dtype=np.int64),
@@ -65,11 +65,7 @@ class Outside:
             "queue": aligned(max(2 * delay, 1)),
             "sums": aligned(1),
         }
-        kinds = {"f": REALS, "i": LONGS, "u": WORDS}
-        pointers = {
-            name: array.ctypes.data_as(kinds[array.dtype.kind])
-            for name, array in self._arrays.items()
-        }
+        pointers = {name: pointer_to(array) for name, array in self._arrays.items()}
         self._settings = LoopSettings(
             phases=len(compiled.phase_start), cancelled=ct.pointer(ct.c_int32(0)), **pointers
         )

@@ -37,7 +37,7 @@ class Reference(Section):
 
 
 R = TypeVar("R", bound=Reference)
-Trajectory: TypeAlias = Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX] if TYPE_CHECKING else object
+Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
 """From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 
 
