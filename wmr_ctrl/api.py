@@ -333,7 +333,8 @@ def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress 
     setup = settle(scenario, law)
     own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
     gains, kinematics = vars(setup.gains), vars(setup.kinematics)
-    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
+    effects = [item.name for item in setup.effects]
+    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
     logged = (signals, columns, Monitor(**numbers))
     facts = {"kernel_hash": ""}
