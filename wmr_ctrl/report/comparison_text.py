@@ -27,9 +27,8 @@ from wmr_ctrl.campaign.comparison import (
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import net, usable_speed
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.style import look
+from wmr_ctrl.report.style import ABSENT, look, shown
 from wmr_ctrl.report.tables import TextTable, comparison_tables
-from wmr_ctrl.report.wording import ABSENT, shown
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario, load_scenario
 

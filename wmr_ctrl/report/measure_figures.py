@@ -29,8 +29,7 @@ from wmr_ctrl.report.drawing import (
     thin,
 )
 from wmr_ctrl.report.paper_figures import Group, switch_time
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, look
-from wmr_ctrl.report.wording import shown
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario
 

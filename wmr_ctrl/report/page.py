@@ -20,8 +20,8 @@ from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guarantee_figures import STRESS
 from wmr_ctrl.report.measure_figures import HIDDEN
 from wmr_ctrl.report.reproduction import Reproduction
+from wmr_ctrl.report.style import shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
-from wmr_ctrl.report.wording import shown
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import preset_titles
 

@@ -23,8 +23,7 @@ from wmr_ctrl.report.drawing import (
     thin,
 )
 from wmr_ctrl.report.paper_figures import draw_paths, switch_time
-from wmr_ctrl.report.style import DASHED, MUTED, house_style, look
-from wmr_ctrl.report.wording import shown
+from wmr_ctrl.report.style import DASHED, MUTED, house_style, look, shown
 from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")

@@ -20,8 +20,7 @@ from wmr_ctrl.campaign.comparison import (
     tau_peak_of,
 )
 from wmr_ctrl.report.claims import PAPER_TIMES
-from wmr_ctrl.report.style import look, unit_text
-from wmr_ctrl.report.wording import ABSENT, shown
+from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Outcome
 
 

@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 from wmr_ctrl.campaign import Spread, spread
-from wmr_ctrl.report.wording import shown
+from wmr_ctrl.report.style import shown
 
 
 class Verdict(StrEnum):

@@ -15,7 +15,7 @@ from wmr_ctrl.report.claims.claim import (
     Verdict,
     load_claims,
 )
-from wmr_ctrl.report.wording import spoken
+from wmr_ctrl.report.style import spoken
 
 PAPER_TIMES: Mapping[str, float] = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
 """Seconds that 10,000 evaluations of each law took the paper's authors."""

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
-from wmr_ctrl.report.style import look, unit_text
-from wmr_ctrl.report.wording import shown, spoken
+from wmr_ctrl.report.style import look, shown, spoken, unit_text
 
 COUNTS = st.integers(1, 9000)
 
