@@ -196,7 +196,8 @@ class OutsideGraphs:
     """The loop without reference, controller and plant, which are coupled from outside.
 
     ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
-    ``acting``: torques that act over a plant step, and what disturbs.
+    ``acting``: torques that act over a plant step, and what disturbs; ``steady``: whether that is
+    the same in all steps of a sample.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -217,8 +218,11 @@ class OutsideGraphs:
         signals = held_signals(pushed=True)
         self.u = port(Signal("held", "1", "torque commanded, and what disturbs", len(signals)))
         self.step.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
-        late = self.step.drive(self.step.effects(EffectRole.DRIVE))
-        self.step.disturb(self.step.effects(EffectRole.DISTURBANCE))
+        drives = self.step.effects(EffectRole.DRIVE)
+        gusts = self.step.effects(EffectRole.DISTURBANCE)
+        self.steady = not (drives or gusts)
+        late = self.step.drive(drives)
+        self.step.disturb(gusts)
         self.acting = self.step.column((*TORQUE, *DISTURBING))
         self.parameters.take("limits.v_u1")
         self.clock = clock_numbers(self.parameters, late, self.streams)
@@ -242,11 +246,6 @@ class OutsideGraphs:
     def next_fast(self) -> ca.SX:
         """The fast state after a step, with the plant at rest."""
         return ca.vertcat(self.plant.x, *self.step.following)
-
-    @property
-    def always_moves(self) -> bool:
-        """Whether what acts may change from plant step to plant step."""
-        return bool(self.step.state or self.step.streams or self.step.shown)
 
     def draws(self, rate: Rate) -> ca.SX:
         """Random numbers of one rate."""

@@ -19,6 +19,7 @@ from wmr_ctrl.fmi.units import units_of
 from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import (
+    BODY_FORCE,
     DIAGNOSTICS,
     GUARD_DIAGNOSTICS,
     POSE,
@@ -36,7 +37,7 @@ SHOWN = tuple(
     for name in signal.elements
 )
 """Outputs of the whole system: its motion, and what the controller's monitor says of it."""
-DISTURBANCE = tuple(s.name for s in TORQUE_NOISE)
+DISTURBANCE = tuple(s.name for s in (*TORQUE_NOISE, *BODY_FORCE))
 """Inputs of the whole system; zero where nobody connects them."""
 ORDER = ("reference", "controller", "plant")
 _NOT_IN = "without the scenario's noise and changes of the robot"

@@ -53,7 +53,7 @@ class Outside:
         self._library.wmr_outside_watch.restype = ct.c_int32
         self._findings = compiled.layout.findings
         self.columns = graphs.columns
-        self.steady = not graphs.always_moves and setup.scenario.actuator.ideal
+        self.steady = graphs.steady
         delay = round(setup.scenario.actuator.delay / setup.scenario.clock.plant)
         self._step = setup.scenario.clock.plant
         self._arrays: dict[str, Numbers] = {
