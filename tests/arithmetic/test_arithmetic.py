@@ -8,12 +8,12 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from wmr_ctrl.codegen.lanes import build_batch, flags_of, vector_sets
+from wmr_ctrl.sim.batch_memory import vector_sets as usable
 
 from tests.arithmetic.functions import EVERY, PAIRS, called, hashes, library
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.codegen.lanes import build_batch, flags_of, vector_sets
 from wmr_ctrl.codegen.toolchain import find_toolchain
-from wmr_ctrl.sim.batch_memory import vector_sets as usable
 
 DRAWS = 300
 LIMITS = {

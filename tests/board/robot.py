@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from wmr_ctrl.sim.structs import REALS
 
 from wmr_ctrl.codegen.build import build_loop
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.native import load
-from wmr_ctrl.sim.structs import REALS
 
 
 class Robot:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from wmr_ctrl.scenario.reference import KINDS
+
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.values import Quantity
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model import auxiliary
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import SECTIONS
 
 Changed = tuple[str, dict[str, Any]]
