@@ -59,8 +59,8 @@ def _blind(loop: Loop) -> Iterator[Warning]:
         yield Warning(
             "law",
             f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
-            f"asks for {named}: expect violations. Choose a law that knows it, such as mb or nn, switch "
-            "the guard on, or start nearer.",
+            f"asks for {named}: expect violations. Choose a law that knows it, such as mb or nn, "
+            "switch the guard on, or start nearer.",
             "Eq. (7)",
         )
 
