@@ -16,7 +16,8 @@ MOST_STEPS = 500
 def first_speeds(loop: Loop) -> Floats:
     """Largest |v1| [m/s] and |omega| [rad/s] while the first torque is held, drives ideal."""
     scenario, robot = loop.scenario, plant(loop.scenario)
-    inputs = np.concatenate((first_torque(loop), np.zeros(2)))
+    torque = first_torque(loop)
+    inputs = np.concatenate((torque, np.zeros(robot.u.numel() - torque.size)))
     steps = min(scenario.clock.substeps, MOST_STEPS)
     step = robot.function("step", [rk4_step(robot, ca.SX(scenario.clock.control / steps))])
     state, largest = np.array(robot.x0), np.abs(loop.start.v)
