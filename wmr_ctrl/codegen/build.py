@@ -236,7 +236,8 @@ def phases_of(
     row, phases = list(first), [(0, first)]
     for change in setup.scenario.changes:
         for key, value in change.values().items():
-            row[names.index(f"robot.{key}")] = value
+            if f"robot.{key}" in names:
+                row[names.index(f"robot.{key}")] = value
         phases.append((_first_step_at(change.t, setup.scenario.clock.plant), tuple(row)))
     return phases
 
