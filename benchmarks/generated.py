@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from wmr_ctrl.codegen.manifest import Kernels
+from wmr_ctrl.sim.batch_memory import VectorSet, vector_sets
+from wmr_ctrl.sim.structs import loop_struct
 
 from wmr_ctrl.api import compile_loop
 from wmr_ctrl.codegen.build import build_loop
 from wmr_ctrl.codegen.kernels import loop_systems
-from wmr_ctrl.codegen.manifest import Kernels
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.batch_memory import VectorSet, vector_sets
 from wmr_ctrl.sim.compiled_law import CompiledLaw
 from wmr_ctrl.sim.native import load, settings_of
 from wmr_ctrl.sim.ready import Ready
-from wmr_ctrl.sim.structs import loop_struct
 
 from .drive import out_of_place, update_only
 from .inputs import plant_torques, tracking_rows

@@ -48,10 +48,10 @@ class Setup:
     @staticmethod
     def from_scenario(scenario: Any) -> Setup:
         """Numbers of a `wmr_ctrl.scenario.Scenario`, with the laws' defaults where it is silent."""
-        from wmr_ctrl.control.gains import gains_of, kinematic_gains
+        from wmr_ctrl.control.setup import settle
 
         robot, limits = scenario.believed, scenario.limits
-        mb, nn, pid, smc = (gains_of(scenario, law) for law in ("mb", "nn", "pid", "smc"))
+        mb, nn, pid, smc = (settle(scenario, law).gains for law in ("mb", "nn", "pid", "smc"))
         _require(
             nn.node == 1 and nn.integrator == "explicit" and math.isinf(scenario.actuator.tau_max),
             f"the hand-written laws cannot follow the scenario {scenario.name!r}: they know nodes "
@@ -59,7 +59,7 @@ class Setup:
         )
         return Setup(
             robot.m, robot.I, robot.mu, robot.r, robot.l, robot.g, robot.v_s,
-            kinematic_gains(scenario).k, limits.v_u1, limits.v_u2, limits.clip,
+            settle(scenario, "mb").kinematics.k, limits.v_u1, limits.v_u2, limits.clip,
             mb.rho, nn.rho1, nn.Gamma, nn.sigma, nn.eta, nn.ratio_cap, pid.Kp, pid.Kd,
             smc.K, smc.eta, smc.boundary, smc.g_m, smc.g_F, smc.axis_scale, smc.v_s,
             scenario.clock.control,

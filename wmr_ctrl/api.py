@@ -11,13 +11,12 @@ True
 from __future__ import annotations
 
 import operator
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, SupportsIndex, Unpack, cast
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor, Run
@@ -26,17 +25,31 @@ from wmr_ctrl.signals import LOG_HEAD
 from wmr_ctrl.sim.finish import finished, versions
 
 if TYPE_CHECKING:
+    from wmr_ctrl.api_types import (
+        BenchReport,
+        CosimulationOptions,
+        ExportOptions,
+        Measurements,
+        Overrides,
+        Progress,
+        SspOptions,
+    )
+    from wmr_ctrl.campaign import PhaseProgress
+    from wmr_ctrl.compiled import CompiledLoop
+    from wmr_ctrl.control.setup import Setup
+    from wmr_ctrl.linear import LinearReport
+    from wmr_ctrl.proofs import Entry, Ledger
+    from wmr_ctrl.report.reproduction import Facts, Verdicts
+    from wmr_ctrl.sim.compiled_law import CompiledLaw
     from wmr_ctrl.sim.many import RunTable
     from wmr_ctrl.sim.ready import Ready
 
 ENGINES = ("native", "numpy")
 
-Progress = Callable[[float], None]
-
 
 def scenario_of(
     given: str | Path | Scenario,
-    overrides: Mapping[str, Any] | None = None,
+    overrides: Overrides | None = None,
     guard: bool | None = None,
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
@@ -48,17 +61,14 @@ def scenario_of(
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
-    from wmr_ctrl.control.gains import check_gains
-    from wmr_ctrl.guard.bounds import settled_guard
+    from wmr_ctrl.control.setup import check_scenario
 
     switch = {} if guard is None else {"guard.enabled": guard}
     changed = {**(overrides or {}), **switch}
     loaded = (
         override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )
-    check_gains(loaded)
-    if loaded.guard.enabled:
-        settled_guard(loaded, loaded.actuator.tau_max)
+    check_scenario(loaded)
     return loaded
 
 
@@ -69,7 +79,7 @@ def simulate(
     seed: int = 0,
     engine: str = "native",
     guard: bool | None = None,
-    overrides: Mapping[str, Any] | None = None,
+    overrides: Overrides | None = None,
     progress: Progress | None = None,
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
@@ -85,12 +95,12 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    settled = scenario_of(scenario, overrides, guard)
-    _check_seed(seed)
+    chosen = scenario_of(scenario, overrides, guard)
+    _check_seeds([seed])
     if engine == "native":
-        return _prepared(settled, law)(seed)
+        return _simulate_native(chosen, law, seed)
     if engine == "numpy":
-        return _simulate_numpy(settled, law, seed, progress)
+        return _simulate_numpy(chosen, law, seed, progress)
     raise UnknownNameError("engine", engine, ENGINES)
 
 
@@ -100,7 +110,7 @@ def simulate_runs(
     seeds: Iterable[int] = range(20),
     *,
     guard: bool | None = None,
-    overrides: Mapping[str, Any] | None = None,
+    overrides: Overrides | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[Run]:
@@ -116,10 +126,9 @@ def simulate_runs(
     """
     from wmr_ctrl.sim.together import run_each
 
-    settled, listed = scenario_of(scenario, overrides, guard), list(seeds)
-    for seed in listed:
-        _check_seed(seed)
-    loop = compile_loop(settled, law)
+    listed = list(seeds)
+    _check_seeds(listed)
+    loop = compile_loop(scenario, law, overrides, guard)
     return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
 
@@ -127,10 +136,10 @@ def simulate_many(
     scenario: str | Path | Scenario,
     law: str = "nn",
     seeds: Iterable[int] = range(20),
-    overrides: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
+    overrides: Overrides | Sequence[Overrides] | None = None,
     *,
     guard: bool | None = None,
-    starts: Any = None,
+    starts: Iterable[Iterable[float]] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
@@ -139,21 +148,19 @@ def simulate_many(
     ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0.
     Ctrl-C ends all threads within a sample.  Errors as in `simulate`.
 
-    >>> found = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
-    >>> found["violations"]
+    >>> table = simulate_many("paper-simulation", "mb", range(3), {"clock.duration": 5.0})
+    >>> table["violations"]
     array([0., 0., 0.])
     """
     from wmr_ctrl.sim.many import run_many
 
     listed = list(seeds)
-    for seed in listed:
-        _check_seed(seed)
+    _check_seeds(listed)
+    rows = None if starts is None else [tuple(map(float, row)) for row in starts]
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
-    given = [scenario_of(scenario, item, guard) for item in each]
-    return run_many(
-        partial(compile_loop, law=law), given, listed,
-        starts=starts, jobs=jobs, progress=progress,
-    )  # fmt: skip
+    scenarios = [scenario_of(scenario, item, guard) for item in each]
+    compiled = partial(compile_loop, law=law)
+    return run_many(compiled, scenarios, listed, starts=rows, jobs=jobs, progress=progress)
 
 
 def reproduce(
@@ -162,57 +169,51 @@ def reproduce(
     seeds: int = 20,
     quick: bool = False,
     jobs: int | None = None,
-    progress: Any = None,
+    progress: PhaseProgress | None = None,
     with_ours: bool = False,
-) -> Any:
+) -> Verdicts:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
     ``quick`` takes 3 seeds; ``with_ours`` adds the comparison of all laws, ours too, with and
-    without the guard (about a minute more), a section of the report and ours.csv.  ``progress``
-    has ``start(total, text)``, ``advance(n)`` and ``done()``.  Returns the verdicts;
-    ``.as_expected`` tells whether they are the committed ones.
+    without the guard (about a minute more), a section of the report and ours.csv.  Nothing is
+    written before all runs are done; ``.as_expected`` of the result tells whether the verdicts are
+    the committed ones.  Raises ArgumentError and ResultFileError (``out``) before the first run.
     """
-    from wmr_ctrl.campaign import PAPER_LAWS
-    from wmr_ctrl.proofs.staleness import stale_entries
-    from wmr_ctrl.report.reproduce import reproduce as write_report
-    from wmr_ctrl.scenario import preset_names
-    from wmr_ctrl.sim.timing import seconds_of
+    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, paper_plan, run_campaign
+    from wmr_ctrl.campaign.comparison import GuardComparison, comparison_plan, run_comparison
+    from wmr_ctrl.report.claims import Evidence, judge_all
+    from wmr_ctrl.report.reproduction import Reproduction
+    from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
+    from wmr_ctrl.sim.batch import check_jobs
     from wmr_ctrl.sim.together import run_each
 
-    titles = {row["name"]: row["title"] for row in law_table()}
-    facts = {
-        "titles": titles,
-        "timings": {law: seconds_of(compile_law(law)) for law in PAPER_LAWS},
-        "versions": versions(),
-        "presets": preset_names(),
-        "stale": None if quick else stale_entries(),
-    }
-    return write_report(
-        run_each,
-        compile_loop,
-        seeds=seeds,
-        quick=quick,
-        jobs=jobs,
-        out=Path(out),
-        progress=progress,
-        facts=facts,
-        compare=_compare_ours if with_ours else None,
+    plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
+    check_jobs(jobs)
+    check_folder(Path(out), file_names(with_ours))
+    facts = _facts(PAPER_LAWS, quick)
+    campaign = run_campaign(run_each, compile_loop, plan, jobs, progress)
+    comparison = GuardComparison()
+    if with_ours:
+        comparison = run_comparison(run_each, compile_loop, comparison_plan(), jobs, progress)
+    judged = judge_all(Evidence(campaign.table, facts.timings))
+    return write_reproduction(out, Reproduction(campaign, judged, facts, comparison), progress)
+
+
+def _facts(laws: Sequence[str], quick: bool) -> Facts:
+    """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
+    from wmr_ctrl.proofs.staleness import stale_entries
+    from wmr_ctrl.report.reproduction import Facts
+    from wmr_ctrl.sim.timing import seconds_of
+
+    return Facts(
+        titles={row["name"]: row["title"] for row in law_table()},
+        timings={law: seconds_of(compile_law(law)) for law in laws},
+        versions=versions(),
+        stale=None if quick else stale_entries(),
     )
 
 
-def _compare_ours(jobs: int | None, progress: Any) -> Any:
-    """Run the comparison past the paper; its rows."""
-    from wmr_ctrl.campaign.ours import our_plan
-    from wmr_ctrl.campaign.ours_cases import run_ours
-    from wmr_ctrl.sim.together import run_each
-
-    def build(scenario: str, law: str, guard: bool, changed: Mapping[str, Any]) -> Ready:
-        return compile_loop(scenario_of(scenario, changed, guard), law)
-
-    return run_ours(run_each, build, our_plan(), jobs, progress)
-
-
-def export_fmu(what: str, **options: Any) -> list[Path]:
+def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
     """Write FMUs (or ``what = "ssp"``: the SSP package); returns the files' paths.
 
     Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.
@@ -220,58 +221,52 @@ def export_fmu(what: str, **options: Any) -> list[Path]:
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import export_ssp
 
-        return export_ssp(**{key: item for key, item in options.items() if key != "fmi"})
+        given = {key: item for key, item in options.items() if key != "fmi"}
+        return export_ssp(**cast("SspOptions", given))
     from wmr_ctrl.fmi.export import export_fmu as write_fmus
 
     return write_fmus(what, **options)
 
 
-def cosimulate(scenario: str | Path | Scenario, law: str = "nn", **options: Any) -> Run:
+def cosimulate(
+    scenario: str | Path | Scenario, law: str = "nn", **options: Unpack[CosimulationOptions]
+) -> Run:
     """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.fmi.cosim`."""
     from wmr_ctrl.fmi.cosim import cosimulate as run_fmus
 
     return run_fmus(scenario, law, **options)
 
 
-def linearize(scenario: str | Path | Scenario, law: str = "nn") -> Any:
-    """Poles, margins and sampled-data limits: a `wmr_ctrl.linear.LinearReport`."""
+def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
+    """Poles, margins and sampled-data limits: figures, ``table()`` and ``plots()``."""
     from wmr_ctrl.linear import report_linear
 
     return report_linear(scenario_of(scenario), law)
 
 
-def prove(only: Iterable[str] = (), progress: Any = None) -> Any:
-    """Check the paper's equations by machine: a `wmr_ctrl.proofs.ledger.Ledger`."""
+def prove(
+    only: Iterable[str] = (), progress: Callable[[int, int, Entry], None] | None = None
+) -> Ledger:
+    """Check the paper's equations by machine; ``progress(done, total, entry)`` after each."""
     from wmr_ctrl.proofs import prove as check_all
 
     return check_all(tuple(only), progress)
 
 
-def bench(progress: Progress | None = None) -> dict[str, Any]:
-    """Measure the generated code against hand-written C, NumPy and CasADi's virtual machine.
-
-    Takes about a minute.  Returns ``ratios`` by name, their ``spread`` and ``targets``, ``ns`` per
-    step, and the paper's times beside ours; ``text`` is all that as a table.
-    """
-    module = _benchmarks()
-    found = module.run_bench(progress)
-    return {**found, "text": module.table(found)}
+def bench(progress: Progress | None = None) -> BenchReport:
+    """Measure the generated code against hand-written C, NumPy and CasADi; about a minute."""
+    # In a checkout they lie beside wmr_ctrl, so whatever process imports the one finds the other.
+    installed = find_spec("wmr_ctrl._benchmarks")
+    module = import_module("wmr_ctrl._benchmarks.bench" if installed else "benchmarks.bench")
+    measured: Measurements = module.run_bench(progress)
+    return {**measured, "text": module.table(measured)}
 
 
-def _benchmarks() -> Any:
-    """The benchmarks: part of the package where it is installed, beside it in a checkout."""
-    try:
-        return import_module("wmr_ctrl._benchmarks.bench")
-    except ModuleNotFoundError:
-        sys.path.insert(0, str(Path(__file__).parents[1]))
-        return import_module("benchmarks.bench")
-
-
-def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> Any:
+def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> CompiledLaw:
     """The law's compiled controller, to be called sample by sample on arrays that stay in place.
 
-    Returns a `wmr_ctrl.sim.compiled_law.CompiledLaw`: write ``u`` (order: ``inputs``), call
-    ``step()``, read the torque.  Raises UnknownNameError, ScenarioError or CompilerError.
+    Write ``u`` (order: ``inputs``), call ``step()``, read the torque.  Raises UnknownNameError,
+    ScenarioError or CompilerError.
 
     >>> law = compile_law("mb")
     >>> law.u[:] = [0, 0, -1.57, 0.2, 0.1, 0, 0, -0.5, -0.5, -0.7, 0, 0]
@@ -280,23 +275,33 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     True
     """
     from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.control.setup import settle
     from wmr_ctrl.sim.compiled_law import CompiledLaw
 
-    return CompiledLaw(build_loop(scenario_of(scenario), law))
+    return CompiledLaw(build_loop(settle(scenario_of(scenario), law)))
 
 
-def compile_loop(scenario: str | Path | Scenario, law: str) -> Ready:
+def compile_loop(
+    scenario: str | Path | Scenario,
+    law: str,
+    overrides: Overrides | None = None,
+    guard: bool | None = None,
+) -> Ready:
     """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.
 
-    For `wmr_ctrl.linear.batch.endings` and studies of one's own with `wmr_ctrl.sim.batch`.
-    Raises UnknownNameError, ScenarioError or CompilerError.
+    For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
-    from wmr_ctrl.codegen.lanes import build_batch
-    from wmr_ctrl.guard.bounds import assumed
+    from wmr_ctrl.codegen.build import build_batch
+    from wmr_ctrl.control.setup import settle
+
+    setup = settle(scenario_of(scenario, overrides, guard), law)
+    return _ready(setup, build_batch(setup))
+
+
+def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
     from wmr_ctrl.sim.ready import Ready
 
-    settled = scenario_of(scenario)
-    return Ready(build_batch(settled, law), settled, law, assumed(settled, law))
+    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
 
 
 def law_table() -> list[dict[str, str]]:
@@ -306,41 +311,38 @@ def law_table() -> list[dict[str, str]]:
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
 
 
-def _prepared(scenario: Scenario, law: str) -> Callable[[int], Run]:
-    """The compiled loop of ``law`` on ``scenario`` as a function of the seed."""
+def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
     from wmr_ctrl.codegen.build import build_loop
-    from wmr_ctrl.guard.bounds import assumed
-    from wmr_ctrl.sim.native import columns_of, run_native
+    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.sim.native import run_native
 
-    kernels, bounds = build_loop(scenario, law), assumed(scenario, law)
-    signals, facts = columns_of(kernels.manifest), {"kernel_hash": kernels.digest}
-
-    def engine(seed: int) -> Run:
-        columns, monitor = run_native(kernels, scenario, seed)
-        found = (signals, columns, monitor)
-        return finished(scenario, law, seed, "native", found, facts, bounds)
-
-    return engine
+    setup = settle(scenario, law)
+    loop = _ready(setup, build_loop(setup))
+    columns, monitor = run_native(loop, seed)
+    logged = (loop.compiled.layout.columns, columns, monitor)
+    facts = {"kernel_hash": loop.compiled.digest}
+    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
 
 
 def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
     from wmr_ctrl.control.controller import watched_controller
-    from wmr_ctrl.control.gains import gains_of, kinematic_gains
-    from wmr_ctrl.guard.bounds import assumed
+    from wmr_ctrl.control.setup import settle
     from wmr_ctrl.laws.sample import own_diagnostics
     from wmr_ctrl.sim.oracle import simulate_oracle
 
-    watched = watched_controller(scenario, law)
-    own = {signal.name: signal for signal in own_diagnostics(watched)}
-    gains, kinematics = asdict(gains_of(scenario, law)), asdict(kinematic_gains(scenario))
-    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress)
+    setup = settle(scenario, law)
+    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
+    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
+    effects = [item.name for item in setup.effects]
+    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    found = (signals, columns, Monitor(**numbers))
+    logged = (signals, columns, Monitor(**numbers))
     facts = {"kernel_hash": ""}
-    return finished(scenario, law, seed, "numpy", found, facts, assumed(scenario, law))
+    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
 
 
-def _check_seed(seed: int) -> None:
-    whole = hasattr(seed, "__index__") and not isinstance(seed, bool)
-    if not (whole and 0 <= operator.index(seed) < 2**63):
-        raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")
+def _check_seeds(seeds: Iterable[int]) -> None:
+    for seed in seeds:
+        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
+        if not (whole and 0 <= operator.index(seed) < 2**63):
+            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

@@ -49,6 +49,20 @@ POSE = PLANT_STATE[:3]
 VELOCITY = PLANT_STATE[3:]
 PSI = Signal("psi", "rad", "usual heading, psi = theta + pi/2")
 
+MEASURED_POSE = (
+    Signal("x_measured", "m", "measured position along X"),
+    Signal("y_measured", "m", "measured position along Y"),
+    Signal("theta_measured", "rad", "measured orientation"),
+)
+MEASURED_VELOCITY = (
+    Signal("v1_measured", "m/s", "measured linear velocity"),
+    Signal("omega_measured", "rad/s", "measured angular velocity"),
+)
+"""What a law is given in the place of pose and velocity."""
+SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
+TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
+PATH = Signal("path", "m", "way since the start, backwards counted negative")
+
 REFERENCE = (
     Signal("x_d", "m", "desired position along X"),
     Signal("y_d", "m", "desired position along Y"),
@@ -66,6 +80,10 @@ TORQUE = (
 TORQUE_NOISE = (
     Signal("noise_right", "N.m", "disturbance torque on the right wheel"),
     Signal("noise_left", "N.m", "disturbance torque on the left wheel"),
+)
+BODY_FORCE = (
+    Signal("thrust", "N", "disturbance force on the body along its heading"),
+    Signal("moment", "N.m", "disturbance moment on the body"),
 )
 TAU_APPLIED = Signal(
     "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2

@@ -19,15 +19,15 @@ typedef struct {
     int64_t count;       /* control samples taken */
     wmr_loop loop;       /* plain, see loop.h */
     double row[WMR_ROW]; /* the last sample's log */
-    double delay[2 * WMR_DELAY_MAX + 1];
+    double queue[2 * WMR_DELAY_MAX + 1];
 } wmr_memory;
 
 typedef struct {
     wmr_settings settings;
-    double reference[WMR_REFERENCE_NP + 1], controller[WMR_CONTROLLER_NP + 1];
-    double estimator[WMR_ESTIMATOR_NP + 1], start[WMR_CONTROLLER_NX + 1], pose[WMR_PLANT_NX];
-    double plant[(WMR_CHANGES + 1) * WMR_PLANT_NP];
+    double parameters[(WMR_CHANGES + 1) * WMR_PARAMETERS], start[WMR_STATE + 1];
     int64_t phase_start[WMR_CHANGES + 1];
+    uint64_t key[2];
+    int32_t cancelled;
 } wmr_scratch;
 
 #else

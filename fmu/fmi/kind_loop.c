@@ -25,73 +25,38 @@ static int64_t first_step(double time, double step)
     return (int64_t)(on_grid ? near : ceil(time / step));
 }
 
-/* The plant's parameters from the start and after each change. */
+/* The loop's parameters from the start and after each change. */
 static void set_phases(wmr_scratch *to, const double *values)
 {
-    pick(values, PLANT_ROWS, WMR_PLANT_NP, to->plant);
+    pick(values, PARAMETER_ROWS, WMR_PARAMETERS, to->parameters);
     to->phase_start[0] = 0;
     for (int k = 0; k < WMR_CHANGES; ++k) {
-        double *row = to->plant + (k + 1) * WMR_PLANT_NP;
-        memcpy(row, row - WMR_PLANT_NP, WMR_PLANT_NP * sizeof(double));
-        to->phase_start[k + 1] =
-            first_step(values[CHANGE_TIME_ROWS[k]], values[WMR_AT_CLOCK_PLANT]);
-        for (int i = 0; i < WMR_PLANT_NP; ++i) {
+        double *row = to->parameters + (k + 1) * WMR_PARAMETERS;
+        memcpy(row, row - WMR_PARAMETERS, WMR_PARAMETERS * sizeof(double));
+        to->phase_start[k + 1] = first_step(values[CHANGE_TIME_ROWS[k]], values[WMR_AT_STEP]);
+        for (int i = 0; i < WMR_PARAMETERS; ++i) {
             row[i] = CHANGE_ROWS[k][i] ? values[CHANGE_ROWS[k][i]] : row[i];
         }
     }
-}
-
-static int64_t pose_every(const double *v)
-{
-    const double period = v[WMR_AT_SENSOR_POSE_PERIOD];
-    if (period == 0.0 && v[WMR_AT_SENSOR_POSE_NOISE] == 0.0 && v[WMR_AT_SENSOR_CORRECTION] == 1.0) {
-        return 0;
-    }
-    const double samples = rint(period / v[WMR_AT_CLOCK_CONTROL]);
-    return samples < 1.0 ? 1 : (int64_t)samples;
-}
-
-static void set_numbers(wmr_settings *to, const double *v)
-{
-    to->control = v[WMR_AT_CLOCK_CONTROL];
-    to->plant = v[WMR_AT_CLOCK_PLANT];
-    to->substeps = (int64_t)rint(to->control / to->plant);
-    to->samples = INT64_MAX;
-    to->phases = WMR_CHANGES + 1;
-    to->pose_every = pose_every(v);
-    to->pose_noise = v[WMR_AT_SENSOR_POSE_NOISE];
-    to->correction = v[WMR_AT_SENSOR_CORRECTION];
-    memcpy(to->v_u1, v + WMR_AT_LIMITS_V_U1, sizeof to->v_u1);
-    memcpy(to->velocity_noise, v + WMR_AT_SENSOR_VELOCITY_NOISE, sizeof to->velocity_noise);
-    to->torque_std = v[WMR_AT_DISTURBANCE_STD];
-    to->torque_truncate = v[WMR_AT_DISTURBANCE_TRUNCATE];
-    wmr_push_torque(v + WMR_AT_DISTURBANCE_PUSH, v + WMR_AT_ROBOT_R, v + WMR_AT_ROBOT_L,
-                    to->push_torque);
-    to->delay_steps = (int64_t)rint(v[WMR_AT_ACTUATOR_DELAY] / to->plant);
-    to->actuator_ideal = v[WMR_AT_ACTUATOR_LAG] == 0.0 && v[WMR_AT_ACTUATOR_DELAY] == 0.0;
-    to->lag_decay = v[WMR_AT_ACTUATOR_LAG] > 0.0 ? exp(-to->plant / v[WMR_AT_ACTUATOR_LAG]) : 0.0;
-    wmr_seed_key((uint64_t)v[WMR_AT_SEED], to->key);
 }
 
 void kind_restore(struct wmr_instance *s)
 {
     wmr_scratch *to = &s->scratch;
     const double *v = s->state.values;
-    pick(v, REFERENCE_ROWS, WMR_REFERENCE_NP, to->reference);
-    pick(v, CONTROLLER_ROWS, WMR_CONTROLLER_NP, to->controller);
-    pick(v, ESTIMATOR_ROWS, WMR_ESTIMATOR_NP, to->estimator);
-    memcpy(to->pose, v + WMR_AT_INITIAL, sizeof to->pose);
-    memcpy(to->start, CONTROLLER_START, sizeof to->start);
+    memcpy(to->start, START, WMR_STATE * sizeof(double));
+    memcpy(to->start, v + WMR_AT_INITIAL, WMR_STARTS * sizeof(double));
     set_phases(to, v);
-    set_numbers(&to->settings, v);
-    to->settings.reference_parameters = to->reference;
-    to->settings.controller_parameters = to->controller;
-    to->settings.estimator_parameters = to->estimator;
-    to->settings.plant_parameters = to->plant;
+    wmr_seed_key((uint64_t)v[WMR_AT_SEED], to->key);
+    memset(&to->settings, 0, sizeof to->settings);
+    to->settings.samples = INT64_MAX;
+    to->settings.phases = WMR_CHANGES + 1;
     to->settings.phase_start = to->phase_start;
-    to->settings.plant_start = to->pose;
-    to->settings.controller_start = to->start;
-    to->settings.delay_line = s->state.memory.delay;
+    to->settings.key = to->key;
+    to->settings.cancelled = &to->cancelled;
+    to->settings.parameters = to->parameters;
+    to->settings.start = to->start;
+    to->settings.queue = s->state.memory.queue;
 }
 
 /* Whether a is a whole multiple of b, and not too large a one. */
@@ -103,43 +68,39 @@ static int fits(double a, double b, double most)
 
 int kind_start(struct wmr_instance *s)
 {
-    const double *v = s->state.values, step = v[WMR_AT_CLOCK_PLANT];
-    const int whole =
-        fits(v[WMR_AT_CLOCK_CONTROL], step, 1e5) && v[WMR_AT_CLOCK_CONTROL] >= 0.5 * step;
-    if (!whole || !fits(v[WMR_AT_ACTUATOR_DELAY], step, WMR_DELAY_MAX)) {
+    const double step = s->state.values[WMR_AT_STEP], period = s->state.values[WMR_AT_PERIOD];
+    if (!fits(period, step, 1e5) || period < 0.5 * step) {
         return 0;
     }
     memset(&s->state.memory, 0, sizeof s->state.memory);
     kind_restore(s);
     wmr_loop_start(&s->scratch.settings, &s->state.memory.loop);
-    return 1;
+    return s->state.memory.loop.delay_steps <= WMR_DELAY_MAX;
 }
 
 double kind_steps(const struct wmr_instance *s, double t, double h)
 {
     (void)t;
-    return h / s->state.values[WMR_AT_CLOCK_PLANT];
+    return h / s->state.values[WMR_AT_STEP];
 }
 
 static double sample_time(const struct wmr_instance *s, int64_t k)
 {
-    return s->state.start_time + (double)k * s->scratch.settings.control;
+    return s->state.start_time + (double)k * s->state.values[WMR_AT_PERIOD];
 }
 
 static void publish_monitor(struct wmr_instance *s)
 {
     const wmr_loop *loop = &s->state.memory.loop;
     double *values = s->state.values;
-    values[WMR_AT_VIOLATIONS] = (double)loop->violations;
-    memcpy(values + WMR_AT_MAX_ABS_V, loop->speed_max, sizeof loop->speed_max);
+    values[WMR_AT_VIOLATIONS] = loop->findings[WMR_FOUND_VIOLATIONS];
+    memcpy(values + WMR_AT_MAX_ABS_V, loop->findings + WMR_FOUND_MAX_V1, 2 * sizeof(double));
 }
 
 /* Pose, velocity and psi at the control instant that was reached. */
 static void publish_plant(struct wmr_instance *s, const double *state)
 {
-    double *values = s->state.values + WMR_Y;
-    memcpy(values, state, WMR_PLANT_NX * sizeof(double));
-    values[WMR_PLANT_NX] = state[2] + 1.5707963267948966;
+    wmr_plant(state, s->state.values + WMR_Y);
 }
 
 static void publish(struct wmr_instance *s)
@@ -155,25 +116,25 @@ static void sample(struct wmr_instance *s)
     wmr_loop_sample(&s->scratch.settings, &memory->loop, memory->row);
     memory->count += 1;
     publish(s);
-    s->state.finished = memory->loop.stop != WMR_RUNNING;
+    s->state.finished = !memory->loop.running;
 }
 
 double kind_advance(struct wmr_instance *s, double t, double h)
 {
-    const double slack = PERIOD_TOLERANCE * s->scratch.settings.control, end = t + h;
+    const double slack = PERIOD_TOLERANCE * s->state.values[WMR_AT_PERIOD], end = t + h;
     while (!s->state.finished && sample_time(s, s->state.memory.count) < end - slack) {
         sample(s);
         const double next = sample_time(s, s->state.memory.count);
         if (next > end + slack) {
             break;
         }
-        publish_plant(s, s->state.memory.loop.plant);
+        publish_plant(s, s->state.memory.loop.state);
         if (s->pause && next < end - slack && s->pause(s, next)) {
             return next;
         }
     }
     if (sample_time(s, s->state.memory.count) <= end + slack) {
-        publish_plant(s, s->state.memory.loop.plant);
+        publish_plant(s, s->state.memory.loop.state);
     }
     return end;
 }
@@ -189,7 +150,7 @@ void kind_refresh(struct wmr_instance *s)
         wmr_loop_sample(&s->scratch.settings, &memory->loop, memory->row);
         publish(s);
         memory->loop = kept.loop;
-        memcpy(memory->delay, kept.delay, sizeof kept.delay);
+        memcpy(memory->queue, kept.queue, sizeof kept.queue);
         publish_monitor(s);
     }
 }

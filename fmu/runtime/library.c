@@ -1,17 +1,25 @@
-/* One translation unit for the native engine: kernels and loop together, so that the compiler
-   may inline the one into the other; only what is marked WMR_EXPORT leaves the library. */
+/* One translation unit for one way to run the loop: kernels and loop together, so that the compiler
+   may inline the one into the other.  WMR_SET names the way, WMR_LANES is its width; several of
+   them may stand in one library, each under names of its own (see dispatch.c; native.c has one alone). */
 #define WMR_KERNEL static
 
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
+#define WMR_JOIN_(a, b) a##_##b
+#define WMR_JOIN(a, b) WMR_JOIN_(a, b)
+#define WMR_OWN(name) WMR_JOIN(name, WMR_SET)
+
+#define wmr_philox WMR_OWN(wmr_philox)
+#define wmr_loop_start WMR_OWN(wmr_loop_start)
+#define wmr_loop_sample WMR_OWN(wmr_loop_sample)
+#define wmr_loop_run WMR_OWN(wmr_loop_run)
+
 #include "export.h"
 #include "kernels.c"
 #include "noise.c"
 #include "loop.c"
-
-#include "exports.h"
 
 /* Leaves the upper halves of vector registers clean: gcc 12 forgets to, and code of the baseline
    that runs afterwards then takes up to twice as long. */
@@ -22,49 +30,25 @@ static void tidy(void)
 #endif
 }
 
-WMR_EXPORT int64_t wmr_run(const wmr_settings *s, wmr_loop *w, double *log)
+/* Runs all lanes to the end; `findings` (WMR_FINDINGS) and `state` (WMR_STATE) may not be NULL. */
+int32_t WMR_OWN(wmr_run_set)(const void *settings, void *findings, void *state)
 {
-    const int64_t rows = wmr_loop_run(s, w, log);
+    wmr_loop w;
+    const int cancelled = wmr_loop_run(settings, &w);
+    memcpy(findings, w.findings, sizeof w.findings);
+    memcpy(state, w.state, WMR_STATE * sizeof(wmr_v));
     tidy();
-    return rows;
+    return cancelled;
 }
 
-WMR_EXPORT void wmr_start(const wmr_settings *s, wmr_loop *w)
+/* Lanes, bytes of the settings, findings, sums, columns, numbers of the state and parameters. */
+void WMR_OWN(wmr_set_sizes)(int64_t sizes[7])
 {
-    wmr_loop_start(s, w);
-}
-
-WMR_EXPORT void wmr_sample(const wmr_settings *s, wmr_loop *w, double *row)
-{
-    wmr_loop_sample(s, w, row);
-    tidy();
-}
-
-/* One sample of the law in place, for callers that keep one pointer. */
-typedef struct {
-    const double *u, *p;
-    double *x, *y;
-} wmr_call;
-
-WMR_EXPORT void wmr_law_step(const wmr_call *c)
-{
-    double next[WMR_CONTROLLER_NX + 1];
-    wmr_controller_step(c->u, c->x, c->p, next, c->y);
-    copy(c->x, next, WMR_CONTROLLER_NX);
-}
-
-/* Sizes of the structs above, for the check that both sides of the seam agree. */
-WMR_EXPORT int64_t wmr_size_of_settings(void)
-{
-    return (int64_t)sizeof(wmr_settings);
-}
-
-WMR_EXPORT int64_t wmr_size_of_loop(void)
-{
-    return (int64_t)sizeof(wmr_loop);
-}
-
-WMR_EXPORT void wmr_noise_block(const uint64_t *counter, const uint64_t *key, uint64_t *out)
-{
-    wmr_philox(counter, key, out);
+    sizes[0] = WMR_WIDTH;
+    sizes[1] = (int64_t)sizeof(wmr_settings);
+    sizes[2] = WMR_FINDINGS;
+    sizes[3] = WMR_SUMS;
+    sizes[4] = WMR_ROW;
+    sizes[5] = WMR_STATE;
+    sizes[6] = WMR_PARAMETERS;
 }

@@ -1,181 +1,284 @@
 #include "loop.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "noise.h"
 
-static const double HALF_PI = 1.5707963267948966;
+#define TWO_PI 6.283185307179586
+#define ATTEMPTS 64
 
-static void copy(double *to, const double *from, size_t count)
+/* A stream of random numbers: its number in the generator's counter, kind, pairs and rate. */
+typedef struct {
+    uint64_t number;
+    int normal, pairs, per_step;
+} stream;
+
+static const stream STREAMS[] = {WMR_STREAMS};
+enum { STREAM_COUNT = sizeof STREAMS / sizeof STREAMS[0] };
+
+static void copy(wmr_v *to, const wmr_v *from, size_t count)
 {
-    memcpy(to, from, count * sizeof(double));
+    memcpy(to, from, count * sizeof(wmr_v));
 }
 
-static void stop(wmr_loop *w, int64_t reason, int64_t axis)
+static void set(wmr_v *where, wmr_m which, wmr_v value)
 {
-    w->stop = reason;
-    w->stop_step = w->step;
-    w->stop_axis = axis;
+    *where = wmr_choose(which, value, *where);
 }
 
-/* Limits and finiteness of the state that the plant has now. */
-static void monitor(const wmr_settings *s, wmr_loop *w)
+static void stop(wmr_loop *w, wmr_m which, double reason, double axis)
 {
-    int outside = 0;
-    for (int i = 0; i < 2; ++i) {
-        const double speed = fabs(w->plant[3 + i]);
-        if (!isfinite(speed)) {
-            stop(w, WMR_NON_FINITE, i + 1);
-            return;
-        }
-        if (speed >= WMR_SPEED_MAX && w->stop == WMR_RUNNING) {
-            stop(w, WMR_DIVERGED, i + 1);
-        }
-        if (speed > w->speed_max[i]) {
-            w->speed_max[i] = speed;
-        }
-        if (speed > s->v_u1[i] && !outside) {
-            outside = i + 1;
-        }
+    set(&w->findings[WMR_FOUND_STOP], which, wmr_all(reason));
+    set(&w->findings[WMR_FOUND_STOP_STEP], which, wmr_all((double)w->step));
+    set(&w->findings[WMR_FOUND_STOP_AXIS], which, wmr_all(axis));
+}
+
+static void count_violations(wmr_loop *w, wmr_m outside, wmr_m linear)
+{
+    wmr_v *found = w->findings;
+    const wmr_m first = outside & wmr_mask(found[WMR_FOUND_FIRST_STEP] < 0.0);
+    set(&found[WMR_FOUND_FIRST_AXIS], first, wmr_choose(linear, wmr_all(1.0), wmr_all(2.0)));
+    set(&found[WMR_FOUND_FIRST_STEP], first, wmr_all((double)w->step));
+    found[WMR_FOUND_VIOLATIONS] += wmr_number(outside);
+}
+
+/* The end of lanes whose speeds `v` are beyond all measure, or no numbers. */
+static void end_lanes(wmr_loop *w, wmr_m moved, const wmr_v v[2])
+{
+    const wmr_m first = moved & wmr_finite(v[0]), both = first & wmr_finite(v[1]);
+    const wmr_m fast = first & wmr_mask(v[0] >= WMR_SPEED_MAX);
+    const wmr_m turning = both & wmr_not(fast) & wmr_mask(v[1] >= WMR_SPEED_MAX);
+    stop(w, fast, WMR_DIVERGED, 1.0);
+    stop(w, turning, WMR_DIVERGED, 2.0);
+    stop(w, first & wmr_not(both), WMR_NON_FINITE, 2.0);
+    stop(w, moved & wmr_not(first), WMR_NON_FINITE, 1.0);
+    w->running = w->running & wmr_not(fast | turning | (moved & wmr_not(both)));
+}
+
+/* Limits and finiteness of the states that the lanes have now. */
+static void monitor(wmr_loop *w, wmr_m moved)
+{
+    const wmr_v v[2] = {wmr_abs(w->state[WMR_AT_V1]), wmr_abs(w->state[WMR_AT_OMEGA])};
+    const wmr_v *limit = w->clock + WMR_CLOCK_V_U1_LINEAR;
+    wmr_v *most = w->findings + WMR_FOUND_MAX_V1;
+    const wmr_m calm = wmr_mask(v[0] < WMR_SPEED_MAX) & wmr_mask(v[1] < WMR_SPEED_MAX);
+    const wmr_m first = moved & wmr_finite(v[0]), both = first & wmr_finite(v[1]);
+    const wmr_m linear = wmr_mask(v[0] > limit[0]), angular = wmr_mask(v[1] > limit[1]);
+    set(&most[0], first & wmr_mask(v[0] > most[0]), v[0]);
+    set(&most[1], both & wmr_mask(v[1] > most[1]), v[1]);
+    if (wmr_some(both & (linear | angular))) {
+        count_violations(w, both & (linear | angular), linear);
     }
-    if (outside) {
-        w->violations += 1;
-        if (w->first_step < 0) {
-            w->first_step = w->step;
-            w->first_axis = outside;
-        }
+    if (wmr_some(moved & wmr_not(calm))) {
+        end_lanes(w, moved, v);
     }
+}
+
+static const wmr_v *parameters(const wmr_settings *s, const wmr_loop *w)
+{
+    return s->parameters + w->phase * WMR_PARAMETERS;
+}
+
+/* Moves on to the parameters that hold from this plant step on. */
+static void change(const wmr_settings *s, wmr_loop *w)
+{
+    while (w->phase + 1 < s->phases && w->step >= s->phase_start[w->phase + 1]) {
+        w->phase += 1;
+    }
+}
+
+/* The nearest whole number of a number that all lanes share. */
+static int64_t whole(wmr_v number)
+{
+    return (int64_t)(WMR_AT(number, 0) + 0.5);
 }
 
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
 {
     memset(w, 0, sizeof *w);
-    copy(w->plant, s->plant_start, WMR_PLANT_NX);
-    copy(w->controller, s->controller_start, WMR_CONTROLLER_NX);
-    for (int64_t i = 0; i < 2 * s->delay_steps; ++i) {
-        s->delay_line[i] = 0.0;
+    copy(w->state, s->start, WMR_STATE);
+    wmr_clock(s->parameters, w->clock);
+    w->substeps = whole(w->clock[WMR_CLOCK_CONTROL] / w->clock[WMR_CLOCK_PLANT]);
+    w->delay_steps = whole(w->clock[WMR_CLOCK_DELAY_STEPS]);
+    if (w->delay_steps > 0) {
+        memset(s->queue, 0, 2 * (size_t)w->delay_steps * sizeof(wmr_v));
     }
-    w->first_step = -1;
-    monitor(s, w);
+    if (s->windows > 0) {
+        memset(s->sums, 0, (size_t)s->windows * WMR_SUMS * sizeof(wmr_v));
+    }
+    w->findings[WMR_FOUND_FIRST_STEP] = w->findings[WMR_FOUND_LEFT_SAMPLE] = wmr_all(-1.0);
+    w->running = wmr_always();
+    monitor(w, w->running);
 }
 
-/* Pose that the law sees: exact, or dead-reckoned and corrected now and then. */
-static void measure_pose(const wmr_settings *s, wmr_loop *w, double *pose)
+/* Two uniform numbers on [0, 1) for each lane. */
+static void uniform_pair(const wmr_settings *s, const uint64_t counter[4], wmr_v u[2])
 {
-    if (s->pose_every == 0) {
-        copy(pose, w->plant, 3);
-        return;
+    for (int i = 0; i < WMR_WIDTH; ++i) {
+        uint64_t words[4];
+        wmr_philox(counter, s->key + 2 * i, words);
+        WMR_AT(u[0], i) = (double)(int64_t)(words[0] >> 11) * 0x1p-53;
+        WMR_AT(u[1], i) = (double)(int64_t)(words[1] >> 11) * 0x1p-53;
     }
-    double u[WMR_ESTIMATOR_NU], next[WMR_ESTIMATOR_NX], error[2] = {0.0, 0.0};
-    if (s->pose_noise > 0.0) {
-        wmr_uniform_pair(s->key, (uint64_t)w->sample, WMR_STREAM_POSE, error);
-    }
-    copy(u, w->plant, WMR_PLANT_NX);
-    u[0] += s->pose_noise * error[0];
-    u[1] += s->pose_noise * error[1];
-    u[5] = w->sample == 0 ? 1.0 : (w->sample % s->pose_every == 0 ? s->correction : 0.0);
-    wmr_estimator_step(u, w->estimate, s->estimator_parameters, next);
-    copy(w->estimate, next, WMR_ESTIMATOR_NX);
-    copy(pose, next, 3);
 }
 
-static void measure_velocity(const wmr_settings *s, const wmr_loop *w, double *v)
+/* Two independent standard normal numbers (Box-Muller); a pair beyond `most` is drawn again. */
+static void normal_pair(const wmr_settings *s, uint64_t counter[4], wmr_v most, wmr_v out[2])
 {
-    double error[2] = {0.0, 0.0};
-    if (s->velocity_noise[0] > 0.0 || s->velocity_noise[1] > 0.0) {
-        wmr_uniform_pair(s->key, (uint64_t)w->sample, WMR_STREAM_VELOCITY, error);
-    }
-    v[0] = w->plant[3] + s->velocity_noise[0] * error[0];
-    v[1] = w->plant[4] + s->velocity_noise[1] * error[1];
-}
-
-/* Torque behind delay and lag, held over the plant step that begins now. */
-static void actuate(const wmr_settings *s, wmr_loop *w, const double *command)
-{
-    double delayed[2] = {command[0], command[1]};
-    if (s->delay_steps > 0) {
-        double *slot = s->delay_line + 2 * (w->step % s->delay_steps);
-        copy(delayed, slot, 2);
-        copy(slot, command, 2);
+    wmr_m open = wmr_always();
+    wmr_v u[2];
+    out[0] = out[1] = wmr_all(0.0);
+    for (counter[2] = 0; counter[2] < ATTEMPTS && wmr_some(open); ++counter[2]) {
+        uniform_pair(s, counter, u);
+        const wmr_v radius = wmr_sqrt(-2.0 * wmr_log(1.0 - u[0])), angle = TWO_PI * u[1];
+        set(&out[0], open, radius * wmr_cos(angle));
+        set(&out[1], open, radius * wmr_sin(angle));
+        open = open & (wmr_mask(wmr_abs(out[0]) > most) | wmr_mask(wmr_abs(out[1]) > most));
     }
     for (int i = 0; i < 2; ++i) {
-        w->applied[i] = delayed[i] + s->lag_decay * (w->applied[i] - delayed[i]);
+        out[i] = wmr_max(-most, wmr_min(most, out[i]));
     }
 }
 
-static void plant_steps(const wmr_settings *s, wmr_loop *w, const double *torque, const double *noise)
+/* All random numbers of one rate at sample or step `index`, in the order of the streams. */
+static void draw(const wmr_settings *s, const wmr_loop *w, int per_step, int64_t index, wmr_v *out)
 {
-    double u[4] = {torque[0], torque[1], noise[0], noise[1]}, next[WMR_PLANT_NX];
-    if (s->actuator_ideal) {
-        copy(w->applied, torque, 2);
+    for (int k = 0; k < STREAM_COUNT; ++k) {
+        const wmr_v *said = w->clock + WMR_CLOCK_STREAMS + 2 * k;
+        if (STREAMS[k].per_step != per_step) {
+            continue;
+        }
+        for (int pair = 0; pair < STREAMS[k].pairs; ++pair, out += 2) {
+            uint64_t counter[4] = {(uint64_t)index, STREAMS[k].number, 0, (uint64_t)pair};
+            out[0] = out[1] = wmr_all(0.0);
+            if (!wmr_some(wmr_truth(said[0]))) {
+                continue;
+            }
+            if (STREAMS[k].normal) {
+                normal_pair(s, counter, said[1], out);
+            } else {
+                uniform_pair(s, counter, out);
+                out[0] = 2.0 * out[0] - 1.0;
+                out[1] = 2.0 * out[1] - 1.0;
+            }
+        }
     }
-    for (int64_t i = 0; i < s->substeps && w->stop == WMR_RUNNING; ++i) {
-        while (w->phase + 1 < s->phases && w->step >= s->phase_start[w->phase + 1]) {
-            w->phase += 1;
+}
+
+/* The command that arrives at this plant step, in place of the one that is given. */
+static void deliver(const wmr_settings *s, const wmr_loop *w, const wmr_v *command, wmr_v *arriving)
+{
+    if (w->delay_steps > 0) {
+        wmr_v *slot = s->queue + 2 * (w->step % w->delay_steps);
+        copy(arriving, slot, 2);
+        copy(slot, command, 2);
+    }
+}
+
+#ifndef WMR_OUTSIDE
+static void move(wmr_loop *w, wmr_m moving, const wmr_v *next)
+{
+#if WMR_WIDTH == 1
+    (void)moving;
+    copy(w->state, next, WMR_FAST);
+#else
+    for (int k = 0; k < WMR_FAST; ++k) {
+        w->state[k] = wmr_choose(moving, next[k], w->state[k]);
+    }
+#endif
+}
+
+static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
+{
+    wmr_v u[WMR_HELD], next[WMR_FAST], draws[WMR_STEP_DRAWS + 1];
+    copy(u, held, WMR_HELD);
+    for (int64_t i = 0; i < w->substeps && wmr_some(w->running); ++i) {
+        const wmr_m moving = w->running;
+        const wmr_v index = wmr_all((double)w->step);
+        change(s, w);
+        deliver(s, w, held, u);
+        if (WMR_STEP_DRAWS) {
+            draw(s, w, 1, w->step, draws);
         }
-        if (!s->actuator_ideal) {
-            actuate(s, w, torque);
-            copy(u, w->applied, 2);
-        }
-        wmr_plant_step(u, w->plant, s->plant_parameters + w->phase * WMR_PLANT_NP, next);
-        copy(w->plant, next, WMR_PLANT_NX);
+        wmr_step(&index, u, w->state, parameters(s, w), draws, next);
+        move(w, moving, next);
         w->step += 1;
-        monitor(s, w);
+        monitor(w, moving);
     }
 }
 
-/* All of a row but the controller's diagnostics, which stand at its end. */
-static void write_row(const wmr_loop *w, double t, const double *u, const double *torque,
-                      const double *noise, double *row)
+/* Adds this sample to the windows that it is in. */
+static void add_up(const wmr_settings *s, const wmr_loop *w, const wmr_v *seen)
 {
-    row[0] = t;
-    copy(row + 1, w->plant, WMR_PLANT_NX);
-    row[6] = w->plant[2] + HALF_PI;
-    copy(row + 7, u, WMR_REFERENCE_NY);
-    copy(row + 14, torque, 2);
-    copy(row + 16, noise, 2);
-    wmr_tracking_error(u, w->plant, row + 18);
+    for (int64_t k = 0; k < s->windows; ++k) {
+        if (w->sample >= s->window[2 * k] && w->sample < s->window[2 * k + 1]) {
+            for (int i = 0; i < WMR_SUMS; ++i) {
+                s->sums[WMR_SUMS * k + i] += wmr_choose(w->running, seen[i], wmr_all(0.0));
+            }
+        }
+    }
 }
 
-/* An adversary: more torque in the direction in which each axis moves, forward at rest. */
-static void push(const wmr_settings *s, const wmr_loop *w, double *noise)
+/* What the guard did, or would have, and whether the motion contradicts its bounds. */
+static void watch(wmr_loop *w, const wmr_v *seen)
 {
-    const double along = w->plant[3] < 0.0 ? -s->push_torque[0] : s->push_torque[0];
-    const double around = w->plant[4] < 0.0 ? -s->push_torque[1] : s->push_torque[1];
-    noise[0] += along + around;
-    noise[1] += along - around;
+    wmr_v *found = w->findings, *peak = &found[WMR_FOUND_TORQUE];
+    const wmr_v *least = seen + WMR_SEEN_LEAST1, *clip = seen + WMR_SEEN_CLIP1;
+    const wmr_m linear = wmr_truth(seen[WMR_SEEN_BEYOND1]);
+    const wmr_m either = linear | wmr_truth(seen[WMR_SEEN_BEYOND2]);
+    const wmr_m first = w->running & either & wmr_mask(found[WMR_FOUND_LEFT_SAMPLE] < 0.0);
+    set(&found[WMR_FOUND_LEFT_AXIS], first, wmr_choose(linear, wmr_all(1.0), wmr_all(2.0)));
+    set(&found[WMR_FOUND_LEFT_SAMPLE], first, wmr_all((double)w->sample));
+    for (int i = 0; i < 2; ++i) {
+        wmr_v *most = &found[WMR_FOUND_D_LEAST1 + i];
+        set(most, w->running & wmr_mask(least[i] > *most), least[i]);
+        found[WMR_FOUND_CLIPPED1 + i] += wmr_number(w->running & wmr_truth(clip[i]));
+    }
+    set(peak, w->running & wmr_not(wmr_mask(seen[WMR_SEEN_PEAK] <= *peak)), seen[WMR_SEEN_PEAK]);
 }
 
-void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, double *row)
+void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
 {
-    double u[WMR_CONTROLLER_NU], next[WMR_CONTROLLER_NX + 1], torque[2], noise[2] = {0.0, 0.0};
-    const double t = (double)w->sample * s->control;
-    wmr_reference(&t, s->reference_parameters, u);
-    measure_pose(s, w, u + 7);
-    measure_velocity(s, w, u + 10);
+    wmr_v next[WMR_STATE - WMR_FAST + 1], held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
+    const wmr_v k = wmr_all((double)w->sample);
+    change(s, w);
+    draw(s, w, 0, w->sample, draws);
     if (row) {
-        wmr_controller_logged(u, w->controller, s->controller_parameters, next, torque, row + 21);
+        wmr_sample_logged(&k, w->state, parameters(s, w), draws, next, held, row);
     } else {
-        wmr_controller_step(u, w->controller, s->controller_parameters, next, torque);
+        wmr_v seen[WMR_SEEN];
+        wmr_sample_watched(&k, w->state, parameters(s, w), draws, next, held, seen);
+        watch(w, seen);
+        add_up(s, w, seen);
     }
-    if (s->torque_std > 0.0) {
-        wmr_torque_noise(s->key, (uint64_t)w->sample, s->torque_std, s->torque_truncate, noise);
-    }
-    push(s, w, noise);
-    if (row) {
-        write_row(w, t, u, torque, noise, row);
-    }
-    copy(w->controller, next, WMR_CONTROLLER_NX);
-    plant_steps(s, w, torque, noise);
+    w->findings[WMR_FOUND_SAMPLES] += wmr_number(w->running);
+    copy(w->state + WMR_FAST, next, WMR_STATE - WMR_FAST);
+    plant_steps(s, w, held);
     w->sample += 1;
 }
 
-int64_t wmr_loop_run(const wmr_settings *s, wmr_loop *w, double *log)
+/* A row of all lanes becomes a row in the log of each, with one kind of NaN. */
+static void deal(double *const *log, int64_t sample, const wmr_v *row)
 {
-    wmr_loop_start(s, w);
-    while (w->sample < s->samples && w->stop == WMR_RUNNING) {
-        wmr_loop_sample(s, w, log ? log + w->sample * WMR_ROW : 0);
+    for (int i = 0; i < WMR_WIDTH; ++i) {
+        double *to = log[i] ? log[i] + sample * WMR_ROW : 0;
+        for (int k = 0; to && k < WMR_ROW; ++k) {
+            to[k] = WMR_AT(row[k], i) == WMR_AT(row[k], i) ? WMR_AT(row[k], i) : WMR_NAN;
+        }
     }
-    return w->sample;
 }
+
+int wmr_loop_run(const wmr_settings *s, wmr_loop *w)
+{
+    wmr_v row[WMR_ROW];
+    wmr_loop_start(s, w);
+    while (w->sample < s->samples && wmr_some(w->running) && !*s->cancelled) {
+        const int64_t sample = w->sample;
+        wmr_loop_sample(s, w, s->log ? row : 0);
+        if (s->log) {
+            deal(s->log, sample, row);
+        }
+    }
+    return *s->cancelled != 0;
+}
+#endif

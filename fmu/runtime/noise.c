@@ -1,9 +1,6 @@
 #include "noise.h"
 
 #define ROUNDS 10
-#define ATTEMPTS 64
-
-#define TWO_PI 6.283185307179586
 
 /* High and low half of a 64 by 64 bit product; from 32-bit pieces where there is no wider type. */
 #ifdef __SIZEOF_INT128__
@@ -45,38 +42,4 @@ void wmr_philox(const uint64_t counter[4], const uint64_t key[2], uint64_t out[4
     out[1] = c1;
     out[2] = c2;
     out[3] = c3;
-}
-
-/* The first two words of each element's block as 53-bit numbers on [0, 1). */
-static void uniforms(const uint64_t *key, uint64_t k, uint64_t stream, uint64_t attempt, wmr_v u[2])
-{
-    const uint64_t counter[4] = {k, stream, attempt, 0};
-    for (int i = 0; i < WMR_WIDTH; ++i) {
-        uint64_t words[4];
-        wmr_philox(counter, key + 2 * i, words);
-        WMR_AT(u[0], i) = (double)(int64_t)(words[0] >> 11) * 0x1p-53;
-        WMR_AT(u[1], i) = (double)(int64_t)(words[1] >> 11) * 0x1p-53;
-    }
-}
-
-void wmr_uniform_pair(const uint64_t *key, uint64_t k, uint64_t stream, wmr_v out[2])
-{
-    uniforms(key, k, stream, 0, out);
-    out[0] = 2.0 * out[0] - 1.0;
-    out[1] = 2.0 * out[1] - 1.0;
-}
-
-void wmr_torque_noise(const uint64_t *key, uint64_t k, wmr_v std, wmr_v truncate, wmr_v out[2])
-{
-    wmr_v u[2], normal[2] = {wmr_all(0.0), wmr_all(0.0)};
-    wmr_m open = wmr_always();
-    for (uint64_t attempt = 0; attempt < ATTEMPTS && wmr_some(open); ++attempt) {
-        uniforms(key, k, WMR_STREAM_TORQUE, attempt, u);
-        const wmr_v radius = wmr_sqrt(-2.0 * wmr_log(1.0 - u[0])), angle = TWO_PI * u[1];
-        normal[0] = wmr_choose(open, radius * wmr_cos(angle), normal[0]);
-        normal[1] = wmr_choose(open, radius * wmr_sin(angle), normal[1]);
-        open &= wmr_mask(wmr_abs(normal[0]) > truncate) | wmr_mask(wmr_abs(normal[1]) > truncate);
-    }
-    out[0] = std * wmr_max(-truncate, wmr_min(truncate, normal[0]));
-    out[1] = std * wmr_max(-truncate, wmr_min(truncate, normal[1]));
 }

@@ -59,6 +59,46 @@ def missing(function: Function) -> list[str]:
     return bare if function.returns is not None else [*bare, "return"]
 
 
+def test_what_users_call_is_typed_to_the_end():
+    """No ``Any`` in the signatures and fields of the interface, campaigns, reports, linear."""
+    layers = {"api", "api_types", "campaign", "linear", "report"}
+
+    def loose(module: Module) -> list[str]:
+        return [*untyped(module.tree)] if module.layer in layers else []
+
+    assert offenders(loose) == {}
+
+
+def untyped(tree: ast.Module) -> list[str]:
+    """Public functions, methods and fields whose annotations mention ``Any``."""
+    owners = [tree, *(n for n in public(tree) if isinstance(n, ast.ClassDef))]
+    fields = [node for owner in owners for node in owner.body if isinstance(node, ast.AnnAssign)]
+    said = {ast.unparse(node.target): [node.annotation] for node in fields}
+    for node in public(tree):
+        if isinstance(node, Function):
+            args = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+            stars = [arg for arg in (node.args.vararg, node.args.kwarg) if arg is not None]
+            said[node.name] = [node.returns, *(arg.annotation for arg in (*args, *stars))]
+    return [
+        name
+        for name, notes in said.items()
+        if not name.startswith("_") and any(mentions_any(note) for note in notes)
+    ]
+
+
+def mentions_any(annotation: ast.expr | None) -> bool:
+    names = ast.walk(annotation) if annotation is not None else ()
+    return any(isinstance(node, ast.Name) and node.id == "Any" for node in names)
+
+
+def test_no_path_of_modules_is_changed():
+    def changed(module: Module) -> list[str]:
+        nodes = [node for node in ast.walk(module.tree) if isinstance(node, ast.Attribute)]
+        return [text for node in nodes if (text := ast.unparse(node)) == "sys.path"]
+
+    assert offenders(changed) == {}
+
+
 def test_library_code_prints_nothing_and_holds_no_debugger():
     def wrong(module: Module) -> set[str]:
         unwanted = {"breakpoint", "set_trace", *(() if module.layer == "cli" else ("print",))}
@@ -85,3 +125,12 @@ def test_the_checks_see_what_they_should(tmp_path: Path):
     assert length(outer) == 3
     assert calls(module) == {"print"}
     assert [node.name for node in public(wrong)] == ["f"]
+
+
+def test_the_check_of_types_sees_any_wherever_it_stands():
+    text = (
+        "class A:\n    x: dict[str, Any]\n    y: int\n    def m(self, a: int) -> Any: ...\n"
+        "def g(*a: int, **k: Any) -> None: ...\ndef _h(a: Any) -> None: ...\ndef i() -> int: ...\n"
+    )
+
+    assert sorted(untyped(ast.parse(text))) == ["g", "m", "x"]

@@ -23,6 +23,7 @@ ORDER = (
     {"proofs", "linear", "fmi"},
     {"campaign"},
     {"report"},
+    {"api_types"},
     {"api"},
     {"__init__"},
     {"cli"},
@@ -47,6 +48,7 @@ THIRD_PARTY = {
     "fmi": {"fmpy", "jinja2", "numpy"},
     "campaign": {"numpy"},
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},
+    "api_types": set(),
     "api": {"numpy"},
     "__init__": set(),
 }
@@ -121,6 +123,19 @@ def test_runs_and_studies_are_handed_their_kernels():
     assert offenders(builds) == {}
 
 
+def test_the_report_runs_nothing():
+    running = {"codegen", "sim", "fmi"}
+    jobs = {"run_campaign", "run_comparison", "simulate", "run_each"}
+
+    def runs(module: Module) -> set[str]:
+        if module.layer != "report":
+            return set()
+        named = {node.id for node in ast.walk(module.tree) if isinstance(node, ast.Name)}
+        return (layers_used(module) & running) | (named & jobs)
+
+    assert offenders(runs) == {}
+
+
 def test_report_reads_proofs_through_the_ledger_only():
     def proofs(module: Module) -> list[str]:
         used = [name for name in own_imports(module) if layer_of(name) == "proofs"]
@@ -135,8 +150,29 @@ def test_report_reads_proofs_through_the_ledger_only():
     assert offenders(heavy) == {}
 
 
+def test_methods_of_proof_stand_alone():
+    """They know graphs, not robots: what they decide cannot lean on the code that they judge."""
+    parts = ("methods", "graph", "walk", "statement", "case", "finding", "regions")
+
+    def ours(module: Module) -> list[str]:
+        top = module.name.removeprefix("wmr_ctrl.proofs.").split(".")[0]
+        if module.layer != "proofs" or top not in parts:
+            return []
+        allowed = tuple(f"wmr_ctrl.proofs.{part}" for part in parts)
+        own = (*allowed, "wmr_ctrl.model.graph", "wmr_ctrl.errors")
+        return [name for name in own_imports(module) if not name.startswith(own)]
+
+    assert offenders(ours) == {}
+
+
 def test_the_numpy_oracle_shares_no_code_with_what_it_checks():
-    allowed = ("wmr_ctrl.sim.oracle", "wmr_ctrl.fields", "wmr_ctrl.scenario", "wmr_ctrl.results", *LIGHT)
+    allowed = (
+        "wmr_ctrl.sim.oracle",
+        "wmr_ctrl.fields",
+        "wmr_ctrl.scenario",
+        "wmr_ctrl.results",
+        *LIGHT,
+    )
 
     def shared(module: Module) -> list[str]:
         if not module.name.startswith("wmr_ctrl.sim.oracle"):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import pytest
 
 from benchmarks import bench
 from benchmarks.timing import Timing
+from wmr_ctrl import api
 
 NAMED = {
     "nn_step_vs_hand_c", "mb_step_vs_hand_c", "nn_step_numpy_vs_native", "nn_step_vm_vs_native",
@@ -36,6 +38,18 @@ def test_table_says_what_was_not_measured() -> None:
 
     assert "not measured" in text
     assert "1.4294 s" in text
+
+
+def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    measured = bench.summary({"nn": timing("nn", (1.0, 1.0, 1.0))})
+    monkeypatch.setattr(bench, "run_bench", lambda progress: measured)
+    before = [*sys.path]
+    report = api.bench()
+
+    assert report == {**measured, "text": bench.table(measured)}
+    assert sys.path == before
 
 
 @pytest.mark.slow

@@ -13,6 +13,26 @@ from wmr_ctrl.campaign import Prepare
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.signals import Signal
 
+
+class Watch:
+    """Progress that remembers how many steps each phase had, and how many of them are left."""
+
+    def __init__(self) -> None:
+        self.totals: list[int] = []
+        self.left: list[int] = []
+        self.ended = 0
+
+    def start(self, total: int, text: str) -> None:
+        self.totals.append(total)
+        self.left.append(total)
+
+    def advance(self, count: int = 1) -> None:
+        self.left[-1] -= count
+
+    def done(self) -> None:
+        self.ended += 1
+
+
 W_NORM = Signal("W_norm", "1", "norm of the weights", 2)
 PACE = {"pid": 0.1, "smc": 0.3, "mb": 0.05, "nn": 0.2}
 
@@ -61,12 +81,12 @@ def in_turn(
     progress: Callable[[float], None] | None = None,
 ) -> list[Any]:
     """A stand-in for what runs many loops at a time."""
-    found = []
+    results = []
     for place, (loop, seed) in enumerate(runs):
-        found.append(then(place, loop(seed)))
+        results.append(then(place, loop(seed)))
         if progress:
             progress((place + 1) / len(runs))
-    return found
+    return results
 
 
 def _monitor(largest: float) -> Monitor:

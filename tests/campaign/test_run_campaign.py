@@ -4,34 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from tests.campaign.synthetic import in_turn, prepared
-from wmr_ctrl.campaign import Task, paper_plan, run_campaign
+from tests.campaign.synthetic import Watch, in_turn, prepared
+from wmr_ctrl.campaign import PlannedRun, paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
 
-PLAN = [Task("paper-simulation", law, seed) for seed in (4, 3, 5) for law in ("mb", "nn")]
-
-
-class Watch:
-    """Progress that remembers its phases: total, and what was done of it."""
-
-    def __init__(self) -> None:
-        self.phases: list[list[int]] = []
-        self.ended = 0
-
-    def start(self, total: int, text: str) -> None:
-        self.phases.append([total, 0])
-
-    def advance(self, count: int = 1) -> None:
-        self.phases[-1][1] += count
-
-    def done(self) -> None:
-        self.ended += 1
+PLAN = [PlannedRun("paper-simulation", law, seed) for seed in (4, 3, 5) for law in ("mb", "nn")]
 
 
 def test_rows_stand_in_the_order_of_the_plan(fake_simulate):
     table = run_campaign(in_turn, prepared(fake_simulate), PLAN).table
 
-    assert [Task(row.scenario, row.law, row.seed) for row in table] == PLAN
+    assert [PlannedRun(row.scenario, row.law, row.seed) for row in table] == PLAN
 
 
 def test_only_the_first_seed_of_a_case_is_kept_whole(fake_simulate):
@@ -64,7 +47,8 @@ def test_progress_counts_every_step_of_every_phase(fake_simulate):
     watch = Watch()
     run_campaign(in_turn, prepared(fake_simulate), PLAN, progress=watch)
 
-    assert watch.phases == [[2, 2], [6, 6]]
+    assert watch.totals == [2, 6]
+    assert watch.left == [0, 0]
     assert watch.ended == 2
 
 

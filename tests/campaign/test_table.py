@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import STATISTICS, Spread, Table, spread
+from wmr_ctrl.campaign import STATISTICS, FigureTable, Spread, spread
 from wmr_ctrl.errors import UnknownNameError
 
 VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
@@ -16,20 +18,23 @@ VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
 @given(values=VALUES)
 def test_a_spread_leaves_out_what_is_none_and_is_ordered(values):
     numbers = [value for value in values if value is not None]
-    found = spread(values)
+    summary = spread(values)
 
-    assert found.count == len(numbers)
+    assert summary.count == len(numbers)
     if numbers:
-        assert found.min == min(numbers)
-        assert found.max == max(numbers)
-        assert found.min <= found.q25 <= found.median <= found.q75 <= found.max
-        assert found.mean == pytest.approx(np.mean(numbers), abs=1e-9)
+        assert summary.min == min(numbers)
+        assert summary.max == max(numbers)
+        assert summary.min <= summary.q25 <= summary.median <= summary.q75 <= summary.max
+        assert summary.mean == pytest.approx(np.mean(numbers), abs=1e-9)
     else:
-        assert found == Spread(0)
+        assert summary == Spread(0)
 
 
-def test_every_statistic_is_a_field():
-    assert all(hasattr(Spread(0), name) for name in STATISTICS)
+def test_every_statistic_is_the_field_of_its_name():
+    fields = asdict(Spread(3, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0))
+
+    assert {"count": 3, **Spread(*fields.values()).statistics} == fields
+    assert tuple(Spread(0).statistics) == STATISTICS
 
 
 def test_a_table_finds_cases_and_figures(campaign):
@@ -56,4 +61,4 @@ def test_unknown_names_are_told(campaign, figure, scenario, law):
 
 
 def test_an_empty_table_has_no_cases():
-    assert Table([]).cases == ()
+    assert FigureTable([]).cases == ()

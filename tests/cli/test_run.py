@@ -137,7 +137,7 @@ def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_p
     def missing():
         raise MissingExtraError("no ffmpeg. Install it, or choose .gif.")
 
-    monkeypatch.setattr("wmr_ctrl.report.animation.film.find_ffmpeg", missing)
+    monkeypatch.setattr("wmr_ctrl.report.animate.find_ffmpeg", missing)
     monkeypatch.setattr("wmr_ctrl.api.simulate", pytest.fail)
     found = short_run("paper-simulation", "--animate", tmp_path / "a.mp4")
 

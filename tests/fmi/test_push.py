@@ -10,7 +10,7 @@ from tests.fmi.foreign import PLANT, PLANT_MAP
 from tests.fmi.test_cosim import foreign, mapped  # noqa: F401
 from tests.fmi.test_equality import STATE
 from wmr_ctrl.api import simulate
-from wmr_ctrl.campaign.ours import ADVERSARY
+from wmr_ctrl.campaign.comparison import ADVERSARY
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.scenario import load_scenario, override

@@ -21,7 +21,7 @@ from wmr_ctrl.signals import Signal
 SUM = Signal("toy_sum", "m, rad", "integral of the velocity error", 2)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gains(Section):
     """One gain per axis."""
 

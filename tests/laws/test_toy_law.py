@@ -19,7 +19,7 @@ from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gains(Section):
     """One gain an axis."""
 

@@ -14,10 +14,10 @@ from wmr_ctrl.linear import (
     BarrierTerm,
     VelocityFeedback,
     closed_loop,
-    comparison,
     law_nlsys,
     linear_gain,
     loop_nlsys,
+    loop_pair,
     plant_nlsys,
     reach,
     start_of,
@@ -79,7 +79,7 @@ def test_law_has_named_signals_in_both_readings(nominal):
 
 
 def test_deviation_vanishes_with_the_amplitude(nominal):
-    given = comparison(nominal, "mb", duration=5.0)
+    given = loop_pair(nominal, "mb", duration=5.0)
     small, smaller = (given.deviation(np.array((0.0, a, 0.0))) for a in (2e-3, 1e-3))
 
     assert smaller < 1e-3
@@ -88,7 +88,7 @@ def test_deviation_vanishes_with_the_amplitude(nominal):
 
 def test_the_barrier_sets_the_amplitude_that_matters(nominal):
     """k1 e1 + v1_d = v_u2 at e1 = 0.06 m: from there on the linear loop runs ahead."""
-    found = reach(comparison(nominal, "mb", duration=10.0))
+    found = reach(loop_pair(nominal, "mb", duration=10.0))
 
     assert 0.06 < found[0.01] < found[0.1] < 0.3
     assert found[1.0] is None or found[1.0] > found[0.1]

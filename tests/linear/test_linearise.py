@@ -17,7 +17,7 @@ from wmr_ctrl.linear import (
     linearise,
     on_reference,
     plant_at,
-    settled,
+    resting_point,
     stepper,
 )
 from wmr_ctrl.linear.blocks import error_plant
@@ -92,7 +92,7 @@ def test_loop_is_named_and_interconnectable(nominal):
 @pytest.mark.parametrize("law", [*LAWS, "prox"])
 def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
     """A displacement of a micrometre: quadratic terms are below 1e-9 of it."""
-    point = settled(nominal, law)
+    point = resting_point(nominal, law)
     linear = closed_loop(nominal, law, point, nominal.clock.control, "learning")
     small = 1e-6 * np.array((1.0, -0.5, 0.7, 0.3, -0.2))
     course = stepper(nominal, law, point).run(point.s + small, 0.5)
@@ -143,7 +143,7 @@ def test_lag_of_the_drives_is_part_of_the_plant(nominal):
 
 def test_settled_point_has_the_friction_in_the_weights(nominal):
     """At rest W'S = F1 = mu m g, up to the leak's share of 3e-4."""
-    point = settled(nominal, "nn")
+    point = resting_point(nominal, "nn")
 
     assert point.force[0] == pytest.approx(0.08 * 50 * 9.81, rel=1e-9)
     assert np.abs(point.e).max() < 3e-3
@@ -153,7 +153,7 @@ def test_a_loop_that_cannot_rest_is_refused(nominal):
     weak = override(nominal, {"gains.pid.Kp": [0.0, 0.0]})
 
     with pytest.raises(ArgumentError, match="no resting point"):
-        settled(weak, "pid")
+        resting_point(weak, "pid")
 
 
 def test_bad_names_are_answered_with_the_known_ones(nominal):

@@ -11,7 +11,7 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.linear import largest_stable_period, margins_at, open_loop, with_robot
-from wmr_ctrl.linear.region import start_at
+from wmr_ctrl.linear.kinematic import start_at
 from wmr_ctrl.scenario import Line, override
 
 LAWS = ("pid", "smc", "mb", "nn")

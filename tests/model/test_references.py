@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.model.references import function_of, reference_bounds, sample, trajectory_of
+from wmr_ctrl.world.references import function_of, reference_bounds, sample, trajectory_of
 from wmr_ctrl.scenario import (
     Circle,
     Clock,

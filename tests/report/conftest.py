@@ -8,6 +8,14 @@ import pytest
 
 from tests.campaign.synthetic import in_turn, prepared, simulate
 from wmr_ctrl.campaign import Campaign, paper_plan, run_campaign
+from wmr_ctrl.campaign.comparison import (
+    ComparisonCase,
+    GuardComparison,
+    comparison_plan,
+    run_comparison,
+)
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.results import Run
 
 
@@ -19,3 +27,38 @@ def fake_simulate() -> Callable[[str, str, int], Run]:
 @pytest.fixture(scope="session")
 def campaign() -> Campaign:
     return run_campaign(in_turn, prepared(simulate), paper_plan(seeds=2), jobs=1)
+
+
+@pytest.fixture(scope="session")
+def comparison_cases() -> tuple[ComparisonCase, ...]:
+    return comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", "tau_max = 5 N m"))
+
+
+@pytest.fixture(scope="session")
+def comparison(comparison_cases) -> GuardComparison:
+    def prepare(scenario, law, overrides, guard):
+        if guard and "actuator.tau_max" in overrides:
+            raise ScenarioError("too weak for the bounds")
+        return lambda seed: simulate(scenario, law, seed)
+
+    return run_comparison(in_turn, prepare, comparison_cases)
+
+
+@pytest.fixture
+def few_pictures(monkeypatch) -> frozenset[str]:
+    """To save time: one picture of each kind, for the page only; empty ones for the others."""
+    drawn = frozenset(
+        ("fig3a_trajectory", "fig3b_lyapunov", "fig3c_v1", "fig3k_weights_1", "measure", "switch",
+         "torque", "limits_all_seeds")
+    )  # fmt: skip
+    whole = Drawing.save
+
+    def save(drawing, folder):
+        if drawing.name in drawn:
+            return whole(drawing, folder, (".svg",))
+        path = folder / f"{drawing.name}.svg"
+        path.write_text("<svg/>")
+        return (path,)
+
+    monkeypatch.setattr(Drawing, "save", save)
+    return drawn

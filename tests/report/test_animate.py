@@ -12,9 +12,9 @@ from PIL import Image
 
 from tests.results.conftest import build
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_run
-from wmr_ctrl.report.animation import film, gif
-from wmr_ctrl.report.animation.scene import BODY, outline, scene_of
+from wmr_ctrl.report.scene import BODY, outline, scene_of
 from wmr_ctrl.results import Monitor
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
@@ -83,12 +83,12 @@ def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
     animate_run(run, tmp_path / "run.gif", Watch())
     with Image.open(tmp_path / "run.gif") as picture:
         assert picture.n_frames >= 12
-        assert picture.info["duration"] == gif.MILLISECONDS
+        assert picture.info["duration"] == animate.GIF_MILLISECONDS
     assert left == [0, 0]
 
 
 def test_a_film_without_ffmpeg_names_what_to_install(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(film.shutil, "which", lambda name: None)
+    monkeypatch.setattr(animate.shutil, "which", lambda name: None)
 
     with pytest.raises(MissingExtraError, match="ffmpeg"):
         animate_run(run, tmp_path / "run.mp4")
@@ -99,7 +99,7 @@ def test_a_film_that_ffmpeg_cannot_write_leaves_nothing(run, tmp_path, monkeypat
     broken = tmp_path / "ffmpeg"
     broken.write_text("#!/bin/sh\necho 'no codec' >&2\nexit 1\n")
     broken.chmod(0o755)
-    monkeypatch.setattr(film, "find_ffmpeg", lambda: str(broken))
+    monkeypatch.setattr(animate, "find_ffmpeg", lambda: str(broken))
     (tmp_path / "out").mkdir()
 
     with pytest.raises(ResultFileError, match="no codec"):

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import string
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import FIGURES, PAPER_LAWS, STUDIES, Row, Table
+from wmr_ctrl.campaign import FIGURES, PAPER_LAWS, STUDIES, FigureRow, FigureTable
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.report.claims import Evidence, Measured, TestSpec, Verdict, judge_all, load_claims
-from wmr_ctrl.report.claims.claim import Other
-from wmr_ctrl.report.claims.judge import verdict_of
-from wmr_ctrl.report.extras.torque import slip_torque
+from wmr_ctrl.report.claims import (
+    Divisor,
+    Evidence,
+    Measured,
+    TestSpec,
+    Verdict,
+    judge_all,
+    load_claims,
+    verdict_of,
+)
+from wmr_ctrl.report.measure_figures import slip_torque
 
 CLAIMS = load_claims()
 SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
@@ -21,15 +29,13 @@ TIMES = {"paper_time", "our_time"}
 
 
 def row(law, seed, **values):
-    return Row("paper-simulation", law, seed, "completed", values)
+    return FigureRow("paper-simulation", law, seed, "completed", values)
 
 
 def evidence(*rows):
     """Rows with every figure None but those that are given."""
     empty = dict.fromkeys((figure.name for figure in FIGURES), None)
-    return Evidence(
-        Table(Row(r.scenario, r.law, r.seed, r.outcome, {**empty, **r.values}) for r in rows)
-    )
+    return Evidence(FigureTable(replace(r, values={**empty, **r.values}) for r in rows))
 
 
 def measured(value, **bound):
@@ -50,7 +56,7 @@ def test_ids_are_unique_and_every_claim_is_told_in_full():
 @pytest.mark.parametrize(("claim", "spec"), SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
 def test_tests_name_what_a_campaign_has(claim, spec):
     figures = {figure.name for figure in FIGURES} | TIMES
-    other = spec.over or Other()
+    other = spec.over or Divisor()
 
     assert spec.figure in figures
     assert other.figure in {"", *figures}
@@ -110,7 +116,7 @@ def test_a_test_passes_only_if_every_seed_keeps_its_bound():
 
 
 def test_a_ratio_is_taken_seed_by_seed():
-    spec = TestSpec("k", "text", "ise_total", laws=("nn",), over=Other(law="mb"))
+    spec = TestSpec("k", "text", "ise_total", laws=("nn",), over=Divisor(law="mb"))
     rows = [row("nn", 0, ise_total=2.0), row("nn", 1, ise_total=9.0), row("nn", 2, ise_total=1.0)]
     others = [row("mb", 0, ise_total=4.0), row("mb", 1, ise_total=3.0)]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.scenario.csv_points import read_points
+from wmr_ctrl.world.references.csv_points import read_points
 
 GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
 

@@ -25,7 +25,7 @@ from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import SECTIONS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gains(Section):
     """Gains as a law would have them."""
 

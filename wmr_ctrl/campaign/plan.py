@@ -10,6 +10,9 @@ from wmr_ctrl.errors import ArgumentError
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""
 
+QUICK_SEEDS = 3
+"""Seeds of a campaign that is only to be seen working."""
+
 FEW = 5
 """Seeds of a study whose result hardly depends on the noise."""
 
@@ -23,7 +26,7 @@ class Study:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class PlannedRun:
     """One run to be made."""
 
     scenario: str
@@ -49,7 +52,7 @@ STUDIES = (
 
 def paper_plan(
     laws: Sequence[str] = PAPER_LAWS, seeds: int = 20, first_seed: int = 0
-) -> tuple[Task, ...]:
+) -> tuple[PlannedRun, ...]:
     """All runs of :data:`STUDIES`, the first seeds of every study and law before the others.
 
     The seeds are ``first_seed``, ``first_seed`` + 1, ...  Raises ArgumentError for fewer than one
@@ -62,7 +65,7 @@ def paper_plan(
     if len(set(laws)) != len(laws):
         raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")
     return tuple(
-        Task(study.scenario, law, first_seed + offset)
+        PlannedRun(study.scenario, law, first_seed + offset)
         for offset in range(seeds)
         for study in STUDIES
         if study.seeds is None or offset < study.seeds

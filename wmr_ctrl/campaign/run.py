@@ -5,23 +5,45 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Protocol, TypeAlias, TypeVar
+from typing import Protocol, TypeAlias, TypeVar
 
-from wmr_ctrl.campaign.plan import Task
-from wmr_ctrl.campaign.progress import Progress, Silent
-from wmr_ctrl.campaign.rows import Row, row_of
-from wmr_ctrl.campaign.table import Table
+from wmr_ctrl.campaign.plan import PlannedRun
+from wmr_ctrl.campaign.table import FigureRow, FigureTable, row_of
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Run
 from wmr_ctrl.sim.batch import check_jobs
+from wmr_ctrl.sim.ready import Ready
 
-Loop: TypeAlias = Any
-"""A law on a scenario, ready to run; whatever :data:`Prepare` gives and :class:`Simulate` takes."""
-
-Prepare: TypeAlias = Callable[[str, str], Loop]
+Prepare: TypeAlias = Callable[[str, str], Ready]
 """(scenario, law) -> the loop, compiled."""
 
 T = TypeVar("T")
+
+
+class PhaseProgress(Protocol):
+    """Whatever shows progress; each phase of a job is one ``start``, many ``advance``, ``done``."""
+
+    def start(self, total: int, text: str) -> None:
+        """A phase of ``total`` steps begins; ``text`` says what it does."""
+
+    def advance(self, count: int = 1) -> None:
+        """``count`` further steps of the phase are done."""
+
+    def done(self) -> None:
+        """The phase is over, finished or given up."""
+
+
+class Silent:
+    """Progress that nobody looks at."""
+
+    def start(self, total: int, text: str) -> None:
+        """Show nothing."""
+
+    def advance(self, count: int = 1) -> None:
+        """Show nothing."""
+
+    def done(self) -> None:
+        """Show nothing."""
 
 
 class Simulate(Protocol):
@@ -29,7 +51,7 @@ class Simulate(Protocol):
 
     def __call__(
         self,
-        runs: Sequence[tuple[Loop, int]],
+        runs: Sequence[tuple[Ready, int]],
         then: Callable[[int, Run], T],
         jobs: int | None = None,
         progress: Callable[[float], None] | None = None,
@@ -44,16 +66,16 @@ class Campaign:
     ``runs`` maps (scenario, law) to the Run of the lowest seed.
     """
 
-    table: Table
+    table: FigureTable
     runs: Mapping[tuple[str, str], Run]
 
 
 def run_campaign(
     simulate: Simulate,
     prepare: Prepare,
-    plan: Sequence[Task],
+    plan: Sequence[PlannedRun],
     jobs: int | None = None,
-    progress: Progress | None = None,
+    progress: PhaseProgress | None = None,
 ) -> Campaign:
     """Compile, then run every task of ``plan`` on ``jobs`` threads (default: one per core).
 
@@ -66,29 +88,29 @@ def run_campaign(
         raise ArgumentError("the plan is empty: name at least one law and one seed.")
     shown = progress or Silent()
     loops = _prepare_all(prepare, plan, shown)
-    kept = _first_seeds(plan)
+    first = _first_seeds(plan)
 
-    def result(place: int, run: Run) -> tuple[Row, Run | None]:
-        return row_of(run), run if plan[place] in kept else None
+    def result(place: int, run: Run) -> tuple[FigureRow, Run | None]:
+        return row_of(run), run if plan[place] in first else None
 
     runs = [(loops[task.scenario, task.law], task.seed) for task in plan]
     results = followed(simulate, runs, result, jobs, shown, "Running the simulations")
     whole = {(run.scenario, run.law): run for _, run in results if run is not None}
-    return Campaign(Table(row for row, _ in results), MappingProxyType(whole))
+    return Campaign(FigureTable(row for row, _ in results), MappingProxyType(whole))
 
 
 def followed(
     simulate: Simulate,
-    runs: Sequence[tuple[Loop, int]],
+    runs: Sequence[tuple[Ready, int]],
     then: Callable[[int, Run], T],
     jobs: int | None,
-    progress: Progress,
+    progress: PhaseProgress,
     text: str,
 ) -> list[T]:
     """What ``simulate`` gives, as a phase of ``progress`` that counts the runs."""
     done = 0
 
-    def told(share: float) -> None:
+    def advance_to(share: float) -> None:
         nonlocal done
         count = round(share * len(runs)) - done
         done += count
@@ -96,14 +118,14 @@ def followed(
 
     progress.start(len(runs), text)
     try:
-        return simulate(runs, then, jobs, told)
+        return simulate(runs, then, jobs, advance_to)
     finally:
         progress.done()
 
 
 def _prepare_all(
-    prepare: Prepare, plan: Iterable[Task], progress: Progress
-) -> dict[tuple[str, str], Loop]:
+    prepare: Prepare, plan: Iterable[PlannedRun], progress: PhaseProgress
+) -> dict[tuple[str, str], Ready]:
     pairs = tuple(dict.fromkeys((task.scenario, task.law) for task in plan))
     loops = {}
     progress.start(len(pairs), "Compiling the laws")
@@ -116,9 +138,9 @@ def _prepare_all(
     return loops
 
 
-def _first_seeds(plan: Iterable[Task]) -> frozenset[Task]:
+def _first_seeds(plan: Iterable[PlannedRun]) -> frozenset[PlannedRun]:
     """The task of the lowest seed of each scenario and law."""
-    first: dict[tuple[str, str], Task] = {}
+    first: dict[tuple[str, str], PlannedRun] = {}
     for task in plan:
         known = first.setdefault((task.scenario, task.law), task)
         if task.seed < known.seed:

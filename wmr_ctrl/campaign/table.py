@@ -1,21 +1,75 @@
-"""The rows of a campaign, by scenario, law and seed."""
+"""The rows of a campaign: a run as plain numbers, their table, and the spread over seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
-from wmr_ctrl.campaign.figures import figure_named
-from wmr_ctrl.campaign.rows import Row
-from wmr_ctrl.campaign.statistics import Spread, spread
+import numpy as np
+
+from wmr_ctrl.campaign.figures import figure_named, figures_of
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.results import Run
+
+STATISTICS = ("median", "min", "max", "q25", "q75", "mean", "std")
+"""The statistics of a :class:`Spread`, in the order of the table's rows."""
 
 
-class Table:
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """``count`` numbers in short: median, extremes, quartiles, mean and standard deviation.
+
+    ``std`` divides by ``count``.  All are None where there is no number.
+    """
+
+    count: int
+    median: float | None = None
+    min: float | None = None
+    max: float | None = None
+    q25: float | None = None
+    q75: float | None = None
+    mean: float | None = None
+    std: float | None = None
+
+    @property
+    def statistics(self) -> dict[str, float | None]:
+        """Each of :data:`STATISTICS` by its name."""
+        values = (self.median, self.min, self.max, self.q25, self.q75, self.mean, self.std)
+        return dict(zip(STATISTICS, values, strict=True))
+
+
+def spread(values: Iterable[float | None]) -> Spread:
+    """The spread of those values that are not None."""
+    numbers = np.array([value for value in values if value is not None], dtype=np.float64)
+    if not numbers.size:
+        return Spread(0)
+    low, q25, median, q75, high = np.quantile(numbers, (0, 0.25, 0.5, 0.75, 1)).tolist()
+    mean, std = float(np.mean(numbers)), float(np.std(numbers))
+    return Spread(numbers.size, median, low, high, q25, q75, mean, std)
+
+
+@dataclass(frozen=True, slots=True)
+class FigureRow:
+    """A run without its log: ``values`` maps each figure's name to its number, None if none."""
+
+    scenario: str
+    law: str
+    seed: int
+    outcome: str
+    values: Mapping[str, float | None]
+
+
+def row_of(run: Run) -> FigureRow:
+    """The run's labels, outcome and figures."""
+    return FigureRow(run.scenario, run.law, run.seed, run.outcome.value, figures_of(run))
+
+
+class FigureTable:
     """Rows in the order in which they were planned, and how to look numbers up in them."""
 
-    def __init__(self, rows: Iterable[Row]) -> None:
+    def __init__(self, rows: Iterable[FigureRow]) -> None:
         self.rows = tuple(rows)
-        self._cases: dict[tuple[str, str], tuple[Row, ...]] = {}
+        self._cases: dict[tuple[str, str], tuple[FigureRow, ...]] = {}
         for row in self.rows:
             key = (row.scenario, row.law)
             self._cases[key] = (*self._cases.get(key, ()), row)
@@ -35,7 +89,7 @@ class Table:
         """Names of the laws, in order."""
         return tuple(dict.fromkeys(law for _, law in self._cases))
 
-    def case(self, scenario: str, law: str) -> tuple[Row, ...]:
+    def case(self, scenario: str, law: str) -> tuple[FigureRow, ...]:
         """The rows of a scenario and law, one per seed; raises UnknownNameError without any."""
         try:
             return self._cases[scenario, law]
@@ -52,7 +106,7 @@ class Table:
         """The spread of a figure over the seeds."""
         return spread(self.values(figure, scenario, law).values())
 
-    def __iter__(self) -> Iterator[Row]:
+    def __iter__(self) -> Iterator[FigureRow]:
         return iter(self.rows)
 
     def __len__(self) -> int:

@@ -15,7 +15,7 @@ from wmr_ctrl.checks.preconditions import preconditions
 from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.checks.start import start
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.control.setup import Setup
 
 CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     start,
@@ -31,10 +31,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
 
 
 @lru_cache(maxsize=256)
-def warnings_for(scenario: Scenario, law: str) -> tuple[Warning, ...]:
-    """What theory says against ``law`` on ``scenario``; empty where it has no objection.
-
-    Raises UnknownNameError for a law, ScenarioError for gains that do not exist.
-    """
-    loop = Loop(scenario, law)
+def warnings_for(setup: Setup) -> tuple[Warning, ...]:
+    """What theory says against a law on a scenario; empty where it has no objection."""
+    loop = Loop(setup)
     return tuple(warning for check in CHECKS for warning in check(loop))

@@ -28,7 +28,7 @@ def first_speeds(loop: Loop) -> Floats:
 
 def first_torque(loop: Loop) -> Floats:
     """Torques (right, left) [N m] of the first sample, within the wheels' limit."""
-    law = controller(loop.scenario, loop.law)
+    law = controller(loop.setup)
     first = law.function("first", [law.y])
     return np.asarray(first(_first_inputs(loop, law), law.x0, law.p0)).ravel()
 

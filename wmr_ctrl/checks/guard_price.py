@@ -8,8 +8,8 @@ from wmr_ctrl.checks.barrier import phases
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.wording import SPEEDS, UNITS
-from wmr_ctrl.guard.bounds import early_speed, torque_limit, usable_speed
-from wmr_ctrl.model.references import reference_bounds
+from wmr_ctrl.guard.bounds import early_speed, usable_speed
+from wmr_ctrl.world.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"
 
@@ -31,7 +31,7 @@ def slowest(loop: Loop) -> float:
     """Speed [m/s] that the guard leaves against the largest friction of the run."""
     scenario = loop.scenario
     friction = max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
-    return usable_speed(scenario, (friction, 0.0), torque_limit(scenario, loop.law))[0]
+    return usable_speed(scenario, loop.setup.guard, (friction, 0.0))[0]
 
 
 def _slow_drives(loop: Loop) -> Warning:
@@ -47,7 +47,7 @@ def _slow_drives(loop: Loop) -> Warning:
 def _early_start(loop: Loop) -> Iterator[Warning]:
     """A start inside the limit that a push can leave before the first command acts."""
     scenario = loop.scenario
-    gained = early_speed(scenario, torque_limit(scenario, loop.law))
+    gained = early_speed(loop.setup.guard)
     for i, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
         start, u1 = abs(scenario.initial.velocity[i]), scenario.limits.v_u1[i]
         if start <= u1 < start + gained[i]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.start_point import StartPoint, start_point
-from wmr_ctrl.control.gains import kinematic_gains
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.laws.law import Traits
 from wmr_ctrl.model.auxiliary import auxiliary_rate
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.model.tracking import error_rotation
@@ -25,32 +25,43 @@ PERIOD = "clock.control"
 
 @dataclass(frozen=True)
 class Loop:
-    """``law`` on ``scenario``.
+    """A law on a scenario, settled.
 
-    Estimates and weights of an adaptive law keep their start values.  Memory is taken for such
-    where it is named so (``W_hat``), or where the law's module says ``ADAPTIVE = True``; any other
-    memory (a previous sample, a filter) is part of the loop.
+    Estimates and weights of a law that learns keep their start values; any other memory (a
+    previous sample, a filter) is part of the loop.
     """
 
-    scenario: Scenario
-    law: str
+    setup: Setup
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+        return self.setup.scenario
+
+    @property
+    def law(self) -> str:
+        """Name of the law."""
+        return self.setup.name
+
+    @property
+    def traits(self) -> Traits:
+        """What the law is, as its author states it."""
+        return self.setup.control_law.traits
 
     @cached_property
     def core(self) -> System:
         """The law's System, whose output is the generalised force."""
-        return LAWS[self.law].build(self.scenario)
+        return law_graph(self.setup)
 
-    @cached_property
+    @property
     def adaptive(self) -> bool:
         """Whether the law's memory holds estimates, which the checks keep at their start values."""
-        module = sys.modules.get(LAWS[self.law].build.__module__)
-        named = any("_hat" in port.signal.name for port in self.core.state)
-        return bool(getattr(module, "ADAPTIVE", named))
+        return self.traits.estimates
 
     @cached_property
     def start(self) -> StartPoint:
         """Where the run starts, seen from the reference."""
-        return start_point(self.scenario)
+        return start_point(self.setup)
 
     @property
     def guarded(self) -> bool:
@@ -96,7 +107,7 @@ class Loop:
     def _towards(self) -> ca.Function:
         """At e = 0 the auxiliary velocity is v_d, and v_d' can be chosen such that it stays."""
         v, v_c0 = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2)
-        e, k = ca.SX.zeros(3), ca.SX(ca.DM(kinematic_gains(self.scenario).k))
+        e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
         moving = auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
         force, _ = self._act(e, v, v_c0, -moving)
         slope = ca.diag(ca.jacobian(force, v))

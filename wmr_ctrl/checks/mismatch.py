@@ -8,7 +8,6 @@ from wmr_ctrl.checks.barrier import Phase, drag, phases, pushed_through
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.control.gains import kinematic_gains
 
 NOTABLE = 0.01
 """Velocity error [m/s] from which it is worth a line."""
@@ -39,7 +38,7 @@ def velocity_error(loop: Loop, phase: Phase) -> float:
 def _warning(loop: Loop, offset: float, phase: Phase) -> Warning:
     believed, robot = loop.scenario.believed, loop.scenario.robot
     forces = [mass * mu * robot.g for mass, mu in ((phase.m, phase.mu), (believed.m, believed.mu))]
-    ahead = -offset / kinematic_gains(loop.scenario).k[0]
+    ahead = -offset / loop.setup.kinematics.k[0]
     side = "behind" if ahead > 0 else "ahead of"
     when = f"from {phase.t:g} s on" if phase.t else "from the start"
     return Warning(

@@ -13,7 +13,7 @@ from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_loop import operating_points
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.wording import SPEEDS
-from wmr_ctrl.control.gains import gains_of, kinematic_gains
+from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.laws.rbf import corner_basis
 
 LAW = "nn"
@@ -32,7 +32,7 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
     Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
     Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
     """
-    gains = gains_of(loop.scenario, LAW)
+    gains = loop.setup.own(NetworkGains)
     size = largest_square(loop, gains.eta)
     for axis in (1, 0):
         bound = square_bound(loop, axis)
@@ -52,7 +52,7 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
 
 def learning_too_fast(loop: Loop) -> Iterator[Warning]:
     """Yield the axis on which the weights' Euler step outruns the control period."""
-    size = largest_square(loop, gains_of(loop.scenario, LAW).eta)
+    size = largest_square(loop, loop.setup.own(NetworkGains).eta)
     limits = [learning_limit(loop, axis, size) for axis in (0, 1)]
     axis, period = int(np.argmin(limits)), loop.scenario.clock.control
     if period >= limits[axis]:
@@ -73,7 +73,7 @@ def learning_limit(loop: Loop, axis: int, size: float) -> float:
     v' = -a v + W'S/M1 over a held torque, then W'S falls by T (Gamma |S|^2 v + leak W'S); the
     product of both eigenvalues passes 1 at this T.  The kinematic loop is left out.
     """
-    gains, mass = gains_of(loop.scenario, LAW), _masses(loop)[axis]
+    gains, mass = loop.setup.own(NetworkGains), _masses(loop)[axis]
     a, leak = gains.rho1[axis] / (2 * mass), gains.sigma[axis] * gains.Gamma[axis]
     b = gains.Gamma[axis] * size / mass
     if gains.integrator == "explicit":
@@ -88,7 +88,7 @@ def largest_square(loop: Loop, eta: float) -> float:
 
 def square_bound(loop: Loop, axis: int) -> float:
     """|S|^2 above which axis 0 or 1 is unstable; inf where rho1 is large enough for any network."""
-    gains = gains_of(loop.scenario, LAW)
+    gains = loop.setup.own(NetworkGains)
     mass, kinematic = _masses(loop)[axis], _kinematic(loop)[axis]
     a = gains.rho1[axis] / (2 * mass)
     if a >= kinematic or gains.Gamma[axis] == 0:
@@ -101,13 +101,13 @@ def _masses(loop: Loop) -> tuple[float, float]:
 
 
 def _kinematic(loop: Loop) -> tuple[float, float]:
-    k1, _, k3 = kinematic_gains(loop.scenario).k
+    k1, _, k3 = loop.setup.kinematics.k
     return k1, k3
 
 
 def _square(loop: Loop, v_d: Floats, eta: float) -> float:
     z = np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d))
-    return float(_square_of()(z, eta, gains_of(loop.scenario, LAW).node))
+    return float(_square_of()(z, eta, loop.setup.own(NetworkGains).node))
 
 
 @cache

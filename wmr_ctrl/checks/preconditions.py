@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.control.gains import kinematic_gains
-from wmr_ctrl.model.references import reference_bounds
+from wmr_ctrl.world.references import reference_bounds
 
 THEOREM = "Theorem 1, Eq. (7)"
 STANDSTILL = 1e-9
@@ -21,7 +20,7 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
         yield _not_moving(slowest)
     yield from _too_fast(loop, fastest)
     yield from _turning_too_fast(loop, turning)
-    k2 = kinematic_gains(loop.scenario).k[1]
+    k2 = loop.setup.kinematics.k[1]
     if k2 < 1:
         yield Warning(
             "gains.kinematics.k",
@@ -36,7 +35,7 @@ def _too_fast(loop: Loop, fastest: float) -> Iterator[Warning]:
     if fastest < threshold:
         return
     if fastest < limit:
-        lag = 1 / (limit - fastest) / kinematic_gains(loop.scenario).k[0]
+        lag = 1 / (limit - fastest) / loop.setup.kinematics.k[0]
         end = f"the barrier leaves the robot about {lag:.2g} m behind on a straight line"
     else:
         end = "the robot may not drive that fast and falls behind"

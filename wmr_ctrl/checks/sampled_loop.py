@@ -14,10 +14,11 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Floats, Loop
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
 """Periods that are tried [s], and the factor from one to the next."""
@@ -35,7 +36,7 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
     The smallest over points of the reference; 0.0 if no period is stable, inf if all that were
     tried (up to 10 s) are.  Raises UnknownNameError for a law.
     """
-    return largest_period(Loop(scenario, law))
+    return largest_period(Loop(settle(scenario, law)))
 
 
 def largest_period(loop: Loop) -> float:
@@ -46,7 +47,7 @@ def largest_period(loop: Loop) -> float:
 def operating_points(scenario: Scenario) -> list[Floats]:
     """Desired velocities (2) of some points of the reference, moved inside v_u2."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
-    found = sample(scenario.reference, np.linspace(0, end, POINTS))[:, 3:5]
+    found = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
     bound = INSIDE * np.array(scenario.limits.v_u2)
     return list(np.unique(np.clip(found, -bound, bound).round(9), axis=0))
 

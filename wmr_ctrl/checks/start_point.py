@@ -9,11 +9,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.gains import kinematic_gains
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.tracking import tracking_error
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
 
@@ -28,11 +27,12 @@ class StartPoint:
     v_c0: Floats
 
 
-def start_point(scenario: Scenario) -> StartPoint:
+def start_point(setup: Setup) -> StartPoint:
     """The scenario at t = 0: Eqs. (8) and (7) there."""
-    reference = sample(scenario.reference, np.zeros(1))[0]
+    scenario = setup.scenario
+    reference = sample(scenario, np.zeros(1))[0]
     e = tracking_error(_sx(reference[:3]), _sx(scenario.initial.pose))
-    v_c0 = auxiliary_velocity(e, _sx(reference[3:5]), _sx(kinematic_gains(scenario).k))
+    v_c0 = auxiliary_velocity(e, _sx(reference[3:5]), _sx(setup.kinematics.k))
     return StartPoint(reference, _flat(e), np.array(scenario.initial.velocity), _flat(v_c0))
 
 

@@ -44,15 +44,16 @@ def check(
     the warnings, and 2 if it is not.
     """
     from wmr_ctrl.checks import largest_stable_period, warnings_for
+    from wmr_ctrl.control.setup import settle
     from wmr_ctrl.laws import LAWS
 
-    settled = load(scenario, assignments, guard)
-    found = {law: warnings_for(settled, law) for law in chosen or LAWS}
-    periods = {law: largest_stable_period(settled, law) for law in found}
+    case = load(scenario, assignments, guard)
+    found = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
+    periods = {law: largest_stable_period(case, law) for law in found}
     if as_json:
-        print_json(_document(settled, found, periods))
+        print_json(_document(case, found, periods))
     else:
-        click.echo("\n".join(_lines(settled, found, periods)))
+        click.echo("\n".join(_lines(case, found, periods)))
 
 
 def _document(scenario: Scenario, found: Found, periods: Mapping[str, float]) -> dict[str, Any]:

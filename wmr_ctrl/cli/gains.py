@@ -9,11 +9,11 @@ Docs = dict[str, dict[str, tuple[Any, str, str]]]
 
 def gains_docs() -> Docs:
     """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
-    from wmr_ctrl.control.gains import KINEMATICS
+    from wmr_ctrl.control.setup import KINEMATICS
     from wmr_ctrl.laws import LAWS
-    from wmr_ctrl.model import auxiliary
+    from wmr_ctrl.model.auxiliary import KinematicGains
 
-    tables: dict[str, type] = {KINEMATICS: auxiliary.Gains}
+    tables: dict[str, type] = {KINEMATICS: KinematicGains}
     tables |= {law: LAWS[law].gains for law in LAWS}
     return {law: _documented(gains) for law, gains in tables.items()}
 

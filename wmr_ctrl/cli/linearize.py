@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from wmr_ctrl.cli.console import print_json, say
 from wmr_ctrl.cli.options import (
     check_folder,
     debug_option,
@@ -29,8 +30,14 @@ def linearize(
     Around the circle and the line the loop is time-invariant in error coordinates; along other
     references it is said where the figures were taken.
     """
-    from wmr_ctrl.linear.command import run_linearize
+    from wmr_ctrl.linear import report_linear
 
     if plot:
         check_folder(plot, "--plot")
-    raise click.exceptions.Exit(run_linearize(load(scenario, assignments), law, plot, as_json))
+    report = report_linear(load(scenario, assignments), law)
+    if as_json:
+        print_json(report.to_json())
+    else:
+        click.echo(report.table())
+    for path in report.plots(plot) if plot else ():
+        say("wrote", str(path))

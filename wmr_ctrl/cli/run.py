@@ -82,7 +82,7 @@ def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> No
     check_output(plot, PLOTS, "--plot")
     check_output(animate, ANIMATIONS, "--animate")
     if animate and animate.lower().endswith(".mp4"):
-        from wmr_ctrl.report.animation.film import find_ffmpeg
+        from wmr_ctrl.report.animate import find_ffmpeg
 
         find_ffmpeg()
 
@@ -90,10 +90,11 @@ def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> No
 def _simulated(scenario: Scenario, law: str, seed: int, engine: str) -> Run:
     from wmr_ctrl import api
     from wmr_ctrl.checks import warnings_for
+    from wmr_ctrl.control.setup import settle
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
-    for warning in warnings_for(scenario, law):
+    for warning in warnings_for(settle(scenario, law)):
         say("warning", str(warning))
     with Progress(f"{law} on {scenario.name}", measured=engine == "numpy") as progress:
         return api.simulate(scenario, law, seed=seed, engine=engine, progress=progress)

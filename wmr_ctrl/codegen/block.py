@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.controller import watched_controller
-from wmr_ctrl.guard.guard import guard
+from wmr_ctrl.control.controller import guard, watched_controller
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.reference import reference
 from wmr_ctrl.model.system import Output, System, port, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.references.evaluate import reference
 
 PARALLEL = Signal(
     "clock.parallel",
@@ -63,15 +63,15 @@ def plant_block(scenario: Scenario) -> Block:
     return _block(stepped, (step,))
 
 
-def law_block(scenario: Scenario, law: str) -> Block:
-    """The controller of ``law``, watched: one sample with its memory."""
-    system = watched_controller(scenario, law)
+def law_block(setup: Setup) -> Block:
+    """The controller of a law, watched: one sample with its memory."""
+    system = watched_controller(setup)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 
-def guard_block(scenario: Scenario) -> Block:
+def guard_block(setup: Setup) -> Block:
     """The velocity guard by itself: asked force and measured velocity to wheel torques."""
-    system = guard(scenario)
+    system = guard(setup)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 

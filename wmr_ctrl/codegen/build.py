@@ -1,47 +1,134 @@
-"""From a scenario and a law to a compiled closed loop."""
+"""From a setup to a compiled closed loop: for one robot, or for lanes of robots.
+
+Numbers are parameters, so setups of one structure share graphs, C text and library.  The library
+for lanes holds the loop once for each set of vector instructions of its kind of processor, from the
+same generated text; which of them runs is decided when it is used (dispatch.c).
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import platform
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
-from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.kernels import LoopSystems, loop_kernels, loop_systems, plant_phases
-from wmr_ctrl.codegen.manifest import Kernels, manifest
+from wmr_ctrl.codegen.compiler import Toolchain, is_zig
+from wmr_ctrl.codegen.dialect import LANES, SCALAR
+from wmr_ctrl.codegen.kernels import (
+    FINDINGS,
+    controller_kernel,
+    loop_constants,
+    loop_kernels,
+    outside_constants,
+    outside_kernels,
+    sizes_of,
+)
+from wmr_ctrl.codegen.objects import Unit, build_units
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
+from wmr_ctrl.control.loop import SUMS, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.laws.sample import own_diagnostics
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.model.system import System, values
+from wmr_ctrl.signals import PLANT_STATE, Signal
 
-RUNTIME = (
-    "library.c", "loop.c", "loop.h", "noise.c", "noise.h", HEADER, "export.h",
-)  # fmt: skip
+_LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
+NATIVE = ("native.c", *_LOOP)
+OUTSIDE = ("outside.c", *_LOOP[1:])
+_DISPATCH = "dispatch.c"
 
 
-def build_loop(scenario: Scenario, law: str) -> Kernels:
-    """Compile the closed loop of ``law`` on ``scenario``, or find it in the cache.
+@dataclass(frozen=True)
+class Vectors:
+    """A set of vector instructions: its name, how many doubles it takes, the x86-64 level."""
 
-    Numbers are parameters, so that scenarios of one structure share a library.  Raises
-    CompilerError without a working compiler.
+    name: str
+    lanes: int
+    target: str | None
+
+
+BASELINE = Vectors("baseline", 2, None)
+"""Runs on every processor of the platform's kind."""
+X86 = (Vectors("avx512", 8, "x86-64-v4"), Vectors("avx2", 4, "x86-64-v3"))
+
+
+def vector_sets() -> tuple[Vectors, ...]:
+    """The sets of this platform's kind of processor, best first."""
+    return (*(X86 if platform.machine().lower() in ("x86_64", "amd64") else ()), BASELINE)
+
+
+def build_loop(setup: Setup) -> CompiledLoop:
+    """Compile the closed loop of a setup for one robot, or find it in the cache.
+
+    Raises CompilerError without a working compiler.
     """
-    systems = loop_systems(scenario, law)
-    generated = sources(systems.by_role(), loop_kernels(systems))
-    library = _built(unity(generated))
-    return Kernels(str(library), described(scenario, law, systems), digest(generated))
+    program = _program(setup)
+    return _filled(program, setup, program.native, program.digest)
 
 
-def described(scenario: Scenario, law: str, systems: LoopSystems) -> dict[str, Any]:
-    """The manifest of a loop."""
-    own = own_diagnostics(systems.controller)
-    phases = plant_phases(scenario, systems.plant)
-    return manifest(law, systems.controller.title, systems.by_role(), own, phases)
+def build_batch(setup: Setup) -> CompiledLoop:
+    """The same for lanes of robots."""
+    program = _program(setup)
+    return _filled(program, setup, program.lanes, program.lanes_digest)
 
 
-def _built(files: dict[str, str | bytes]) -> Path:
+class Program:
+    """Graphs, C text and libraries of one structure, made when they are asked for."""
+
+    def __init__(self, setup: Setup, structure: Hashable) -> None:
+        """Compose the graphs of a setup that has this structure."""
+        self.loop = LoopGraphs(setup)
+        self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
+        self.layout = layout_of(self.loop)
+
+    @cached_property
+    def generated(self) -> dict[str, str]:
+        """C text for one robot; the controller by itself is for callers of single samples."""
+        law = self.loop.controller
+        constants = {**loop_constants(self.loop), **sizes_of("controller", law)}
+        return sources(constants, (*loop_kernels(self.loop), controller_kernel(law)), SCALAR)
+
+    @cached_property
+    def generated_lanes(self) -> dict[str, str]:
+        """C text for lanes."""
+        return sources(loop_constants(self.loop), loop_kernels(self.loop), LANES)
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of the text for one robot."""
+        return digest(self.generated)
+
+    @cached_property
+    def lanes_digest(self) -> str:
+        """Hash of the text for lanes."""
+        return digest(self.generated_lanes)
+
+    @cached_property
+    def native(self) -> Path:
+        """The library for one robot."""
+        return _for_this_processor(unity(self.generated))
+
+    @cached_property
+    def lanes(self) -> Path:
+        """The library for lanes."""
+        toolchain = find_toolchain()
+        dispatch = (runtime_dir() / _DISPATCH).read_text(encoding="utf-8")
+        files = {**unity(self.generated_lanes, _LOOP), _DISPATCH: dispatch}
+        chosen = (BASELINE,) if toolchain.misaligns_vectors else vector_sets()
+        units = [
+            Unit(item.name, _LOOP[0], tuple(flags_of(item, toolchain)), item is not BASELINE)
+            for item in chosen
+        ]
+        return build_units(files, units, Unit("dispatch", _DISPATCH), toolchain, name="batch")
+
+
+def _for_this_processor(files: dict[str, str | bytes]) -> Path:
     """A library for this very processor; for any of its kind if the compiler cannot do that."""
     try:
         return build_library(files, find_toolchain(native=not find_toolchain().misaligns_vectors))
@@ -49,11 +136,133 @@ def _built(files: dict[str, str | bytes]) -> Path:
         return build_library(files)
 
 
-def unity(generated: dict[str, str], files: tuple[str, ...] = RUNTIME) -> dict[str, str | bytes]:
+_PROGRAMS: dict[Hashable, Program] = {}
+_MOST_PROGRAMS = 256
+
+
+def _program(setup: Setup) -> Program:
+    """The program of a setup's structure, kept for the next setup that shares it."""
+    structure = structure_of(setup)
+    if structure not in _PROGRAMS:
+        if len(_PROGRAMS) >= _MOST_PROGRAMS:
+            _PROGRAMS.pop(next(iter(_PROGRAMS)))
+        _PROGRAMS[structure] = Program(setup, structure)
+    return _PROGRAMS[structure]
+
+
+def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
+    """The program with the numbers of a setup."""
+    first = numbers_of(setup, program.layout.parameters)
+    phases = phases_of(setup, program.layout.parameters, first)
+    return CompiledLoop(
+        str(library),
+        hashed,
+        program.structure,
+        program.layout,
+        law_layout(setup, program.loop.controller),
+        tuple(row for _, row in phases),
+        tuple(step for step, _ in phases),
+        start_of(setup, program.loop.x0),
+    )
+
+
+def layout_of(loop: LoopGraphs) -> LoopLayout:
+    """What the vectors of a loop mean."""
+    return LoopLayout(
+        loop.controller.title,
+        loop.columns,
+        tuple(item.signal for item in (*loop.fast, *loop.slow)),
+        tuple(item.signal for item in loop.parameters.ports),
+        FINDINGS,
+        SUMS,
+    )
+
+
+def law_layout(setup: Setup, system: System) -> LawLayout:
+    """What the vectors of the controller by itself mean, with a setup's numbers."""
+    parameters = tuple(item.signal for item in system.params)
+    return LawLayout(
+        tuple(item.signal for item in system.inputs),
+        tuple(item.signal for item in system.state),
+        parameters,
+        tuple(values(system.state)),
+        numbers_of(setup, parameters),
+    )
+
+
+def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
+    """Compile what lies between a controller and a plant that are elsewhere.
+
+    Raises CompilerError without a working compiler.
+    """
+    generated = sources(outside_constants(loop), outside_kernels(loop), SCALAR)
+    parameters = tuple(item.signal for item in loop.parameters.ports)
+    first = numbers_of(setup, parameters)
+    phases = phases_of(setup, parameters, first)
+    state = (*loop.fast, *loop.slow)
+    signals = tuple(item.signal for item in state)
+    return CompiledLoop(
+        str(_for_this_processor(unity(generated, OUTSIDE))),
+        digest(generated),
+        "",
+        LoopLayout("", (), signals, parameters, FINDINGS, ()),
+        LawLayout((), (), (), (), ()),
+        tuple(row for _, row in phases),
+        tuple(step for step, _ in phases),
+        (
+            *setup.scenario.initial.pose,
+            *setup.scenario.initial.velocity,
+            *values(state)[len(PLANT_STATE) :],
+        ),
+    )
+
+
+def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
+    """A setup's values of parameters, by their keys, flat and in order."""
+    return tuple(number for item in parameters for number in setup.number(item.name)[1])
+
+
+def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
+    """The whole state at t = 0: the scenario's pose and velocity, then the graphs' own values."""
+    initial = setup.scenario.initial
+    return (*initial.pose, *initial.velocity, *own[len(PLANT_STATE) :])
+
+
+def phases_of(
+    setup: Setup, parameters: tuple[Signal, ...], first: tuple[float, ...]
+) -> list[tuple[int, tuple[float, ...]]]:
+    """(first plant step, parameter values) of each phase: the start, then every Change."""
+    names = [name for item in parameters for name in item.elements]
+    row, phases = list(first), [(0, first)]
+    for change in setup.scenario.changes:
+        for key, value in change.values().items():
+            row[names.index(f"robot.{key}")] = value
+        phases.append((_first_step_at(change.t, setup.scenario.clock.plant), tuple(row)))
+    return phases
+
+
+def _first_step_at(time: float, step: float) -> int:
+    """Index of the first plant step that starts at or after ``time``."""
+    index = round(time / step)
+    return index if abs(index * step - time) <= 1e-9 * max(1.0, time) else int(-(-time // step))
+
+
+def flags_of(vectors: Vectors, toolchain: Toolchain) -> Iterator[str]:
+    """Flags that compile for a set of vector instructions."""
+    yield f"-DWMR_SET={vectors.name}"
+    yield f"-DWMR_LANES={vectors.lanes}"
+    if vectors.target and is_zig(toolchain.command):
+        yield f"-mcpu={vectors.target.replace('-', '_')}"
+    elif vectors.target:
+        yield f"-march={vectors.target}"
+
+
+def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[str, str | bytes]:
     """Generated and hand-written sources; the first of ``files`` is the only unit to compile."""
     runtime = {name: (runtime_dir() / name).read_text(encoding="utf-8") for name in files}
-    included = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
-    unit = included.pop(_as_header(files[0])).replace('.c"', '.inc"')
+    every = {_as_header(name): text for name, text in {**runtime, **generated}.items()}
+    included = {name: text.replace('.c"\n', '.inc"\n') for name, text in every.items()}
+    unit = included.pop(_as_header(files[0]))
     return {**included, files[0]: unit}
 
 

@@ -1,140 +1,141 @@
-"""The kernels of one closed loop: which graphs become C, under which names."""
+"""The kernels of one closed loop: which graphs become C, under which names, with which sizes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.controller import watched_controller
-from wmr_ctrl.model.estimator import estimator
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.reference import reference
-from wmr_ctrl.model.system import System, values
-from wmr_ctrl.model.tracking import tracking_error
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.wiring import Stream
+from wmr_ctrl.model.system import System, stack, values
+from wmr_ctrl.signals import VELOCITY
+from wmr_ctrl.world.effect import Rate
+
+FINDINGS = (
+    "max_v1", "max_omega", "violations", "first_step", "first_axis", "stop", "stop_step",
+    "stop_axis", "samples", "torque", "d_least1", "d_least2", "left_sample", "left_axis",
+    "clipped1", "clipped2",
+)  # fmt: skip
+"""What a run leaves: largest |v| [m/s, rad/s]; plant steps beyond a limit, step and axis of the
+first (-1, 0); reason, step and axis of an early end; samples made; and of runs without a log the
+largest |torque| [N m] and d_least [N, N m], sample and axis of the first beyond its bound (-1, 0),
+samples with the clip active."""
 
 
-@dataclass(frozen=True)
-class LoopSystems:
-    """The Systems of one closed loop, by role: reference, plant, controller, estimator."""
-
-    reference: System
-    plant: System
-    controller: System
-    estimator: System
-
-    def by_role(self) -> Mapping[str, System]:
-        """The four Systems under the prefixes that C and the manifest use."""
-        return {
-            "reference": self.reference,
-            "plant": self.plant,
-            "controller": self.controller,
-            "estimator": self.estimator,
-        }
-
-
-def loop_systems(scenario: Scenario, law: str) -> LoopSystems:
-    """Systems of ``law`` on ``scenario``; the plant's parameters end with its step [s]."""
-    return LoopSystems(
-        reference(scenario),
-        _stepped_plant(scenario),
-        watched_controller(scenario, law),
-        estimator(scenario),
-    )
-
-
-def loop_kernels(systems: LoopSystems) -> tuple[Kernel, ...]:
-    """All C functions that the runtime calls."""
-    pose_d, pose = ca.SX.sym("pose_d", 3), ca.SX.sym("pose", 3)
-    ref, moving, law, dead = systems.reference, systems.plant, systems.controller, systems.estimator
+def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
+    """The C functions that the runtime calls."""
+    given = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
+    left = {"next": loop.next_slow, "held": loop.held}
     return (
+        kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
+        kernel("sample_logged", "A control sample with its log.", given, {**left, "row": loop.row}),
         kernel(
-            "reference", "Desired trajectory at time t.", {"t": ref.u, "p": ref.p}, {"y": ref.y}
+            "sample_watched",
+            "A control sample and what is watched.",
+            given,
+            {**left, "seen": loop.seen},
         ),
-        kernel(
-            "plant_step",
-            "Plant state after one Runge-Kutta step, inputs held.",
-            {"u": moving.u, "x": moving.x, "p": moving.p},
-            {"next": moving.update},
-        ),
-        kernel(
-            "controller_step",
-            f"One sample of the law: {law.title}.",
-            {"u": law.u, "x": law.x, "p": law.p},
-            {"next": law.update, "y": law.y},
-        ),
-        kernel(
-            "controller_diagnostics",
-            "What the law publishes beside its torques.",
-            {"u": law.u, "x": law.x, "p": law.p},
-            {"d": law.d},
-        ),
-        kernel(
-            "controller_logged",
-            "Both at once, which costs little more than the sample alone.",
-            {"u": law.u, "x": law.x, "p": law.p},
-            {"next": law.update, "y": law.y, "d": law.d},
-        ),
-        kernel(
-            "controller_watched",
-            "One sample, and what is watched in every run: clip_active (2), d_least (2).",
-            {"u": law.u, "x": law.x, "p": law.p},
-            {"next": law.update, "y": law.y, "w": _watched(law)},
-        ),
-        kernel(
-            "estimator_step",
-            f"{dead.title.capitalize()}.",
-            {"u": dead.u, "x": dead.x, "p": dead.p},
-            {"next": dead.update},
-        ),
-        kernel(
-            "tracking_error",
-            "Tracking error, Eq. (8).",
-            {"pose_d": pose_d, "pose": pose},
-            {"e": tracking_error(pose_d, pose)},
-        ),
+        kernel("step", "The fast state after a plant step.", _stepped(loop), _fast(loop)),
     )
 
 
-def _watched(law: System) -> ca.SX:
-    seen = {item.signal.name: item.expr for item in law.diagnostics}
-    return ca.vertcat(seen["clip_active"], seen["d_least"])
-
-
-def plant_phases(scenario: Scenario, system: System) -> list[tuple[int, list[float]]]:
-    """(first plant step, parameter values) of each phase: the start, then every Change."""
-    current = dict(zip((p.signal.name for p in system.params), system.params, strict=True))
-    numbers = {name: port.value for name, port in current.items()}
-    phases = [(0, values(system.params))]
-    for change in scenario.changes:
-        named = {f"robot.{key}": getattr(change, key) for key in ("m", "I", "mu")}
-        numbers |= {key: (value,) for key, value in named.items() if value is not None}
-        first = _first_step_at(change.t, scenario.clock.plant)
-        phases.append((first, [number for row in numbers.values() for number in row]))
-    return phases
-
-
-def _first_step_at(time: float, step: float) -> int:
-    """Index of the first plant step that starts at or after ``time``."""
-    index = round(time / step)
-    return index if abs(index * step - time) <= 1e-9 * max(1.0, time) else int(-(-time // step))
-
-
-def _stepped_plant(scenario: Scenario) -> System:
-    continuous = plant(scenario)
-    p = Parameters(scenario, continuous.params)
-    step = rk4_step(continuous, p.take("clock.plant"))
-    return System(
-        continuous.name,
-        continuous.title,
-        continuous.inputs,
-        continuous.state,
-        p.ports,
-        step,
-        continuous.outputs,
-        period=scenario.clock.plant,
+def outside_kernels(loop: OutsideGraphs) -> tuple[Kernel, ...]:
+    """The C functions of what lies between a controller and a plant that are elsewhere."""
+    p = stack(item.sym for item in loop.parameters.ports)
+    x = stack(item.sym for item in (*loop.fast, *loop.slow))
+    sampled = {"k": loop.sample.clock.sym, "x": x, "p": p, "w": loop.draws(Rate.SAMPLE)}
+    return (
+        kernel("clock", "Numbers that the loop itself takes.", {"p": p}, {"n": loop.clock}),
+        kernel(
+            "measure",
+            "What the sensors show, and what disturbs.",
+            sampled,
+            {"next": stack(loop.sample.following), "y": loop.measured},
+        ),
+        kernel("act", "What acts on the plant.", _stepped(loop), {**_fast(loop), "y": loop.acting}),
     )
+
+
+def _stepped(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
+    return {
+        "i": loop.step.clock.sym,
+        "u": loop.u.sym,
+        "x": stack(item.sym for item in loop.fast),
+        "p": stack(item.sym for item in loop.parameters.ports),
+        "w": loop.draws(Rate.STEP),
+    }
+
+
+def _fast(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
+    return {"next": loop.next_fast}
+
+
+def controller_kernel(system: System) -> Kernel:
+    """One sample of the controller by itself."""
+    return kernel(
+        "controller",
+        f"One sample: {system.title}.",
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"next": system.update, "y": system.y},
+    )
+
+
+def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
+    """Sizes and places that the runtime is written against, by their names in C."""
+    sizes: dict[str, int | str] = {
+        "ROW": loop.row.numel(),
+        "SUMS": len(SUMS),
+        "SEEN": len(SEEN),
+        **{f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)},
+    }
+    return {**sizes, **_constants(loop)}
+
+
+def outside_constants(loop: OutsideGraphs) -> Mapping[str, int | str]:
+    """The same for what lies between a controller and a plant."""
+    sizes: dict[str, int | str] = {
+        "PLANT": loop.plant.x.numel(),
+        "MEASURED": loop.measured.numel(),
+        "ACTING": loop.acting.numel(),
+        "SUMS": 0,
+    }
+    return {**sizes, **_constants(loop)}
+
+
+def _constants(loop: LoopGraphs | OutsideGraphs) -> Mapping[str, int | str]:
+    state = [name for item in loop.fast for name in item.signal.elements]
+    sizes: dict[str, int | str] = {
+        "STATE": len(values((*loop.fast, *loop.slow))),
+        "FAST": len(state),
+        "PARAMETERS": len(values(loop.parameters.ports)),
+        "HELD": loop.u.sym.numel(),
+        "CLOCK": loop.clock.numel(),
+        "FINDINGS": len(FINDINGS),
+        "SAMPLE_DRAWS": loop.draws(Rate.SAMPLE).numel(),
+        "STEP_DRAWS": loop.draws(Rate.STEP).numel(),
+        "CLOCK_STREAMS": len(CLOCK),
+        "STREAMS": ", ".join(map(_stream, loop.streams)) or "{0u, 0, 0, 0}",
+    }
+    sizes |= {f"AT_{s.name.upper()}": state.index(s.name) for s in VELOCITY}
+    sizes |= {f"CLOCK_{name.upper()}": place for place, name in enumerate(CLOCK)}
+    return sizes | {f"FOUND_{name.upper()}": place for place, name in enumerate(FINDINGS)}
+
+
+def _stream(item: Stream) -> str:
+    """A row of the table of streams: number, whether normal, pairs, whether drawn each step."""
+    numbers = (f"{item.number}u", item.normal, item.size // 2, item.rate is Rate.STEP)
+    return f"{{{', '.join(str(int(n)) if isinstance(n, bool) else str(n) for n in numbers)}}}"
+
+
+def sizes_of(role: str, system: System) -> Mapping[str, int]:
+    """Lengths of a System's vectors, under the letters that C uses."""
+    sizes = {
+        "NU": system.u.numel(),
+        "NX": system.x.numel(),
+        "NP": len(values(system.params)),
+        "NY": system.y.numel(),
+        "ND": system.d.numel(),
+    }
+    return {f"{role.upper()}_{key}": count for key, count in sizes.items()}

@@ -19,6 +19,7 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.single_precision import MARGIN, PERIODS, with_margin
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import Scenario
@@ -60,7 +61,7 @@ def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dic
 
     Raises ScenarioError or UnknownNameError as building the law does.
     """
-    system = controller(scenario, law)
+    system = controller(settle(scenario, law))
     if float32 and scenario.guard.enabled:
         system = with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)

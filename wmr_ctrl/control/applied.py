@@ -11,10 +11,11 @@ from collections.abc import Sequence
 
 import casadi as ca
 
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, port
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TAU_APPLIED, Signal
+from wmr_ctrl.world.delay import commands_under_way, delay_in_periods
 
 ACTING = Signal("tau_acting", "N.m", "torque behind the lag at the end of the sample", 2)
 
@@ -26,12 +27,18 @@ class Applied:
     are still under way, a lag the torque that acts when a sample ends.
     """
 
-    def __init__(self, scenario: Scenario, p: Parameters, known: Port | None = None) -> None:
-        """State of the drives of ``scenario``; ``known`` is a law's own tau_applied port."""
+    def __init__(self, setup: Setup, p: Parameters, known: Port | None = None) -> None:
+        """State of the drives of a setup; ``known`` is a law's own tau_applied port.
+
+        The guard may count commands for longer than they take, where another effect delays them.
+        """
+        scenario, clock = setup.scenario, setup.scenario.clock
         self.port = known or port(TAU_APPLIED)
-        self.steps = scenario.clock.substeps
+        self.steps = clock.substeps
         self.whole, self.part = delay_in_periods(scenario)
-        ages = range(1, commands_under_way(scenario) + 1)
+        self.late = divmod(round(setup.guard.delay / clock.plant), clock.substeps)
+        count = max(commands_under_way(scenario), setup.guard.late_commands(clock))
+        ages = range(1, count + 1)
         self.earlier = tuple(port(_command(age)) for age in ages)
         self.acting = (port(ACTING),) if scenario.actuator.lag > 0 else ()
         self.decay = (
@@ -51,8 +58,9 @@ class Applied:
     @property
     def under_way(self) -> tuple[tuple[ca.SX, float], ...]:
         """Commands that have not ended: torque (2,), and how long it will act, in periods."""
-        shares = [1.0] * self.whole + [self.part / self.steps] * bool(self.part)
-        return tuple(zip((item.sym for item in self.earlier), shares, strict=True))
+        whole, part = self.late
+        shares = [1.0] * whole + [part / self.steps] * bool(part)
+        return tuple(zip((item.sym for item in self.earlier), shares, strict=False))
 
     def following(self, torque: ca.SX) -> list[ca.SX]:
         """Next state for the torque that is commanded now."""
@@ -75,18 +83,6 @@ class Applied:
                 total = total + self.decay * (1 - kept) / (1 - self.decay) * (acting - wanted)
             acting = wanted + kept * (acting - wanted)
         return total / self.steps, acting
-
-
-def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
-    """actuator.delay as whole control periods and the plant steps that are left."""
-    clock = scenario.clock
-    return divmod(round(scenario.actuator.delay / clock.plant), clock.substeps)
-
-
-def commands_under_way(scenario: Scenario) -> int:
-    """How many commands have not acted to their end when the next one is computed."""
-    whole, part = delay_in_periods(scenario)
-    return whole + bool(part)
 
 
 def _command(age: int) -> Signal:

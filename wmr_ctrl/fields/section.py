@@ -3,7 +3,7 @@
 A section of a scenario, or the gains of a law, is a frozen dataclass that derives from
 :class:`Section` and whose fields are made by :func:`quantity`::
 
-    @dataclass(frozen=True)
+    @dataclass(frozen=True, kw_only=True)
     class Gains(Section):
         KEY: ClassVar[str] = "gains.mb"
         rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="decay rates", above=0)
@@ -18,6 +18,7 @@ from typing import Any, ClassVar, TypeVar
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
 from wmr_ctrl.fields.values import Bounds, Quantity, kind_of
+from wmr_ctrl.signals import Signal
 
 REQUIRED = dataclasses.MISSING
 """Default of a field that every scenario must give (a number)."""
@@ -101,6 +102,16 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
         if what.default is REQUIRED and name not in values:
             raise ScenarioError(f"{key(where, name)} is missing: {what.doc} [{what.unit}].")
     return cls(**values)
+
+
+def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
+    """Signal called ``path`` and value of a section's field ``name``; KeyError if not a number."""
+    what = dict(quantities(type(section)))[name]
+    value = getattr(section, name)
+    numbers = value if isinstance(value, tuple) else (value,)
+    if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in numbers):
+        raise KeyError(path)
+    return Signal(path, what.unit, what.doc, len(numbers)), tuple(map(float, numbers))
 
 
 def key(path: str, name: str) -> str:

@@ -15,6 +15,8 @@ from wmr_ctrl.codegen.block import (
     plant_block,
     reference_block,
 )
+from wmr_ctrl.codegen.kernels import sizes_of
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fmi.bounds import clock_of, ranges_of
 from wmr_ctrl.fmi.model import Dependency, Model
 from wmr_ctrl.fmi.variables import (
@@ -27,12 +29,11 @@ from wmr_ctrl.fmi.variables import (
     rate_rows,
     state_rows,
 )
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.references import sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import POSE, REFERENCE, VELOCITY
 from wmr_ctrl.signals import TIME as SECONDS
+from wmr_ctrl.world.references import sample
 
 CHANGED = ("robot.m", "robot.I", "robot.mu")
 """The plant's parameters that may be changed while it runs, as the paper does at 40 s."""
@@ -43,14 +44,18 @@ def plant_model(scenario: Scenario) -> Model:
     return _model("plant", "Wheeled robot, Eqs. (1)-(6)", scenario, plant_block(scenario), CHANGED)
 
 
-def law_model(scenario: Scenario, law: str) -> Model:
+def law_model(setup: Setup) -> Model:
     """One control law: reference, pose and velocity in, torques and diagnostics out."""
-    return _model(law, f"Control law: {LAWS[law].title}", scenario, law_block(scenario, law))
+    law = setup.control_law
+    return _model(law.name, f"Control law: {law.title}", setup.scenario, law_block(setup))
 
 
 def guard_model(scenario: Scenario) -> Model:
-    """The velocity guard behind any law: asked force in, torques out."""
-    return _model("guard", "Velocity guard", scenario, guard_block(scenario))
+    """The velocity guard behind any law: asked force in, torques out.
+
+    Its numbers must be possible, be it switched on in the scenario or not.
+    """
+    return _model("guard", "Velocity guard", scenario, guard_block(settle(scenario, None)))
 
 
 def reference_model(scenario: Scenario) -> Model:
@@ -66,7 +71,7 @@ def parallel(model: Model) -> Model:
 
 def start_of_inputs(scenario: Scenario) -> dict[str, float]:
     """Start values of pose, velocity and reference inputs: those of t = 0."""
-    desired = sample(scenario.reference, np.zeros(1))[0].tolist()
+    desired = sample(scenario, np.zeros(1))[0].tolist()
     names = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
     return dict(
         zip(names, (*desired, *scenario.initial.pose, *scenario.initial.velocity), strict=True)
@@ -91,7 +96,7 @@ def _model(
         "sampled" if system.period else "continuous",
         scenario,
         rows,
-        {"block": system},
+        sizes_of("block", system),
         block.kernels,
         block.derivatives,
         layout,
@@ -162,7 +167,7 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
         "W": found,
         "NW": count["rates"] + count["results"],
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
-        "HAS_ME": int(continuous or _follows_time(system)),
+        "HAS_ME": int(continuous or (_follows_time(system) and not count["X"])),
     }
 
 

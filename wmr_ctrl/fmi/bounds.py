@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import fields
-from typing import Any
 
+from wmr_ctrl.control.setup import KINEMATICS
+from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model import auxiliary
+from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.scenario import sections
 
 LARGEST = 1e12
 """What no parameter may exceed in size; stands for `unlimited` too."""
@@ -33,23 +34,19 @@ def clock_of(scenario: Scenario) -> dict[str, Range]:
     return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
 
 
-def _holder(scenario: Scenario, key: str) -> Any:
+def _holder(scenario: Scenario, key: str) -> type[Section] | None:
     """The dataclass that declares the field ``key``, or None."""
     section, _, rest = key.partition(".")
     if section == "gains":
         law = rest.partition(".")[0]
-        return auxiliary.Gains if law == "kinematics" else LAWS[law].gains if law in LAWS else None
-    holder = scenario.believed if section == "model" else getattr(scenario, section, None)
-    known = getattr(holder, "__dataclass_fields__", {}) if rest else {}
-    return type(holder) if rest in known else None
+        return KinematicGains if law == KINEMATICS else LAWS[law].gains if law in LAWS else None
+    holder = type(scenario.table(section)) if section in sections() else None
+    known = {name for name, _ in quantities(holder)} if holder and rest else set()
+    return holder if rest in known else None
 
 
-def _range(holder: Any, name: str) -> Range:
-    bounds = next(
-        (item.metadata.get("bounds") for item in fields(holder) if item.name == name), None
-    )
-    if bounds is None:
-        return -LARGEST, LARGEST
+def _range(holder: type[Section], name: str) -> Range:
+    bounds = dict(quantities(holder))[name].bounds
     low = _first(
         bounds.minimum, None if bounds.above is None else bounds.above + SMALLEST, -LARGEST
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from wmr_ctrl import __version__
-from wmr_ctrl.control.gains import check_gains
+from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
@@ -57,7 +57,7 @@ def export_fmu(
     -------
     Paths of the files.  Raises UnknownNameError, ScenarioError or CompilerError.
     """
-    model = model_of(what, law, settled(scenario))
+    model = model_of(what, law, scenario_given(scenario))
     paths = []
     for version in versions_of(fmi):
         path = Path(out) / f"wmr_{what}.fmi{version}.fmu"
@@ -67,11 +67,11 @@ def export_fmu(
     return paths
 
 
-def settled(scenario: str | Path | Scenario) -> Scenario:
+def scenario_given(scenario: str | Path | Scenario) -> Scenario:
     """The scenario itself, loaded if a name or path was given, with its gains checked."""
-    found = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
-    check_gains(found)
-    return found
+    loaded = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+    check_gains(loaded)
+    return loaded
 
 
 def versions_of(fmi: str | int) -> tuple[int, ...]:
@@ -90,9 +90,9 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
     if what == "guard":
         return guard_model(scenario)
     if what == "closed-loop":
-        return closed_loop_model(scenario, LAWS[law].name)
+        return closed_loop_model(settle(scenario, law))
     if what in LAWS:
-        return law_model(scenario, what)
+        return law_model(settle(scenario, what))
     raise UnknownNameError("FMU", what, (*FIXED, *LAWS))
 
 

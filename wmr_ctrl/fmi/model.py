@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.fmi.variables import Role, Variable
-from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 
 KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}
@@ -31,7 +30,8 @@ class Dependency:
 class Model:
     """One FMU's content before any file is written.
 
-    ``layout``: names and numbers for C; ``tables``: named integer or float arrays for C;
+    ``constants`` and ``layout``: names and numbers for the kernels and for the FMI layer;
+    ``tables``: named integer or float arrays for C;
     ``dependencies``: Jacobian structure of calculated variables, None where they depend on all;
     ``graph``: the serialised CasADi function.
     """
@@ -41,7 +41,7 @@ class Model:
     kind: str
     scenario: Scenario
     variables: tuple[Variable, ...]
-    systems: Mapping[str, System]
+    constants: Mapping[str, int | str]
     kernels: tuple[Kernel, ...]
     derivatives: tuple[Kernel, ...]
     layout: Mapping[str, int]

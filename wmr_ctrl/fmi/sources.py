@@ -49,7 +49,7 @@ class Sources:
 
 def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
     """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
-    generated = kernel_sources(model.systems, model.kernels)
+    generated = kernel_sources(model.constants, model.kernels)
     files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
     files |= plain_sources(model.derivatives, "jacobian") if model.derivatives else {}
     files |= {name: _read(fmu_dir() / "fmi" / name) for name in (*COMMON, f"kind_{model.kind}.c")}
@@ -124,7 +124,5 @@ def _table(model: Model, name: str, rows: Sequence[Sequence[float]]) -> dict[str
             "shape": f"[{len(rows)}][{len(rows[0])}]",
             "body": f"{{{', '.join(bodies)}}}",
         }
-    kind, shape = (
-        ("double", "[WMR_CONTROLLER_NX + 1]") if name == "CONTROLLER_START" else ("int", "[]")
-    )
-    return {"type": kind, "name": name, "shape": shape, "body": bodies[0]}
+    kind = "double" if name == "START" else "int"
+    return {"type": kind, "name": name, "shape": "[]", "body": bodies[0]}

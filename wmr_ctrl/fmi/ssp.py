@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.export import TOOL, Progress, model_of, settled, write_fmu
+from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, write_fmu
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
@@ -26,6 +27,7 @@ from wmr_ctrl.signals import (
     TORQUE_NOISE,
     VELOCITY,
 )
+from wmr_ctrl.world.effect import Effect, EffectRole
 
 MARGIN = next(signal for signal in DIAGNOSTICS if signal.name == "margin")
 SHOWN = tuple(
@@ -55,13 +57,13 @@ def export_ssp(
     outside.  Raises ArgumentError for a push, sensors and drives, which it cannot hold;
     UnknownNameError, ScenarioError or CompilerError.
     """
-    found = settled(scenario)
-    _check_contents(found)
+    setup = settle(scenario_given(scenario), law)
+    _check_contents(setup)
     models = {
-        name: parallel(model_of(law if name == "controller" else name, law, found))
+        name: parallel(model_of(law if name == "controller" else name, law, setup.scenario))
         for name in ORDER
     }
-    files = {"SystemStructure.ssd": _structure(models, found).encode()}
+    files = {"SystemStructure.ssd": _structure(models, setup.scenario).encode()}
     for name, model in models.items():
         files[f"resources/{name}.ssv"] = _parameters(name, model).encode()
         files[f"resources/{model.identifier}.fmu"] = _fmu(model, target)
@@ -71,20 +73,25 @@ def export_ssp(
     return [path]
 
 
-def _check_contents(scenario: Scenario) -> None:
-    """Raise ArgumentError where the loop has more parts than reference, controller and plant."""
-    sensor = scenario.sensor
-    lost = {
-        "disturbance.push": any(scenario.disturbance.push),
-        "sensor": not sensor.perfect or any(sensor.velocity_noise),
-        "actuator.lag and actuator.delay": not scenario.actuator.ideal,
-    }
-    if any(lost.values()):
-        told = ", ".join(name for name, there in lost.items() if there)
+def _check_contents(setup: Setup) -> None:
+    """Raise ArgumentError where the loop has more parts than reference, controller and plant.
+
+    Numbers that are drawn at random come from outside, so an effect of draws alone is left out.
+    """
+    lost = [item for item in setup.effects if _is_lost(item, setup.scenario)]
+    if lost:
+        names = ", ".join(f"{item.name} ([{item.section.KEY}])" for item in lost)
         raise ArgumentError(
             f"an SSP package holds reference, controller and plant, and this scenario has more: "
-            f"{told}. Export the closed-loop FMU, which has all, or take that out of the scenario."
+            f"{names}. Export the closed-loop FMU, which has all, or take that out of the scenario."
         )
+
+
+def _is_lost(effect: Effect, scenario: Scenario) -> bool:
+    """Whether an effect would be missed: it acts, and is more than noise at the plant's inputs."""
+    if effect.role is EffectRole.DISTURBANCE and effect.build(scenario).draws:
+        return bool(effect.build(scenario).state)
+    return effect.acts(scenario)
 
 
 def _fmu(model: Model, target: str) -> bytes:

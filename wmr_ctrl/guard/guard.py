@@ -21,16 +21,9 @@ from dataclasses import dataclass, fields
 
 import casadi as ca
 
-from wmr_ctrl.control.applied import Applied
-from wmr_ctrl.guard.bounds import ROUNDING, rounding, settled_guard, wheel_limit
+from wmr_ctrl.guard.bounds import ROUNDING, rounding
 from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
-from wmr_ctrl.guard.monitor import Monitor
-from wmr_ctrl.guard.wheel_map import MAPS
-from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port, ports, stack
-from wmr_ctrl.scenario import Guard, Scenario
-from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
 
 NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
 
@@ -77,10 +70,13 @@ class Bounds:
                          for key, v in parts.items()})  # fmt: skip
 
 
-def bounds_of(p: Parameters, settled: Guard, applied: Applied) -> Bounds:
-    """Symbols of both axes' bounds with the numbers of a guard; u1 is shrunk against rounding."""
-    read = {name: p.field(f"guard.{name}", settled, name) for name in NUMBERS}
-    sent, period = applied.under_way, p.take("clock.control")
+def bounds_of(p: Parameters, sent: Sequence[tuple[ca.SX, float]]) -> Bounds:
+    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding.
+
+    ``sent``: commands under way, and for how many periods from now on each will act.
+    """
+    read = {name: p.take(f"guard.{name}") for name in NUMBERS}
+    period = p.take("clock.control")
     u1 = p.take("limits.v_u1") * (1 - rounding(len(sent)))
     delay = period * sum(share for _, share in sent) if sent else None
     return Bounds(u1=u1, period=period, delay=delay, **read)
@@ -148,43 +144,6 @@ def guarded(
     force = ca.vertcat(*(clipped(asked[i], *axis) for i, axis in enumerate(axes)))
     safe = ca.vertcat(*(clipped(ca.SX(0), *axis) for axis in axes))
     return Guarded(force, safe, force != asked)
-
-
-def guard(scenario: Scenario) -> System:
-    """The guard by itself: asked force and measured velocity to wheel torques within tau_max.
-
-    Raises ScenarioError where its settings cannot be met.
-    """
-    asked, velocity = port(FORCE), ports(VELOCITY)
-    p = Parameters(scenario)
-    applied, v = Applied(scenario, p), stack(item.sym for item in velocity)
-    torque, monitor = guarded_torque(scenario, p, asked.sym, v, applied, None)
-    return System(
-        "guard",
-        "velocity guard",
-        (asked, *velocity),
-        (*applied.state, *monitor.state),
-        p.ports,
-        ca.vertcat(*applied.following(torque), monitor.update),
-        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
-        monitor.diagnostics,
-        scenario.clock.control,
-    )
-
-
-def guarded_torque(
-    scenario: Scenario, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied, law: str | None
-) -> tuple[ca.SX, Monitor]:
-    """Wheel torques (2,) [N m] of a guarded force, and what watches over the guard's bounds."""
-    r, half_track, tau_max = p.take("robot.r"), p.take("robot.l"), wheel_limit(scenario, p, law)
-    both, phi = bounds_of(p, settled_guard(scenario, tau_max.number), applied), 2 * tau_max.sym / r
-    sent = [(wheel_to_force(r, half_track, tau), share) for tau, share in applied.under_way]
-    held = guarded(asked, v, both, sent)
-    torque = force_to_wheel(
-        r, half_track, MAPS[scenario.guard.map](held.force, phi, half_track, held.safe)
-    )
-    flags = (held.active, possible(p, both, phi, half_track))
-    return torque, Monitor(both, v, applied.value, (r, half_track), flags)
 
 
 def possible(p: Parameters, both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:

@@ -16,15 +16,14 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.control.gains import gains_of
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws.sample import BARRIERS, Sample
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
+from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class ModelBasedGains(BarrierChoice):
     """Gains of the model-based law."""
 
     KEY: ClassVar[str] = "gains.mb"
@@ -35,12 +34,10 @@ class Gains(Section):
     decay: str = quantity(
         "rate", unit="1", doc="what rho means: a rate, or exact over T", options=("rate", "exact")
     )
-    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
-    sample = Sample("mb", scenario)
     command = (
         -decay_rate(sample) * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
     )
@@ -50,6 +47,15 @@ def build(scenario: Scenario) -> System:
 def decay_rate(sample: Sample) -> ca.SX:
     """Rate (2,) [1/s] in front of V1/A: rho, or (1 - exp(-rho T))/T."""
     rho = sample.gain("rho")
-    if gains_of(sample.scenario, "mb").decay == "rate":
+    if sample.own(ModelBasedGains).decay == "rate":
         return rho
     return -ca.expm1(-rho * sample.period) / sample.period
+
+
+LAW = Law(
+    "mb",
+    ModelBasedGains,
+    build,
+    Traits(auxiliary=True, barrier=True, model=True, theorem=1),
+    __doc__ or "",
+)

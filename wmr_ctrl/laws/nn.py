@@ -16,12 +16,11 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.control.gains import gains_of
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
 from wmr_ctrl.laws.rbf import corner_basis, dot
-from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
+from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import Output, System, port
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 NODES = 64
@@ -32,8 +31,8 @@ WEIGHTS = tuple(
 W_NORM = Signal("W_norm", "N.s/m, N.m.s/rad", "norms of the weights, after the sample's update", 2)
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class NetworkGains(BarrierChoice):
     """Gains of the network law, per axis (linear, angular) where there are two."""
 
     KEY: ClassVar[str] = "gains.nn"
@@ -62,17 +61,15 @@ class Gains(Section):
     regressor: str = quantity(
         "ratio", unit="1", doc="what the network sees of the barrier", options=("ratio", "q")
     )
-    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = -rho1 V1/A + q (W^ S(Z)), Eq. (57), then the weights' step, Eq. (58)."""
-    sample = Sample("nn", scenario)
     weights = tuple(port(signal) for signal in WEIGHTS)
     basis = corner_basis(regressor(sample), sample.gain("eta"), sample.gain("node"))
     network = ca.vertcat(*(dot(item.sym, basis) for item in weights))
     force = -sample.gain("rho1") * sample.per_axis("V1_over_A") + sample.per_axis("q") * network
-    following = [_adapted(sample, i, weights[i].sym, basis, scenario) for i in AXES]
+    following = [_adapted(sample, i, weights[i].sym, basis) for i in AXES]
     norms = ca.vertcat(*(ca.sqrt(dot(item, item)) for item in following))
     return sample.system(
         "adaptive network (NN)", force, weights, ca.vertcat(*following), (Output(W_NORM, norms),)
@@ -82,17 +79,26 @@ def build(scenario: Scenario) -> System:
 def regressor(sample: Sample) -> ca.SX:
     """Z = (v_c0', min(A/(v - v_c1), cap), v), 6x1; the ratio is 1/q, or q itself if so chosen."""
     q = sample.per_axis("q")
-    if gains_of(sample.scenario, "nn").regressor == "q":
+    if sample.own(NetworkGains).regressor == "q":
         return ca.vertcat(sample.v_c0_dot, q, sample.v)
     cap = sample.gain("ratio_cap")
     ratio = [ca.if_else(q[i] * cap > 1, 1 / ca.if_else(q[i] * cap > 1, q[i], 1), cap) for i in AXES]
     return ca.vertcat(sample.v_c0_dot, *ratio, sample.v)
 
 
-def _adapted(sample: Sample, axis: int, weights: ca.SX, basis: ca.SX, scenario: Scenario) -> ca.SX:
+def _adapted(sample: Sample, axis: int, weights: ca.SX, basis: ca.SX) -> ca.SX:
     """Weights after one Euler step of W' = -Gamma (S w + sigma W), w = v - v_c1, Eq. (58)."""
     rate = sample.period * sample.gain("Gamma")[axis]
     learning, leak = rate * sample.barrier[axis].w, rate * sample.gain("sigma")[axis]
-    if gains_of(scenario, "nn").integrator == "semi-implicit":
+    if sample.own(NetworkGains).integrator == "semi-implicit":
         return (weights - learning * basis) / (1 + leak)
     return (1 - leak) * weights - learning * basis
+
+
+LAW = Law(
+    "nn",
+    NetworkGains,
+    build,
+    Traits(auxiliary=True, barrier=True, theorem=2, estimates=True),
+    __doc__ or "",
+)

@@ -14,17 +14,17 @@ from typing import ClassVar
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.law import Law, Traits
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 Z_OLD = Signal("z_previous", "m/s, rad/s", "velocity error of the previous sample", 2)
 STARTED = Signal("started", "1", "0 before the first sample, then 1")
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class PidGains(Section):
     """Gains of the PID law, per axis (linear, angular)."""
 
     KEY: ClassVar[str] = "gains.pid"
@@ -37,11 +37,19 @@ class Gains(Section):
     )
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = -Kp z - Kd z', z = v - v_c0; z' = 0 at the first sample."""
-    sample = Sample("pid", scenario)
     old, started = port(Z_OLD), port(STARTED)
     z = sample.v - sample.v_c0
     rate = ca.if_else(started.sym > 0, (z - old.sym) / sample.period, 0)
     force = -sample.gain("Kp") * z - sample.gain("Kd") * rate
     return sample.system("PID", force, (old, started), ca.vertcat(z, 1))
+
+
+LAW = Law(
+    "pid",
+    PidGains,
+    build,
+    Traits(auxiliary=True),
+    __doc__ or "",
+)

@@ -23,18 +23,15 @@ from typing import ClassVar
 import casadi as ca
 
 from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.law import BarrierChoice, Law, TorqueLimited, Traits
 from wmr_ctrl.laws.observer import Observer
-from wmr_ctrl.laws.sample import AXES, BARRIERS, Sample
+from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario
-
-ADAPTIVE = True
-"""The memory holds an estimate, which checks of a run's start keep at its start value."""
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class ProxGains(BarrierChoice, TorqueLimited):
     """Gains of the prox law, per axis (linear, angular) where there are two."""
 
     KEY: ClassVar[str] = "gains.prox"
@@ -45,15 +42,10 @@ class Gains(Section):
     wo: float = quantity(
         10.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
     )
-    tau_max: float = quantity(
-        20.0, unit="N.m", doc="torque limit of the law's own, beside actuator.tau_max", above=0.0
-    )
-    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = M1 (v+ - v)/T + F1 + observer, with the step v+ above."""
-    sample = Sample("prox", scenario)
     observer = Observer(sample, sample.gain("wo"), sample.friction_at)
     step = ca.vertcat(*(next_velocity(sample, i) for i in AXES))
     asked = sample.mass * (step - sample.v) / sample.period + sample.friction
@@ -94,3 +86,12 @@ def prox_step(
     moved = v + resolvent(c_next, one, *limits, smooth) - resolvent(c, one, *limits, smooth)
     keep, rest = shares
     return resolvent(keep * moved + rest * c_next, rest, *limits, smooth)
+
+
+LAW = Law(
+    "prox",
+    ProxGains,
+    build,
+    Traits(auxiliary=True, barrier=True, model=True, estimates=True),
+    __doc__ or "",
+)

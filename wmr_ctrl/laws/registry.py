@@ -1,51 +1,39 @@
 """The registry of control laws: one module a law, named in one tuple.
 
-A law's module has a docstring (its first line is the title), a frozen dataclass ``Gains`` and
-``build(scenario) -> System`` whose output is the generalised force.  Other packages add theirs
-through the entry-point group ``wmr_ctrl.laws`` (name = law, value = module).
+A law's module has a docstring, a frozen dataclass of gains, ``build(sample) -> System`` whose
+output is the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
+through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from types import ModuleType
 
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.laws.law import Law
 
 NAMES = ("pid", "smc", "mb", "nn", "prox")
+GROUP = "wmr_ctrl.laws"
 
 
-@dataclass(frozen=True)
-class Law:
-    """A control law: name, title, gains' dataclass, builder and its module's documentation."""
-
-    name: str
-    title: str
-    gains: type
-    build: Callable[[Scenario], System]
-    doc: str
-
-
-class Registry(Mapping[str, Law]):
+class LawRegistry(Mapping[str, Law]):
     """Laws by name: ours in the order of NAMES, then those of other packages; loaded on demand."""
 
     def __getitem__(self, name: str) -> Law:
         """The law called ``name``; raises UnknownNameError with the near names."""
         if name in NAMES:
-            return law_from(name, import_module(f"wmr_ctrl.laws.{name}"))
-        if name in self._plugins:
-            return law_from(name, self._plugins[name].load())
+            law: Law = import_module(f"wmr_ctrl.laws.{name}").LAW
+            return law
+        if name in self.plugins:
+            return _checked(name, self.plugins[name].load())
         raise UnknownNameError("law", name, self)
 
     def __iter__(self) -> Iterator[str]:
         """Names of all laws."""
-        return iter((*NAMES, *(name for name in self._plugins if name not in NAMES)))
+        return iter((*NAMES, *(name for name in self.plugins if name not in NAMES)))
 
     def __len__(self) -> int:
         """Number of laws."""
@@ -56,14 +44,18 @@ class Registry(Mapping[str, Law]):
         return name in tuple(self)
 
     @cached_property
-    def _plugins(self) -> dict[str, EntryPoint]:
-        return {point.name: point for point in entry_points(group="wmr_ctrl.laws")}
+    def plugins(self) -> dict[str, EntryPoint]:
+        """Entry points of other packages' laws, by name."""
+        return {point.name: point for point in entry_points(group=GROUP)}
 
 
-def law_from(name: str, module: ModuleType) -> Law:
-    """A Law from a module of the shape described above."""
-    doc = (module.__doc__ or name).strip()
-    return Law(name, doc.splitlines()[0].rstrip("."), module.Gains, module.build, doc)
+def _checked(name: str, loaded: object) -> Law:
+    if isinstance(loaded, Law) and loaded.name == name:
+        return loaded
+    raise ArgumentError(
+        f"the entry point {name!r} of the group {GROUP} gives {loaded!r}: it must be a Law called "
+        f"{name!r}. Let it point to the value LAW of the law's module."
+    )
 
 
-LAWS = Registry()
+LAWS = LawRegistry()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import Protocol, TypeVar
 
 import casadi as ca
 
 from wmr_ctrl.barrier.smooth import smooth_barrier
 from wmr_ctrl.barrier.stable import Barrier, stable_barrier
-from wmr_ctrl.control.gains import gains_of, kinematic_gains
-from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.laws.law import BarrierChoice
 from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
 from wmr_ctrl.model.dynamics import friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
@@ -21,9 +21,26 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
 
 AXES = (0, 1)
+S = TypeVar("S", bound=Section)
 
-BARRIERS = ("paper", "smooth")
-"""Forms of the barrier function: the paper's, and the one whose slope is continuous."""
+
+class LawNumbers(Protocol):
+    """What a law's graph is built from: its name, its checked gains, the scenario, all numbers."""
+
+    @property
+    def name(self) -> str:
+        """Name of the law, under which its gains are keys."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+
+    @property
+    def gains(self) -> Section:
+        """The law's gains, complete and checked."""
+
+    def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
+        """Signal and value of a number by its key, gains included."""
 
 
 class Sample:
@@ -33,11 +50,11 @@ class Sample:
     velocity; barrier quantities see it clipped to v_u1 - limits.clip, everything else does not.
     """
 
-    def __init__(self, law: str, scenario: Scenario) -> None:
-        """Fresh symbols for ``scenario``."""
-        self.law, self.scenario = law, scenario
+    def __init__(self, setup: LawNumbers) -> None:
+        """Fresh symbols for a law's gains on a scenario."""
+        self.law, self.scenario, self.gains = setup.name, setup.scenario, setup.gains
         self.inputs: tuple[Port, ...] = (*ports(REFERENCE), *ports(POSE), *ports(VELOCITY))
-        self.parameters = Parameters(scenario)
+        self.parameters = Parameters(setup)
         u = stack(item.sym for item in self.inputs)
         self.pose_d, self.v_d, self.v_d_dot = u[0:3], u[3:5], u[5:7]
         self.pose, self.v = u[7:10], u[10:12]
@@ -45,9 +62,12 @@ class Sample:
 
     def gain(self, name: str) -> ca.SX:
         """Symbol of one of the law's own gains."""
-        return self.parameters.field(
-            f"gains.{self.law}.{name}", gains_of(self.scenario, self.law), name
-        )
+        return self.parameters.take(f"gains.{self.law}.{name}")
+
+    def own(self, cls: type[S]) -> S:
+        """The law's gains, which are of class ``cls``: options that decide the graph's form."""
+        assert isinstance(self.gains, cls), f"{self.law}: gains are not {cls}"
+        return self.gains
 
     @cached_property
     def e(self) -> ca.SX:
@@ -56,7 +76,7 @@ class Sample:
 
     @cached_property
     def _k(self) -> ca.SX:
-        return self.parameters.field("gains.kinematics.k", kinematic_gains(self.scenario), "k")
+        return self.parameters.take("gains.kinematics.k")
 
     @cached_property
     def v_c0(self) -> ca.SX:
@@ -96,8 +116,7 @@ class Sample:
     @cached_property
     def smooth(self) -> bool:
         """Whether the law's gain ``barrier`` asks for the smooth form."""
-        known = self.law in LAWS
-        return known and getattr(gains_of(self.scenario, self.law), "barrier", "") == "smooth"
+        return isinstance(self.gains, BarrierChoice) and self.gains.barrier == "smooth"
 
     @cached_property
     def barrier(self) -> tuple[Barrier, Barrier]:
@@ -125,7 +144,7 @@ class Sample:
         title: str,
         force: ca.SX,
         state: Sequence[Port] = (),
-        update: Any = None,
+        update: ca.SX | None = None,
         diagnostics: Sequence[Output] = (),
         further_inputs: Sequence[Port] = (),
     ) -> System:

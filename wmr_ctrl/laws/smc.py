@@ -14,17 +14,17 @@ from typing import ClassVar
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.law import Law, Traits
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import Output, System, port
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sample's update", 2)
 FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the sample's update", 2)
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class SmcGains(Section):
     """Gains of the stand-in, per axis (linear, angular) where there are two."""
 
     KEY: ClassVar[str] = "gains.smc"
@@ -48,9 +48,8 @@ class Gains(Section):
     )
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = m^ vc0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary); estimates by explicit Euler."""
-    sample = Sample("smc", scenario)
     mass, force_hat = port(MASS), port(FRICTION)
     s = sample.v_c0 - sample.v
     shape = ca.tanh(sample.v / sample.gain("v_s"))
@@ -68,3 +67,12 @@ def build(scenario: Scenario) -> System:
     return sample.system(
         "adaptive SMC (stand-in)", force, (mass, force_hat), ca.vertcat(mass_next, force_next), own
     )
+
+
+LAW = Law(
+    "smc",
+    SmcGains,
+    build,
+    Traits(auxiliary=True, estimates=True),
+    __doc__ or "",
+)

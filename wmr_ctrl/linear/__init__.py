@@ -4,17 +4,6 @@ Start with `report_linear` for figures, `closed_loop` for a `control.StateSpace`
 the nonlinear loop; the page docs/linear.md tells what is where.
 """
 
-from wmr_ctrl.linear.along import TimeInvariant as TimeInvariant
-from wmr_ctrl.linear.along import TimeVarying as TimeVarying
-from wmr_ctrl.linear.along import along_reference as along_reference
-from wmr_ctrl.linear.amplitude import comparison as comparison
-from wmr_ctrl.linear.amplitude import reach as reach
-from wmr_ctrl.linear.authority import authority as authority
-from wmr_ctrl.linear.authority import linear_offset as linear_offset
-from wmr_ctrl.linear.authority import pull_curve as pull_curve
-from wmr_ctrl.linear.authority import settled_speed as settled_speed
-from wmr_ctrl.linear.describing import BarrierTerm as BarrierTerm
-from wmr_ctrl.linear.describing import VelocityFeedback as VelocityFeedback
 from wmr_ctrl.linear.kinematic import SADDLE as SADDLE
 from wmr_ctrl.linear.kinematic import kinematic_loop as kinematic_loop
 from wmr_ctrl.linear.kinematic import kinematic_poles as kinematic_poles
@@ -24,6 +13,9 @@ from wmr_ctrl.linear.learning import largest_stable_square as largest_stable_squ
 from wmr_ctrl.linear.learning import learning_periods as learning_periods
 from wmr_ctrl.linear.learning import regressor_square as regressor_square
 from wmr_ctrl.linear.linearise import linearise as linearise
+from wmr_ctrl.linear.loop import TimeInvariant as TimeInvariant
+from wmr_ctrl.linear.loop import TimeVarying as TimeVarying
+from wmr_ctrl.linear.loop import along_reference as along_reference
 from wmr_ctrl.linear.loop import closed_loop as closed_loop
 from wmr_ctrl.linear.loop import law_at as law_at
 from wmr_ctrl.linear.loop import plant_at as plant_at
@@ -37,19 +29,27 @@ from wmr_ctrl.linear.nonlinear import plant_nlsys as plant_nlsys
 from wmr_ctrl.linear.nonlinear import reference_nlsys as reference_nlsys
 from wmr_ctrl.linear.nonlinear import start_of as start_of
 from wmr_ctrl.linear.nonlinear import to_nlsys as to_nlsys
-from wmr_ctrl.linear.one_step import one_step_period as one_step_period
 from wmr_ctrl.linear.point import Point as Point
 from wmr_ctrl.linear.point import on_reference as on_reference
-from wmr_ctrl.linear.point import settled as settled
+from wmr_ctrl.linear.point import resting_point as resting_point
 from wmr_ctrl.linear.pose_gain import best_gain as best_gain
 from wmr_ctrl.linear.pose_gain import noise_ise as noise_ise
+from wmr_ctrl.linear.pull import BarrierTerm as BarrierTerm
+from wmr_ctrl.linear.pull import VelocityFeedback as VelocityFeedback
+from wmr_ctrl.linear.pull import authority as authority
+from wmr_ctrl.linear.pull import dead_zone as dead_zone
+from wmr_ctrl.linear.pull import linear_offset as linear_offset
+from wmr_ctrl.linear.pull import pull_curve as pull_curve
+from wmr_ctrl.linear.pull import settled_speed as settled_speed
 from wmr_ctrl.linear.report import LinearReport as LinearReport
 from wmr_ctrl.linear.report import report_linear as report_linear
 from wmr_ctrl.linear.sampled import kink_periods as kink_periods
 from wmr_ctrl.linear.sampled import largest_learning_period as largest_learning_period
 from wmr_ctrl.linear.sampled import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.sampled import one_step_period as one_step_period
 from wmr_ctrl.linear.sampled import spectral_radius as spectral_radius
+from wmr_ctrl.linear.stepper import linear_gain as linear_gain
+from wmr_ctrl.linear.stepper import loop_pair as loop_pair
+from wmr_ctrl.linear.stepper import reach as reach
 from wmr_ctrl.linear.stepper import stepper as stepper
-from wmr_ctrl.linear.sweep import linear_gain as linear_gain
-from wmr_ctrl.linear.sweep import sweep as sweep
-from wmr_ctrl.linear.velocity import dead_zone as dead_zone
+from wmr_ctrl.linear.stepper import sweep as sweep

@@ -15,15 +15,32 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.laws import LAWS
-from wmr_ctrl.linear.names import APPLIED, DISTURBANCE, ERROR_STATE, V_D, V_D_DOT
-from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.linear.linearise import Floats, element_names
 from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
 from wmr_ctrl.model.tracking import error_rate, error_rotation
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, VELOCITY
+from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, TRACKING_ERROR, VELOCITY, Signal
+
+DISTURBANCE = Signal(
+    "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
+)
+APPLIED = Signal("force_applied", "N, N.m", "generalised force behind the drives' lag", 2)
+V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
+V_D_DOT = Signal("v_d_dot", "m/s2, rad/s2", "rate of the desired velocity", 2)
+
+ERROR_STATE = (TRACKING_ERROR, *VELOCITY)
+"""e (3), v1, omega: the robot seen from its reference."""
+
+
+FORCES = element_names((FORCE,))
+DISTURBANCES = element_names((DISTURBANCE,))
+STATES = element_names(ERROR_STATE)
+
 
 PERIOD = "clock.control"
 
@@ -61,13 +78,19 @@ def _drives(
 
 
 @lru_cache(maxsize=64)
+def law_loop(scenario: Scenario, law: str) -> Loop:
+    """``law`` on ``scenario`` as the checks see it: what it uses, whether it adapts; built once."""
+    return Loop(settle(scenario, law))
+
+
+@lru_cache(maxsize=64)
 def error_law(scenario: Scenario, law: str) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
     The law's own graph, with the robot at the origin and the reference placed to give e; a law that
     asks for the torque applied before is given its own last one, as behind ideal drives.
     """
-    core = _with_own_torque(LAWS[law].build(scenario), scenario)
+    core = _with_own_torque(law_loop(scenario, law).core, scenario)
     e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
     pose_d = error_rotation(ca.SX(0)).T @ e.sym
     known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))

@@ -16,11 +16,13 @@ from collections.abc import Callable
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import largest_square, square_bound
-from wmr_ctrl.control.gains import gains_of, kinematic_gains
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.control.setup import kinematic_gains, settle
+from wmr_ctrl.laws.nn import NetworkGains
+from wmr_ctrl.linear.blocks import law_loop
+from wmr_ctrl.linear.linearise import Floats, radius
 from wmr_ctrl.linear.loop import hold
-from wmr_ctrl.linear.numbers import Floats, radius
 from wmr_ctrl.linear.sampled import supremum
 from wmr_ctrl.scenario import Scenario
 
@@ -30,7 +32,7 @@ AXES = (0, 1)
 
 def regressor_square(scenario: Scenario) -> float:
     """|S|^2 on the reference, where the ratio A/(v - v_c1) is 1."""
-    return largest_square(Loop(scenario, LAW), gains_of(scenario, LAW).eta)
+    return largest_square(law_loop(scenario, LAW), settle(scenario, LAW).own(NetworkGains).eta)
 
 
 def learning_periods(scenario: Scenario, square: float | None = None) -> Floats:
@@ -75,7 +77,7 @@ def frozen_regressor(scenario: Scenario, axis: int, square: float) -> ct.StateSp
 
 def largest_stable_square(scenario: Scenario, axis: int) -> float:
     """|S|^2 above which learning is unstable in continuous time, leak left out; inf if never."""
-    return square_bound(Loop(scenario, LAW), axis)
+    return square_bound(law_loop(scenario, LAW), axis)
 
 
 def _radius_of(scenario: Scenario, axis: int, square: float) -> Callable[[float], float]:
@@ -84,6 +86,6 @@ def _radius_of(scenario: Scenario, axis: int, square: float) -> Callable[[float]
 
 def _numbers(scenario: Scenario, axis: int) -> tuple[float, float, float, float]:
     """a [1/s], M1ii, Gamma and sigma of an axis."""
-    gains, robot = gains_of(scenario, LAW), scenario.robot
+    gains, robot = settle(scenario, LAW).own(NetworkGains), scenario.robot
     mass = (robot.m, robot.I)[axis]
     return gains.rho1[axis] / (2 * mass), mass, gains.Gamma[axis], gains.sigma[axis]

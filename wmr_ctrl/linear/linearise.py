@@ -1,16 +1,56 @@
-"""Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace."""
+"""Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
+
+Beside it the numerical helpers that the other files share.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import casadi as ca
 import control as ct
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from wmr_ctrl.linear.names import element_names
-from wmr_ctrl.linear.numbers import Floats, column
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.model.system import System
+from wmr_ctrl.signals import Signal
+
+Floats = NDArray[np.float64]
+
+
+def element_names(signals: Iterable[Signal]) -> list[str]:
+    """Names of all elements in order: ``e[1]``, ``e[2]``, ``e[3]``, ``v1``, ``omega``, ..."""
+    return [name for signal in signals for name in signal.elements]
+
+
+def column(value: ArrayLike) -> Floats:
+    """A CasADi column as a flat array."""
+    return np.asarray(value, dtype=float).ravel()
+
+
+def bisect(holds: Callable[[float], bool], below: float, above: float, rtol: float = 1e-9) -> float:
+    """Largest x in [below, above] with ``holds(x)``: true at ``below``, false at ``above``."""
+    while above - below > rtol * abs(above):
+        middle = (below + above) / 2
+        below, above = (middle, above) if holds(middle) else (below, middle)
+    return below
+
+
+MARGINAL = 1e-7
+"""Real parts up to this [1/s] count as zero: an estimate without leak, a reference that stands."""
+
+
+def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
+    """Whether no pole is outside the stable region; marginal ones count as stable."""
+    values = np.asarray(poles, dtype=complex)
+    inside = np.abs(values) <= 1 + MARGINAL if sampled else values.real <= MARGINAL
+    return bool(inside.all())
+
+
+def radius(matrix: Floats) -> float:
+    """Spectral radius."""
+    return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0
 
 
 def linearise(

@@ -1,4 +1,4 @@
-"""The closed loop as python-control objects: plant, law, and their interconnection.
+"""The closed loop as python-control objects: plant, law, both joined, and along a reference.
 
 ``memory`` says what becomes of the law's memory: "frozen" keeps estimates and weights at their
 values (a remembered sample stays part of the loop), "learning" lets them move.
@@ -6,31 +6,34 @@ values (a remembered sample stays part of the loop), "learning" lets them move.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
+    DISTURBANCES,
+    FORCES,
     PERIOD,
+    STATES,
     by_port,
     constants,
     continuous_reading,
     error_law,
     error_plant,
     holding,
+    law_loop,
     with_values,
 )
-from wmr_ctrl.linear.linearise import gradients, linearise
-from wmr_ctrl.linear.names import DISTURBANCES, FORCES, STATES
-from wmr_ctrl.linear.numbers import Floats
+from wmr_ctrl.linear.linearise import Floats, gradients, linearise
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 MEMORY = ("frozen", "learning")
 
@@ -43,8 +46,8 @@ def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> c
     block = error_plant(scenario)
     state = point.plant_state(block)
     full = linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
-    kept = with_inputs(full, FORCES + DISTURBANCES)
-    return kept if period is None else hold(kept, period)
+    robot = with_inputs(full, FORCES + DISTURBANCES)
+    return robot if period is None else hold(robot, period)
 
 
 def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
@@ -85,7 +88,7 @@ def _law_graph(
 ) -> tuple[System, ca.Function]:
     """The law's System in the wanted reading, and its gradients."""
     block = error_law(scenario, law)
-    still = memory == "frozen" and Loop(scenario, law).adaptive
+    still = memory == "frozen" and law_loop(scenario, law).adaptive
     held = [item.signal.name for item in block.state] if still else constants(block)
     block = holding(block, held)
     block = continuous_reading(block) if continuous else block
@@ -122,3 +125,56 @@ def closed_matrix(plant: ct.StateSpace, law: ct.StateSpace) -> Floats:
     push = plant.B[:, [plant.input_labels.index(name) for name in FORCES]]
     moved = np.hstack((plant.A + push @ law.D @ plant.C, push @ law.C))
     return np.vstack((moved, np.hstack((law.B @ plant.C, law.A))))
+
+
+STILL = 1e-12
+"""Variation of the desired velocity [m/s, rad/s] that counts as none."""
+
+
+@dataclass(frozen=True)
+class TimeInvariant:
+    """One StateSpace for the whole reference: in error coordinates nothing depends on time."""
+
+    system: ct.StateSpace
+
+    def __call__(self, t: float) -> ct.StateSpace:
+        """The same system at every time ``t`` [s]."""
+        return self.system
+
+
+@dataclass(frozen=True)
+class TimeVarying:
+    """The linear loop as a function of time; every call is one exact linearisation.
+
+    Poles of frozen instants are no proof of stability, only a picture.
+    """
+
+    scenario: Scenario
+    law: str
+    period: float | None = None
+
+    def __call__(self, t: float) -> ct.StateSpace:
+        """The loop near the reference's point at time ``t`` [s]."""
+        return _at(self.scenario, self.law, self.period, float(t))
+
+
+@lru_cache(maxsize=512)
+def _at(scenario: Scenario, law: str, period: float | None, t: float) -> ct.StateSpace:
+    return closed_loop(scenario, law, on_reference(scenario, law, t), period)
+
+
+def along_reference(
+    scenario: Scenario, law: str, period: float | None = None
+) -> TimeInvariant | TimeVarying:
+    """The linear loop of ``law`` along the reference, e = 0 and v = v_d; sampled if ``period``."""
+    if constant_speed(scenario):
+        return TimeInvariant(closed_loop(scenario, law, period=period))
+    return TimeVarying(scenario, law, period)
+
+
+def constant_speed(scenario: Scenario) -> bool:
+    """Whether the desired velocity is the same all along the reference."""
+    end = min(scenario.clock.duration, scenario.reference.cycle)
+    desired = sample(scenario, np.linspace(0.0, end, 257))[:, 3:7]
+    swing = np.ptp(desired[:, :2], axis=0).max()
+    return bool(swing < STILL and np.abs(desired[:, 2:]).max() < STILL)

@@ -7,15 +7,19 @@ its reference.  Margins are statements about that point: they do not see the bar
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
+from typing import Any
 
 import control as ct
 import numpy as np
+from scipy.optimize import brentq
 
-from wmr_ctrl.linear.crossings import crossings
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import FORCES, STATES
+from wmr_ctrl.linear.linearise import Floats, is_stable
 from wmr_ctrl.linear.loop import law_at, plant_at, with_inputs
-from wmr_ctrl.linear.names import FORCES, STATES
-from wmr_ctrl.linear.numbers import Floats, is_stable
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Model, Scenario
 
@@ -80,13 +84,13 @@ def margins_at(
     loop = open_loop(scenario, law, axis, point, period, memory)
     if not is_stable(ct.feedback(loop, 1).poles(), bool(loop.dt)):
         return None
-    found = crossings(loop, frequencies(loop))
+    limits = crossings(loop, frequencies(loop))
     alpha, disk_gain, disk_phase = disk(loop)
-    up, down = found.gains[found.gains > 1], found.gains[found.gains < 1]
+    up, down = limits.gains[limits.gains > 1], limits.gains[limits.gains < 1]
     return Margins(
         _finite(up.min(initial=math.inf)), _largest(down),
-        _finite(np.abs(found.phases).min(initial=math.inf)),
-        _finite(found.delays.min(initial=math.inf)),
+        _finite(np.abs(limits.phases).min(initial=math.inf)),
+        _finite(limits.delays.min(initial=math.inf)),
         _finite(alpha), _finite(10 ** (disk_gain / 20)), _finite(disk_phase),
     )  # fmt: skip
 
@@ -108,16 +112,16 @@ def frequencies(loop: ct.StateSpace) -> Floats:
     return np.geomspace(LOWEST, top * (1 - 1e-9), POINTS)
 
 
-def worst(found: list[Margins | None]) -> Margins | None:
+def worst(given: list[Margins | None]) -> Margins | None:
     """The smallest margin of each kind over the axes; None if one axis is unstable."""
-    if any(item is None for item in found):
+    if any(item is None for item in given):
         return None
-    rows = [item.as_dict() for item in found if item is not None]
+    rows = [item.as_dict() for item in given if item is not None]
     return Margins(**{key: _extreme(key, [row[key] for row in rows]) for key in rows[0]})
 
 
-def _extreme(key: str, given: list[float | None]) -> float | None:
-    known = [value for value in given if value is not None]
+def _extreme(key: str, values: list[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
     if not known:
         return None
     return max(known) if key == "gain_down" else min(known)
@@ -127,7 +131,7 @@ def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1
     """The robot's mass, inertia and friction times these factors; what the laws believe stays."""
     robot, believed = scenario.robot, scenario.believed
     other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
-    return replace(scenario, robot=other, model=Model(believed.m, believed.I, believed.mu))
+    return replace(scenario, robot=other, model=Model(m=believed.m, I=believed.I, mu=believed.mu))
 
 
 def _finite(value: float) -> float | None:
@@ -136,3 +140,79 @@ def _finite(value: float) -> float | None:
 
 def _largest(values: Floats) -> float | None:
     return float(values.max()) if len(values) else None
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Gain factors [ratio], phases [degrees] and delays [s] that bring the loop to its limit."""
+
+    gains: Floats
+    phases: Floats
+    delays: Floats
+
+
+def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
+    """All crossings of a single loop L within the range of ``frequencies`` [rad/s]."""
+    response = _response(loop)
+    values = np.asarray(response(frequencies))
+    unit = _roots(lambda w: math.log(abs(response(w))), frequencies, np.log(np.abs(values)))
+    real = _roots(lambda w: response(w).imag, frequencies, values.imag)
+    ahead = np.array([np.angle(-response(w)) for w in unit])
+    axis = np.array([response(w).real for w in real] + _at_nyquist(loop))
+    return Crossings(
+        -1 / axis[axis < 0],
+        np.degrees(ahead),
+        np.array([a % (2 * math.pi) / w for a, w in zip(ahead, unit, strict=True)]),
+    )
+
+
+def _response(loop: ct.StateSpace) -> Callable[[float | Floats], Any]:
+    def at(w: float | Floats) -> Any:
+        points = np.exp(1j * w * loop.dt) if loop.dt else 1j * w
+        return np.squeeze(loop(points))[()]
+
+    return at
+
+
+def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[float]:
+    signs = np.signbit(values)
+    pairs = [pair for k, pair in enumerate(pairwise(grid)) if signs[k] != signs[k + 1]]
+    return [float(brentq(of, low, high, rtol=1e-12)) for low, high in pairs]
+
+
+def _at_nyquist(loop: ct.StateSpace) -> list[float]:
+    """A sampled loop is real at z = -1, where its response ends."""
+    return [complex(np.squeeze(loop(-1.0 + 0j))).real] if loop.dt else []
+
+
+FACTORS = (0.5, 1.5)
+PARAMETERS = ("m", "I", "mu")
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """One parameter of the robot times ``factor``, the law's model unchanged.
+
+    Phase margin [degrees] and disk margin of the worse force; None where the loop is unstable.
+    """
+
+    parameter: str
+    factor: float
+    stable: bool
+    phase: float | None
+    disk: float | None
+    max_sample_time: float
+
+
+def model_errors(scenario: Scenario, law: str) -> list[ModelError]:
+    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time."""
+    return [_one(scenario, law, key, factor) for key in PARAMETERS for factor in FACTORS]
+
+
+def _one(scenario: Scenario, law: str, parameter: str, factor: float) -> ModelError:
+    other = with_robot(scenario, **{parameter: factor})
+    smallest = worst([margins_at(other, law, axis) for axis in (0, 1)])
+    limit = largest_stable_period(other, law)
+    if smallest is None:
+        return ModelError(parameter, factor, False, None, None, limit)
+    return ModelError(parameter, factor, True, smallest.phase, smallest.disk, limit)

@@ -6,23 +6,24 @@ exactly what the compiled code computes.  All signals have their names from the 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import continuous_reading, holding
+from wmr_ctrl.linear.linearise import Floats, column, element_names
 from wmr_ctrl.linear.loop import MEMORY
-from wmr_ctrl.linear.names import element_names
-from wmr_ctrl.linear.numbers import Floats, column
 from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.reference import reference
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TORQUE_NOISE
+from wmr_ctrl.world.references.evaluate import reference
 
 
 def to_nlsys(system: System) -> ct.NonlinearIOSystem:
@@ -30,10 +31,10 @@ def to_nlsys(system: System) -> ct.NonlinearIOSystem:
     graph = system.function("graph", [system.update, system.y])
     numbers = ca.DM(system.p0)
 
-    def update(t: float, x: Any, u: Any, params: Any) -> Floats:
+    def update(t: float, x: Floats, u: Floats, params: Mapping[str, object]) -> Floats:
         return column(graph(np.atleast_1d(u), np.atleast_1d(x), numbers)[0])
 
-    def output(t: float, x: Any, u: Any, params: Any) -> Floats:
+    def output(t: float, x: Floats, u: Floats, params: Mapping[str, object]) -> Floats:
         return column(graph(np.atleast_1d(u), np.atleast_1d(x), numbers)[1])
 
     states = element_names(port.signal for port in system.state)
@@ -62,7 +63,7 @@ def law_nlsys(
     """
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
-    block = controller(scenario, law)
+    block = controller(settle(scenario, law))
     if memory == "frozen":
         block = holding(block, [item.signal.name for item in block.state])
     return to_nlsys(block if sampled else continuous_reading(block))
@@ -74,7 +75,7 @@ def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIO
     graph = block.function("reference", [block.y])
     numbers = ca.DM(block.p0)
 
-    def output(t: float, x: Any, u: Any, params: Any) -> Floats:
+    def output(t: float, x: Floats, u: Floats, params: Mapping[str, object]) -> Floats:
         return column(graph(float(t), [], numbers))
 
     names = element_names(item.signal for item in block.outputs)
@@ -99,7 +100,7 @@ def loop_nlsys(
 
 def start_of(scenario: Scenario, law: str, memory: str = "learning") -> Floats:
     """Start of `loop_nlsys`: the law's memory, then pose and velocity."""
-    own = controller(scenario, law).x0 if memory == "learning" else []
+    own = controller(settle(scenario, law)).x0 if memory == "learning" else []
     return np.array([*own, *scenario.initial.pose, *scenario.initial.velocity])
 
 

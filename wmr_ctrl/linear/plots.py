@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.linear.authority import pull_curve
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import law_loop
+from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
-from wmr_ctrl.linear.report import resting_point
+from wmr_ctrl.linear.pull import pull_curve
+from wmr_ctrl.linear.report import LinearReport, learned_point
 from wmr_ctrl.linear.sampled import spectral_radius
 
-if TYPE_CHECKING:
-    from wmr_ctrl.linear.report import LinearReport
-
-FORCES = ("thrust", "moment")
+_FORCES = ("thrust", "moment")
 INK, SECOND, LIMIT, MUTED = "#1F77C9", "#E69F00", "#c62828", "#6b6b6b"
 SIZE = (6.4, 4.0)
 PERIODS = np.geomspace(1e-3, 0.5, 300)
@@ -27,20 +27,23 @@ def draw(report: LinearReport, folder: Path) -> list[Path]:
     """Write the figures as PNG into ``folder``, which is made; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     parts = {"poles": _poles, "sample-time": _sample_time, "nyquist": _nyquist}
-    if Loop(report.scenario, report.law).uses("limits."):
+    if law_loop(report.scenario, report.law).uses("limits."):
         parts["pull"] = _pull
     paths = []
     for name, plot in parts.items():
         figure = Figure(SIZE, layout="constrained")
-        plot(report, figure.subplots(1, 1 if name in ("poles", "sample-time") else 2))
+        count = 1 if name in ("poles", "sample-time") else 2
+        plot(report, figure.subplots(1, count, squeeze=False)[0])
         path = folder / f"{report.scenario.name}-{report.law}-{name}.png"
         figure.savefig(path, dpi=160)
         paths.append(path)
     return paths
 
 
-def _poles(report: LinearReport, axes: Any) -> None:
-    def put(poles: Any, marker: str, colour: str, label: str) -> None:
+def _poles(report: LinearReport, panels: Sequence[Axes]) -> None:
+    (axes,) = panels
+
+    def put(poles: Floats, marker: str, colour: str, label: str) -> None:
         axes.plot(poles.real, poles.imag, marker, color=colour, mfc="none", label=label)
 
     put(report.poles, "x", INK, "closed loop")
@@ -53,10 +56,11 @@ def _poles(report: LinearReport, axes: Any) -> None:
     _finish(axes)
 
 
-def _sample_time(report: LinearReport, axes: Any) -> None:
+def _sample_time(report: LinearReport, panels: Sequence[Axes]) -> None:
+    (axes,) = panels
     scenario, law = report.scenario, report.law
     axes.plot(PERIODS, spectral_radius(scenario, law, PERIODS), color=INK, label="linear loop")
-    rest = resting_point(scenario, law)
+    rest = learned_point(scenario, law)
     if rest is not None:
         few = PERIODS[::3]
         learning = spectral_radius(scenario, law, few, rest, "learning")
@@ -68,8 +72,8 @@ def _sample_time(report: LinearReport, axes: Any) -> None:
     _finish(axes)
 
 
-def _nyquist(report: LinearReport, axes: Any) -> None:
-    for axis, panel in enumerate(axes):
+def _nyquist(report: LinearReport, panels: Sequence[Axes]) -> None:
+    for axis, panel in enumerate(panels):
         loop = open_loop(report.scenario, report.law, axis)
         curve = np.squeeze(loop(1j * frequencies(loop)))
         panel.plot(curve.real, curve.imag, color=INK, label="L(jw), w > 0")
@@ -77,14 +81,14 @@ def _nyquist(report: LinearReport, axes: Any) -> None:
         panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")
         panel.plot(-1, 0, "+", color=LIMIT, ms=9, label="-1")
         panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part")
-        panel.set_title(f"{report.law}: cut at the {FORCES[axis]}")
+        panel.set_title(f"{report.law}: cut at the {_FORCES[axis]}")
         _finish(panel)
-    axes[0].set_ylabel("imaginary part")
+    panels[0].set_ylabel("imaginary part")
 
 
-def _pull(report: LinearReport, axes: Any) -> None:
-    asked = Loop(report.scenario, report.law).start.v_c0
-    for axis, panel in enumerate(axes):
+def _pull(report: LinearReport, panels: Sequence[Axes]) -> None:
+    asked = law_loop(report.scenario, report.law).start.v_c0
+    for axis, panel in enumerate(panels):
         u1 = report.scenario.limits.v_u1[axis]
         v = np.linspace(-u1, u1, 800)[1:-1]
         panel.plot(
@@ -100,7 +104,7 @@ def _pull(report: LinearReport, axes: Any) -> None:
         _finish(panel, legend=False)
 
 
-def _finish(axes: Any, legend: bool = True) -> None:
+def _finish(axes: Axes, legend: bool = True) -> None:
     axes.grid(color="#e4e4e4", lw=0.5)
     if legend:
         axes.legend(frameon=False, fontsize=7.5)

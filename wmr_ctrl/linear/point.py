@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import error_law, error_plant
-from wmr_ctrl.linear.linearise import outputs_at
-from wmr_ctrl.linear.numbers import Floats, column
-from wmr_ctrl.model.references import sample
+from wmr_ctrl.linear.blocks import error_law, error_plant, law_loop
+from wmr_ctrl.linear.linearise import Floats, column, outputs_at
 from wmr_ctrl.model.system import System, values
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE
+from wmr_ctrl.world.references import sample
 
 
 @dataclass(frozen=True)
@@ -51,8 +50,8 @@ class Point:
 
 def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
     """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
-    found = sample(scenario.reference, np.array([t]))[0]
-    return found[3:5], found[5:7]
+    desired = sample(scenario, np.array([t]))[0]
+    return desired[3:5], desired[5:7]
 
 
 def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
@@ -70,13 +69,13 @@ def point_at(
     """Any point, with the memory that one sample there leaves; estimates stay at their start."""
     block = error_law(scenario, law)
     u, memory = np.concatenate((e, v, v_d, v_d_dot)), np.array(block.x0)
-    if not Loop(scenario, law).adaptive:
+    if not law_loop(scenario, law).adaptive:
         memory, _ = outputs_at(block, u, memory, np.array(block.p0))
     _, force = outputs_at(block, u, memory, np.array(block.p0))
     return Point(e, v, v_d, v_d_dot, memory, force)
 
 
-def settled(scenario: Scenario, law: str, t: float = 0.0) -> Point:
+def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     """The loop's true resting point around its reference, desired velocities held: Newton's method.
 
     Friction, a wrong model and the leak of the weights are in it.  Memory that has no rest there is
@@ -85,8 +84,8 @@ def settled(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     start = on_reference(scenario, law, t)
     plant, block = error_plant(replace_lag(scenario)), error_law(scenario, law)
     unknown = np.concatenate((start.s, start.memory))
-    found = _newton(_residual(plant, block, start), unknown)
-    s, memory = found[:5], found[5:]
+    rest = _newton(_residual(plant, block, start), unknown)
+    s, memory = rest[:5], rest[5:]
     u = np.concatenate((s, start.v_d, start.v_d_dot))
     _, force = outputs_at(block, u, memory, np.array(block.p0))
     return replace(start, e=s[:3], v=s[3:], memory=memory, force=force)
@@ -112,13 +111,13 @@ def _residual(plant: System, law: System, at: Point) -> ca.Function:
 
 
 def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
-    found = start.copy()
+    point = start.copy()
     for _ in range(steps):
-        value, gradient = residual(found)
+        value, gradient = residual(point)
         step = np.linalg.lstsq(np.asarray(gradient), column(value), rcond=None)[0]
-        found = found - step * min(1.0, 0.2 / max(1e-300, float(np.abs(step[:5]).max())))
-        if np.abs(column(residual(found)[0])).max() < 1e-12:
-            return found
+        point = point - step * min(1.0, 0.2 / max(1e-300, float(np.abs(step[:5]).max())))
+        if np.abs(column(residual(point)[0])).max() < 1e-12:
+            return point
     raise ArgumentError(
         f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
         "balance there); linearise on the reference instead."

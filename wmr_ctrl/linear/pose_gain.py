@@ -15,9 +15,10 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.blocks import FORCES
+from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import law_at, plant_at
-from wmr_ctrl.linear.names import FORCES
-from wmr_ctrl.linear.numbers import Floats
 from wmr_ctrl.linear.point import on_reference
 from wmr_ctrl.scenario import Scenario
 
@@ -58,11 +59,11 @@ def _between_poses(step: Floats, show: Floats, every: int) -> tuple[Floats, Floa
 
 def best_gain(scenario: Scenario, law: str) -> float:
     """Correction gain in (0, 1] with the smallest expected ISE over the run."""
-    found = minimize_scalar(
+    best = minimize_scalar(
         lambda log_gain: noise_ise(scenario, law, math.exp(log_gain)),
         bounds=(math.log(2e-3), 0.0), method="bounded", options={"xatol": 1e-3},
     )  # fmt: skip
-    return float(math.exp(found.x))
+    return float(math.exp(best.x))
 
 
 def rule_of_thumb(scenario: Scenario) -> float:

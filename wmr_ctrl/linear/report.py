@@ -1,30 +1,31 @@
-"""What linear theory says of a law on a scenario, as one value: poles, margins, sample times."""
+"""What linear theory says of a law on a scenario, as one value, as JSON and as text."""
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.along import constant_speed
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
-from wmr_ctrl.linear.loop import closed_loop
-from wmr_ctrl.linear.margins import Margins, margins_at, worst
-from wmr_ctrl.linear.numbers import Floats, is_stable, radius
-from wmr_ctrl.linear.one_step import one_step_period
-from wmr_ctrl.linear.point import Point, on_reference, settled
-from wmr_ctrl.linear.robustness import ModelError, model_errors
-from wmr_ctrl.linear.sampled import kink_periods, largest_learning_period, largest_stable_period
+from wmr_ctrl.linear.linearise import Floats, is_stable, radius
+from wmr_ctrl.linear.loop import closed_loop, constant_speed
+from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
+from wmr_ctrl.linear.point import Point, on_reference, resting_point
+from wmr_ctrl.linear.sampled import kink_periods, largest_learning_period, one_step_period
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
 
 AXES = (0, 1)
+_MARGIN_NAMES = tuple(field.name for field in fields(Margins))
 FASTEST = 8
 """Poles of the adaptive loop that are listed: the rightmost ones; the rest are the leak's."""
 
@@ -69,10 +70,11 @@ class LinearReport:
         """Natural frequency [rad/s] and damping ratio of each pole."""
         return [(abs(p), -p.real / abs(p) if p else 1.0) for p in self.poles]
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Plain data: complex numbers as [re, im], what is not finite or does not exist as None."""
-        each = {key: _worst(self.margins, key) for key in (f.name for f in fields(Margins))}
-        found = {
+        smallest = worst(self.margins)
+        each = smallest.as_dict() if smallest else dict.fromkeys(_MARGIN_NAMES)
+        content = {
             "scenario": self.scenario.name,
             "law": self.law,
             "time_invariant": self.time_invariant,
@@ -102,13 +104,12 @@ class LinearReport:
             "model_errors": [asdict(item) for item in self.model_errors],
             "warnings": list(self.warnings),
         }
-        return dict(json_safe(found))
+        return dict(json_safe(content))
 
     def table(self) -> str:
-        """The same as text."""
-        from wmr_ctrl.linear.table import table
-
-        return table(self)
+        """The same as text: all figures, a line each, then the warnings."""
+        parts = (_head, _poles, _times, _margins, _errors, _warnings)
+        return "\n".join(line for part in parts for line in part(self))
 
     def plots(self, folder: str | Path) -> list[Path]:
         """Draw poles, sample times, Nyquist curves and the barrier's pull into ``folder``."""
@@ -120,7 +121,7 @@ class LinearReport:
 def report_linear(scenario: Scenario, law: str) -> LinearReport:
     """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError."""
     at, period = on_reference(scenario, law), scenario.clock.control
-    rest = resting_point(scenario, law)
+    rest = learned_point(scenario, law)
     return LinearReport(
         scenario=scenario,
         law=law,
@@ -137,16 +138,16 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         margins=[margins_at(scenario, law, axis, at) for axis in AXES],
         sampled_margins=[margins_at(scenario, law, axis, at, period) for axis in AXES],
         model_errors=model_errors(scenario, law),
-        warnings=tuple(str(item) for item in warnings_for(scenario, law)),
+        warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
 
 
-def resting_point(scenario: Scenario, law: str) -> Point | None:
+def learned_point(scenario: Scenario, law: str) -> Point | None:
     """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
-    if not Loop(scenario, law).adaptive:
+    if not law_loop(scenario, law).adaptive:
         return None
     try:
-        return settled(scenario, law)
+        return resting_point(scenario, law)
     except ArgumentError:
         return on_reference(scenario, law)
 
@@ -161,9 +162,9 @@ def _learning_period(scenario: Scenario, law: str, rest: Point | None) -> float 
     return None if rest is None else largest_learning_period(scenario, law, rest)
 
 
-def _sorted(poles: Any) -> Floats:
-    found = np.asarray(poles, dtype=complex)
-    return found[np.lexsort((found.imag, -found.real))]
+def _sorted(poles: ArrayLike) -> Floats:
+    values = np.asarray(poles, dtype=complex)
+    return values[np.lexsort((values.imag, -values.real))]
 
 
 def _pairs(poles: Floats | None) -> list[list[float]] | None:
@@ -178,6 +179,94 @@ def _least(values: Floats | None) -> float | None:
     return None if values is None else float(np.min(values))
 
 
-def _worst(found: list[Margins | None], key: str) -> float | None:
-    smallest = worst(found)
-    return None if smallest is None else getattr(smallest, key)
+_FORCES = ("thrust", "moment")
+_WIDTH = 44
+
+
+def _head(report: LinearReport) -> list[str]:
+    kind = "time-invariant" if report.time_invariant else "time-varying; figures at t = 0"
+    return [f"{report.law} on {report.scenario.name}, in error coordinates ({kind})", ""]
+
+
+def _poles(report: LinearReport) -> list[str]:
+    lines = [
+        _line("kinematic poles [1/s]", _complex(report.kinematic_poles)),
+        _line("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
+    ]
+    if report.adaptive_poles is not None:
+        verdict = "stable" if report.adaptive_stable else "UNSTABLE"
+        shown = f"{_complex(report.adaptive_poles[:3])}  {verdict}"
+        lines.append(_line("poles with learning, rightmost [1/s]", shown))
+    lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
+    for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
+        lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")
+    return [*lines, ""]
+
+
+def _times(report: LinearReport) -> list[str]:
+    clock = report.scenario.clock.control
+    return [
+        _line(f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
+        _line("largest stable period, linear loop [s]", _number(report.max_sample_time)),
+        _line("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
+        _line("  at the barrier's kink [s]", _several(report.max_sample_time_kink)),
+        _line("  one step from the barrier, at the start [s]", _several(report.one_step_safe_time)),
+        "",
+    ]
+
+
+def _margins(report: LinearReport) -> list[str]:
+    columns = ("gain up", "gain down", "phase [deg]", "delay [s]", "disk")
+    lines = [f"{'margins':<22}" + "".join(f"{name:>13}" for name in columns)]
+    clock = f"{report.scenario.clock.control:g} s"
+    for label, both in (("continuous", report.margins), (clock, report.sampled_margins)):
+        for force, item in zip(_FORCES, both, strict=True):
+            lines.append(f"{f'{force}, {label}':<22}" + _margin_cells(item))
+    return [*lines, ""]
+
+
+def _margin_cells(item: Margins | None) -> str:
+    if item is None:
+        return f"{'unstable':>13}"
+    shown = (item.gain, item.gain_down, item.phase, item.delay, item.disk)
+    return "".join(f"{_number(value):>13}" for value in shown)
+
+
+def _errors(report: LinearReport) -> list[str]:
+    columns = ("phase [deg]", "disk", "period [s]")
+    lines = [f"{'robot unlike model':<22}" + "".join(f"{name:>13}" for name in columns)]
+    for item in report.model_errors:
+        cells = (item.phase, item.disk, item.max_sample_time)
+        shown = "".join(f"{_number(value):>13}" for value in cells)
+        name = f"{item.parameter} x {item.factor:g}"
+        lines.append(f"{name:<22}" + (shown if item.stable else f"{'unstable':>13}"))
+    return lines
+
+
+def _warnings(report: LinearReport) -> list[str]:
+    wrapped = [textwrap.fill(text, 98, subsequent_indent="  ") for text in report.warnings]
+    return ["", *(f"- {text}" for text in wrapped)] if wrapped else []
+
+
+def _line(name: str, value: str) -> str:
+    return f"{name:<{_WIDTH}} {value}"
+
+
+def _number(value: float | None, none: str = "none") -> str:
+    if value is None:
+        return none
+    return f"{value:.5g}" if np.isfinite(value) else "none"
+
+
+def _several(values: Floats | None) -> str:
+    return "-" if values is None else ", ".join(_number(float(value)) for value in values)
+
+
+def _complex(values: Floats) -> str:
+    return ", ".join(_one(value) for value in values)
+
+
+def _one(value: complex) -> str:
+    if abs(value.imag) < 1e-9 * max(1.0, abs(value)):
+        return f"{value.real:.5f}"
+    return f"{value.real:.5f}{value.imag:+.5f}j"

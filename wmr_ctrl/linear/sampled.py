@@ -1,7 +1,8 @@
-"""Sampled data: spectral radius against the control period, and the largest stable one.
+"""Sampled data: spectral radius against the control period, and the largest period that is safe.
 
 The limits without learning are those of the warnings before a run (`wmr_ctrl.checks`); this module
-adds the loops whose weights move, and the barrier's one-step limit.
+adds the loops whose weights move, and one-step safety at the barrier: the longest hold that cannot
+jump across either limit.
 """
 
 from __future__ import annotations
@@ -11,15 +12,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import kink_limits
 from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST
 from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.blocks import PERIOD
+from wmr_ctrl.linear.blocks import PERIOD, law_loop
+from wmr_ctrl.linear.linearise import Floats, bisect, radius
 from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at
-from wmr_ctrl.linear.numbers import Floats, bisect, radius
 from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.linear.pull import pull_of
 from wmr_ctrl.scenario import Clock, Metrics, Scenario
 
 MARGIN, RATIO = 1e-9, 1.15
@@ -80,10 +82,10 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf where a
     law adapts its gains to its period such that no period is too long.
     """
-    loop = Loop(scenario, law)
+    loop = law_loop(scenario, law)
     if not loop.uses("limits."):
         return None
-    return for_own_period(scenario, law, lambda other: kink_limits(Loop(other, law)))
+    return for_own_period(scenario, law, lambda other: kink_limits(law_loop(other, law)))
 
 
 def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Floats]) -> Floats:
@@ -91,7 +93,7 @@ def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Flo
 
     Where the law's force does not depend on the period that is ``limit(scenario)``.
     """
-    if not Loop(scenario, law).uses(PERIOD):
+    if not law_loop(scenario, law).uses(PERIOD):
         return limit(scenario)
 
     def share(axis: int) -> Callable[[float], float]:
@@ -104,7 +106,55 @@ def at_period(scenario: Scenario, period: float) -> Scenario:
     """The scenario with control period ``period`` [s], on a clock of its own."""
     drives = replace(scenario.actuator, delay=0.0)
     sensor = replace(scenario.sensor, pose_period=0.0)
-    clock = Clock(period, period, 100 * period)
+    clock = Clock(control=period, plant=period, duration=100 * period)
     return replace(
         scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=()
     )
+
+
+SPEEDS = 400
+
+
+def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) -> Floats | None:
+    """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
+
+    The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
+    for a law that does not know the limit, inf where no hold is too long.
+    """
+    loop = law_loop(scenario, law)
+    if not loop.uses("limits."):
+        return None
+    asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
+
+    def limit(other: Scenario) -> Floats:
+        return np.array([_shortest(other, law, axis, asked) for axis in range(2)])
+
+    return for_own_period(scenario, law, limit)
+
+
+def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats) -> float:
+    pull, u1 = pull_of(scenario, law, axis, v_c0), scenario.limits.v_u1[axis]
+    mass = (scenario.robot.m, scenario.robot.I)[axis]
+
+    def crossing(v: float) -> float:
+        """Time to reach the limit that the force points to, at the acceleration it has now."""
+        acceleration = float(pull(v)) / mass
+        return (u1 - math.copysign(1.0, acceleration) * v) / max(abs(acceleration), 1e-300)
+
+    return smallest(crossing, u1, scenario.limits.v_u2[axis])
+
+
+def smallest(of: Callable[[float], float], u1: float, u2: float) -> float:
+    """Smallest value of ``of(v)`` over |v| < u1, with the kinks at +-u2 taken from both sides."""
+    inside = u1 * (1 - 1e-6)
+    tiny = 1e-12 * u1
+    grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), _sides(u2, tiny))))
+    values = np.array([of(float(v)) for v in grid])
+    best = int(values.argmin())
+    left, right = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+    polished = minimize_scalar(of, bounds=(left, right), method="bounded", options={"xatol": 1e-10})
+    return float(min(values[best], polished.fun))
+
+
+def _sides(u2: float, tiny: float) -> Floats:
+    return np.array([sign * u2 + side * tiny for sign in (-1, 1) for side in (-1, 0, 1)])

@@ -2,26 +2,33 @@
 
 One control period as a CasADi function: the law's own graph, its force held, Runge-Kutta steps of
 the robot seen from its reference.  Runs are noise-free unless a disturbance is given.
+
+Sine sweeps through it lie over the linear Bode plot; how far the linear picture reaches is its
+deviation from this loop against amplitude.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import (
     by_port,
     error_law,
     error_plant,
     holding,
+    law_loop,
     with_period,
     with_values,
 )
-from wmr_ctrl.linear.numbers import Floats
-from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.linear.linearise import Floats, bisect
+from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.point import Point, on_reference, resting_point
 from wmr_ctrl.model.plant import rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
@@ -73,8 +80,7 @@ class Stepper:
         rows = np.broadcast_to(push, (count, 2))
         start = np.concatenate((s, self.point.force[: self.states - 5], self.memory))
         every = self.step.mapaccum("course", count)
-        found: tuple[Floats, ...] = tuple(np.array(part).T for part in every(start, rows.T))
-        path, force = found
+        path, force = (np.array(part).T for part in every(start, rows.T))
         states = np.ascontiguousarray(np.vstack((start, path[:-1]))[:, :5], dtype=np.float64)
         times = np.asarray(np.arange(count) * self.period, dtype=np.float64)
         return Course(times, states, force, path[-1, self.states :])
@@ -92,7 +98,7 @@ def stepper(
     held = scenario.clock.control if period is None else period
     law_block = error_law(scenario, law)
     acting = with_values(with_period(law_block, held), by_port(law_block, at.memory))
-    if memory == "frozen" and Loop(scenario, law).adaptive:
+    if memory == "frozen" and law_loop(scenario, law).adaptive:
         acting = holding(acting, [item.signal.name for item in acting.state])
     moving = error_plant(scenario)
     step = _one_period(moving, acting, at, held, max(1, round(held / min(LONGEST_STEP, held))))
@@ -114,3 +120,129 @@ def _one_period(
         moved = advance(ca.vertcat(force, disturbance, ca.DM(at.v_d)), moved, ca.DM(moving.p0))
     start, after = ca.vertcat(state, memory), ca.vertcat(moved, following)
     return ca.Function("period", [start, disturbance], [after, force])
+
+
+SETTLE, MEASURE = 4, 4
+"""Periods that are waited, and then measured, at least."""
+
+
+def whole_periods(period: float, frequency: float) -> float:
+    """The frequency [rad/s] next to ``frequency`` whose period is a whole number of samples."""
+    return 2 * math.pi / (period * max(4, round(2 * math.pi / (frequency * period))))
+
+
+def sweep(
+    loop: Stepper,
+    axis: int,
+    amplitude: float,
+    frequencies: Floats,
+    output: int,
+    settle: float = 10.0,
+) -> tuple[Floats, np.ndarray]:
+    """Frequencies [rad/s] as used, and the complex gain of the output's first harmonic.
+
+    A sine of ``amplitude`` [N or N m] disturbs force ``axis`` (0, 1); ``output`` is an index into
+    (e1, e2, e3, v1, omega); ``settle`` [s] is waited at least.
+    """
+    used = np.array([whole_periods(loop.period, float(w)) for w in frequencies])
+    gains = [_gain(loop, axis, amplitude, float(w), output, settle) for w in used]
+    return used, np.array(gains)
+
+
+def _gain(
+    loop: Stepper, axis: int, amplitude: float, w: float, output: int, settle: float
+) -> complex:
+    samples = round(2 * math.pi / (w * loop.period))
+    waited = max(SETTLE, math.ceil(settle / (samples * loop.period))) * samples
+    k = np.arange(waited + MEASURE * samples)
+    push = np.zeros((len(k), 2))
+    push[:, axis] = amplitude * np.sin(2 * math.pi * k / samples)
+    course = loop.run(loop.point.s, len(k) * loop.period, push)
+    turning = np.exp(-2j * math.pi * k[waited:] / samples)
+    first = 2j * np.mean(course.s[waited:, output] * turning)
+    return complex(first / amplitude)
+
+
+def linear_gain(loop: ct.StateSpace, axis: int, frequencies: Floats, output: int) -> np.ndarray:
+    """The same gain of a linear sampled loop from `wmr_ctrl.linear.closed_loop`."""
+    points = np.exp(1j * np.asarray(frequencies) * loop.dt)
+    return np.array([np.atleast_2d(loop(point))[output, axis] for point in points])
+
+
+LEVELS = (0.01, 0.1, 1.0)
+"""Deviations of interest: 1, 10 and 100 %."""
+
+FORWARD, SIDEWAYS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class LoopPair:
+    """Linear and nonlinear loop from one resting point, same sampling, same start."""
+
+    point: Point
+    nonlinear: Stepper
+    linear: ct.StateSpace
+    duration: float
+
+    def responses(self, e: Floats) -> tuple[Course, Floats]:
+        """Nonlinear run and linear e (N, 3), from the resting point displaced by ``e`` (3)."""
+        start = self.point.s + np.concatenate((e, np.zeros(2)))
+        course = self.nonlinear.run(start, self.duration)
+        return course, self.point.e + self.linear_errors(e)
+
+    def linear_errors(self, e: Floats) -> Floats:
+        """Linear response (N, 3) to a displacement ``e`` (3)."""
+        count = round(self.duration / self.nonlinear.period)
+        state = np.zeros(self.linear.nstates)
+        state[:3] = e
+        rows = np.empty((count, 3))
+        for k in range(count):
+            rows[k] = state[:3]
+            state = self.linear.A @ state
+        return rows
+
+    def deviation(self, e: Floats) -> float:
+        """RMS distance of the two positions (e1, e2), over the RMS linear excursion."""
+        course, linear = self.responses(np.asarray(e, dtype=float))
+        apart = np.linalg.norm((course.e - linear)[:, :2])
+        share = float(apart / np.linalg.norm((linear - self.point.e)[:, :2]))
+        return share if math.isfinite(share) else math.inf
+
+
+def loop_pair(
+    scenario: Scenario, law: str, duration: float = 20.0, memory: str = "frozen"
+) -> LoopPair:
+    """Both loops of ``law`` around where it settles, sampled with the scenario's clock."""
+    point = resting_point(scenario, law)
+    linear = closed_loop(scenario, law, point, scenario.clock.control, memory)
+    return LoopPair(point, stepper(scenario, law, point, memory=memory), linear, duration)
+
+
+def reach(
+    given: LoopPair,
+    direction: tuple[float, float, float] = FORWARD,
+    levels: tuple[float, ...] = LEVELS,
+    between: tuple[float, float] = (1e-3, 5.0),
+) -> dict[float, float | None]:
+    """Smallest amplitude [m] at which the deviation passes each level; None if not up to 5 m."""
+    grid = np.geomspace(*between, 38)
+    deviations = np.array([given.deviation(a * np.array(direction)) for a in grid])
+    return {level: _passing(given, direction, grid, deviations, level) for level in levels}
+
+
+def _passing(
+    given: LoopPair,
+    direction: tuple[float, float, float],
+    grid: Floats,
+    deviations: Floats,
+    level: float,
+) -> float | None:
+    above = np.flatnonzero(deviations > level)
+    if not above.size:
+        return None
+    if above[0] == 0:
+        return float(grid[0])
+    low, high = grid[above[0] - 1], grid[above[0]]
+    return bisect(
+        lambda a: given.deviation(a * np.array(direction)) <= level, float(low), float(high), 1e-3
+    )

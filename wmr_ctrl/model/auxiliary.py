@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import casadi as ca
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.symbolic import ca
 
 
-@dataclass(frozen=True)
-class Gains(Section):
+@dataclass(frozen=True, kw_only=True)
+class KinematicGains(Section):
     """Gains of the kinematic loop, shared by all laws (k_1, k_2, k_3 > 0, k_2 >= 1)."""
 
     KEY: ClassVar[str] = "gains.kinematics"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import casadi as ca
-
 from wmr_ctrl.model.kinematics import velocity_map
+from wmr_ctrl.symbolic import ca
 
 
 def mass_matrix(m: ca.SX, inertia: ca.SX) -> ca.SX:

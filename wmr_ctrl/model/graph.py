@@ -1,12 +1,13 @@
-"""A CasADi function read into single assignments: what the emitter works on.
+"""A CasADi function read into single assignments: what is compiled, and what is proved about.
 
 CasADi lists instructions on reused work slots and writes a choice as (c ? a : 0) + (!c ? b : 0).
-Here every value has one number, equal expressions share it, and a choice is one operation.
+Here every value has one number, equal expressions share it, a choice is one operation, and
+quotients by parameters are written as the compiler is to see them.  Nothing else in the package
+reads CasADi's instructions.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ _CALLS = frozenset(
     }
 )  # fmt: skip
 _SLOW = frozenset({ca.OP_DIV, ca.OP_INV, ca.OP_SQRT})
+_PLAIN, _STEADY, _CHANGING = 0, 1, 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,23 @@ class Graph:
 def read(function: ca.Function, inputs: Iterable[str], outputs: Iterable[str]) -> Graph:
     """The graph of an SX function whose vectors have these names; values unused are left out."""
     reader = _Reader(function, tuple(inputs), tuple(outputs))
-    return _without_unused(*_with_reciprocals(reader.nodes, reader.stores))
+    return _without_unused(*_with_reciprocals(reader.into.nodes, reader.stores))
+
+
+class _Numbering:
+    """Values in order, each once."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._known: dict[tuple[object, ...], int] = {}
+
+    def number_of(self, node: Node) -> int:
+        """Number of a value; its own where it is new."""
+        key = (node.op, node.operands, repr(node.number), node.place)
+        if key not in self._known:
+            self._known[key] = len(self.nodes)
+            self.nodes.append(node)
+        return self._known[key]
 
 
 class _Reader:
@@ -92,11 +110,10 @@ class _Reader:
     def __init__(
         self, function: ca.Function, inputs: tuple[str, ...], outputs: tuple[str, ...]
     ) -> None:
-        self.nodes: list[Node] = []
+        self.into = _Numbering()
         self.stores: list[Store] = []
         self._function, self._inputs, self._outputs = function, inputs, outputs
         self._slots: dict[int, int] = {}
-        self._known: dict[tuple[object, ...], int] = {}
         for k in range(function.n_instructions()):
             self._instruction(k)
 
@@ -107,9 +124,9 @@ class _Reader:
             self.stores.append(Store(self._outputs[into[0]], into[1], self._slots[operands[0]]))
         elif op == ca.OP_INPUT:
             place = (self._inputs[operands[0]], operands[1])
-            self._slots[into[0]] = self._number_of(Node(op, place=place))
+            self._slots[into[0]] = self.into.number_of(Node(op, place=place))
         elif op == ca.OP_CONST:
-            self._slots[into[0]] = self._number_of(Node(op, number=f.instruction_constant(k)))
+            self._slots[into[0]] = self.into.number_of(Node(op, number=f.instruction_constant(k)))
         else:
             self._slots[into[0]] = self._value(op, tuple(self._slots[i] for i in operands))
 
@@ -117,19 +134,19 @@ class _Reader:
         if op == ca.OP_ASSIGN:
             return operands[0]
         if op == ca.OP_IF_ELSE_ZERO:
-            zero = self._number_of(Node(ca.OP_CONST, number=0.0))
-            return self._number_of(Node(SELECT, (*operands, zero)))
+            zero = self.into.number_of(Node(ca.OP_CONST, number=0.0))
+            return self.into.number_of(Node(SELECT, (*operands, zero)))
         if op == ca.OP_ADD:
-            return self._number_of(self._choice(*operands) or Node(op, operands))
-        return self._number_of(Node(op, operands))
+            return self.into.number_of(self._choice(*operands) or Node(op, operands))
+        return self.into.number_of(Node(op, operands))
 
     def _choice(self, left: int, right: int) -> Node | None:
         """(c ? a : 0) + (!c ? b : 0), either way round, as one choice."""
         for first, second in ((left, right), (right, left)):
-            one, other = self.nodes[first], self.nodes[second]
+            one, other = self.into.nodes[first], self.into.nodes[second]
             if not (self._zero_else(one) and self._zero_else(other)):
                 continue
-            negated = self.nodes[other.operands[0]]
+            negated = self.into.nodes[other.operands[0]]
             if negated.op == ca.OP_NOT and negated.operands[0] == one.operands[0]:
                 return Node(SELECT, (*one.operands[:2], other.operands[1]))
         return None
@@ -137,52 +154,40 @@ class _Reader:
     def _zero_else(self, node: Node) -> bool:
         if node.op != SELECT:
             return False
-        last = self.nodes[node.operands[2]]
+        last = self.into.nodes[node.operands[2]]
         return last.op == ca.OP_CONST and last.number == 0.0
-
-    def _number_of(self, node: Node) -> int:
-        key = (node.op, node.operands, repr(node.number), node.place)
-        if key not in self._known:
-            self._known[key] = len(self.nodes)
-            self.nodes.append(node)
-        return self._known[key]
 
 
 def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node], list[Store]]:
-    """Several divisions by one parameter, or by an expression of parameters, as multiplications.
+    """Quotients of a changing value and a parameter (or an expression of such) as products.
 
-    A division takes as long as three multiplications, and these stand in chains.
+    ``a / b`` becomes ``a * (1 / b)`` where b stays the same during a run and a does not: a division
+    takes as long as three multiplications, and these stand in chains.  The rule looks at nothing
+    but a and b, so an expression is computed alike in whatever function it stands.
     """
-    fixed: list[bool] = []
-    for node in nodes:
-        parameter = node.place is not None and node.place[0] == PARAMETERS
-        constant = node.op == ca.OP_CONST
-        fixed.append(
-            parameter or constant or (not node.leaf and all(fixed[k] for k in node.operands))
-        )
-    divided = Counter(node.operands[1] for node in nodes if node.op == ca.OP_DIV)
-    often = {k for k, times in divided.items() if times > 1 and fixed[k] and not nodes[k].number}
-    made, new = _divided(nodes, often)
-    return made, [Store(item.vector, item.index, new[item.node]) for item in stores]
-
-
-def _divided(nodes: list[Node], often: set[int]) -> tuple[list[Node], list[int]]:
-    """The nodes with ``a / b`` as a * (1 / b) for each b in ``often``, and their new numbers."""
-    made: list[Node] = []
+    kinds = _kinds(nodes)
+    into = _Numbering()
     new: list[int] = []
-    inverse: dict[int, int] = {}
-    for number, node in enumerate(nodes):
+    for node in nodes:
         operands = tuple(new[k] for k in node.operands)
-        if node.op == ca.OP_DIV and node.operands[1] in often:
-            node = Node(ca.OP_MUL, (operands[0], inverse[node.operands[1]]))
+        if node.op == ca.OP_DIV and [kinds[k] for k in node.operands] == [_CHANGING, _STEADY]:
+            inverse = into.number_of(Node(ca.OP_INV, operands[1:]))
+            node = Node(ca.OP_MUL, (operands[0], inverse))
         else:
             node = Node(node.op, operands, node.number, node.place)
-        new.append(len(made))
-        made.append(node)
-        if number in often:
-            inverse[number] = len(made)
-            made.append(Node(ca.OP_INV, (new[number],)))
-    return made, new
+        new.append(into.number_of(node))
+    return into.nodes, [Store(item.vector, item.index, new[item.node]) for item in stores]
+
+
+def _kinds(nodes: list[Node]) -> list[int]:
+    """Of each value whether it is a plain number, stays the same during a run, or changes."""
+    kinds: list[int] = []
+    for node in nodes:
+        if node.place is not None:
+            kinds.append(_STEADY if node.place[0] == PARAMETERS else _CHANGING)
+        else:
+            kinds.append(max((kinds[k] for k in node.operands), default=_PLAIN))
+    return kinds
 
 
 def _without_unused(nodes: list[Node], stores: list[Store]) -> Graph:

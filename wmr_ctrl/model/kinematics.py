@@ -6,7 +6,7 @@ psi = theta + pi/2.
 
 from __future__ import annotations
 
-import casadi as ca
+from wmr_ctrl.symbolic import ca
 
 
 def velocity_map(theta: ca.SX) -> ca.SX:

@@ -6,12 +6,12 @@ compiled loop, FMUs, linearisation and proofs read nothing else.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import casadi as ca
-
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.symbolic import ca
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,28 @@ class Output:
 
 
 @dataclass(frozen=True)
+class Draw:
+    """Random numbers that a block is given at each of its samples: independent, a pair of two.
+
+    ``kind``: "uniform" on [-1, 1), or "normal" with ``bound`` standard deviations as the largest
+    (a pair beyond it is drawn again).  ``wanted``: a truth value of the parameters; where it is 0
+    nothing is drawn and the numbers are 0.  The name of the port's signal picks the stream.
+    """
+
+    port: Port
+    kind: str
+    wanted: ca.SX
+    bound: ca.SX
+
+
+@dataclass(frozen=True)
 class System:
     """One block: inputs u, state x and parameters p to the update, outputs y and diagnostics d.
 
     ``period`` is None for a continuous block, whose ``update`` is the state's rate; otherwise the
     block is sampled with that period [s] and ``update`` is the next state.  All vectors are columns
-    in the order of their ports.
+    in the order of their ports.  ``draws`` are random inputs, which only a loop can supply;
+    ``transport`` is how long the inputs take before they arrive [s], kept by a queue, no graph.
     """
 
     name: str
@@ -49,6 +65,8 @@ class System:
     outputs: tuple[Output, ...]
     diagnostics: tuple[Output, ...] = ()
     period: float | None = None
+    draws: tuple[Draw, ...] = ()
+    transport: ca.SX | None = None
 
     def __post_init__(self) -> None:
         """Check shapes and that no symbol is free."""
@@ -61,7 +79,7 @@ class System:
                 raise ValueError(
                     f"{self.name}: {item.signal.name} has {item.expr.numel()} elements"
                 )
-        self.function("check", [self.update, self.y, self.d])
+        self.function("check", [self.update, self.y, self.d])  # no symbol is free
 
     @property
     def u(self) -> ca.SX:
@@ -77,6 +95,11 @@ class System:
     def p(self) -> ca.SX:
         """Parameter vector."""
         return stack(port.sym for port in self.params)
+
+    @property
+    def w(self) -> ca.SX:
+        """Vector of draws."""
+        return stack(item.port.sym for item in self.draws)
 
     @property
     def y(self) -> ca.SX:
@@ -99,14 +122,13 @@ class System:
         return values(self.params)
 
     def function(self, name: str, exprs: list[ca.SX]) -> ca.Function:
-        """CasADi function (u, x, p) -> exprs; raises RuntimeError on a free symbol."""
-        return ca.Function(
-            name,
-            [self.u, self.x, self.p],
-            exprs,
-            ["u", "x", "p"],
-            [f"out{i}" for i in range(len(exprs))],
-        )
+        """CasADi function (u, x, p) -> exprs, or (u, x, p, w) where there are draws w.
+
+        Raises RuntimeError on a free symbol.
+        """
+        given = {"u": self.u, "x": self.x, "p": self.p, **({"w": self.w} if self.draws else {})}
+        results = [f"out{i}" for i in range(len(exprs))]
+        return ca.Function(name, list(given.values()), exprs, list(given), results)
 
 
 def stack(parts: Iterable[ca.SX]) -> ca.SX:
@@ -126,6 +148,17 @@ def port(signal: Signal, value: Iterable[float] | float = 0.0) -> Port:
     if len(numbers) != signal.size:
         raise ValueError(f"{signal.name} needs {signal.size} values, got {len(numbers)}")
     return Port(signal, ca.SX.sym(signal.name, signal.size), numbers)
+
+
+UNIFORM, NORMAL = "uniform", "normal"
+"""Kinds of draws."""
+
+
+def draw(signal: Signal, kind: str, wanted: ca.SX, bound: ca.SX | float = math.inf) -> Draw:
+    """Fresh random numbers, as many as ``signal`` has elements: an even number."""
+    if signal.size % 2:
+        raise ValueError(f"{signal.name}: random numbers come in pairs, not {signal.size}")
+    return Draw(port(signal), kind, ca.SX(wanted), ca.SX(bound))
 
 
 def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tuple[Port, ...]:

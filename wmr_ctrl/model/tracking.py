@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import casadi as ca
+from wmr_ctrl.symbolic import ca
 
 
 def error_rotation(theta: ca.SX) -> ca.SX:

@@ -1,8 +1,8 @@
-"""Graph: a CasADi function as a list of nodes that any method of proof can walk.
+"""Graph: what is compiled, as a list of nodes that any method of proof can walk.
 
-The nodes are the instructions of the very function that code generation reads, after common
-subexpressions were merged.  ``(c ? a : 0) + (!c ? b : 0)``, which is how an if_else arrives, is
-made one node ``choose``, so that a method never looks at a branch that is not taken.
+The nodes are those of `wmr_ctrl.model.graph`, which the emitter of C is given: a choice is one node
+``choose``, so that a method never looks at a branch that is not taken, and a quotient by a
+parameter is the product that C computes.
 """
 
 from __future__ import annotations
@@ -13,8 +13,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-_NAMES = {getattr(ca, name): name[3:].lower() for name in dir(ca) if name.startswith("OP_")}
-LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
+import wmr_ctrl.model.graph as compiled_graph
+
+_NAMES = {
+    **{getattr(ca, name): name[3:].lower() for name in dir(ca) if name.startswith("OP_")},
+    compiled_graph.SELECT: "choose",
+}
+LOGICAL = frozenset(_NAMES[op] for op in compiled_graph.LOGICAL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,88 +69,70 @@ class Graph:
 
 
 def graph_of(
-    inputs: Mapping[str, ca.SX], outputs: Sequence[ca.SX], cuts: Mapping[str, ca.SX] | None = None
+    inputs: Mapping[str, ca.SX],
+    outputs: Sequence[ca.SX],
+    cuts: Mapping[str, ca.SX] | None = None,
+    numbers: Mapping[str, float] | None = None,
 ) -> Graph:
-    """Graph of scalar expressions in named scalar symbols.
+    """Graph of scalar expressions in named scalar symbols, as the compiler is given it.
 
-    A cut replaces the node that computes its expression by an input of that name.  ValueError where
-    an output still depends on a symbol that is not named.
+    A cut replaces the node that computes its expression by an input of that name; ``numbers`` are
+    values of inputs.  Both are put in after the graph was read, so what is left is the compiled
+    text.  ValueError where an output still depends on a symbol that is not named.
     """
-    cut_names = list(cuts or {})
-    scalars = [*outputs, *(cuts or {}).values()]
-    loose = [
-        s
-        for s in ca.symvar(ca.vertcat(*scalars))
-        if not any(ca.is_equal(s, known) for known in inputs.values())
-    ]
-    shared = ca.cse([ca.vertcat(*scalars)])
-    given = ca.vertcat(*inputs.values(), *loose)
-    names = [*inputs, *(f"?{symbol.name()}" for symbol in loose)]
-    reader = _Reader(ca.Function("graph", [given], shared), names)
-    nodes, found = reader.read(len(scalars))
-    wanted = tuple(found[: len(outputs)])
-    for name, node in zip(cut_names, found[len(outputs) :], strict=True):
-        nodes[node] = Node("input", name=name)
-    graph = Graph(tuple(nodes), wanted)
+    cut = dict(cuts or {})
+    given = {**inputs, **_unnamed(inputs, (*outputs, *cut.values()))}
+    compiled, places = _compiled(given, (*outputs, *cut.values()))
+    nodes = [_named(node, list(given)) for node in compiled.nodes]
+    for name, place in zip(cut, places[len(outputs) :], strict=True):
+        nodes[place] = Node("input", name=name)
+    known = numbers or {}
+    nodes = [Node("const", value=known[n.name]) if n.name in known else n for n in nodes]
+    graph = Graph(tuple(nodes), tuple(places[: len(outputs)]))
+    _refuse_unnamed(graph)
+    return _compact(graph)
+
+
+def is_parameter(symbol: ca.SX) -> bool:
+    """Whether a symbol stands for a number of the scenario: those have a dotted key."""
+    return "." in symbol.name()
+
+
+def _unnamed(inputs: Mapping[str, ca.SX], exprs: Sequence[ca.SX]) -> dict[str, ca.SX]:
+    loose = (
+        symbol
+        for symbol in ca.symvar(ca.vertcat(*exprs))
+        if not any(ca.is_equal(symbol, known) for known in inputs.values())
+    )
+    return {f"?{symbol.name()}": symbol for symbol in loose}
+
+
+def _refuse_unnamed(graph: Graph) -> None:
     free = [name for name in graph.input_names if name.startswith("?")]
     if free:
         raise ValueError(
             f"the graph depends on {', '.join(free)}, which the statement does not name"
         )
-    return _compact(graph)
 
 
-class _Reader:
-    """Instructions with reused work slots to single-assignment nodes."""
+def _compiled(
+    given: Mapping[str, ca.SX], exprs: Sequence[ca.SX]
+) -> tuple[compiled_graph.Graph, list[int]]:
+    """What the emitter would be given, with the place of every symbol in ``given`` kept."""
+    groups = {False: ca.SX.zeros(len(given)), True: ca.SX.zeros(len(given))}
+    for row, symbol in enumerate(given.values()):
+        for group in groups:
+            kept = is_parameter(symbol) == group
+            groups[group][row] = symbol if kept else ca.SX.sym("unused")
+    function = ca.Function("graph", [groups[False], groups[True]], [ca.densify(ca.vertcat(*exprs))])
+    graph = compiled_graph.read(function, ("x", compiled_graph.PARAMETERS), ("y",))
+    return graph, [store.node for store in sorted(graph.stores, key=lambda store: store.index)]
 
-    def __init__(self, function: ca.Function, names: Sequence[str]) -> None:
-        self.function, self.names = function, names
-        self.nodes: list[Node] = []
-        self.slot: dict[int, int] = {}
-        self.known: dict[Node, int] = {}
 
-    def read(self, count: int) -> tuple[list[Node], list[int]]:
-        """All nodes and the node of each of the ``count`` outputs."""
-        found = [0] * count
-        zero = self._node(Node("const"))
-        found = [zero] * count
-        for k in range(self.function.n_instructions()):
-            op = _NAMES[self.function.instruction_id(k)]
-            into, operands = self.function.instruction_output(k), self.function.instruction_input(k)
-            if op == "output":
-                found[into[1]] = self.slot[operands[0]]
-            else:
-                self.slot[into[0]] = self._read(k, op, operands)
-        return self.nodes, found
-
-    def _read(self, k: int, op: str, operands: Sequence[int]) -> int:
-        if op == "const":
-            return self._node(Node("const", value=self.function.instruction_constant(k)))
-        if op == "input":
-            return self._node(Node("input", name=self.names[operands[1]]))
-        args = tuple(self.slot[i] for i in operands)
-        return self._choice(op, args) or self._node(Node(op, args))
-
-    def _choice(self, op: str, args: tuple[int, ...]) -> int | None:
-        """Node of a whole if_else, or of a lone half of one."""
-        if op == "if_else_zero":
-            return self._node(Node("choose", (args[0], args[1], self._node(Node("const")))))
-        if op != "add":
-            return None
-        halves = [self.nodes[arg] for arg in args]
-        if any(half.op != "choose" or self.nodes[half.args[2]] != Node("const") for half in halves):
-            return None
-        for first, second in (halves, halves[::-1]):
-            if self.nodes[second.args[0]] == Node("not", (first.args[0],)):
-                return self._node(Node("choose", (first.args[0], first.args[1], second.args[1])))
-        return None
-
-    def _node(self, node: Node) -> int:
-        key = Node(node.op, node.args, float(node.value), node.name)
-        if key not in self.known or str(node.value) == "nan":
-            self.nodes.append(key)
-            self.known[key] = len(self.nodes) - 1
-        return self.known[key]
+def _named(node: compiled_graph.Node, names: Sequence[str]) -> Node:
+    if node.place is not None:
+        return Node("input", name=names[node.place[1]])
+    return Node(_NAMES[node.op], node.operands, node.number)
 
 
 def _compact(graph: Graph) -> Graph:

@@ -47,18 +47,20 @@ class Statement:
     """For all ``symbols`` with ``given``: every goal holds.
 
     ``cuts`` names inner expressions that stand as free inputs: the statement is then shown for
-    whatever value they have.
+    whatever value they have.  ``numbers`` are symbols with one value.
     """
 
     symbols: Mapping[str, ca.SX]
     goals: tuple[Relation, ...]
     given: tuple[Relation, ...] = ()
     cuts: Mapping[str, ca.SX] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def graph(self) -> Graph:
         """Outputs: the goals' expressions, then those of ``given``."""
-        return graph_of(self.symbols, [r.expr for r in (*self.goals, *self.given)], self.cuts)
+        exprs = [r.expr for r in (*self.goals, *self.given)]
+        return graph_of(self.symbols, exprs, self.cuts, self.numbers)
 
     @property
     def goal_kinds(self) -> tuple[str, ...]:
@@ -71,14 +73,16 @@ class Statement:
         return tuple(r.kind for r in self.given)
 
 
-def symbols(names: str) -> dict[str, ca.SX]:
-    """Fresh scalar symbols by name."""
-    return {name: ca.SX.sym(name) for name in names.split()}
+def symbols(names: str, fixed: str = "") -> dict[str, ca.SX]:
+    """Fresh scalar symbols by name; those in ``fixed`` are parameters to the compiler."""
+    known = set(fixed.split())
+    return {name: ca.SX.sym(f"p.{name}" if name in known else name) for name in names.split()}
 
 
-def column(name: str, size: int) -> dict[str, ca.SX]:
-    """Fresh scalar symbols name1 to name<size>."""
-    return {f"{name}{i}": ca.SX.sym(f"{name}{i}") for i in range(1, size + 1)}
+def column(name: str, size: int, fixed: bool = False) -> dict[str, ca.SX]:
+    """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
+    names = " ".join(f"{name}{i}" for i in range(1, size + 1))
+    return symbols(names, names if fixed else "")
 
 
 def stacked(table: Mapping[str, ca.SX], name: str, size: int) -> ca.SX:

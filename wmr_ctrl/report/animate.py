@@ -2,20 +2,40 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
+import subprocess
+import tempfile
 from pathlib import Path
+from typing import IO
 
-from wmr_ctrl.campaign import Progress, Silent
-from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.report.animation import film, gif, page
-from wmr_ctrl.report.animation.scene import scene_of
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from PIL import Image
+
+from wmr_ctrl.campaign import PhaseProgress, Silent
+from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Scene, frames, scene_of
+from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.results import Run, atomic_path, check_writable
 
 SUFFIXES = (".gif", ".mp4", ".html")
-_FRAMES = {".gif": gif.FRAMES, ".mp4": film.FRAMES, ".html": page.FRAMES}
+_FRAMES = {".gif": 250, ".mp4": 600, ".html": 2000}
+"""At most as many frames are shown."""
+
+GIF_MILLISECONDS = 80
+"""Time that a frame of a GIF is shown; whole runs thus take 20 s."""
+
+FILM_RATE = 30
+"""Frames of a film per second; whole runs thus take 20 s."""
+
+_GIF_COLOURS = 48
 
 
-def animate_run(run: Run, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
+def animate_run(
+    run: Run, path: str | os.PathLike[str], progress: PhaseProgress | None = None
+) -> None:
     """Animate ``run`` into a .html (crisp, with play and slider), .gif or .mp4 file.
 
     The file is written whole or not at all.  Raises ResultFileError for another suffix or where
@@ -31,21 +51,112 @@ def animate_run(run: Run, path: str | os.PathLike[str], progress: Progress | Non
         )
     check_writable(target)
     if suffix == ".mp4":
-        film.find_ffmpeg()
+        find_ffmpeg()
     _animate(run, target, suffix, progress or Silent())
 
 
-def _animate(run: Run, target: Path, suffix: str, progress: Progress) -> None:
+def _animate(run: Run, target: Path, suffix: str, progress: PhaseProgress) -> None:
     scene = scene_of(run, _FRAMES[suffix])
     progress.start(len(scene.t), "Drawing the animation")
     try:
         with atomic_path(target) as scratch:
             if suffix == ".gif":
-                gif.write_gif(scene, scratch, progress)
+                write_gif(scene, scratch, progress)
             elif suffix == ".mp4":
-                film.write_film(scene, scratch, progress)
+                write_film(scene, scratch, progress)
             else:
-                page.write_page(scene, scratch)
+                write_page(scene, scratch)
                 progress.advance(len(scene.t))
     finally:
         progress.done()
+
+
+def write_page(scene: Scene, path: Path) -> None:
+    """Write the page."""
+    environment = Environment(
+        loader=PackageLoader("wmr_ctrl.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+    )
+    run = scene.run
+    text = environment.get_template("animation.html.j2").render(
+        title=f"{look(run.law).label}, {run.scenario}, seed {run.seed}",
+        explanation=run.explanation,
+        data=_json(scene),
+    )
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _json(scene: Scene) -> str:
+    """Everything that the script draws, rounded to what can be seen; safe inside a script."""
+    table = np.column_stack((scene.t, scene.pose, scene.target, scene.velocity))
+    content = {
+        "rows": np.round(table, 4).tolist(),
+        "view": [round(edge, 4) for edge in scene.view],
+        "limits": scene.limits,
+        "body": BODY,
+        "wheel": WHEEL,
+        "track": TRACK,
+        "colours": {"law": look(scene.run.law).colour, "muted": MUTED, "limit": LIMIT},
+    }
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def write_gif(scene: Scene, path: Path, progress: PhaseProgress) -> None:
+    """Write the scene's frames, all in the palette of the last one, which shows everything."""
+    pictures = []
+    for picture in frames(scene):
+        pictures.append(Image.fromarray(picture))
+        progress.advance(1)
+    palette = pictures[-1].quantize(
+        _GIF_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+    )
+    first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
+    first.save(
+        path, save_all=True, append_images=others, duration=GIF_MILLISECONDS, loop=0, optimize=False
+    )
+
+
+def find_ffmpeg() -> str:
+    """The ffmpeg program; raises MissingExtraError with the remedy where there is none."""
+    program = shutil.which("ffmpeg")
+    if program is None:
+        raise MissingExtraError(
+            "films need the program ffmpeg, which was not found on the PATH. Install it "
+            "(apt install ffmpeg, brew install ffmpeg, winget install ffmpeg), or choose .html "
+            "or .gif, which need nothing."
+        )
+    return program
+
+
+def write_film(scene: Scene, path: Path, progress: PhaseProgress) -> None:
+    """Write the scene's frames as a film; raises ResultFileError where ffmpeg fails."""
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(_command(path), stdin=subprocess.PIPE, stderr=errors)
+        assert process.stdin is not None
+        broken = _feed(scene, process.stdin, progress)
+        if process.wait() or broken:
+            errors.seek(0)
+            lines = errors.read().decode(errors="replace").strip().splitlines()
+            raise ResultFileError(
+                f"ffmpeg could not write the film: {lines[-1] if lines else 'no reason given'}. "
+                "Choose .html or .gif instead."
+            )
+
+
+def _command(path: Path) -> list[str]:
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "560x620", "-r", str(FILM_RATE), "-i", "-")
+    coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
+    return [find_ffmpeg(), "-loglevel", "error", "-y", *raw, *coding, str(path)]
+
+
+def _feed(scene: Scene, pipe: IO[bytes], progress: PhaseProgress) -> bool:
+    """Hand over all frames; whether the other side closed the pipe before the end."""
+    try:
+        with pipe:
+            for picture in frames(scene):
+                pipe.write(picture.tobytes())
+                progress.advance(1)
+    except BrokenPipeError:
+        return True
+    return False

@@ -1,37 +1,45 @@
-"""The report's data: table.csv, runs.csv and claims.json."""
+"""The report's data: table.csv, runs.csv, claims.json and ours.csv."""
 
 from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
-from wmr_ctrl.campaign import FIGURES, STATISTICS, Table
-from wmr_ctrl.report.citation import CITATION
-from wmr_ctrl.report.claims import Judged, Measured
-from wmr_ctrl.report.claims.judge import RULE
+from wmr_ctrl.campaign import FIGURES, STATISTICS, FigureTable
+from wmr_ctrl.campaign.comparison import AFTER, BEFORE, ComparedRun
+from wmr_ctrl.report.claims import RULE, Judged, Measured
 from wmr_ctrl.results import atomic_write, json_safe
+
+CITATION = (
+    "Z. Chen, Y. Liu, W. He, H. Qiao, and H. Ji, “Adaptive-Neural-Network-Based Trajectory "
+    "Tracking Control for a Nonholonomic Wheeled Mobile Robot With Velocity Constraints,” "
+    "IEEE Transactions on Industrial Electronics, vol. 68, no. 6, pp. 5057–5067, June 2021, "
+    "doi:10.1109/TIE.2020.2989711."
+)
+"""The paper that is rerun."""
 
 _HEADINGS = tuple(figure.heading for figure in FIGURES)
 
 
-def write_table(path: Path, table: Table) -> None:
+def write_table(path: Path, table: FigureTable) -> None:
     """One row per scenario, law and statistic over the seeds; a column per figure, with its unit.
 
     Cells are empty where there is no number.
     """
-    rows = (
-        (scenario, law, len(table.case(scenario, law)), statistic,
-         *(getattr(table.spread(f.name, scenario, law), statistic) for f in FIGURES))
-        for scenario, law in table.cases
-        for statistic in STATISTICS
-    )  # fmt: skip
+    rows = (row for case in table.cases for row in _statistic_rows(table, *case))
     write_csv(path, ("scenario", "law", "seeds", "statistic", *_HEADINGS), rows)
 
 
-def write_runs(path: Path, table: Table) -> None:
+def _statistic_rows(table: FigureTable, scenario: str, law: str) -> Iterator[Sequence[object]]:
+    seeds = len(table.case(scenario, law))
+    spreads = [table.spread(figure.name, scenario, law).statistics for figure in FIGURES]
+    for name in STATISTICS:
+        yield scenario, law, seeds, name, *(numbers[name] for numbers in spreads)
+
+
+def write_runs(path: Path, table: FigureTable) -> None:
     """One row per run, with all of its figures."""
     rows = (
         (row.scenario, row.law, row.seed, row.outcome, *(row.values[f.name] for f in FIGURES))
@@ -41,7 +49,10 @@ def write_runs(path: Path, table: Table) -> None:
 
 
 def write_claims(
-    path: Path, judged: Sequence[Judged], table: Table, readings: Sequence[Mapping[str, Any]]
+    path: Path,
+    judged: Sequence[Judged],
+    table: FigureTable,
+    readings: Sequence[Mapping[str, object]],
 ) -> None:
     """Every claim with its tests and verdict, and the readings, as JSON (null for no number)."""
     content = {
@@ -57,7 +68,7 @@ def write_claims(
         file.write("\n")
 
 
-def _claim(judged: Judged) -> dict[str, Any]:
+def _claim(judged: Judged) -> dict[str, object]:
     claim = judged.claim
     return {
         "id": claim.id,
@@ -72,8 +83,8 @@ def _claim(judged: Judged) -> dict[str, Any]:
     }
 
 
-def _test(test: Measured) -> dict[str, Any]:
-    spec, found = test.spec, test.found
+def _test(test: Measured) -> dict[str, object]:
+    spec = test.spec
     return {
         "measure": spec.text,
         "figure": spec.figure,
@@ -82,7 +93,7 @@ def _test(test: Measured) -> dict[str, Any]:
         "at_least": spec.at_least,
         "at_most": spec.at_most,
         "unit": spec.unit or "1",
-        "found": {"seeds": len(test.values), **{s: getattr(found, s) for s in STATISTICS}},
+        "found": {"seeds": len(test.values), **test.spread.statistics},
         "seeds_that_keep_it": test.keeping if spec.decides else None,
         "passed": test.passed,
     }
@@ -94,3 +105,36 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
+
+
+_WINDOWS = tuple(f"{start:g}-{end:g} s" for start, end in (BEFORE, AFTER))
+_COMPARISON_HEADINGS = (
+    "base",
+    "case",
+    "law",
+    "guard",
+    "seed",
+    "outcome",
+    "steps beyond a limit [1]",
+    "max |v1|/limit [1]",
+    "max |omega|/limit [1]",
+    "ISE [m2.s + rad2.s]",
+    *(f"mean |e1| over {window} [m]" for window in _WINDOWS),
+    "peak wheel torque [N.m]",
+    "share of time in clip, thrust [1]",
+    "share of time in clip, moment [1]",
+)
+
+
+def write_comparison(path: Path, rows: Iterable[ComparedRun]) -> None:
+    """Every run with its figures; cells are empty where there is no number."""
+    write_csv(path, _COMPARISON_HEADINGS, map(_cells, rows))
+
+
+def _cells(row: ComparedRun) -> tuple[object, ...]:
+    case, nothing = row.case, (None, None)
+    return (
+        case.base, case.factor, case.law, "on" if case.guard else "off", case.seed, row.outcome,
+        None if row.speed is None else row.violations, *(row.speed or nothing), row.ise,
+        row.e1_before, row.e1_after, row.tau_peak, *(row.clipped or nothing),
+    )  # fmt: skip

@@ -1,16 +1,21 @@
-"""A figure as a thing to be rendered: its name, its size, and what draws it."""
+"""The figures' tool box: a figure as a value, axes placed by inches, marks, and thinned traces."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from wmr_ctrl.report.style import house_style
-from wmr_ctrl.results import atomic_path
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, house_style, look
+from wmr_ctrl.results import FloatArray, atomic_path
 
 SUFFIXES = (".svg", ".png")
 
@@ -51,3 +56,209 @@ def save_figure(figure: Figure, path: Path) -> None:
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
     with atomic_path(path) as scratch:
         figure.savefig(scratch, metadata=metadata)
+
+
+Place: TypeAlias = Figure | SubFigure
+"""Where a panel is drawn: a figure of its own, or a part of a sheet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Padding:
+    """Space around the axes of a panel [inch]."""
+
+    left: float = 0.56
+    right: float = 0.10
+    bottom: float = 0.40
+    top: float = 0.48
+
+
+def size_of(place: Place) -> tuple[float, float]:
+    """Width and height of a place [inch]."""
+    dpi = place.figure.dpi if isinstance(place, SubFigure) else place.dpi
+    return place.bbox.width / dpi, place.bbox.height / dpi
+
+
+def one_axes(place: Place, padding: Padding) -> Axes:
+    """A single pair of axes that fills the place inside the padding."""
+    return row_of_axes(place, padding, (1.0,), 0.0)[0]
+
+
+def row_of_axes(
+    place: Place, padding: Padding, widths: Sequence[float], gap: float
+) -> tuple[Axes, ...]:
+    """Axes side by side, as wide as ``widths`` relate, ``gap`` inches between them."""
+    width, height = size_of(place)
+    inner = width - padding.left - padding.right - gap * (len(widths) - 1)
+    high = (height - padding.bottom - padding.top) / height
+    left, axes = padding.left, []
+    for share in widths:
+        wide = inner * share / sum(widths)
+        axes.append(place.add_axes((left / width, padding.bottom / height, wide / width, high)))
+        left += wide + gap
+    return tuple(axes)
+
+
+def heading(place: Place, text: str) -> None:
+    """A panel's title at its upper left corner."""
+    width, height = size_of(place)
+    place.text(0.06 / width, 1 - 0.06 / height, text, ha="left", va="top", weight="bold",
+               size=8.5, color=INK)  # fmt: skip
+
+
+def law_handles(laws: Iterable[str]) -> list[Line2D]:
+    """One line per law, as legends want them."""
+    return [
+        Line2D([], [], color=look(law).colour, ls=look(law).dash, lw=1.4, label=look(law).label)
+        for law in laws
+    ]
+
+
+def switch_handle(time: float) -> Line2D:
+    """The legend's entry for :func:`mark_switch`."""
+    return Line2D([], [], color=MUTED, lw=0.9, ls=(0, (2, 2)), label=f"new parameters, {time:g} s")
+
+
+def legend_row(place: Place, handles: Sequence[Line2D], below: float = 0.24) -> None:
+    """A legend in one row, its upper edge ``below`` inches under the place's; never over data."""
+    width, height = size_of(place)
+    place.legend(handles=handles, ncols=len(handles), loc="upper left",
+                 bbox_to_anchor=(0.06 / width, 1 - below / height))  # fmt: skip
+
+
+def include(axes: Axes, levels: Iterable[float]) -> None:
+    """Widen the vertical view, if need be, so that it shows ``levels``."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, *levels), max(high, *levels))
+
+
+def shade_limits(axes: Axes, limit: float, *, both: bool = True) -> None:
+    """Shade what lies beyond +-``limit`` and draw its edges; the view stays as it is."""
+    low, high = axes.get_ylim()
+    edges = [(limit, max(high, limit))] + ([(min(low, -limit), -limit)] if both else [])
+    for start, end in edges:
+        axes.axhspan(start, end, color=LIMIT, alpha=0.10, lw=0, zorder=0.5)
+    for level in (limit, -limit) if both else (limit,):
+        axes.axhline(level, color=LIMIT, lw=0.9, zorder=1.5)
+    axes.set_ylim(low, high)
+
+
+def mark_switch(axes: Axes, time: float | None) -> None:
+    """A thin vertical line where the robot's parameters change, if they do."""
+    if time is not None:
+        axes.axvline(time, color=MUTED, lw=0.8, ls=(0, (2, 2)), zorder=1.2)
+
+
+def dots(
+    axes: Axes,
+    values: Iterable[float | None],
+    y: float,
+    law: str,
+    high: float = 0.4,
+    *,
+    filled: bool = True,
+) -> None:
+    """A dot per value around height ``y``, spread within ``high`` so that none hides another.
+
+    A bar marks the median.  Values that are None are left out.
+    """
+    x = np.array([value for value in values if value is not None])
+    if not x.size:
+        return
+    seen = look(law)
+    face = seen.colour if filled else "white"
+    axes.plot(x, y + 0.65 * high * _offsets(x.size), ls="", marker=seen.marker, ms=3.6, mfc=face,
+              mec=seen.colour, mew=0.7, alpha=0.8, zorder=3)  # fmt: skip
+    axes.plot(2 * [np.median(x)], [y - high / 2, y + high / 2], color=INK, lw=1.3, zorder=4)
+
+
+def _offsets(count: int) -> np.ndarray:
+    """Heights in [-0.5, 0.5], spread evenly for any number of values (golden ratio)."""
+    if count == 1:
+        return np.zeros(1)
+    return np.asarray(np.arange(count) * 0.6180339887 % 1.0) - 0.5
+
+
+def seed_handle(label: str, *, filled: bool) -> Line2D:
+    """A legend's entry for the marks of one kind, whatever the law."""
+    return Line2D([], [], ls="", marker="o", ms=4, mec=INK, mew=0.8,
+                  mfc=INK if filled else "white", label=label)  # fmt: skip
+
+
+def plain_ticks(axes: Axes, steps: Sequence[float] = (1, 2, 5)) -> None:
+    """Label a logarithmic horizontal axis with plain numbers at ``steps`` of each decade."""
+    axes.xaxis.set_major_locator(LogLocator(subs=steps))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def rows_of(axes: Axes, labels: Sequence[str]) -> None:
+    """One labelled row per entry, the first on top, with faint lines between them."""
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", visible=False)
+    for edge in range(1, len(labels)):
+        axes.axhline(edge - 0.5, color="#ececec", lw=0.8, zorder=0)
+
+
+def law_marks(laws: Iterable[str]) -> list[Line2D]:
+    """One mark per law, as legends of dots want them."""
+    seen = [look(law) for law in laws]
+    return [
+        Line2D([], [], ls="", marker=one.marker, color=one.colour, ms=4, label=one.label)
+        for one in seen
+    ]
+
+
+POINTS = 1500
+"""Points of a drawn trace; more cannot be told apart on a page."""
+
+
+def thin(t: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+    """At most ``points`` samples of y(t): the least and the greatest of each stretch, in order.
+
+    ``t`` and ``y`` have the shape (N,); short traces and their NaN pass unchanged.
+    """
+    count = len(t)
+    stretches = points // 2
+    if count <= points or stretches < 1:
+        return t, y
+    size = -(-count // stretches)
+    padded = np.full(size * -(-count // size), np.nan)
+    padded[:count] = y
+    parts = padded.reshape(-1, size)
+    start = size * np.arange(len(parts))
+    low = start + np.argmin(np.where(np.isnan(parts), np.inf, parts), axis=1)
+    high = start + np.argmax(np.where(np.isnan(parts), -np.inf, parts), axis=1)
+    rows = np.unique(np.concatenate(([0], low, high, [count - 1])))
+    rows = rows[rows < count]
+    return t[rows], y[rows]
+
+
+def running_mean(values: FloatArray, width: int) -> FloatArray:
+    """Centred mean over ``width`` values, fewer at the ends, shape (N,)."""
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    index = np.arange(len(values))
+    low = np.maximum(index - width // 2, 0)
+    high = np.minimum(index + width - width // 2, len(values))
+    return np.asarray((total[high] - total[low]) / (high - low))
+
+
+def running_rms(values: FloatArray, width: int) -> FloatArray:
+    """Centred RMS over ``width`` values, fewer at the ends, shape (N,)."""
+    return np.asarray(np.sqrt(np.maximum(running_mean(values**2, width), 0.0)))
+
+
+def thin_path(x: FloatArray, y: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+    """At most ``points`` points of a path in the plane, denser where it moves fast.
+
+    Points are spread evenly over path length and sample number together; the ends are kept.
+    """
+    count = len(x)
+    if count <= points:
+        return x, y
+    length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
+    share = length / (length[-1] or 1.0) + np.arange(count) / (count - 1)
+    rows = np.unique(np.searchsorted(share, np.linspace(0.0, share[-1], points)))
+    rows = np.unique(np.concatenate(([0], np.minimum(rows, count - 1), [count - 1])))
+    return x[rows], y[rows]

@@ -1,26 +1,265 @@
-"""Fig. 3 and Fig. 5 of the paper: each panel by itself, and all twelve on a sheet."""
+"""Fig. 3 and Fig. 5 of the paper: each of the twelve panels by itself, and all on a sheet."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.patches import Rectangle
 
-from wmr_ctrl.report.canvas import (
-    Margins,
+from wmr_ctrl.report.drawing import (
+    Drawing,
+    Padding,
+    Place,
     heading,
+    include,
     law_handles,
     legend_row,
+    mark_switch,
+    one_axes,
+    row_of_axes,
+    running_mean,
+    shade_limits,
     switch_handle,
+    thin,
+    thin_path,
 )
-from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.panels import PANELS, Group, Panel
-from wmr_ctrl.report.panels.base import switch_time
+from wmr_ctrl.report.style import DOTTED, INK, MUTED, look
+from wmr_ctrl.results import FloatArray, Run, distance
+from wmr_ctrl.scenario import loads_scenario
+
+Group: TypeAlias = Mapping[str, Run]
+"""Runs of one scenario by law, in the order in which they are drawn and named."""
+
+Draw: TypeAlias = Callable[[Place, Group, Padding], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One panel: its letter in the paper, a name for files, a title, and what draws it.
+
+    ``laws`` restricts it to laws that have what it shows (None: all).
+    """
+
+    letter: str
+    key: str
+    title: str
+    draw: Draw
+    laws: tuple[str, ...] | None = None
+
+    def of(self, group: Group) -> Group:
+        """The runs of ``group`` that this panel shows."""
+        return {law: run for law, run in group.items() if self.laws is None or law in self.laws}
+
+
+def switch_time(run: Run) -> float | None:
+    """When the robot's parameters change [s], as the run's scenario says; None if they do not."""
+    text = run.provenance.get("scenario_toml")
+    if not text:
+        return None
+    changes = loads_scenario(text).changes
+    return changes[0].t if changes else None
+
+
+WIDTHS = (1.0, 1.75)
+GAP = 0.42
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """A quantity over time and how it is shown.
+
+    ``value`` takes it from a run, shape (N,); ``early`` [s] is the length of the enlarged start;
+    ``limit_axis`` (0 or 1) names the velocity limit to shade; ``smooth`` [s] draws a running mean
+    of that length over the faint samples, on the right; ``late`` fixes the right axes' range.
+    """
+
+    label: str
+    value: Callable[[Run], FloatArray]
+    early: float = 2.0
+    limit_axis: int | None = None
+    smooth: float = 0.0
+    late: tuple[float, float] | None = None
+
+    def draw(self, place: Place, group: Group, padding: Padding) -> None:
+        """Draw the quantity of every run."""
+        start, rest = row_of_axes(place, padding, WIDTHS, GAP)
+        for law, run in group.items():
+            self._plot_start(start, law, run)
+            self._plot_rest(rest, law, run)
+        self._finish(start, rest, group)
+
+    def _plot_start(self, axes: Axes, law: str, run: Run) -> None:
+        rows = slice(0, run.settings.index(self.early) + 1)
+        seen = look(law)
+        axes.plot(run.time[rows], self.value(run)[rows], color=seen.colour, ls=seen.dash)
+
+    def _plot_rest(self, axes: Axes, law: str, run: Run) -> None:
+        rows, seen = slice(run.settings.index(self.early), None), look(law)
+        t, y = run.time[rows], self.value(run)[rows]
+        if not self.smooth:
+            axes.plot(*thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
+            return
+        axes.plot(*thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
+        mean = running_mean(y, max(1, round(self.smooth / run.settings.control)))
+        axes.plot(*thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
+
+    def _finish(self, start: Axes, rest: Axes, group: Group) -> None:
+        run = next(iter(group.values()))
+        start.set(xlabel=f"t [s], first {self.early:g} s", xlim=(0, self.early), ylabel=self.label)
+        rest.set(xlabel=self._rest_label(), xlim=(0, run.settings.duration))
+        if self.late:
+            rest.set_ylim(self.late)
+        if self.limit_axis is not None:
+            limit = run.settings.v_u1[self.limit_axis]
+            include(start, (-1.1 * limit, 1.1 * limit))
+            shade_limits(start, limit)
+            shade_limits(rest, limit)
+        mark_switch(rest, switch_time(run))
+
+    def _rest_label(self) -> str:
+        after = f"t [s], from {self.early:g} s on"
+        return f"{after} (line: {self.smooth:g} s mean)" if self.smooth else after
+
+
+@dataclass(frozen=True, slots=True)
+class Logarithmic:
+    """A positive quantity over the whole run: faint samples under a running mean.
+
+    ``mean`` is the length of that mean [s]; what lies under ``floor`` is not shown.
+    """
+
+    label: str
+    value: Callable[[Run], FloatArray]
+    floor: float
+    mean: float = 0.5
+
+    def draw(self, place: Place, group: Group, padding: Padding) -> None:
+        """Draw the quantity of every run."""
+        axes = one_axes(place, padding)
+        for law, run in group.items():
+            seen, y = look(law), np.maximum(self.value(run), self.floor)
+            axes.plot(*thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
+            mean = running_mean(y, max(1, round(self.mean / run.settings.control)))
+            axes.plot(*thin(run.time, mean, 600), color=seen.colour, ls=seen.dash, zorder=2.5)
+        run = next(iter(group.values()))
+        axes.set(ylabel=self.label, yscale="log", xlim=(0, run.settings.duration))
+        axes.set_xlabel(f"t [s] (faint: samples; line: {self.mean:g} s mean)")
+        axes.set_ylim(bottom=self.floor)
+        mark_switch(axes, switch_time(run))
+
+
+@dataclass(frozen=True, slots=True)
+class Plain:
+    """A quantity over the whole run on a linear scale from zero."""
+
+    label: str
+    value: Callable[[Run], FloatArray]
+
+    def draw(self, place: Place, group: Group, padding: Padding) -> None:
+        """Draw the quantity of every run."""
+        axes = one_axes(place, padding)
+        for law, run in group.items():
+            seen = look(law)
+            axes.plot(*thin(run.time, self.value(run)), color=seen.colour, ls=seen.dash)
+        run = next(iter(group.values()))
+        axes.set(xlabel="t [s]", ylabel=self.label, xlim=(0, run.settings.duration))
+        axes.set_ylim(bottom=0)
+        mark_switch(axes, switch_time(run))
+
+
+START = 3.0
+"""Length of the beginning that is shown enlarged [s]."""
+
+
+def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
+    """Paths of all laws with their reference; on the right the first seconds; equal scales."""
+    whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.45)
+    draw_paths(whole, group, 800)
+    draw_paths(start, group, 8000)
+    whole.set(xlabel="x [m]", ylabel="y [m]")
+    start.set(xlabel=f"x [m], first {START:g} s")
+    whole.set_aspect("equal", adjustable="datalim")
+    frame = _frame(group)
+    start.set(xlim=frame[:2], ylim=frame[2:])
+    start.set_aspect("equal", adjustable="box")
+    size = frame[1] - frame[0], frame[3] - frame[2]
+    whole.add_patch(Rectangle(frame[::2], *size, fill=False, ec=MUTED, lw=0.6, zorder=3))
+
+
+def draw_paths(axes: Axes, group: Group, points: int = 800) -> None:
+    """The reference, dotted, then each law's path, and a ring where the robot starts."""
+    any_run = next(iter(group.values()))
+    axes.plot(*thin_path(any_run["x_d"], any_run["y_d"], 400), color=MUTED, ls=DOTTED, lw=1.4)
+    for law, run in group.items():
+        seen = look(law)
+        axes.plot(*thin_path(run["x"], run["y"], points), color=seen.colour, ls=seen.dash, lw=1.1)
+    axes.plot(any_run["x"][0], any_run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+
+
+def _frame(group: Group) -> tuple[float, float, float, float]:
+    """A square around all paths of the first seconds: x from, x to, y from, y to [m]."""
+    x, y = (np.concatenate([_early(run, name) for run in group.values()]) for name in "xy")
+    half = 0.55 * max(np.ptp(x), np.ptp(y), 0.1)
+    centre = (x.min() + x.max()) / 2, (y.min() + y.max()) / 2
+    return (
+        float(centre[0] - half), float(centre[0] + half),
+        float(centre[1] - half), float(centre[1] + half),
+    )  # fmt: skip
+
+
+def _early(run: Run, name: str) -> np.ndarray:
+    """A coordinate of the robot and of its reference over the first seconds."""
+    rows = slice(0, run.settings.index(START))
+    return np.concatenate([run[name][rows], run[f"{name}_d"][rows]])
+
+
+def _column(name: str) -> Callable[[Run], FloatArray]:
+    return lambda run: run[name]
+
+
+def _error(name: str) -> Callable[[Run], FloatArray]:
+    """True pose less reference, unlike the body-frame errors of Eq. (8)."""
+    return lambda run: run[name] - run[f"{name}_d"]
+
+
+_V1 = Logarithmic("V₁", _column("V1"), floor=1e-6)
+_LINEAR = Trace("v₁ [m/s]", _column("v1"), limit_axis=0, smooth=0.5, late=(-0.05, 1.15))
+_ANGULAR = Trace("ω [rad/s]", _column("omega"), limit_axis=1, smooth=0.5, late=(-1.75, 1.75))
+_X = Trace("$x - x_d$ [m]", _error("x"), early=5.0)
+_Y = Trace("$y - y_d$ [m]", _error("y"), early=5.0)
+_THETA = Trace("$θ - θ_d$ [rad]", _error("theta"), early=5.0, smooth=1.0)
+_D = Logarithmic("d [m]", distance, floor=5e-4)
+_RIGHT = Trace("τ₁, right [N m]", _column("tau_right"), early=2.0, smooth=1.0)
+_LEFT = Trace("τ₂, left [N m]", _column("tau_left"), early=2.0, smooth=1.0)
+_W1 = Plain("‖W₁‖", _column("W_norm[1]"))
+_W2 = Plain("‖W₂‖", _column("W_norm[2]"))
+
+PANELS = (
+    Panel("a", "trajectory", "Trajectory", draw_trajectory),
+    Panel("b", "lyapunov", "Lyapunov function values V₁", _V1.draw),
+    Panel("c", "v1", "Linear velocity and its limit", _LINEAR.draw),
+    Panel("d", "omega", "Angular velocity and its limits", _ANGULAR.draw),
+    Panel("e", "x_error", "Error along X", _X.draw),
+    Panel("f", "y_error", "Error along Y", _Y.draw),
+    Panel("g", "theta_error", "Error of the orientation", _THETA.draw),
+    Panel("h", "distance", "Distance from the desired position", _D.draw),
+    Panel("i", "tau_right", "Torque of the right wheel", _RIGHT.draw),
+    Panel("j", "tau_left", "Torque of the left wheel", _LEFT.draw),
+    Panel("k", "weights_1", "Norm of the weights, linear axis", _W1.draw, laws=("nn",)),
+    Panel("l", "weights_2", "Norm of the weights, angular axis", _W2.draw, laws=("nn",)),
+)
+"""Panels (a) to (l)."""
+
 
 PANEL_SIZE = (4.7, 2.9)
 SHEET_SIZE = (11.7, 15.6)
-_SHEET_MARGINS = Margins(left=0.60, right=0.20, bottom=0.46, top=0.36)
+_SHEET_PADDING = Padding(left=0.60, right=0.20, bottom=0.46, top=0.36)
 
 
 def paper_figure(number: int, group: Group, what: str) -> Iterator[Drawing]:
@@ -42,10 +281,10 @@ def _panel(number: int, panel: Panel, group: Group) -> Drawing:
 
 
 def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
-    shown = panel.of(group)
-    panel.draw(figure, shown, Margins())
+    visible = panel.of(group)
+    panel.draw(figure, visible, Padding())
     heading(figure, f"({panel.letter}) {panel.title}")
-    _legend(figure, shown, with_switch=panel.letter != "a")
+    _legend(figure, visible, with_switch=panel.letter != "a")
 
 
 def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
@@ -61,10 +300,10 @@ def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
 
 
 def _draw_part(part: SubFigure, panel: Panel, group: Group) -> None:
-    shown = panel.of(group)
+    visible = panel.of(group)
     heading(part, f"({panel.letter}) {panel.title}")
-    if shown:
-        panel.draw(part, shown, _SHEET_MARGINS)
+    if visible:
+        panel.draw(part, visible, _SHEET_PADDING)
 
 
 def _legend(figure: Figure, group: Group, *, with_switch: bool, below: float = 0.24) -> None:

@@ -12,25 +12,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from wmr_ctrl.errors import ArgumentError, ResultFileError
-from wmr_ctrl.report.canvas import (
-    Margins,
+from wmr_ctrl.report.drawing import (
+    Drawing,
+    Padding,
     include,
     mark_switch,
     one_axes,
+    save_figure,
     shade_limits,
+    thin,
 )
-from wmr_ctrl.report.decimate import thin
-from wmr_ctrl.report.drawing import Drawing, save_figure
-from wmr_ctrl.report.panels.base import switch_time
-from wmr_ctrl.report.panels.trajectory import draw_paths
-from wmr_ctrl.report.style import DASHED, MUTED, house_style, look
-from wmr_ctrl.report.wording import shown
+from wmr_ctrl.report.paper_figures import draw_paths, switch_time
+from wmr_ctrl.report.style import DASHED, MUTED, house_style, look, shown
 from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
 _HEAD = 0.75
-_MARGINS = Margins(left=0.62, right=0.18, bottom=0.46, top=0.30)
+_MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
 
 
 def plot_run(run: Run, path: str | os.PathLike[str]) -> None:
@@ -96,13 +95,13 @@ def _facts(part: SubFigure, run: Run) -> None:
 
 
 def _figures(run: Run) -> list[str]:
-    found = ise(run)
+    square = ise(run)
     (v1, omega), (limit_v, limit_w) = run.monitor.max_abs_v, run.settings.v_u1
     end = run.settings.duration
     errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
     return [
-        f"ISE {shown(found['total'])} (before {run.settings.split:g} s {shown(found['before'])}, "
-        f"after {shown(found['after'])})",
+        f"ISE {shown(square['total'])} (before {run.settings.split:g} s {shown(square['before'])}, "
+        f"after {shown(square['after'])})",
         f"largest |v₁| {shown(v1)} of {limit_v:g} m/s, |ω| {shown(omega)} of {limit_w:g} rad/s",
         f"plant steps beyond a limit: {run.monitor.violations}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",

@@ -1,11 +1,12 @@
-"""One look for every figure: a colour and a dash per law, a paper's sizes, and the units' signs."""
+"""One look for every figure and number: laws' colours, a paper's sizes, digits, units' signs."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import matplotlib as mpl
 
@@ -23,13 +24,17 @@ DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
 DOTTED = (0, (1.2, 1.4))
 
 
+Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
+"""A line's dash pattern, as matplotlib takes it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Look:
     """How a law is drawn: colour, dash pattern, marker, and its short name."""
 
     label: str
     colour: str
-    dash: Any = "-"
+    dash: Dash = "-"
     marker: str = "o"
 
 
@@ -116,3 +121,43 @@ def with_unit(text: str, unit: str) -> str:
     """An axis label: the quantity, and its unit in brackets if it has one."""
     shown = unit_text(unit)
     return f"{text} [{shown}]" if shown else text
+
+
+ABSENT = "–"
+
+
+def shown(value: float | None, digits: int = 3) -> str:
+    """A number with ``digits`` significant digits, never in programmers' notation; – for None."""
+    if value is None or math.isnan(value):
+        return ABSENT
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return _plain(value, digits)
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}·10{_raised(int(exponent))}".replace("-", "−")
+
+
+def _plain(value: float, digits: int) -> str:
+    if value == 0:
+        return "0"
+    exponent = int(f"{value:.{digits - 1}e}".split("e")[1])
+    places = digits - 1 - exponent
+    return f"{round(value, places):.{max(places, 0)}f}".replace("-", "−")
+
+
+def _raised(exponent: int) -> str:
+    signs = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return str(exponent).translate(signs)
+
+
+class SpokenNumber(float):
+    """A number for sentences: three digits, or by its format ``%`` per cent, ``mm`` millimetres."""
+
+    def __format__(self, spec: str) -> str:
+        if spec == "%":
+            return f"{shown(100 * self, 2)} %"
+        return f"{shown(1000 * self, 2)} mm" if spec == "mm" else shown(float(self))
+
+
+def spoken(value: float | None) -> SpokenNumber:
+    """A number for sentences; NaN stands for one that is missing."""
+    return SpokenNumber(math.nan if value is None else value)

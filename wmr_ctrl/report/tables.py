@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from wmr_ctrl.campaign import Spread, Table, figure_named
+from wmr_ctrl.campaign import FigureTable, Spread, figure_named
+from wmr_ctrl.campaign.comparison import (
+    AFTER,
+    BEFORE,
+    REFUSED,
+    ComparedFigure,
+    ComparedRun,
+    GuardComparison,
+    e1_after_of,
+    e1_before_of,
+    ise_of,
+    median,
+    tau_peak_of,
+)
 from wmr_ctrl.report.claims import PAPER_TIMES
-from wmr_ctrl.report.style import look, unit_text
-from wmr_ctrl.report.wording import ABSENT, shown
+from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
+from wmr_ctrl.results import Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +58,7 @@ _EFFORT = (
 )
 
 
-def scenario_table(table: Table, scenario: str, caption: str) -> TextTable:
+def scenario_table(table: FigureTable, scenario: str, caption: str) -> TextTable:
     """Median and range of the chief figures of a scenario, a column per law."""
     laws = table.laws
     rows = [
@@ -58,7 +71,7 @@ def scenario_table(table: Table, scenario: str, caption: str) -> TextTable:
     return TextTable(caption, ("", *(look(law).label for law in laws)), tuple(rows))
 
 
-def stress_table(table: Table, scenarios: Mapping[str, str]) -> TextTable:
+def stress_table(table: FigureTable, scenarios: Mapping[str, str]) -> TextTable:
     """Share of seeds beyond the limit and the largest |v|/limit, per case and law."""
     rows = tuple(
         (title, *(_limit_cell(table, scenario, law) for law in table.laws))
@@ -87,27 +100,113 @@ def _named(name: str, label: str) -> str:
     return f"{label} [{shown_unit}]" if shown_unit else label
 
 
-def _figure(table: Table, name: str, scenario: str, law: str) -> str:
+def _figure(table: FigureTable, name: str, scenario: str, law: str) -> str:
     factor = 1000 if figure_named(name).unit in _KILO else 1
     return _cell(table.spread(name, scenario, law), factor)
 
 
-def _cell(found: Spread, factor: float = 1, digits: int = 3) -> str:
-    if found.median is None or found.min is None or found.max is None:
+def _cell(given: Spread, factor: float = 1, digits: int = 3) -> str:
+    if given.median is None or given.min is None or given.max is None:
         return ABSENT
-    middle, low, high = (shown(factor * x, digits) for x in (found.median, found.min, found.max))
+    middle, low, high = (shown(factor * x, digits) for x in (given.median, given.min, given.max))
     return middle if low == high else f"{middle} ({low} … {high})"
 
 
-def _share(table: Table, scenario: str, law: str) -> str:
+def _share(table: FigureTable, scenario: str, law: str) -> str:
     values = table.values("violated", scenario, law).values()
     return f"{sum(1 for value in values if value)} of {len(values)}"
 
 
-def _limit_cell(table: Table, scenario: str, law: str) -> str:
+def _limit_cell(table: FigureTable, scenario: str, law: str) -> str:
     ratio = _cell(table.spread("limit_ratio", scenario, law), digits=4)
     return f"{_share(table, scenario, law)}: {ratio}"
 
 
 def _seconds(value: float | None) -> str:
     return ABSENT if value is None else shown(value, 4)
+
+
+_PAIR = "without | with the guard"
+_E1 = "mean |e₁| over {:g}–{:g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class _ComparedColumn:
+    figure: ComparedFigure
+    label: str
+    factor: float = 1.0
+
+
+_COMPARED = (
+    _ComparedColumn(e1_after_of, f"{_E1.format(*AFTER)}, after the change of parameters [mm]", 1e3),
+    _ComparedColumn(e1_before_of, f"{_E1.format(*BEFORE)}, before it [mm]", 1e3),
+    _ComparedColumn(ise_of, "ISE over the whole run [m² s + rad² s]"),
+    _ComparedColumn(tau_peak_of, "peak wheel torque [N m]"),
+)
+
+
+def comparison_tables(rows: GuardComparison, base: str) -> tuple[TextTable, ...]:
+    """All tables of a base case."""
+    runs = f"runs that broke a limit, and the median number of plant steps beyond it; {_PAIR}"
+    clip = "share of samples in which the guard changed the force, thrust and moment [%]; median"
+    return (
+        _table(rows, base, runs, lambda law, case: _pair(rows, base, case, law, _broken)),
+        *(_median_table(rows, base, column) for column in _COMPARED),
+        _table(rows, base, clip, lambda law, case: _clip(rows.of(base, case, law, True))),
+    )
+
+
+def _median_table(rows: GuardComparison, base: str, column: _ComparedColumn) -> TextTable:
+    def cell(runs: Sequence[ComparedRun]) -> str:
+        value = median(column.figure(row) for row in runs)
+        return _refused(runs) or shown(None if value is None else column.factor * value)
+
+    return _table(
+        rows,
+        base,
+        f"{column.label}; median, {_PAIR}",
+        lambda law, case: _pair(rows, base, case, law, cell),
+    )
+
+
+def _table(
+    rows: GuardComparison, base: str, text: str, cell: Callable[[str, str], str]
+) -> TextTable:
+    head = ("case", *(look(law).label for law in rows.laws))
+    body = tuple((case, *(cell(law, case) for law in rows.laws)) for case in rows.factors(base))
+    return TextTable(f"{text[0].upper()}{text[1:]}", head, body)
+
+
+def _pair(
+    rows: GuardComparison,
+    base: str,
+    case: str,
+    law: str,
+    cell: Callable[[Sequence[ComparedRun]], str],
+) -> str:
+    return " | ".join(cell(rows.of(base, case, law, guard)) for guard in (False, True))
+
+
+def _broken(runs: Sequence[ComparedRun]) -> str:
+    count = sum(1 for row in runs if row.broke)
+    if not runs or _refused(runs) or not count:
+        return _refused(runs) or (f"0/{len(runs)}" if runs else ABSENT)
+    ended = any(row.outcome in (Outcome.DIVERGED, Outcome.NON_FINITE) for row in runs)
+    steps = median(row.violations for row in runs if row.broke) or 0.0
+    return f"{count}/{len(runs)}: {'diverged' if ended else f'{steps:.0f}'}"
+
+
+def _clip(runs: Sequence[ComparedRun]) -> str:
+    shares = [row.clipped for row in runs if row.clipped is not None]
+    if _refused(runs) or not shares:
+        return _refused(runs) or ABSENT
+    first, second = (100 * share for share in _medians(shares))
+    return f"{shown(first, 2)}, {shown(second, 2)}"
+
+
+def _medians(shares: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    return median(s[0] for s in shares) or 0.0, median(s[1] for s in shares) or 0.0
+
+
+def _refused(runs: Sequence[ComparedRun]) -> str:
+    return REFUSED if runs and all(row.outcome == REFUSED for row in runs) else ""

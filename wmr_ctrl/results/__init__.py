@@ -4,7 +4,7 @@ Everything here works on a finished :class:`Run`, whichever engine made it; noth
 a trajectory.
 """
 
-from wmr_ctrl.results.assumptions import admitted, first_beyond, largest_push
+from wmr_ctrl.results.assumptions import Assumptions, admitted, first_beyond, largest_push
 from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
 from wmr_ctrl.results.diagnostics import (
     Rises,
@@ -27,6 +27,7 @@ from wmr_ctrl.results.windows import covered, span, window
 
 __all__ = [
     "DIVERGENCE",
+    "Assumptions",
     "ColumnDifference",
     "Comparison",
     "Event",

@@ -3,33 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.results.monitor import Event
 
+Pair: TypeAlias = tuple[float, float]
+
 ROUNDING = 1e-6
 """Share of the largest force that may be an error of integration and rounding."""
 
 
-def admitted(dbar: tuple[float, float], largest: tuple[float, float]) -> tuple[float, float]:
-    """Largest d_least that does not contradict ``dbar``; arguments as in `first_beyond`."""
+def stopping_force(mass: Pair, limit: Pair, period: float) -> Pair:
+    """Force that stops the robot from the limit in one sample [N, N m]; symbols will do too."""
+    return mass[0] * limit[0] / period, mass[1] * limit[1] / period
+
+
+def admitted(dbar: Pair, largest: Pair) -> Pair:
+    """Largest d_least that does not contradict ``dbar``; arguments as in `Assumptions`."""
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 
 
-def first_beyond(
-    columns: Mapping[str, NDArray[np.float64]],
-    dbar: tuple[float, float],
-    largest: tuple[float, float],
-) -> Event | None:
-    """Time [s] and axis of the first row whose d_least is above ``dbar`` [N, N m], or None.
+@dataclass(frozen=True)
+class Assumptions:
+    """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
 
-    ``largest`` is the force that stops the robot in one sample [N, N m]: the scale of d_least.
+    ``force`` stops the robot in one sample: the scale of what the monitor compares.
     """
+
+    dbar: tuple[float, float]
+    force: tuple[float, float]
+
+
+def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:
+    """Time [s] and axis of the first row whose d_least contradicts ``bounds``, or None."""
     if "d_least" not in columns:
         return None
-    rows, axes = np.nonzero(columns["d_least"] > np.array(admitted(dbar, largest)))
+    rows, axes = np.nonzero(columns["d_least"] > np.array(admitted(bounds.dbar, bounds.force)))
     return (float(columns["t"][rows[0]]), int(axes[0]) + 1) if rows.size else None
 
 

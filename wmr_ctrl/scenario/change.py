@@ -8,7 +8,7 @@ from typing import ClassVar
 from wmr_ctrl.fields.section import REQUIRED, Section, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Change(Section):
     """New parameters from the first plant step that starts at or after ``t``; others stay."""
 
@@ -18,3 +18,8 @@ class Change(Section):
     m: float | None = quantity(None, unit="kg", doc="mass from then on", above=0)
     I: float | None = quantity(None, unit="kg.m2", doc="inertia from then on", above=0)
     mu: float | None = quantity(None, unit="1", doc="friction from then on", minimum=0)
+
+    def values(self) -> dict[str, float]:
+        """What changes, by the robot's field."""
+        given = {"m": self.m, "I": self.I, "mu": self.mu}
+        return {key: value for key, value in given.items() if value is not None}

@@ -21,7 +21,7 @@ def multiple(value: float, period: float) -> int | None:
     return whole if abs(ratio - whole) <= 1e-9 * max(1, whole) else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Clock(Section):
     """Control period (zero-order hold), plant step (RK4) and duration of a run."""
 

@@ -11,7 +11,7 @@ from wmr_ctrl.fields.section import Section, quantity
 MAPS = ("linear-first", "rotation-first")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Guard(Section):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
 

@@ -12,7 +12,7 @@ HEADING = -math.pi / 2
 """Orientation along +X in the paper's convention (0 is along +Y), rad."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Initial(Section):
     """Pose and velocity at t = 0; the velocity may lie outside the limits."""
 

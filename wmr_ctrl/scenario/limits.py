@@ -11,7 +11,7 @@ from wmr_ctrl.fields.section import Section, quantity
 UNITS = ("m/s", "rad/s")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Limits(Section):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
 

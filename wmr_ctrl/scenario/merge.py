@@ -8,8 +8,8 @@ from numbers import Real
 from typing import Any
 
 from wmr_ctrl.scenario.raw import section_dict
-from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import section_defaults
+from wmr_ctrl.world.references import REFERENCES, Waypoints
 
 Raw = dict[str, Any]
 
@@ -65,7 +65,7 @@ def _late(change: object, duration: Real) -> bool:
 def with_defaults(raw: Mapping[str, Any]) -> Raw:
     """Return ``raw`` with every field that has a default filled in, so that each can be indexed."""
     defaults: Raw = {key: section_dict(part) for key, part in section_defaults().items()}
-    cls = KINDS.get(str(_kind(raw)))
-    if cls is not None and "points" not in cls.__dataclass_fields__:
-        defaults["reference"] = section_dict(cls())
+    kind = REFERENCES.get(str(_kind(raw)))
+    if kind is not None and kind.section is not Waypoints:  # points have no default
+        defaults["reference"] = section_dict(kind.section())
     return _over(defaults, raw)

@@ -8,7 +8,7 @@ from typing import ClassVar
 from wmr_ctrl.fields.section import Section, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Metrics(Section):
     """Where a run is split into before and after, and where the RMS of the torque begins."""
 

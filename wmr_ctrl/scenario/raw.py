@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
@@ -11,9 +10,8 @@ from wmr_ctrl.fields.problems import UnknownKeyError, choices, show
 from wmr_ctrl.fields.section import Section, build
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.csv_points import read_points
-from wmr_ctrl.scenario.reference import KINDS, Reference, Waypoints, kind_name
-from wmr_ctrl.scenario.scenario import SECTIONS, Scenario
+from wmr_ctrl.scenario.scenario import SECTIONS, Scenario, sections
+from wmr_ctrl.world.references import REFERENCES, Reference
 
 OTHER_KEYS = ("title", "gains", "reference", "changes")
 
@@ -25,16 +23,19 @@ def from_dict(raw: Mapping[str, Any], name: str = "unnamed") -> Scenario:
     """
     if not isinstance(raw, Mapping):
         raise ScenarioError("A scenario must be a table of tables.")
+    known = sections()
     for key in raw:
-        if key not in SECTIONS and key not in OTHER_KEYS:
-            raise UnknownKeyError(str(key), [*SECTIONS, *OTHER_KEYS])
-    parts: dict[str, Any] = {key: build(SECTIONS[key], raw[key]) for key in SECTIONS if key in raw}
+        if key not in known and key not in OTHER_KEYS:
+            raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
+    parts: dict[str, Any] = {key: build(known[key], raw[key]) for key in known if key in raw}
+    effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
     return Scenario(
         name=name,
         title=raw.get("title", ""),
         gains=raw.get("gains", {}),
         reference=_reference(raw.get("reference", {})),
         changes=_changes(raw.get("changes", [])),
+        effects=effects,
         **parts,
     )
 
@@ -42,24 +43,12 @@ def from_dict(raw: Mapping[str, Any], name: str = "unnamed") -> Scenario:
 def _reference(raw: object) -> Reference:
     if not isinstance(raw, Mapping):
         raise ScenarioError(f"reference = {show(raw)} must be a table, written as [reference].")
-    kind = raw.get("kind", "circle")
-    if not isinstance(kind, str) or kind not in KINDS:
-        found = choices(kind if isinstance(kind, str) else "", KINDS)
-        raise ScenarioError(f"reference.kind = {show(kind)} is not a kind of reference; {found}.")
-    values = {key: value for key, value in raw.items() if key != "kind"}
-    cls = KINDS[kind]
-    return build(cls, _with_points(values) if cls is Waypoints else values)
-
-
-def _with_points(values: dict[str, Any]) -> dict[str, Any]:
-    if "file" not in values:
-        return values
-    file = values.pop("file")
-    if not isinstance(file, str):
-        raise ScenarioError(f"reference.file = {show(file)} must be the path of a CSV file.")
-    if "points" in values:
-        raise ScenarioError("reference.file and reference.points exclude each other: keep one.")
-    return {"points": read_points(Path(file)), **values}
+    name = raw.get("kind", "circle")
+    if not isinstance(name, str) or name not in REFERENCES:
+        near = choices(name if isinstance(name, str) else "", REFERENCES)
+        raise ScenarioError(f"reference.kind = {show(name)} is not a kind of reference; {near}.")
+    kind = REFERENCES[name]
+    return build(kind.section, kind.read({k: v for k, v in raw.items() if k != "kind"}))
 
 
 def _changes(raw: object) -> tuple[Change, ...]:
@@ -74,9 +63,10 @@ def scenario_dict(scenario: Scenario) -> dict[str, Any]:
 
     ``from_dict(scenario_dict(s), s.name) == s`` for every scenario.
     """
-    kind = {"kind": kind_name(scenario.reference)}
+    kind = {"kind": scenario.reference_kind.name}
     raw: dict[str, Any] = {"title": scenario.title}
     raw |= {key: section_dict(getattr(scenario, key)) for key in SECTIONS}
+    raw |= {key: section_dict(part) for key, part in scenario.effects.items()}
     raw["gains"] = {
         law: {name: _plain(value) for name, value in gains.items()}
         for law, gains in scenario.gains.items()

@@ -11,7 +11,8 @@ from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import multiple
-from wmr_ctrl.scenario.reference import KINDS
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.registry import EFFECTS
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario.scenario import Scenario
@@ -22,8 +23,11 @@ def check_types(scenario: Scenario) -> None:
     for name in ("name", "title"):
         if not isinstance(getattr(scenario, name), str):
             raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
-    if type(scenario.reference) not in KINDS.values():
-        raise ScenarioError(f"reference must be one of the kinds {', '.join(KINDS)}.")
+    if REFERENCES.of(scenario.reference) is None:
+        raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
+    for key, part in scenario.effects.items():
+        if type(part) is not EFFECTS.sections().get(key):
+            raise ScenarioError(f"{key} = {show(part)} is not the section of an effect.")
     if as_list(scenario.changes) is None:
         raise ScenarioError(f"changes = {show(scenario.changes)} must be an array of changes.")
     for field in dataclasses.fields(scenario):

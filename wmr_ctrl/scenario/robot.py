@@ -8,7 +8,7 @@ from typing import ClassVar
 from wmr_ctrl.fields.section import Section, quantity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Robot(Section):
     """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
 
@@ -25,7 +25,7 @@ class Robot(Section):
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Model(Section):
     """What the laws believe; a field that is left out is the robot's, before any change."""
 

@@ -5,28 +5,28 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TypeVar
 
+from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.frozen import Frozen
-from wmr_ctrl.scenario.actuator import Actuator
+from wmr_ctrl.fields.section import Section, number_of
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import Clock
-from wmr_ctrl.scenario.disturbance import Disturbance
 from wmr_ctrl.scenario.gains import Gains, clean_gains
 from wmr_ctrl.scenario.guard import Guard
 from wmr_ctrl.scenario.initial import Initial
 from wmr_ctrl.scenario.limits import Limits
 from wmr_ctrl.scenario.metrics import Metrics
-from wmr_ctrl.scenario.reference import Circle, Reference
 from wmr_ctrl.scenario.relations import check_types, relate
 from wmr_ctrl.scenario.robot import Model, Robot
-from wmr_ctrl.scenario.sensor import Sensor
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.references import REFERENCES, Circle, Reference
+from wmr_ctrl.world.references.kind import ReferenceKind
+from wmr_ctrl.world.registry import EFFECTS, Actuator, Disturbance, Sensor
 
-Sections: TypeAlias = (
-    Robot | Model | Limits | Initial | Disturbance | Sensor | Actuator | Guard | Clock | Metrics
-)
+S = TypeVar("S", bound=Section)
 
-SECTIONS: dict[str, type[Sections]] = {
+SECTIONS: dict[str, type[Section]] = {
     "robot": Robot,
     "model": Model,
     "limits": Limits,
@@ -38,16 +38,22 @@ SECTIONS: dict[str, type[Sections]] = {
     "clock": Clock,
     "metrics": Metrics,
 }
-"""Tables of a scenario that are one dataclass each, by key."""
+"""Tables of a scenario that are one dataclass each and a field of Scenario, by key."""
 
 
-@dataclass(frozen=True)
+def sections() -> dict[str, type[Section]]:
+    """All tables that are one dataclass each: SECTIONS, and those of effects with their own."""
+    return {**SECTIONS, **EFFECTS.sections()}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Scenario:
     """A robot, what its laws believe, limits, gains, a start, a reference, and what disturbs it.
 
     The defaults are Section V of the paper without the change of parameters at 40 s.  SI units.
     ``gains`` holds those that the scenario names, by law and gain; numbers are floats, arrays
-    tuples of floats.  A law's other gains are the law's own defaults.
+    tuples of floats.  A law's other gains are the law's own defaults.  ``effects`` holds the
+    sections of effects that have a table of their own, by its key; see `section`.
     """
 
     name: str = "unnamed"
@@ -61,6 +67,7 @@ class Scenario:
     disturbance: Disturbance = field(default_factory=Disturbance)
     sensor: Sensor = field(default_factory=Sensor)
     actuator: Actuator = field(default_factory=Actuator)
+    effects: Mapping[str, Section] = field(default_factory=Frozen)
     guard: Guard = field(default_factory=Guard)
     changes: tuple[Change, ...] = ()
     clock: Clock = field(default_factory=Clock)
@@ -71,6 +78,7 @@ class Scenario:
         check_types(self)
         object.__setattr__(self, "gains", clean_gains(self.gains))
         object.__setattr__(self, "changes", tuple(self.changes))
+        object.__setattr__(self, "effects", Frozen(self.effects))
         relate(self)
 
     @property
@@ -84,7 +92,54 @@ class Scenario:
         """Time that splits the run into before and after, s."""
         return self.clock.duration / 2 if self.metrics.split is None else self.metrics.split
 
+    @property
+    def reference_kind(self) -> ReferenceKind:
+        """The kind of the reference: its graph and its numbers."""
+        kind = REFERENCES.of(self.reference)
+        assert kind is not None, "checked when the scenario was made"
+        return kind
 
-def section_defaults() -> Mapping[str, Sections]:
+    def table(self, key: str) -> Section:
+        """The section of the table ``key``, with its defaults where the scenario has none.
+
+        ``model`` is what the laws believe, complete.  Raises UnknownNameError.
+        """
+        if key == "model":
+            return self.believed
+        if key == "reference" or key in SECTIONS:
+            part: Section = getattr(self, key)
+            return part
+        if key in self.effects:
+            return self.effects[key]
+        known = sections()
+        if key not in known:
+            raise UnknownNameError("section", key, known)
+        return known[key]()
+
+    def section(self, cls: type[S]) -> S:
+        """The section of class ``cls``, such as an effect's own.  Raises UnknownNameError."""
+        part = self.table(cls.KEY)
+        if not isinstance(part, cls):
+            raise TypeError(f"[{cls.KEY}] is a {type(part).__name__}, not a {cls.__name__}")
+        return part
+
+    def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
+        """Signal and value of the number at a key path, or of a parameter of the reference.
+
+        Raises KeyError for a key that names no number.
+        """
+        section, _, name = key.partition(".")
+        if not name:
+            return self._of_reference(key)
+        return number_of(self.table(section), name, key)
+
+    def _of_reference(self, name: str) -> tuple[Signal, tuple[float, ...]]:
+        for signal, value in self.reference_kind.numbers(self.reference):
+            if signal.name == name:
+                return signal, value
+        raise KeyError(name)
+
+
+def section_defaults() -> Mapping[str, Section]:
     """Return each one-dataclass section with its defaults, by key."""
-    return {name: cls() for name, cls in SECTIONS.items()}
+    return {name: cls() for name, cls in sections().items()}

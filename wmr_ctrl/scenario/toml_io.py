@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.files import decode, read_text
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.scenario.files import decode, read_text
 from wmr_ctrl.scenario.merge import Raw, merge
 from wmr_ctrl.scenario.overrides import absolute, apply
 from wmr_ctrl.scenario.presets import SUFFIX, preset_names, preset_text

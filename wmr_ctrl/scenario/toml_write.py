@@ -11,14 +11,14 @@ from tomlkit.items import AoT, Table
 from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.raw import scenario_dict
-from wmr_ctrl.scenario.reference import KINDS
+from wmr_ctrl.scenario.robot import Model
 from wmr_ctrl.scenario.scenario import Scenario
+from wmr_ctrl.world.references import REFERENCES
 
 GainsDocs: TypeAlias = Mapping[str, Mapping[str, tuple[Any, str, str]]]
 """By law and gain: default value, unit, meaning."""
 
 ORDER = ("robot", "model", "limits", "gains", "initial", "reference")
-KINDS_DOC = "one of " + ", ".join(KINDS)
 
 
 def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | None = None) -> str:
@@ -44,8 +44,12 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
 def _section(scenario: Scenario, key: str, raw: Mapping[str, Any], comments: bool) -> Table:
     table = tomlkit.table()
     if key == "reference":
-        _add(table, "kind", raw["kind"], KINDS_DOC if comments else "")
-    return _fields(table, type(getattr(scenario, key)), raw, comments)
+        _add(table, "kind", raw["kind"], "one of " + ", ".join(REFERENCES) if comments else "")
+    return _fields(table, _class_of(scenario, key), raw, comments)
+
+
+def _class_of(scenario: Scenario, key: str) -> type[Section]:
+    return Model if key == "model" else type(scenario.table(key))
 
 
 def _fields(table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool) -> Table:

@@ -1,6 +1,6 @@
 """Many runs at once: lanes of one library, batches of lanes, threads over batches.
 
-A `Task` is one run.  Tasks of one structure (library, clock, phases, sensors, actuators) share
+A `Task` is one run.  Tasks of one structure (library, clock, phases, delay) share
 batches; everything that is a number differs from lane to lane.  Figures are added up in C, so that
 a run costs no memory; `run_logged` keeps the columns of a batch for as long as they are read.
 """
@@ -14,21 +14,19 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.sim.batch_figures import Figures, empty_figures, monitors, put, windows_of
-from wmr_ctrl.sim.batch_memory import Memory, VectorSet, laid_out, vector_set
-from wmr_ctrl.sim.native import columns_of, split_columns
+from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put, windows_of
+from wmr_ctrl.sim.memory import Memory, VectorSet, laid_out, vector_set
 from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
-Columns = dict[str, Floats]
 T = TypeVar("T")
 
 
@@ -61,38 +59,37 @@ def run_tasks(
     KeyboardInterrupt.  Raises CompilerError if a library does not fit, UnknownNameError for
     vectors that this processor lacks, ArgumentError for jobs < 1.
     """
-    found = empty_figures(len(tasks))
+    figures = empty_figures(len(tasks))
 
     def read(places: list[int], memory: Memory) -> None:
-        put(found, places, memory, [tasks[k] for k in places])
+        put(figures, places, memory, [tasks[k] for k in places])
 
     _run_batches(tasks, read, False, jobs, progress)
-    return found
+    return figures
 
 
 def run_logged(
     tasks: Sequence[Task],
-    then: Callable[[int, Columns, Monitor], T],
+    then: Callable[[int, Floats, Monitor], T],
     *,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
-    """What ``then`` makes of each task's place, columns by signal name and monitor, in their order.
+    """What ``then`` makes of each task's place, rows of the log and monitor, in their order.
 
-    Columns and monitor are those of `sim.native.run_native`.  ``then`` is called in the threads;
-    columns that it does not keep are given back before the next batch.  Otherwise as `run_tasks`.
+    Rows and monitor are those of `sim.native.run_native`.  ``then`` is called in the threads;
+    rows that it does not keep are given back before the next batch.  Otherwise as `run_tasks`.
     """
-    found: list[Any] = [None] * len(tasks)
+    results: dict[int, T] = {}
 
     def read(places: list[int], memory: Memory) -> None:
         chosen = [tasks[k] for k in places]
-        signals = columns_of(chosen[0].loop.kernels.manifest)
         for lane, (place, watched) in enumerate(zip(places, monitors(memory, chosen), strict=True)):
             seen = replace(watched, d_least=None)  # what a log holds is not watched as well
-            found[place] = then(place, split_columns(signals, memory.logged(lane)), seen)
+            results[place] = then(place, memory.logged(lane), seen)
 
     _run_batches(tasks, read, True, jobs, progress)
-    return found
+    return [results[place] for place in range(len(tasks))]
 
 
 def check_jobs(jobs: int | None) -> None:
@@ -115,26 +112,23 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
     groups: dict[tuple[object, ...], list[int]] = {}
     for place, task in enumerate(tasks):
         groups.setdefault(_structure(task), []).append(place)
-    found = []
+    batches = []
     for places in groups.values():
         lanes = _vectors(tasks[places[0]]).lanes
-        found += [places[k : k + lanes] for k in range(0, len(places), lanes)]
-    return found
+        batches += [places[k : k + lanes] for k in range(0, len(places), lanes)]
+    return batches
 
 
 def _structure(task: Task) -> tuple[object, ...]:
     """What the lanes of one batch have in common."""
-    scenario, kernels = task.loop.scenario, task.loop.kernels
-    steps = tuple(phase["step"] for phase in kernels.manifest["phases"])
-    clock, actuator, sensor = scenario.clock, scenario.actuator, scenario.sensor
-    pose = (sensor.perfect, None if sensor.perfect else sensor.pose_period)
+    compiled, scenario = task.loop.compiled, task.loop.scenario
     windows = (task.loop.settings.split, task.loop.settings.rms_from)
-    drives = (actuator.ideal, actuator.delay)
-    return (kernels.library, task.vectors, clock, steps, pose, drives, windows)
+    alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
+    return (*alike, scenario.clock, scenario.actuator.delay, windows)
 
 
 def _vectors(task: Task) -> VectorSet:
-    return vector_set(task.loop.kernels.library, task.vectors)
+    return vector_set(task.loop.compiled.library, task.vectors)
 
 
 def _run_batches(
@@ -152,7 +146,7 @@ def _run_batches(
         chosen = [tasks[k] for k in places]
         windows = [] if log else windows_of(chosen[0].loop.settings)
         memory = laid_out(chosen, windows, log=log, cancelled=cancelled)
-        if not _vectors(chosen[0]).run(ct.byref(memory.settings)):
+        if memory.run():
             read(places, memory)
         return len(places)
 

@@ -7,11 +7,16 @@ import ctypes as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.signals import Signal
-from wmr_ctrl.sim.native import Kernels, load
-from wmr_ctrl.sim.structs import Call
+from wmr_ctrl.compiled import CompiledLoop, elements
+from wmr_ctrl.sim.memory import load
 
 Floats = NDArray[np.float64]
+
+
+class Call(ct.Structure):
+    """``wmr_call``: addresses of a law's inputs, parameters, memory and outputs."""
+
+    _fields_ = tuple((name, ct.c_void_p) for name in ("u", "p", "x", "y"))
 
 
 class CompiledLaw:
@@ -23,25 +28,22 @@ class CompiledLaw:
     None of the four arrays may be replaced by another one.
     """
 
-    def __init__(self, kernels: Kernels) -> None:
-        """Load the library of ``kernels`` and set start values."""
-        role = kernels.manifest["systems"]["controller"]
-        self.inputs = tuple(Signal(**item).name for item in role["inputs"])
-        self.state = tuple(name for item in role["state"] for name in Signal(**item).elements)
-        self.parameter_names = tuple(
-            name for item in role["parameters"] for name in Signal(**item).elements
-        )
-        self._start = np.array(role["start"], dtype=float)
-        self.u: Floats = np.zeros(role["sizes"]["NU"])
-        self.parameters: Floats = np.array(role["parameter_values"], dtype=float)
+    def __init__(self, loop: CompiledLoop) -> None:
+        """Load the library of ``loop`` and set start values."""
+        law = loop.law
+        self.inputs = tuple(signal.name for signal in law.inputs)
+        self.state, self.parameter_names = elements(law.state), elements(law.parameters)
+        self._start = np.array(law.start, dtype=float)
+        self.u: Floats = np.zeros(len(elements(law.inputs)))
+        self.parameters: Floats = np.array(law.values, dtype=float)
         self.torque: Floats = np.zeros(2)
         self.x: Floats = self._start.copy()
         self._arrays = (self.u, self.parameters, self.x, self.torque)
         self._pointers = Call(*(item.ctypes.data for item in self._arrays))
-        load(kernels.library)  # says what is wrong with a library that cannot be loaded
+        load(loop.library)  # says what is wrong with a library that cannot be loaded
         # A step is shorter than letting go of Python's lock; and the function takes its one
         # argument as it is, since conversion would cost as much as the call.
-        self._call = ct.PyDLL(kernels.library)["wmr_law_step"]
+        self._call = ct.PyDLL(loop.library)["wmr_law_step"]
         self._call.restype = None
         self._pointer = ct.byref(self._pointers)
 

@@ -11,14 +11,20 @@ from functools import lru_cache
 import numpy as np
 
 from wmr_ctrl import __version__
-from wmr_ctrl.results import Monitor, Run, Settings, first_beyond, largest_push, outcome_of
+from wmr_ctrl.results import (
+    Assumptions,
+    Monitor,
+    Run,
+    Settings,
+    first_beyond,
+    largest_push,
+    outcome_of,
+)
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
 Found = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
-
-Pair = tuple[float, float]
 
 
 def finished(
@@ -28,7 +34,7 @@ def finished(
     engine: str,
     found: Found,
     facts: Mapping[str, str],
-    bounds: tuple[Pair, Pair] | None = None,
+    bounds: Assumptions | None = None,
 ) -> Run:
     """The Run of what an engine found.
 
@@ -39,9 +45,9 @@ def finished(
     signals, columns, seen = found
     monitor, settings, guard = seen, settings_of(scenario), scenario.guard.enabled
     if bounds is not None:
-        left, least = first_beyond(columns, *bounds), largest_push(columns)
+        left, least = first_beyond(columns, bounds), largest_push(columns)
         monitor = replace(seen, bounds_left=left, d_least=least)
-        settings = replace(settings, dbar=bounds[0])
+        settings = replace(settings, dbar=bounds.dbar)
     return Run(
         scenario.name, law, guard, seed, engine, settings, signals, columns, monitor,
         outcome_of(monitor, guard), {**provenance(scenario), **facts},

@@ -13,7 +13,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import outcome_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Progress, Task, run_tasks
-from wmr_ctrl.sim.batch_figures import SHAPES, Figures, monitor
+from wmr_ctrl.sim.figures import SHAPES, Figures, monitor
 from wmr_ctrl.sim.ready import Ready
 
 
@@ -21,7 +21,7 @@ from wmr_ctrl.sim.ready import Ready
 class RunTable(Mapping[str, NDArray[Any]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
-    Names and units are those of `sim.batch_figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
+    Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
     """
 
     figures: Mapping[str, NDArray[Any]]

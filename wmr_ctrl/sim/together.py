@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from wmr_ctrl.results import Monitor, Run
-from wmr_ctrl.sim.batch import Columns, Task, run_logged
+from wmr_ctrl.sim.batch import Floats, Task, run_logged
 from wmr_ctrl.sim.finish import finished
-from wmr_ctrl.sim.native import columns_of
+from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
 
 T = TypeVar("T")
@@ -28,11 +28,13 @@ def run_each(
     """
     tasks = [Task(item, seed) for item, seed in runs]
 
-    def made(place: int, columns: Columns, watched: Monitor) -> T:
+    def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
         item, seed = runs[place]
-        found = (columns_of(item.kernels.manifest), columns, watched)
-        facts = {"kernel_hash": item.kernels.digest}
-        run = finished(item.scenario, item.law, seed, "lanes", found, facts, item.bounds)
-        return then(place, run)
+        signals = item.compiled.layout.columns
+        logged = (signals, split_columns(signals, rows), watched)
+        facts = {"kernel_hash": item.compiled.digest}
+        return then(
+            place, finished(item.scenario, item.law, seed, "lanes", logged, facts, item.bounds)
+        )
 
-    return run_logged(tasks, made, jobs=jobs, progress=progress)
+    return run_logged(tasks, pass_on, jobs=jobs, progress=progress)

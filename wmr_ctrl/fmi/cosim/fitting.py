@@ -5,13 +5,17 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.wiring import pushes
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.parts import STATE, Part
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.provenance import GRAPH
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import EffectRole
 
 _WHEELS = ({"noise_right", "torque_right"}, {"noise_left", "torque_left"})
+_BODY = ({"thrust"}, {"moment"})
 _NEAR = 1e-6
 """How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
 
@@ -38,18 +42,22 @@ def check_structure(path: str | Path, model: Model) -> None:
         )
 
 
-def check_parts(scenario: Scenario, plant: Part, controller: Part) -> None:
+def check_parts(setup: Setup, plant: Part, controller: Part) -> None:
     """Raise ArgumentError where a foreign part leaves out a part of the scenario."""
-    if controller.foreign and scenario.guard.enabled:
+    if controller.foreign and setup.scenario.guard.enabled:
         raise ArgumentError(
             "guard.enabled is true, but the guard is part of our controllers and not in "
             f"{controller.slave.path}. Set guard.enabled = false."
         )
-    noise = scenario.disturbance
-    if (noise.std > 0 or any(noise.push)) and not all(plant.uses & wheel for wheel in _WHEELS):
+    acting = [item for item in setup.with_role(EffectRole.DISTURBANCE) if item.acts(setup.scenario)]
+    pushed = pushes([item.build(setup.scenario) for item in acting])
+    needed = (*(_WHEELS if acting else ()), *(_BODY if pushed else ()))
+    if not all(plant.uses & names for names in needed):
+        keys = ", ".join(f"[{item.section.KEY}]" for item in acting)
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
-            "which have it in them, or set disturbance.std and disturbance.push to 0."
+            "which have it in them (and thrust and moment, where it acts on the body), or take it "
+            f"out of the scenario: {keys}."
         )
 
 

@@ -14,16 +14,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from wmr_ctrl.fmi.cosim.outside import Measurement, Outside
 from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, limited_torque, ready
 from wmr_ctrl.scenario import Change, Scenario
-from wmr_ctrl.sim.native import push_torque
-from wmr_ctrl.sim.oracle.actuator import Actuator
-from wmr_ctrl.sim.oracle.monitor import Watch
-from wmr_ctrl.sim.oracle.noise import key_of
-from wmr_ctrl.sim.oracle.plant import State
-from wmr_ctrl.sim.oracle.sensing import Sensor
 
 Progress = Callable[[float], None]
+State = tuple[float, float, float, float, float]
 _ROWS_PER_REPORT = 100
 
 
@@ -40,25 +36,19 @@ class Parts:
 class Master:
     """One co-simulation: rows of the log, and what was watched after each step of the plant."""
 
-    def __init__(
-        self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int
-    ) -> None:
+    def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
         """Everything is initialised already; the first step begins at t = 0."""
-        self.scenario, self.clock, self.parts, self.noise = scenario, scenario.clock, parts, noise
-        self.sensor = Sensor(scenario.sensor, scenario.clock, key_of(seed))
-        self.actuator = Actuator(scenario.actuator, scenario.clock.plant)
-        self.ideal = scenario.actuator.ideal
+        self.scenario, self.clock, self.parts = scenario, scenario.clock, parts
+        self.outside = outside
         self.stride = self.clock.substeps if parts.plant.foreign else 1
-        self.push = push_torque(scenario)
         self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
         self.applied: Sequence[float] = (0.0, 0.0)
         self.changes = sorted(scenario.changes, key=lambda change: change.t)
-        self.watch = Watch(scenario.limits.v_u1)
         self.rows: list[tuple[float, ...]] = []
 
     def run(self, progress: Progress | None) -> None:
         """All control samples, or those before the run must end."""
-        ended = self.watch.see(0.0, self.state)
+        ended = self.outside.ends(self.state, 0)
         for k in range(self.clock.samples):
             if ended:
                 break
@@ -70,13 +60,13 @@ class Master:
         """Reference, controller, plant; True if the run must end."""
         t, h = k * self.clock.control, self.clock.control
         self.parts.reference.step(t, h)
-        desired = self.parts.reference.read()
-        self.parts.controller.write(self.seen(k, desired))
+        desired, now = self.parts.reference.read(), self.outside.sample(self.state)
+        self.parts.controller.write(self.seen(desired, now))
         self.parts.controller.step(t, h)
         given = self.parts.controller.read()
-        torque, noise = self.limited(given), self.disturbance(k)
-        self.log(t, desired, torque, noise, given[2:])
-        return self.drive(k, torque, noise)
+        torque = self.limited(given)
+        self.log(t, desired, torque, now, given[2:])
+        return self.drive(k, torque, now)
 
     def limited(self, given: Sequence[float]) -> Sequence[float]:
         """Torques within actuator.tau_max: ours keep it themselves, others by the drives."""
@@ -84,19 +74,11 @@ class Master:
             return given[:2]
         return limited_torque((given[0], given[1]), self.scenario)
 
-    def disturbance(self, k: int) -> tuple[float, float]:
-        """Noise of sample k (right, left) [N m], and a push on in each axis' direction."""
-        (right, left), (along, around) = self.noise[k], self.push
-        along = -along if self.state[3] < 0.0 else along
-        around = -around if self.state[4] < 0.0 else around
-        return right + (along + around), left + (along - around)
-
-    def seen(self, k: int, desired: Sequence[float]) -> list[float]:
-        """What the controller is shown at sample k, in the order of SEEN."""
-        pose, v = self.sensor.look(k, self.state)
-        shown = [*desired, *pose, *v, *self.applied]
+    def seen(self, desired: Sequence[float], now: Measurement) -> list[float]:
+        """What the controller is shown, in the order of SEEN."""
+        shown = [*desired, *now.pose, *now.velocity, *self.applied]
         if self.parts.controller.wants_ready:
-            shown += ready((*pose, *v), self.scenario.robot)
+            shown += ready((*now.pose, *now.velocity), self.scenario.robot)
         return shown
 
     def log(
@@ -104,36 +86,35 @@ class Master:
         t: float,
         desired: Sequence[float],
         torque: Sequence[float],
-        noise: Sequence[float],
+        now: Measurement,
         further: Sequence[float],
     ) -> None:
-        """One row: state at t, torques over the step, what the controller published."""
-        self.rows.append((t, *self.state, *desired, *torque, *noise, *further))
+        """One row: state at t, torques over the step, what effects and controller published."""
+        head = (t, *self.state, *desired, *torque, *now.noise, *now.logged)
+        self.rows.append((*head, *further))
 
-    def drive(self, k: int, torque: Sequence[float], noise: Sequence[float]) -> bool:
+    def drive(self, k: int, torque: Sequence[float], now: Measurement) -> bool:
         """The plant over one control period; True if the run must end within it."""
         acted: list[Sequence[float]] = []
         ended = False
         for start, end in self.cuts(k * self.clock.substeps):
-            if not self.ideal or not acted:
-                acted.append(self.acting(torque))
-                self.parts.plant.write(driven(acted[-1], noise))
+            for _ in range(start, end):
+                acting = self.outside.step(torque, now)
+            if not self.outside.steady or not acted:
+                acted.append(acting[:2])
+                self.parts.plant.write(driven(acting))
             ended = self.move(start, end)
             if ended:
                 break
         self.applied = [sum(pair[i] for pair in acted) / len(acted) for i in (0, 1)]
         return ended
 
-    def acting(self, torque: Sequence[float]) -> Sequence[float]:
-        """Torques that act over the next cut."""
-        return torque if self.ideal else self.actuator.advance((torque[0], torque[1]))
-
     def move(self, start: int, end: int) -> bool:
         """The plant from one cut to the next, watched after each of its communication steps."""
         dt = self.clock.plant
         for reached in self.parts.plant.steps(start * dt, (end - start) * dt, end * dt):
             self.state = state_of(self.parts.plant.read())
-            if self.watch.see(reached, self.state):
+            if self.outside.ends(self.state, round(reached / dt)):
                 return True
         return False
 
@@ -141,7 +122,7 @@ class Master:
         """Plant steps (from, to) to take at once; what changes at their start is changed before."""
         last = first + self.clock.substeps
         edges = [n for change in self.changes if first < (n := self._step_of(change)) < last]
-        regular = range(first, last + 1, self.stride if self.ideal else 1)
+        regular = range(first, last + 1, self.stride if self.outside.steady else 1)
         for start, end in pairwise(sorted({*regular, *edges})):
             self._make_changes(start)
             yield start, end
@@ -159,13 +140,12 @@ class Master:
 class Jacobi(Master):
     """All parts step with what was known before; the first torque that acts is zero."""
 
-    def __init__(
-        self, scenario: Scenario, parts: Parts, noise: Sequence[tuple[float, float]], seed: int
-    ) -> None:
+    def __init__(self, scenario: Scenario, parts: Parts, outside: Outside) -> None:
         """As Master."""
-        super().__init__(scenario, parts, noise, seed)
+        super().__init__(scenario, parts, outside)
         self.desired = list(parts.reference.read())
-        self.shown = self.seen(0, self.desired)
+        self.now = outside.sample(self.state)
+        self.shown = self.seen(self.desired, self.now)
         self.given: Sequence[float] = (0.0, 0.0)
 
     def sample(self, k: int) -> bool:
@@ -175,24 +155,25 @@ class Jacobi(Master):
         self.parts.reference.step(t, h)
         self.parts.controller.step(t, h)
         given = self.parts.controller.read()
-        noise = self.disturbance(k)
-        self.log(t, self.desired, self.given, noise, given[2:])
-        ended = self.drive(k, self.given, noise)
+        self.log(t, self.desired, self.given, self.now, given[2:])
+        ended = self.drive(k, self.given, self.now)
         self.given, self.desired = self.limited(given), list(self.parts.reference.read())
         if k + 1 < self.clock.samples:
-            self.shown = self.seen(k + 1, self.desired)
+            self.now = self.outside.sample(self.state)
+            self.shown = self.seen(self.desired, self.now)
         return ended
 
 
 def state_of(values: Sequence[float]) -> State:
-    """Pose and velocity as the oracle's parts take them."""
+    """Pose and velocity as five numbers."""
     x, y, theta, v1, omega = values
     return x, y, theta, v1, omega
 
 
-def driven(torque: Sequence[float], noise: Sequence[float]) -> tuple[float, ...]:
-    """Values of parts.DRIVEN."""
-    return (*torque, *noise, torque[0] + noise[0], torque[1] + noise[1])
+def driven(acting: Sequence[float]) -> tuple[float, ...]:
+    """Values of parts.DRIVEN from torques that act, disturbing torques and force on the body."""
+    right, left, noise_right, noise_left, *pushed = acting
+    return (*acting[:4], *pushed, right + noise_right, left + noise_left)
 
 
 MASTERS = {"gauss-seidel": Master, "jacobi": Jacobi}

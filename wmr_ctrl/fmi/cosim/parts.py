@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+
+import casadi as ca
+import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.mapping import PartMap, Row, compiled, identity, input_rows, output_rows
 from wmr_ctrl.fmi.cosim.slave import Slave
+from wmr_ctrl.guard.wheel_map import linear_first
+from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.signals import PLANT_STATE, REFERENCE, TAU_APPLIED, TORQUE, TORQUE_NOISE
-from wmr_ctrl.sim.oracle.plant import limited_force, wheel_torques
+from wmr_ctrl.signals import BODY_FORCE, PLANT_STATE, REFERENCE, TAU_APPLIED, TORQUE, TORQUE_NOISE
 
 STATE = tuple(s.name for s in PLANT_STATE)
 DESIRED = tuple(s.name for s in REFERENCE)
 TORQUES = tuple(s.name for s in TORQUE)
 NOISES = tuple(s.name for s in TORQUE_NOISE)
+PUSHED = tuple(s.name for s in BODY_FORCE)
 APPLIED = TAU_APPLIED.elements
 UNITS = {
-    **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE)},
+    **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
     **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
     "psi": "rad",
     "w_right": "rad/s",
@@ -26,7 +32,7 @@ UNITS = {
 }
 """Ours, with the ready ones: psi, the wheels' speeds, and torques with the disturbance in them."""
 READY = ("psi", "w_right", "w_left")
-DRIVEN = (*TORQUES, *NOISES, "torque_right", "torque_left")
+DRIVEN = (*TORQUES, *NOISES, *PUSHED, "torque_right", "torque_left")
 SEEN = (*DESIRED, *STATE, *APPLIED, *READY)
 
 
@@ -115,7 +121,7 @@ def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
     """Ours, by its own names, or one with a map; pose and velocity may come from ready names."""
     if part is None:
         _need(slave, (*STATE, *TORQUES))
-        inputs = [name for name in (*TORQUES, *NOISES) if name in slave.variables]
+        inputs = [name for name in (*TORQUES, *NOISES, *PUSHED) if name in slave.variables]
         return Part(slave, identity(inputs), identity(STATE), DRIVEN)
     outputs = _without_ready(output_rows(part.outputs, UNITS, slave.unit, "plant"), robot)
     _complete(outputs, STATE, "plant")
@@ -136,12 +142,24 @@ def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
     return theta + math.pi / 2, (v1 + turn) / robot.r, (v1 - turn) / robot.r
 
 
+@cache
+def limiter() -> ca.Function:
+    """Torques (right, left) [N m], r, l [m] and tau_max to torques within it, the thrust first."""
+    torque, r, half_track, most = (
+        ca.SX.sym(n, k) for n, k in (("tau", 2), ("r", 1), ("l", 1), ("m", 1))
+    )
+    force = wheel_to_force(r, half_track, torque)
+    kept = linear_first(force, 2 * most / r, half_track)
+    outside = ca.logic_or(kept[0] != force[0], kept[1] != force[1])
+    limited = ca.if_else(outside, force_to_wheel(r, half_track, kept), torque)
+    return ca.Function("limited", [torque, r, half_track, most], [limited])
+
+
 def limited_torque(torque: tuple[float, float], scenario: Scenario) -> Sequence[float]:
     """Torques (right, left) [N m] within actuator.tau_max, the thrust served first."""
-    robot, (right, left) = scenario.robot, torque
-    force = ((right + left) / robot.r, robot.l * (right - left) / robot.r)
-    kept = limited_force(force, scenario.actuator.tau_max, robot)
-    return torque if kept == force else wheel_torques(kept, robot)
+    robot = scenario.robot
+    limited = limiter()(torque, robot.r, robot.l, scenario.actuator.tau_max)
+    return np.asarray(limited).ravel().tolist()
 
 
 def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:

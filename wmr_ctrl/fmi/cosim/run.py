@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure
 from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
-from wmr_ctrl.fmi.cosim.noise import torque_noise
+from wmr_ctrl.fmi.cosim.outside import Outside
 from wmr_ctrl.fmi.cosim.parts import (
     NOISES,
     TORQUES,
@@ -24,19 +27,17 @@ from wmr_ctrl.fmi.cosim.parts import (
     reference_part,
 )
 from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
-from wmr_ctrl.fmi.export import model_of, settled, write_fmu
+from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
-from wmr_ctrl.guard.bounds import assumed
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.system import System
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import LOG_HEAD, PSI, TRACKING_ERROR, Signal
 from wmr_ctrl.sim.finish import finished
-from wmr_ctrl.sim.oracle.auxiliary import tracking_error
-from wmr_ctrl.sim.oracle.target import Target
 
 CHANGEABLE = ("m", "I", "mu")
 
@@ -74,21 +75,20 @@ def cosimulate(
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
-    found = settled(scenario)
+    setup = settle(scenario_given(scenario), law)
     maps = load_map(map_file) if map_file is not None else {}
     with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
         files = {"reference": None, "controller": controller, "plant": plant}
-        slaves = _slaves(found, law, files, fmi, Path(folder), at_once=master == "jacobi")
+        slaves = _slaves(setup, files, fmi, Path(folder), at_once=master == "jacobi")
         try:
-            return _run(found, law, slaves, maps, master, seed, progress)
+            return _run(setup, slaves, maps, master, seed, progress)
         finally:
             for slave in slaves.values():
                 slave.end()
 
 
 def _slaves(
-    scenario: Scenario,
-    law: str,
+    setup: Setup,
     files: dict[str, str | Path | None],
     fmi: int,
     folder: Path,
@@ -99,27 +99,27 @@ def _slaves(
     for name, given in files.items():
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            model = _model(scenario, law, name, at_once=at_once)
+            model = _model(setup, name, at_once=at_once)
             write_fmu(model, fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
 
 
-def _model(scenario: Scenario, law: str, name: str, *, at_once: bool) -> Model:
-    model = model_of(law if name == "controller" else name, law, scenario)
+def _model(setup: Setup, name: str, *, at_once: bool) -> Model:
+    what = setup.name if name == "controller" else name
+    model = model_of(what, setup.name, setup.scenario)
     return parallel(model) if at_once else model
 
 
 def _run(
-    scenario: Scenario,
-    law: str,
+    setup: Setup,
     slaves: dict[str, Slave],
     maps: dict[str, PartMap],
     master: str,
     seed: int,
     progress: Progress | None,
 ) -> Run:
-    system = watched_controller(scenario, law)
+    scenario, system = setup.scenario, watched_controller(setup)
     further = [name for item in system.diagnostics for name in item.signal.elements]
     parts = Parts(
         reference_part(slaves["reference"]),
@@ -127,13 +127,13 @@ def _run(
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    check_parts(scenario, parts.plant, parts.controller)
+    check_parts(setup, parts.plant, parts.controller)
     for name, slave in slaves.items():
-        ours = None if name in maps else _model(scenario, law, name, at_once=master == "jacobi")
+        ours = None if name in maps else _model(setup, name, at_once=master == "jacobi")
         starts = maps[name].start if ours is None else _starts(ours, slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
-    loop: Master = MASTERS[master](scenario, parts, torque_noise(scenario, seed), seed)
+    loop: Master = MASTERS[master](scenario, parts, Outside(setup, seed))
     facts = {"master": master, **_paths(slaves)}
 
     failure = ""
@@ -141,7 +141,7 @@ def _run(
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
-    return _result(scenario, law, system, loop, parts.controller, seed, facts, failure)
+    return _result(setup, system, loop, parts.controller, seed, facts, failure)
 
 
 def _starts(model: Model, slave: Slave) -> dict[str, float]:
@@ -187,8 +187,7 @@ def _paths(slaves: dict[str, Slave]) -> dict[str, str]:
 
 
 def _result(
-    scenario: Scenario,
-    law: str,
+    setup: Setup,
     system: System,
     loop: Master,
     part: Part,
@@ -196,10 +195,12 @@ def _result(
     facts: dict[str, str],
     failure: str,
 ) -> Run:
-    signals = (*LOG_HEAD, *own_diagnostics(system))
-    table = _table(loop, (*HEAD, *TORQUES, *NOISES, *part.targets[2:]))
-    found = (signals, _columns(signals, table), Monitor(**loop.watch.numbers(), failure=failure))
-    return finished(scenario, law, seed, "fmu", found, facts, assumed(scenario, law))
+    effects = loop.outside.columns
+    signals = (*LOG_HEAD, *own_diagnostics(system), *effects)
+    named = tuple(name for item in effects for name in item.elements)
+    table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *part.targets[2:]))
+    logged = (signals, _columns(signals, table), loop.outside.monitor(failure))
+    return finished(setup.scenario, setup.name, seed, "fmu", logged, facts, setup.assumptions)
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
@@ -207,13 +208,15 @@ def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
     table[PSI.name] = table["theta"] + np.pi / 2
-    errors = [
-        tracking_error(Target(*desired), pose)
-        for desired, pose in zip(rows[:, 6:13], rows[:, 1:4], strict=True)
-    ]
-    for i, name in enumerate(TRACKING_ERROR.elements):
-        table[name] = np.array([e[i] for e in errors])
-    return table
+    errors = np.asarray(_error()(rows[:, 6:9].T, rows[:, 1:4].T))
+    return table | {name: errors[i] for i, name in enumerate(TRACKING_ERROR.elements)}
+
+
+@cache
+def _error() -> ca.Function:
+    """The tracking error of poses side by side."""
+    desired, pose = ca.SX.sym("desired", 3), ca.SX.sym("pose", 3)
+    return ca.Function("e", [desired, pose], [tracking_error(desired, pose)])
 
 
 def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -174,7 +174,7 @@ def _rises(flip: float) -> Statement:
 
 def _low(flip: float) -> Statement:
     a = BarrierAxis()
-    t = {**a.symbols, **symbols("rho low")}
+    t = {**a.symbols, **symbols("rho low", "rho")}
     bound = t["low"] if flip > 0 else 1.01 * t["low"]
     return Statement(t, (at_least(t["rho"] * a.V, bound * a.A), above(a.A)), a.inside)
 
@@ -182,7 +182,7 @@ def _low(flip: float) -> Statement:
 def _high(flip: float) -> Statement:
     a = BarrierAxis()
     v, c, u1, u2 = a.all
-    t = {**a.symbols, **symbols("b rho high")}
+    t = {**a.symbols, **symbols("b rho high", "rho")}
     later = barrier.lyapunov(t["b"], c, u1, u2)
     bound = t["high"] if flip > 0 else 0.99 * t["high"]
     return Statement(

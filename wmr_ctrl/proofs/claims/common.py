@@ -10,7 +10,8 @@ import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
-from wmr_ctrl.laws import LAWS
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.proofs.statement import Relation, above, symbols
@@ -36,7 +37,8 @@ class BarrierAxis:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """v, c, u1, u2 with the suffix."""
-        return symbols(" ".join(f"{name}{self.suffix}" for name in ("v", "c", "u1", "u2")))
+        s = self.suffix
+        return symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
 
     @property
     def all(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -101,7 +103,7 @@ class LawGraph:
     @cached_property
     def system(self) -> System:
         """The System that code generation is given."""
-        return LAWS[self.name].build(self.scenario)
+        return law_graph(settle(self.scenario, self.name))
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
@@ -111,7 +113,7 @@ class LawGraph:
     @cached_property
     def sample(self) -> Sample:
         """The shared quantities, in symbols of their own (see `own`)."""
-        return Sample(self.name, self.scenario)
+        return Sample(settle(self.scenario, self.name))
 
     @property
     def force(self) -> ca.SX:

@@ -64,7 +64,7 @@ def fades(flip: float) -> Statement:
     """rho M J <= D A/2 and A > 0 from v* on, with the smaller of the slopes as A."""
     a = BarrierAxis()
     v, c, u1, u2 = a.all
-    t = symbols("rho M D")
+    t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
     pull = cost(a) if flip > 0 else 0.5 * A**2
     goals = (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull))
@@ -138,6 +138,7 @@ def outward(form: str, flip: float) -> Statement:
         A, J, D, *inner = t.values()
         rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
         cuts |= dict(zip(list(t)[3:], _inner(law, axis), strict=True))
+        cuts[f"friction{axis + 1}"] = friction[axis]
         nominal = acceleration(mass[axis], law.force[axis], friction[axis])
         rate = nominal if flip > 0 else -0.5 * rho * A
         goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
@@ -165,7 +166,7 @@ def _premises(
 
 def levels(flip: float) -> Statement:
     """v* of a disturbance that is held back at v lies beyond v; low = D/M."""
-    t = symbols("v c u1 u2 rho low")
+    t = symbols("v c u1 u2 rho low", "u1 u2 rho")
     star = level(t["c"], t["u1"], t["u2"], t["rho"] / t["low"])
     return Statement(t, (above(flip * (star - t["v"])),))
 

@@ -21,7 +21,7 @@ class GuardAxis:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT}")
+        return symbols(f"{NUMBERS} {PRESENT}", NUMBERS)
 
     def __getitem__(self, name: str) -> ca.SX:
         """The symbol of a name."""

@@ -25,7 +25,7 @@ class LateAxis(GuardAxis):
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT} {LATE}")
+        return symbols(f"{NUMBERS} {PRESENT} {LATE}", f"{NUMBERS} delay")
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -51,7 +51,7 @@ def _velocity_back(flip: float) -> Statement:
 def _projection(flip: float) -> Statement:
     """H'(M(H v' + H' v) + F - B tau - A lambda) against M1 v' + H' F - B1 tau."""
     t = {
-        **symbols("theta m I r l lam"),
+        **symbols("theta m I r l lam", "m I r l"),
         **column("v", 2),
         **column("vdot", 2),
         **column("tau", 2),
@@ -69,7 +69,7 @@ def _projection(flip: float) -> Statement:
 
 def _reduced(flip: float) -> Statement:
     """H' M H = diag(m, I), H' B = B1, and H' M H' = 0, which makes C1 = 0."""
-    t = {**symbols("theta m I r l omega"), **column("tau", 2)}
+    t = {**symbols("theta m I r l omega", "m I r l"), **column("tau", 2)}
     theta, tau = t["theta"], stacked(t, "tau", 2)
     mass, push = dynamics.projected(theta, t["m"], t["I"], t["r"], t["l"])
     h = velocity_map(theta)
@@ -102,7 +102,7 @@ def _plant(flip: float) -> Statement:
 
 
 def _wheels(flip: float) -> Statement:
-    t = symbols("r l F N")
+    t = symbols("r l F N", "r l")
     force = ca.vertcat(t["F"], t["N"])
     wheels = dynamics.force_to_wheel(t["r"], t["l"], force) * ca.vertcat(flip, 1)
     return Statement(t, every(dynamics.wheel_to_force(t["r"], t["l"], wheels), force))

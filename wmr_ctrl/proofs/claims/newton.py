@@ -28,7 +28,7 @@ def _above_tangent(flip: float) -> Statement:
 
     ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
     """
-    t = symbols("y v c u1 u2 jump")
+    t = symbols("y v c u1 u2 jump", "u1 u2")
     y, v, c, u1, u2, jump = t.values()
     at_corner = ca.if_else(ca.eq(ca.fabs(v), u2), barrier.sign(v) * jump, 0)
     slope = barrier.a_term(v, c, u1, u2) + at_corner
@@ -81,7 +81,7 @@ class Step:
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
-        """What the first four stand for."""
+        """What the first four stand for, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
         found = law.sample.barrier[k]
         rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]
@@ -90,6 +90,7 @@ class Step:
             "q": law.own(found.q),
             "cdot": law.own(law.sample.v_c0_dot)[k],
             "fall": ca.expm1(-rate),
+            "friction": law.own(law.sample.friction)[k],
         }
 
     @property

@@ -42,7 +42,7 @@ def _contracts(flip: float) -> Statement:
 
 def _inside(flip: float) -> Statement:
     """|v+| < v_u1 from every v, on the law's graph."""
-    t = symbols("v c c_next E u1 u2")
+    t = symbols("v c c_next E u1 u2", "E u1 u2")
     end = prox_step(t["v"], t["c"], t["c_next"], (t["E"], 1 - t["E"]), (t["u1"], t["u2"]), False)
     limit = t["u1"] if flip > 0 else t["u2"]
     given = (*_limits(t), above(t["E"]), above(ca.SX(1), t["E"]))

@@ -30,7 +30,7 @@ def _slope(size: ca.SX, t: dict[str, ca.SX], smooth: bool) -> ca.SX:
 
 def _optimal(smooth: bool, flip: float) -> Statement:
     """c - x is in k df(x): as the sum of squared violations, which must not be positive."""
-    t = symbols("c k u1 u2")
+    t = symbols("c k u1 u2", "k u1 u2")
     x = resolvent(t["c"], t["k"], t["u1"], t["u2"], smooth)
     size, s = ca.fabs(x), ca.if_else(t["c"] >= 0, 1, -1)
     rest = s * (t["c"] - flip * x)
@@ -52,7 +52,7 @@ def _optimal_smooth(flip: float) -> Statement:
 
 def _monotone(smooth: bool, flip: float) -> Statement:
     """Slopes of f at two points, with 0 <= jump <= 1/delta at the kink."""
-    t = symbols("x1 x2 k1 k2 u1 u2")
+    t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
     slopes = []
     for x, kink in ((t["x1"], t["k1"]), (t["x2"], t["k2"])):
         size, s = ca.fabs(x), ca.if_else(x >= 0, 1, -1)

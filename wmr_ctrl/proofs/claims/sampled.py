@@ -19,7 +19,6 @@ from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Ball, Method, Refute
 from wmr_ctrl.proofs.statement import Statement, at_least, symbols
-from wmr_ctrl.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -44,11 +43,11 @@ class Held:
             acceleration(law.own(law.sample.mass), law.force, ca.SX(0))[self.axis]
             + extra * free["d"]
         )
-        following = numbers(law.scenario, law, v + float(Fraction(self.period)) * push)
+        following = v + float(Fraction(self.period)) * push
         level = float(Fraction(self.level))
-        inner = {name: numbers(law.scenario, law, expr) for name, expr in self.inner(law).items()}
         goals = (at_least(level, following), at_least(following, -level))
-        return Statement({**law.symbols, **free}, goals, (), inner)
+        every = {**law.symbols, **free}
+        return Statement(every, goals, (), self.inner(law), numbers(law))
 
     def inner(self, law: LawGraph) -> dict[str, ca.SX]:
         """v_c0 and its rate; the clip stays in the graph."""
@@ -81,19 +80,10 @@ class Held:
         )
 
 
-def numbers(scenario: Scenario, law: LawGraph, expr: ca.SX) -> ca.SX:
-    """The expression with the preset's parameter values, friction set to 0."""
-    values = {
-        name: value
-        for port in law.system.params
-        for name, value in zip(port.signal.elements, port.value, strict=True)
-    }
-    values["model.mu"] = 0.0
-    kept = {
-        name: value for name, value in values.items() if not name.startswith("gains.kinematics")
-    }
-    old = ca.vertcat(*(law.symbols[name] for name in kept))
-    return ca.substitute(expr, old, ca.vertcat(*kept.values()))
+def numbers(law: LawGraph) -> dict[str, float]:
+    """The preset's values of the law's parameters, friction set to 0."""
+    names = [name for port in law.system.params for name in port.signal.elements]
+    return dict(zip(names, law.system.p0, strict=True)) | {"model.mu": 0.0}
 
 
 def _edges(axis: int) -> tuple[Fraction, Fraction]:

@@ -92,12 +92,13 @@ def _bounded_command(flip: float) -> Statement:
     names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
     t = {**names, **symbols("quotient q w cdot friction")}
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
-    force = law.force[0] - law.own(law.sample.friction)[0]
+    force = law.force[0] - t["friction"]
     axis = law.sample.barrier[0]
     inner = {
         "quotient": law.own(axis.V1_over_A),
         "q": law.own(axis.q),
         "cdot": law.own(law.sample.v_c0_dot)[0],
+        "friction": law.own(law.sample.friction)[0],
     }
     given = (
         above(rho),

@@ -236,7 +236,7 @@ CLAIMS = (
         "The step needs an angle below a quarter turn and a velocity error half as large.",
         "|e3| <= pi/2, x < pi/8; |sin t| >= (2/pi)|t| > (7/11)|t|",
         lambda s: steps.fast_fall(s, True),
-        Z3(),
+        Z3(points=steps.BARELY_PAST),
         uses=("lemma.sine",),
     ),
     Claim(

@@ -28,7 +28,7 @@ class Tracking:
             **column("e", 3),
             **column("z", 2),
             **symbols("v1d v2d"),
-            **column("k", 3),
+            **column("k", 3, fixed=True),
             **column("v", 2),
         }
 

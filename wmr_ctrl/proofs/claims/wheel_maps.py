@@ -27,7 +27,7 @@ class Wheels:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """lo, hi and force of both axes; phi [N], half (l) and r [m]."""
-        return symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r")
+        return symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
 
     def pair(self, name: str) -> ca.SX:
         """Both axes of one quantity."""

@@ -25,6 +25,7 @@ class TermArithmetic:
         self.inputs: dict[str, Any] = {}
         self.facts: list[Any] = []
         self.atoms: dict[tuple[str, Any], Any] = {}
+        self.inverses: dict[int, tuple[Any, Any]] = {}
 
     def constant(self, value: float) -> Any:
         """The double, exactly."""
@@ -58,6 +59,18 @@ class TermArithmetic:
     def number(self, condition: Any) -> Any:
         """1 or 0."""
         return z3.If(condition, z3.RealVal(1), z3.RealVal(0))
+
+    def _inv(self, a: Any) -> Any:
+        term = 1 / a
+        self.inverses[term.get_id()] = (term, a)
+        return term
+
+    def _mul(self, a: Any, b: Any) -> Any:
+        """A product with an inverse as the quotient that it is: solvers are better at those."""
+        for one, other in ((a, b), (b, a)):
+            if other.get_id() in self.inverses:
+                return one / self.inverses[other.get_id()][1]
+        return a * b
 
     def _sqrt(self, a: Any) -> Any:
         root = self._atom("sqrt", a)
@@ -102,7 +115,7 @@ class TermArithmetic:
 
 
 _OPERATIONS: dict[str, Callable[..., Any]] = {
-    **ARITHMETIC,
+    **{name: call for name, call in ARITHMETIC.items() if name not in ("mul", "inv")},
     "fabs": lambda a: z3.If(a >= 0, a, -a),
     "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),

@@ -1,19 +1,28 @@
 """The paper's claims: how each is put to the test, and the verdict."""
 
-from wmr_ctrl.report.claims.claim import Claim, Judged, Measured, TestSpec, Verdict
-from wmr_ctrl.report.claims.judge import judge, judge_all
-from wmr_ctrl.report.claims.load import load_claims
-from wmr_ctrl.report.claims.sources import PAPER_TIMES, Evidence
+from wmr_ctrl.report.claims.claim import (
+    Divisor,
+    Judged,
+    Measured,
+    PaperClaim,
+    TestSpec,
+    Verdict,
+    load_claims,
+)
+from wmr_ctrl.report.claims.judge import PAPER_TIMES, RULE, Evidence, judge, judge_all, verdict_of
 
 __all__ = [
     "PAPER_TIMES",
-    "Claim",
+    "RULE",
+    "Divisor",
     "Evidence",
     "Judged",
     "Measured",
+    "PaperClaim",
     "TestSpec",
     "Verdict",
     "judge",
     "judge_all",
     "load_claims",
+    "verdict_of",
 ]

@@ -1,13 +1,16 @@
-"""What a claim is, what a test of it is, and what judging leaves."""
+"""What a claim, its tests and its verdict are; and the paper's claims, from the files beside."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from importlib.resources import files
+from typing import Any
 
 from wmr_ctrl.campaign import Spread, spread
-from wmr_ctrl.report.wording import shown
+from wmr_ctrl.report.style import shown
 
 
 class Verdict(StrEnum):
@@ -19,7 +22,7 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Other:
+class Divisor:
     """What a test divides by; a name that is empty is the test's own."""
 
     figure: str = ""
@@ -42,7 +45,7 @@ class TestSpec:
     figure: str
     scenarios: tuple[str, ...] = ("paper-simulation",)
     laws: tuple[str, ...] = ()
-    over: Other | None = None
+    over: Divisor | None = None
     at_least: float | None = None
     at_most: float | None = None
     unit: str = ""
@@ -72,7 +75,7 @@ def _short(bound: float) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
+class PaperClaim:
     """A claim of the paper and how it is judged; every text is a plain sentence or two.
 
     ``explanation`` may quote medians by ``{key}`` and is written for the verdict ``expected``.
@@ -90,7 +93,7 @@ class Claim:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A test with the value that it found in each seed."""
+    """A test with its value in each seed."""
 
     spec: TestSpec
     values: Mapping[int, float | None]
@@ -108,16 +111,16 @@ class Measured:
         return sum(map(self.spec.keeps, self.values.values()))
 
     @property
-    def found(self) -> Spread:
+    def spread(self) -> Spread:
         """The spread of the values over the seeds."""
         return spread(self.values.values())
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A claim, its tests with what they found, and the verdict that follows from them."""
+    """A claim, its tests with their values, and the verdict that follows from them."""
 
-    claim: Claim
+    claim: PaperClaim
     tests: tuple[Measured, ...]
     verdict: Verdict
     explanation: str = field(default="")
@@ -126,3 +129,33 @@ class Judged:
     def as_expected(self) -> bool:
         """Whether the verdict is the committed one."""
         return self.verdict == self.claim.expected
+
+
+def load_claims() -> tuple[PaperClaim, ...]:
+    """All claims in the report's order, each with its committed verdict.
+
+    Raises KeyError where a claim has no committed verdict, ValueError where a verdict has no claim.
+    """
+    entries = _data("claims.toml")["claim"]
+    verdicts = _data("verdicts.toml")
+    orphans = set(verdicts) - {entry["id"] for entry in entries}
+    if orphans:
+        raise ValueError(f"verdicts.toml names claims that do not exist: {sorted(orphans)}")
+    return tuple(_claim(entry, Verdict(verdicts[entry["id"]])) for entry in entries)
+
+
+def _claim(entry: dict[str, Any], expected: Verdict) -> PaperClaim:
+    texts = {name: value for name, value in entry.items() if name != "test"}
+    return PaperClaim(**texts, tests=tuple(map(_test, entry["test"])), expected=expected)
+
+
+def _test(entry: dict[str, Any]) -> TestSpec:
+    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
+    if "over" in values:
+        values["over"] = Divisor(**values["over"])
+    return TestSpec(**values)
+
+
+def _data(name: str) -> dict[str, Any]:
+    text = files("wmr_ctrl.report.claims").joinpath(name).read_text(encoding="utf-8")
+    return tomllib.loads(text)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.actuator import Actuator
 from wmr_ctrl.sim.oracle.arrays import FloatArray
@@ -26,6 +27,8 @@ from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 from wmr_ctrl.sim.oracle.target import Target
 
 _ROWS_PER_REPORT = 100
+TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "delay", "lag"})
+"""Effects that are written down here a second time."""
 
 
 def simulate_oracle(
@@ -35,6 +38,7 @@ def simulate_oracle(
     kinematics: Mapping[str, Any],
     seed: int,
     progress: Callable[[float], None] | None = None,
+    effects: Iterable[str] = (),
 ) -> tuple[dict[str, FloatArray], dict[str, Any]]:
     """One run of ``law`` in ``scenario``.
 
@@ -42,8 +46,15 @@ def simulate_oracle(
     called now and then with the share of the run that is done.  Returns the columns, (N,) or
     (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's diagnostics (on or
     off), and the monitor's numbers (max_abs_v, violations, first_violation, stopped, stop_reason).
-    Raises ArgumentError for a law that has no NumPy twin.
+    ``effects`` names those that the loop has.  Raises ArgumentError for a law, a reference or an
+    effect that has no NumPy twin.
     """
+    for name in effects:
+        if name not in TWINS:
+            raise ArgumentError(
+                f"the NumPy engine has no twin of the effect {name!r}; take the native engine, or "
+                "leave the effect out of the scenario."
+            )
     loop = _Loop(scenario, law, gains, kinematics, seed)
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
         loop.run(progress)

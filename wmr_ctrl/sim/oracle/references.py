@@ -8,10 +8,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from wmr_ctrl.scenario.reference import Circle, Lemniscate, Line, StopAndGo
-from wmr_ctrl.scenario.reference import Reference as Kind
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.scenario import (
+    Circle,
+    Lemniscate,
+    Line,
+    RoundedSquare,
+    StopAndGo,
+    Waypoints,
+)
+from wmr_ctrl.scenario import Reference as Kind
 from wmr_ctrl.sim.oracle.splined import splined
 from wmr_ctrl.sim.oracle.target import Target, target_on
+from wmr_ctrl.world.references.rounded_square import square_path
+from wmr_ctrl.world.references.waypoints import waypoint_path
 
 Reference = Callable[[float], Target]
 
@@ -26,7 +36,14 @@ def reference_of(kind: Kind) -> Reference:
         return lambda t: lemniscate(kind, t)
     if isinstance(kind, StopAndGo):
         return lambda t: stop_and_go(kind, t)
-    return splined(kind)
+    if isinstance(kind, RoundedSquare):
+        return splined(square_path(kind))
+    if isinstance(kind, Waypoints):
+        return splined(waypoint_path(kind))
+    raise ArgumentError(
+        f"the NumPy engine has no twin of the reference {type(kind).__name__}; take the native "
+        "engine, or another reference.kind."
+    )
 
 
 def circle(kind: Circle, t: float) -> Target:

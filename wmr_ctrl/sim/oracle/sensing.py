@@ -38,11 +38,11 @@ class Sensor:
             self._predict()
         if k % self.every == 0:
             self._correct(k, state)
-        self.v_before = state[3:]
+        self.v_before = velocity
         return self.estimate, velocity
 
     def _predict(self) -> None:
-        """One Euler step with the exact velocity of the previous sample, the angle first."""
+        """One Euler step with the measured velocity of the previous sample, the angle first."""
         x, y, theta = self.estimate
         v1, omega = self.v_before
         theta += self.period * omega

@@ -6,15 +6,12 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 
-from wmr_ctrl.scenario.paths import path_of
-from wmr_ctrl.scenario.reference import RoundedSquare, Waypoints
-from wmr_ctrl.scenario.spline import SplinePath
 from wmr_ctrl.sim.oracle.target import Pair, Target, target_on
+from wmr_ctrl.world.references.spline import SplinePath
 
 
-def splined(kind: RoundedSquare | Waypoints) -> Callable[[float], Target]:
-    """The function of time t [s] that follows the spline path of ``kind``."""
-    path = path_of(kind)
+def splined(path: SplinePath) -> Callable[[float], Target]:
+    """The function of time t [s] that follows a spline path."""
     return lambda t: along(path, t)
 
 

@@ -1,0 +1,43 @@
+/* The loop for one robot, with the same entries as dispatch.c has for vectors of them; and, for
+   callers that take one kernel at a time, the kernels themselves. */
+#define WMR_SET native
+#define WMR_LANES 0
+
+#include "library.c"
+
+#include "exports.h"
+
+WMR_EXPORT const char *wmr_set_name(int32_t k)
+{
+    return k == 0 ? "native" : 0;
+}
+
+WMR_EXPORT void wmr_sizes(int32_t k, int64_t sizes[7])
+{
+    (void)k;
+    wmr_set_sizes_native(sizes);
+}
+
+WMR_EXPORT int32_t wmr_run(int32_t k, const void *settings, void *findings, void *state)
+{
+    (void)k;
+    return wmr_run_set_native(settings, findings, state);
+}
+
+/* One sample of the law in place, for callers that keep one pointer. */
+typedef struct {
+    const double *u, *p;
+    double *x, *y;
+} wmr_call;
+
+WMR_EXPORT void wmr_law_step(const wmr_call *c)
+{
+    double next[WMR_CONTROLLER_NX + 1];
+    wmr_controller(c->u, c->x, c->p, next, c->y);
+    copy(c->x, next, WMR_CONTROLLER_NX);
+}
+
+WMR_EXPORT void wmr_noise_block(const uint64_t *counter, const uint64_t *key, uint64_t *out)
+{
+    wmr_philox(counter, key, out);
+}

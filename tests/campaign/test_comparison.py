@@ -1,0 +1,140 @@
+"""The comparison with and without the guard: its plan, its rows, and what it finds.
+
+By default on the cases that decide; `-m slow` runs the whole plan.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tests.campaign.synthetic import Watch, in_turn, simulate
+from wmr_ctrl.api import compile_loop
+from wmr_ctrl.campaign.comparison import (
+    BASES,
+    FACTORS,
+    HELD_OUT,
+    OUR_LAWS,
+    GuardComparison,
+    Overrides,
+    comparison_plan,
+    run_comparison,
+    swept,
+)
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.together import run_each
+
+WEAK = "tau_max = 5 N m"
+ONE = HELD_OUT[:1]
+DECISIVE = (
+    *comparison_plan(OUR_LAWS, ONE, ("10 ms",), ("adversary",)),
+    *comparison_plan(("mb",), ONE, ("10 ms",), (WEAK,)),
+    *comparison_plan(("prox",), ONE, ("100 ms",), ("base", "start outside")),
+)
+"""Every law pushed over its limit, the refusal, the long hold, the start beyond the limits."""
+
+TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
+
+
+def compile_short(scenario: str, law: str, overrides: Overrides, guard: bool) -> Ready:
+    """The loop of a case, for 10 s."""
+    changes = [change for change in overrides.get("changes", []) if change["t"] < 10.0]
+    shorter = {**overrides, "clock.duration": 10.0, "changes": changes}
+    return compile_loop(scenario, law, shorter, guard)
+
+
+# -- the plan -----------------------------------------------------------------------------
+
+
+def test_plan_has_every_case_once() -> None:
+    plan = comparison_plan()
+    keys = {(c.base, c.factor, c.law, c.guard, c.seed) for c in plan}
+
+    assert len(keys) == len(plan)
+    assert {c.law for c in plan} == set(OUR_LAWS)
+    assert {c.factor for c in plan} == set(FACTORS)
+    assert {c.seed for c in plan} == set(HELD_OUT)
+    assert {c.base for c in plan} == set(BASES)
+
+
+def test_sweeps_have_the_numbers_of_their_factors() -> None:
+    assert swept("clock.control") == [(0.001, "T = 1 ms"), (0.02, "T = 20 ms"), (0.05, "T = 50 ms")]
+    assert len(swept("actuator.tau_max")) == 4
+
+
+# -- real runs ----------------------------------------------------------------------------
+
+
+@pytest.fixture(
+    scope="module",
+    params=["decisive", pytest.param("whole", marks=pytest.mark.slow)],
+)
+def comparison(request: pytest.FixtureRequest) -> GuardComparison:
+    plan = DECISIVE if request.param == "decisive" else comparison_plan(seeds=ONE)
+    return run_comparison(run_each, compile_short, plan)
+
+
+def test_guarded_runs_from_inside_keep_the_limits(comparison: GuardComparison) -> None:
+    guarded = [r for r in comparison.rows if r.case.guard and r.case.factor != "start outside"]
+
+    assert {r.outcome for r in guarded} == {"completed", "refused"}
+    assert all(r.violations == 0 for r in guarded)
+
+
+def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: GuardComparison) -> None:
+    refused = [row for row in comparison.rows if row.outcome == "refused"]
+
+    assert {row.case.factor for row in refused} == {WEAK}
+    assert all("tau_max" in row.refusal for row in refused)
+    assert not any(row.refusal for row in comparison.rows if row not in refused)
+
+
+def test_without_the_guard_limits_break(comparison: GuardComparison) -> None:
+    broken = {r.case.law for r in comparison.rows if not r.case.guard and r.violations}
+
+    assert broken == set(OUR_LAWS)
+
+
+def test_result_does_not_depend_on_the_number_of_threads(comparison: GuardComparison) -> None:
+    few = [r.case for r in comparison.rows if r.case.law == "mb" and r.case.base == "10 ms"]
+    alone = run_comparison(run_each, compile_short, few, jobs=1)
+
+    assert alone.rows == tuple(r for r in comparison.rows if r.case in few)
+
+
+def test_share_in_clip_is_told_of_guarded_runs_alone(comparison: GuardComparison) -> None:
+    without = {r.clipped is None for r in comparison.rows if not r.case.guard}
+    guarded = {r.clipped is None for r in comparison.guarded()}
+
+    assert (without, guarded) == ({True}, {False})
+
+
+# -- made-up runs -------------------------------------------------------------------------
+
+
+def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
+    built, watch = Counter(), Watch()
+
+    def prepare(scenario: str, law: str, overrides: Overrides, guard: bool) -> Ready:
+        built[law, guard, overrides.get("actuator.tau_max")] += 1
+        if guard and overrides.get("actuator.tau_max") == 5.0:
+            raise ScenarioError("too weak")
+        return lambda seed: simulate(scenario, law, seed)
+
+    rows = run_comparison(in_turn, prepare, TINY, 2, watch).rows
+
+    assert [row.case for row in rows] == list(TINY)
+    assert set(built.values()) == {1}
+    assert len(built) == 2 * 2 * 2
+    assert watch.left == [0, 0]
+    assert {r.refusal for r in rows if r.case.guard and r.case.factor == WEAK} == {"too weak"}
+
+
+def test_unguarded_errors_are_not_swallowed() -> None:
+    def refusing(*_: object) -> Ready:
+        raise ScenarioError("no")
+
+    with pytest.raises(ScenarioError):
+        run_comparison(in_turn, refusing, [case for case in TINY if not case.guard][:1])

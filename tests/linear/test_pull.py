@@ -1,0 +1,86 @@
+"""The barrier's pull: the audit's table, and runs on both sides of the threshold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.linear import authority, closed_loop, dead_zone, linear_offset, settled_speed, stepper
+from wmr_ctrl.linear.pull import pull_of
+
+MASS = (50.0, 5.4)
+TABLE = [
+    (0.2, 225.0, 0.800, 171.0, 1.300),
+    (0.8, 55.11, 0.9268, 77.76, 1.300),
+    (1.3, 53.61, 0.9261, 22.86, 1.4268),
+    (2.0, 51.31, 0.9252, 21.97, 1.4258),
+    (5.8, 32.67, 0.9369, 14.85, 1.4316),
+    (7.17, 25.74, 0.9501, 11.57, 1.4459),
+    (20.0, 8.52, 0.9834, 3.63, 1.4830),
+    (100.0, 1.64, 0.9968, 0.68, 1.4968),
+]
+
+
+@pytest.mark.parametrize(("c", "force", "v1", "moment", "omega"), TABLE)
+def test_authority_of_the_audit(nominal, c, force, v1, moment, omega):
+    thrust, turn = (authority(nominal, "mb", axis, c) for axis in (0, 1))
+
+    assert (thrust.force, turn.force) == pytest.approx((force, moment), rel=4e-3)
+    assert (thrust.speed, turn.speed) == pytest.approx((v1, omega), abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("axis", "c", "force"),
+    [(0, 0.2, 405.0), (0, 0.8, 99.2), (0, 7.17, 46.3),
+     (1, 0.2, 11.9), (1, 1.3, 1.59), (1, 7.17, 0.804)],
+)  # fmt: skip
+def test_authority_of_the_network_law(nominal, axis, c, force):
+    assert authority(nominal, "nn", axis, c).force == pytest.approx(force, rel=3e-3)
+
+
+def test_authority_is_even_and_has_a_closed_form_at_the_kink(nominal):
+    """For |c| < u2 with an early peak it is M rho (u2 - c)/2, reached at u2."""
+    assert authority(nominal, "mb", 0, 0.2).force == pytest.approx(50 * 15 * 0.6 / 2)
+    assert authority(nominal, "mb", 0, -0.2).force == pytest.approx(50 * 15 * 0.6 / 2)
+    assert authority(nominal, "mb", 0, -0.2).speed == pytest.approx(-0.8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("c", [0.8, 7.17])
+def test_a_run_crosses_above_and_rests_below(nominal, axis, c):
+    top, u1 = authority(nominal, "mb", axis, c).force, nominal.limits.v_u1[axis]
+    asked = np.zeros(2)
+    asked[axis] = c
+    pull = pull_of(nominal, "mb", axis, asked)
+
+    for share, crosses in ((0.98, False), (1.02, True)):
+        v, reached = 0.5, 0.0
+        for _ in range(10_000):
+            v += 5e-4 * (float(pull(min(v, u1 - 1e-6))) + share * top) / MASS[axis]
+            reached = max(reached, v)
+            if reached > u1:
+                break
+        assert bool(reached > u1) is crosses
+
+
+def test_settled_speed_balances_the_force(nominal):
+    """Inside R1: v = c + 2 F/(M rho)."""
+    assert settled_speed(nominal, "mb", 0, 0.2, 10.0) == pytest.approx(0.2 + 2 * 10 / (50 * 15))
+    assert settled_speed(nominal, "mb", 0, 0.2, 226.0) is None
+
+
+def test_linear_offset_is_where_a_small_disturbance_leaves_the_loop(nominal):
+    course = stepper(nominal, "mb").run(closed_point(nominal), 200.0, np.array((0.5, 0.02)))
+    expected = linear_offset(nominal, "mb", 0, 0.5) + linear_offset(nominal, "mb", 1, 0.02)
+
+    assert course.s[-1] - closed_point(nominal) == pytest.approx(expected, abs=2e-5)
+    assert closed_loop(nominal, "mb").ninputs == 2
+
+
+def closed_point(scenario):
+    return np.array((0.0, 0.0, 0.0, 0.2, 0.1))
+
+
+def test_dead_zone_of_the_paper(nominal):
+    assert dead_zone(nominal) == pytest.approx(np.array(((0.8, 5.8), (1.3, 6.3))))

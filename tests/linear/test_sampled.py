@@ -1,0 +1,174 @@
+"""Largest stable control periods: closed forms, the audit's figures, runs on each side."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.linear import (
+    frozen_regressor,
+    kink_periods,
+    largest_learning_period,
+    largest_stable_period,
+    largest_stable_square,
+    learning_periods,
+    one_step_period,
+    regressor_square,
+    resting_point,
+    spectral_radius,
+    stepper,
+)
+from wmr_ctrl.linear.learning import learning_step
+from wmr_ctrl.scenario import override
+
+BELOW, ABOVE = 0.99, 1.01
+
+
+def grows(scenario, law, period, point=None, memory="frozen", duration=None):
+    """Whether a millimetre's displacement is larger at the end of a nonlinear run than before."""
+    loop = stepper(scenario, law, point, period, memory)
+    s = loop.point.s + 1e-6 * np.array((1.0, 0.0, 1.0, 0.0, 0.0))
+    course = loop.run(s, duration or 600 * period)
+    apart = np.abs(course.v - loop.point.v).max(axis=1)
+    return bool(apart[-20:].max() > apart[:20].max())
+
+
+def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
+    """e' = -v, v' = rho/2 k e - (rho/2 + k) v held: a pole reaches -1 at T = 2/(rho/2 + k)."""
+    found = largest_stable_period(nominal, "mb")
+
+    assert found == pytest.approx(2 / (57.6 / 2 + 4), rel=2e-4)  # the circle couples a little
+    assert found == pytest.approx(0.0609, rel=2e-3)
+
+
+def test_spectral_radii_of_the_audit(nominal):
+    found = spectral_radius(nominal, "mb", (0.06, 0.07, 0.1))
+
+    assert found == pytest.approx((0.99691, 1.3366, 2.530), rel=1e-4)
+
+
+def test_network_limits_of_the_audit(nominal):
+    assert largest_stable_period(nominal, "nn") == pytest.approx(0.1480, rel=2e-3)
+    for m, inertia, expected in ((65.0, 7.0, 0.1924), (80.0, 5.4, 0.1996)):
+        other = override(nominal, {"robot.m": m, "robot.I": inertia})
+        assert largest_stable_period(other, "nn") == pytest.approx(expected, rel=3e-3)
+
+
+@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn"])
+def test_nonlinear_runs_agree_just_below_and_just_above(nominal, law):
+    """Without friction, so that every law rests on the reference with its estimates at zero."""
+    smooth = override(nominal, {"robot.mu": 0.0})
+    limit = largest_stable_period(smooth, law)
+
+    assert not grows(smooth, law, BELOW * limit)
+    assert grows(smooth, law, ABOVE * limit)
+
+
+def test_kink_limits_of_the_audit(nominal):
+    assert kink_periods(nominal, "mb") == pytest.approx((2 / 15, 2 / 57.6), rel=1e-6)
+    assert kink_periods(nominal, "pid") is None
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_velocity_swings_about_the_kink_just_above_its_limit(nominal, axis):
+    """v_c0 held beyond v_u2; Euler is exact for a held force without friction."""
+    from wmr_ctrl.linear.pull import pull_of
+
+    limit, mass = kink_periods(nominal, "mb")[axis], (50.0, 5.4)[axis]
+    u2 = nominal.limits.v_u2[axis]
+    asked = np.zeros(2)
+    asked[axis] = u2 + 2.5
+    pull = pull_of(nominal, "mb", axis, asked)
+
+    for factor, settles in ((BELOW, True), (ABOVE, False)):
+        v = u2 - 1e-5
+        for _ in range(2000):
+            v += factor * limit * float(pull(v)) / mass
+        assert bool(abs(v - u2) < 1e-7) is settles
+
+
+@pytest.mark.parametrize(
+    ("square", "first", "second"),
+    [
+        (0.01, 0.152, 1.27),
+        (1.0, 0.0362, 0.0140),
+        (4.0, 0.0095, 0.0035),
+        (16.0, 0.0024, 0.00087),
+        (64.0, 0.00060, 0.00022),
+    ],
+)
+def test_limits_with_learning_of_the_audit(nominal, square, first, second):
+    assert learning_periods(nominal, square) == pytest.approx((first, second), rel=2e-2)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_learning_loop_just_below_and_above_its_limit(nominal, axis):
+    limit = learning_periods(nominal, 1.0)[axis]
+
+    for factor, bounded in ((BELOW, True), (ABOVE, False)):
+        state, step = np.array((1e-3, 0.0)), learning_step(nominal, axis, 1.0, factor * limit)
+        course = []
+        for _ in range(6000):
+            course.append(abs(state[0]))
+            state = step @ state
+        assert bool(max(course[-300:]) < max(course[:300])) is bounded
+
+
+def test_frozen_regressor_bound_of_the_audit(nominal):
+    """|S|^2 > b M/Gamma with b = a^2 K/(K - a), a = 2, K = 4: 8 * 5.4/800 = 0.054."""
+    bound = largest_stable_square(nominal, 1)
+    stable, unstable = (frozen_regressor(nominal, 1, f * bound) for f in (0.94, 1.12))
+
+    assert bound == pytest.approx(0.054)
+    assert math.isinf(largest_stable_square(nominal, 0))
+    assert (stable.poles().real < 0).all()
+    assert (unstable.poles().real > 0).any()
+
+
+def test_the_network_of_the_paper_scenario_is_linearly_unstable(nominal):
+    """|S|^2 = 0.319 at eta = sqrt 2: no period is stable once the weights move."""
+    point = resting_point(nominal, "nn")
+
+    assert regressor_square(nominal) == pytest.approx(0.319, rel=2e-3)
+    assert largest_learning_period(nominal, "nn", point) == 0.0
+    assert grows(nominal, "nn", 0.01, point, "learning", duration=6.0)
+
+
+@pytest.mark.slow
+def test_a_narrower_network_is_stable_up_to_a_period(nominal):
+    """eta^2 = 1 gives |S|^2 = 0.007; runs on both sides of the limit agree."""
+    narrow = override(nominal, {"gains.nn.eta": 1.0})
+    point = resting_point(narrow, "nn")
+    limit = largest_learning_period(narrow, "nn", point)
+
+    assert regressor_square(narrow) == pytest.approx(0.0070, rel=1e-2)
+    assert 0.1 < limit < 0.2
+    assert not grows(narrow, "nn", BELOW * limit, point, "learning")
+    assert grows(narrow, "nn", ABOVE * limit, point, "learning")
+
+
+@pytest.mark.parametrize(
+    ("axis", "v_c0", "expected"),
+    [
+        (0, 0.2, 0.24), (0, 2.0, 0.1035), (0, 5.8, 0.0853), (0, 7.17, 0.0831),
+        (1, 0.2, 0.0648), (1, 2.0, 0.0295), (1, 5.8, 0.0225), (1, 20.0, 0.0194),
+    ],
+)  # fmt: skip
+def test_one_step_limits_of_the_audit(nominal, axis, v_c0, expected):
+    asked = np.zeros(2)
+    asked[axis] = v_c0
+
+    assert one_step_period(nominal, "mb", asked)[axis] == pytest.approx(expected, rel=5e-3)
+
+
+def test_one_step_limit_in_closed_form(nominal):
+    """Inside R1 the worst v is -v_u2: (v_u1 + v_u2)/(rho (c + v_u2)/2)."""
+    expected = 1.8 / (15 * (0.2 + 0.8) / 2)
+
+    assert one_step_period(nominal, "mb", np.array((0.2, 0.0)))[0] == pytest.approx(expected)
+
+
+def test_a_law_without_barrier_has_no_one_step_limit(nominal):
+    assert one_step_period(nominal, "pid") is None

@@ -1,0 +1,91 @@
+"""Numbers for readers, and long traces made short."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
+from wmr_ctrl.report.style import look, shown, spoken, unit_text
+
+COUNTS = st.integers(1, 9000)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "–"),
+        (0.0, "0"),
+        (0.99986, "1.00"),
+        (123456.0, "1.23·10⁵"),
+        (21934.0, "21900"),
+        (-0.0000123, "−1.23·10⁻⁵"),
+        (-2.5, "−2.50"),
+        (float("nan"), "–"),
+    ],
+)
+def test_numbers_are_short(value, text):
+    assert shown(value) == text
+
+
+@given(st.floats(1e-300, 1e300))
+def test_numbers_keep_three_digits(value):
+    text = shown(value).replace("·10", "e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+
+    assert float(text) == pytest.approx(value, rel=5.1e-3)
+
+
+def test_numbers_in_sentences():
+    assert f"{spoken(0.0273):%} {spoken(0.00072):mm} {spoken(2.41)}" == "2.7 % 0.72 mm 2.41"
+
+
+def test_units_are_written_for_readers():
+    assert unit_text("m2.s + rad2.s") == "m² s + rad² s"
+    assert unit_text("1") == ""
+
+
+def test_each_law_has_a_look_of_its_own():
+    looks = [look(law) for law in ("pid", "smc", "mb", "nn")]
+
+    assert len({one.colour for one in looks}) == len({one.marker for one in looks}) == 4
+    assert look("backstepping") == look("backstepping")
+
+
+@given(count=COUNTS, seed=st.integers(0, 50), points=st.integers(10, 2000))
+def test_thinning_keeps_the_extremes_and_the_ends(count, seed, points):
+    y = np.random.default_rng(seed).normal(size=count)
+    t, thinned = thin(np.arange(count, dtype=float), y, points)
+
+    assert len(t) <= max(points, 1) + 2
+    assert (thinned.min(), thinned.max()) == (y.min(), y.max())
+    assert (t[0], t[-1]) == (0, count - 1)
+    assert (np.diff(t) > 0).all()
+    assert (thinned == y[t.astype(int)]).all()
+
+
+def test_thinning_survives_gaps():
+    y = np.ones(5000)
+    y[1000:3000] = np.nan
+    t, thinned = thin(np.arange(5000.0), y, 100)
+
+    assert np.nanmax(thinned) == 1.0
+    assert np.isnan(thinned[(t > 1100) & (t < 2900)]).all()
+
+
+@given(count=COUNTS, seed=st.integers(0, 50))
+def test_a_thinned_path_keeps_its_ends(count, seed):
+    x, y = np.random.default_rng(seed).normal(size=(2, count)).cumsum(axis=1)
+    u, v = thin_path(x, y, 200)
+
+    assert len(u) <= max(202, min(count, 200))
+    assert (u[0], v[0], u[-1], v[-1]) == (x[0], y[0], x[-1], y[-1])
+
+
+@given(count=st.integers(1, 300), width=st.integers(1, 400), value=st.floats(-10, 10))
+def test_running_means_of_a_constant_are_the_constant(count, width, value):
+    values = np.full(count, value)
+
+    assert running_mean(values, width) == pytest.approx(values, abs=1e-9)
+    assert running_rms(values, width) == pytest.approx(abs(values), abs=1e-6)

@@ -1,0 +1,204 @@
+"""What is written of a finished reproduction with made-up runs: files, page, tables, figures."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+
+import pytest
+
+from tests.campaign.synthetic import Watch, in_turn, prepared
+from wmr_ctrl.campaign import paper_plan, run_campaign
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.report.claims import Evidence, judge_all
+from wmr_ctrl.report.comparison_text import shortfalls
+from wmr_ctrl.report.guarantee_figures import STRESS
+from wmr_ctrl.report.measure_figures import HIDDEN
+from wmr_ctrl.report.paper_figures import PANELS
+from wmr_ctrl.report.reproduction import Facts, Reproduction
+from wmr_ctrl.report.write import FILES, write_reproduction
+
+PNG = b"\x89PNG"
+PAST = ("ours_violations", "ours_e1_after", "ours_ise_period", "ours_ise_torque")
+FIGURES = [
+    *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
+    "fig3_sheet", "fig5_sheet", *HIDDEN, *STRESS, *PAST,
+]  # fmt: skip
+FACTS = Facts(
+    titles={"nn": "Adaptive <network>"},
+    timings={"pid": 0.001, "smc": 0.002, "mb": 0.003, "nn": 0.01},
+    versions={"version": "0.0", "numpy": "2.0"},
+)
+
+
+def reproduction(campaign, **more):
+    return Reproduction(campaign, judge_all(Evidence(campaign.table, FACTS.timings)), FACTS, **more)
+
+
+@pytest.fixture(scope="module")
+def watch():
+    return Watch()
+
+
+@pytest.fixture(scope="module")
+def written(campaign, comparison, watch, tmp_path_factory):
+    """Everything, drawn in full: the one long job of this file."""
+    out = tmp_path_factory.mktemp("made") / "new" / "folder"
+    return write_reproduction(out, reproduction(campaign, comparison=comparison), watch)
+
+
+@pytest.fixture(scope="module")
+def page(written):
+    return written.report.read_text(encoding="utf-8")
+
+
+def test_all_files_are_there_and_nothing_else(written):
+    there = {path for path in written.folder.rglob("*") if path.is_file()}
+
+    assert there == set(written.files)
+    assert {written.folder / name for name in (*FILES, "ours.csv")} <= there
+    assert {path.stem for path in there if path.suffix == ".svg"} == set(FIGURES)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_drawn(written, name):
+    svg, png = (written.folder / "figures" / f"{name}{suffix}" for suffix in (".svg", ".png"))
+
+    assert png.read_bytes().startswith(PNG)
+    assert svg.read_text(encoding="utf-8").count("<path") > 10
+    assert name.endswith("_sheet") or svg.stat().st_size < 1_000_000
+
+
+def test_progress_goes_through_the_figures_to_their_end(written, watch):
+    assert watch.totals == [len(FIGURES)]
+    assert watch.left == [0]
+    assert watch.ended == 1
+
+
+# -- the page -----------------------------------------------------------------------------
+
+
+def test_the_page_needs_nothing_but_itself(page):
+    sources = re.findall(r'(?:src|href)="([^"]{1,40})', page)
+
+    assert all(source.startswith(("data:image/svg+xml;base64,", "#")) for source in sources)
+    assert not re.search(r"@import|url\(|<script|<link", page)
+    assert len(page) < 8_000_000
+
+
+def test_links_lead_somewhere_and_every_claim_is_told(written, page):
+    targets = set(re.findall(r'id="([^"]+)"', page))
+
+    assert set(re.findall(r'href="#([^"]+)"', page)) <= targets
+    assert {f"claim-{one.claim.id}" for one in written.judged} <= targets
+    assert all(one.verdict.value in page for one in written.judged)
+
+
+def test_texts_from_outside_are_escaped(page):
+    assert "Adaptive &lt;network&gt;" in page
+
+
+def test_changed_verdicts_are_told(written, page):
+    assert not written.ok
+    assert written.changed
+    assert f"CHANGED: {written.changed[0].claim.id}" in str(written)
+    assert "from what is committed" in page
+
+
+def test_the_section_past_the_paper_names_the_refusal(page):
+    section = page[page.index('id="ours"') :]
+
+    assert "Past the paper: the guard and our law" in section
+    assert "refused" in section
+    assert "too weak for the bounds" in section
+
+
+# -- the data -----------------------------------------------------------------------------
+
+
+def table_of(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert {len(row) for row in rows} == {len(header)}
+    return header, rows
+
+
+def test_claims_json_has_all_that_the_verdicts_rest_on(written):
+    text = (written.folder / "claims.json").read_text(encoding="utf-8")
+    content = json.loads(text, parse_constant=pytest.fail)
+
+    assert [claim["id"] for claim in content["claims"]] == [one.claim.id for one in written.judged]
+    assert content["seeds"] == [0, 1]
+    assert len(content["read_into_the_paper"]) > 10
+    for claim in content["claims"]:
+        assert claim["verdict"] in ("HOLDS", "HOLDS IN PART", "DOES NOT HOLD")
+        assert all(test["found"]["seeds"] >= 1 for test in claim["tests"])
+
+
+def test_tables_have_units_and_a_row_per_case_and_statistic(written):
+    header, rows = table_of(written.folder / "table.csv")
+
+    assert header[:4] == ["scenario", "law", "seeds", "statistic"]
+    assert all(re.search(r" \[.+\]$", name) for name in header[4:])
+    assert len(rows) == 11 * 4 * 7
+
+
+def test_statistics_are_those_of_the_runs(written):
+    header, rows = table_of(written.folder / "table.csv")
+    column = header.index("tau_peak [N.m]")
+    there = {row[3]: row[column] for row in rows if row[:2] == ["paper-experiment", "smc"]}
+    expected = written.table.spread("tau_peak", "paper-experiment", "smc")
+
+    assert float(there["median"]) == expected.median
+    assert (float(there["min"]), float(there["max"])) == (expected.min, expected.max)
+
+
+def test_every_run_is_in_runs_csv(written):
+    header, rows = table_of(written.folder / "runs.csv")
+
+    assert len(rows) == len(written.table)
+    assert float(rows[0][header.index("max_abs_v1 [m/s]")]) > 0
+
+
+def test_ours_csv_has_units_and_a_row_per_run(written, comparison_cases):
+    header, rows = table_of(written.folder / "ours.csv")
+
+    assert all(re.search(r" \[.+\]$", name) for name in header[6:])
+    assert len(rows) == len(comparison_cases)
+    assert all(not any(row[6:]) for row in rows if row[5] == "refused")
+
+
+# -- other campaigns ----------------------------------------------------------------------
+
+
+def test_other_laws_stand_beside_the_papers_and_no_comparison_leaves_no_trace(
+    fake_simulate, few_pictures, tmp_path
+):
+    laws = ["pid", "smc", "mb", "nn", "ours"]
+    runs = run_campaign(in_turn, prepared(fake_simulate), paper_plan(laws, seeds=1))
+    verdicts = write_reproduction(tmp_path, reproduction(runs))
+    page = verdicts.report.read_text(encoding="utf-8")
+
+    assert verdicts.table.laws == tuple(laws)
+    assert "<th>ours</th>" in page
+    assert 'id="ours"' not in page
+    assert "#ours" not in page
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "figures"}
+    sizes = {path.stem: path.stat().st_size for path in verdicts.files if path.suffix == ".svg"}
+    assert {name for name, size in sizes.items() if size > 1000} == few_pictures
+
+
+def test_runs_without_a_law_of_the_paper_are_refused(fake_simulate, tmp_path):
+    few = run_campaign(in_turn, prepared(fake_simulate), paper_plan(["mb", "nn"], seeds=1)[:2])
+
+    with pytest.raises(ArgumentError, match="pid, smc"):
+        write_reproduction(tmp_path / "new", Reproduction(few, ()))
+    assert not (tmp_path / "new").exists()
+
+
+def test_shortfalls_without_rows_are_not_told(comparison):
+    few = type(comparison)(comparison.rows[:1])
+
+    assert shortfalls(few) == ()
+    assert shortfalls(comparison) != ()

@@ -1,0 +1,16 @@
+"""Toys as another package would register them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.world import toys
+from wmr_ctrl.world.references.registry import REFERENCES
+from wmr_ctrl.world.registry import EFFECTS
+
+
+@pytest.fixture(autouse=True)
+def toy_world(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The toys stand in both registries."""
+    monkeypatch.setitem(EFFECTS.__dict__, "plugins", toys.EFFECTS)
+    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (toys.CLOTHOID,))

@@ -1,0 +1,214 @@
+"""The promise of the registry of effects: a file and a line, and it acts everywhere, or is refused.
+
+Each toy runs natively, in lanes, in the closed-loop FMU and in co-simulation, with the same bits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+
+from wmr_ctrl.api import (
+    compile_loop,
+    cosimulate,
+    export_fmu,
+    scenario_of,
+    simulate,
+    simulate_many,
+    simulate_runs,
+)
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.problems import UnknownKeyError
+from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import loads_scenario, to_toml
+
+SHORT = {"clock.duration": 1.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
+TOYS = {
+    "sensor with state and draws": {"toy_gyro.walk": 0.001},
+    "sensor of the way": {"toy_encoder.step": 0.0005},
+    "drive with state": {"toy_ramp.rate": 100.0},
+    "drive behind a delay": {"toy_ramp.rate": 100.0, "actuator.delay": 0.007},
+    "force on the body": {"toy_slope.angle": 0.03},
+    "draws in each step": {"toy_gust.torque": 0.05},
+    "reference with state": {"reference.kind": "toy-clothoid"},
+    "all at once": {
+        "toy_gyro.walk": 0.001, "toy_ramp.rate": 100.0, "toy_slope.angle": 0.03,
+        "toy_gust.torque": 0.05, "reference.kind": "toy-clothoid",
+        "sensor.velocity_noise": [0.01, 0.01],
+    },
+}  # fmt: skip
+COUPLED = [name for name in TOYS if name != "sensor of the way"]
+LAW = "mb"
+
+
+def run_of(name: str) -> Run:
+    return simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, **TOYS[name]})
+
+
+def different(one: Run, other: Run) -> list[str]:
+    return [
+        name for name in one.columns if not np.array_equal(one[name], other[name], equal_nan=True)
+    ]
+
+
+@pytest.mark.parametrize("name", TOYS)
+def test_it_matters(name):
+    run = run_of(name)
+    plain = simulate("paper-simulation", LAW, seed=3, overrides=SHORT)
+
+    assert run.rows == 150
+    assert not np.array_equal(run["x"], plain["x"])
+
+
+@pytest.mark.parametrize("name", TOYS)
+def test_lanes_have_the_bits_of_one_robot(name):
+    runs = simulate_runs("paper-simulation", LAW, [1, 2, 3], overrides={**SHORT, **TOYS[name]})
+
+    assert different(run_of(name), runs[2]) == []
+
+
+@pytest.mark.parametrize("name", TOYS)
+def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
+    run, scenario = run_of(name), scenario_of("paper-simulation", {**SHORT, **TOYS[name]})
+    (path,) = export_fmu("closed-loop", law=LAW, scenario=scenario, fmi=3, out=tmp_path)
+    names = ["x", "tau_right", "noise_left", "V1"]
+    table = simulate_fmu(
+        str(path), stop_time=1.5, output_interval=0.01, start_values={"seed": 3}, output=names
+    )
+
+    assert np.array_equal(table["x"][:150], run["x"])
+    assert all(np.array_equal(table[n][1:], run[n]) for n in names[1:])
+
+
+@pytest.mark.parametrize("name", COUPLED)
+def test_co_simulation_has_the_bits_of_the_native_loop(name):
+    run = run_of(name)
+    coupled = cosimulate(scenario_of("paper-simulation", {**SHORT, **TOYS[name]}), LAW, seed=3)
+
+    assert set(different(run, coupled)) <= {"e"}
+    assert run.monitor == coupled.monitor
+
+
+def test_co_simulation_refuses_what_a_foreign_plant_does_not_tell():
+    scenario = scenario_of("paper-simulation", {**SHORT, **TOYS["sensor of the way"]})
+
+    with pytest.raises(ArgumentError, match="'toy_encoder' counts the way"):
+        cosimulate(scenario, LAW)
+
+
+@pytest.mark.parametrize("name", [n for n in TOYS if n != "reference with state"])
+def test_a_package_refuses_an_effect_by_its_name(name, tmp_path):
+    calm = {**SHORT, **TOYS[name], "disturbance.std": 0.0}
+    key = next(iter(TOYS[name])).split(".")[0]
+
+    with pytest.raises(ArgumentError, match=rf"\[{key}\].*closed-loop FMU"):
+        export_fmu("ssp", law=LAW, scenario=scenario_of("paper-simulation", calm), out=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_package_holds_a_reference_with_state(tmp_path):
+    from fmpy.ssp.simulation import simulate_ssp
+
+    calm = {"clock.duration": 0.5, "disturbance.std": 0.0, "reference.kind": "toy-clothoid"}
+    scenario = scenario_of("paper-simulation-nominal", calm)
+    (path,) = export_fmu("ssp", law=LAW, scenario=scenario, out=tmp_path)
+    table = simulate_ssp(str(path), stop_time=0.49, step_size=0.01)
+    run = cosimulate(scenario, LAW, master="jacobi")
+
+    assert np.array_equal(table["x"][: run.rows - 1], run["x"][1:])
+
+
+def test_the_numpy_engine_refuses_what_has_no_twin():
+    for name in ("drive with state", "reference with state"):
+        with pytest.raises(ArgumentError, match="no twin of"):
+            simulate("paper-simulation", LAW, engine="numpy", overrides={**SHORT, **TOYS[name]})
+
+
+@pytest.mark.parametrize(
+    ("name", "key"), [("sensor of the way", "toy_encoder"), ("drive with state", "toy_ramp")]
+)
+def test_the_guard_refuses_an_effect_without_a_bound(name, key):
+    with pytest.raises(ScenarioError, match=rf"\[{key}\]\) states no bound"):
+        scenario_of("paper-simulation", {**SHORT, **TOYS[name]}, guard=True)
+
+
+def test_the_guard_counts_an_effect_by_its_bound():
+    from wmr_ctrl.control.setup import settle
+
+    plain, steep = (
+        settle(scenario_of("paper-simulation", {**SHORT, **more}, guard=True), LAW).guard
+        for more in ({}, {"toy_slope.angle": 0.03, "toy_gyro.walk": 1e-4})
+    )
+
+    pull = 50.0 * 9.81 * np.sin(0.03)
+
+    assert steep.dbar[0] == pytest.approx(plain.dbar[0] + pull)
+    assert steep.dbar[1] == plain.dbar[1]
+    assert steep.nbar == pytest.approx((0.0, 0.01))
+
+
+def test_the_guard_keeps_its_limit_on_the_slope():
+    run = simulate(
+        "far-start-drop", LAW, seed=1, guard=True,
+        overrides={"toy_slope.angle": 0.03, "disturbance.truncate": 3.0, "clock.duration": 8.0},
+    )  # fmt: skip
+
+    assert run.monitor.violations == 0
+    assert run.monitor.bounds_left is None
+
+
+def test_lanes_may_differ_in_an_effects_numbers():
+    walks = [{**SHORT, "toy_gyro.walk": w} for w in (0.0005, 0.001, 0.002)]
+    table = simulate_many("paper-simulation", LAW, [3, 3, 3], walks)
+    alone = [simulate("paper-simulation", LAW, seed=3, overrides=walk) for walk in walks]
+
+    finals = [simulate_many("paper-simulation", LAW, [3], walk)["final_state"][0] for walk in walks]
+    assert np.array_equal(table["final_state"], finals)
+    assert len({run["x"][-1] for run in alone}) == 3
+
+
+def test_a_clothoid_is_one():
+    """Against the Fresnel integrals' own quadrature."""
+    from scipy.integrate import quad
+
+    run = run_of("reference with state")
+    t, v, c = run.time[-1], 0.3, 0.2
+    angle = lambda s: c * (v * s) ** 2 / 2  # noqa: E731
+    x = quad(lambda s: -v * np.sin(angle(s)), 0, t)[0]
+    y = quad(lambda s: v * np.cos(angle(s)), 0, t)[0]
+
+    assert run["x_d"][-1] == pytest.approx(x, abs=1e-12)
+    assert run["y_d"][-1] == pytest.approx(y, abs=1e-12)
+
+
+def test_its_table_is_read_checked_and_written():
+    scenario = loads_scenario("[toy_slope]\nangle = 0.1\n")
+
+    assert scenario.table("toy_slope").angle == 0.1
+    assert loads_scenario(to_toml(scenario)).effects == scenario.effects
+    assert "rise of the ground" in to_toml(scenario)
+    with pytest.raises(UnknownKeyError, match=r"toy_slope\.angel"):
+        loads_scenario("[toy_slope]\nangel = 0.1\n")
+    with pytest.raises(UnknownKeyError, match="toy_slop"):
+        loads_scenario("[toy_slop]\nangle = 0.1\n")
+    with pytest.raises(ScenarioError, match=r"toy_slope\.angle = -1"):
+        loads_scenario("[toy_slope]\nangle = -1\n")
+
+
+def test_a_stream_depends_on_its_name_alone():
+    """An effect more does not move the others' random numbers."""
+    plain = simulate("paper-simulation", LAW, seed=3, overrides=SHORT)
+    more = simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, "toy_gyro.walk": 0.001})
+
+    assert np.array_equal(plain["noise_right"], more["noise_right"])
+
+
+def test_structures_of_foreign_effects_are_never_shared():
+    one, other = (
+        compile_loop(scenario_of("paper-simulation", {**SHORT, "toy_slope.angle": a}), LAW)
+        for a in (0.01, 0.02)
+    )
+
+    assert one.compiled.structure != other.compiled.structure
+    assert one.compiled.library == other.compiled.library  # their C is the same all the same

@@ -1,0 +1,266 @@
+"""Toy effects and a toy reference, as another package would write them: one of every kind.
+
+Each is a section, a graph, and what the guard may count on.  `docs/extending.md` shows them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import (
+    NORMAL,
+    UNIFORM,
+    Output,
+    System,
+    draw,
+    port,
+    ports,
+    stack,
+)
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    MEASURED_VELOCITY,
+    PLANT_STATE,
+    TIME,
+    TORQUE,
+    TORQUE_NOISE,
+    TRAVEL,
+    Signal,
+)
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, outputs
+
+OMEGA = MEASURED_VELOCITY[1]
+THETA = PLANT_STATE[2]
+
+
+# A sensor with state and draws: a gyro whose bias walks.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyGyro(Section):
+    """How fast the bias walks."""
+
+    KEY: ClassVar[str] = "toy_gyro"
+
+    walk: float = quantity(0.0, unit="rad/s", doc="largest step of the bias in a sample", minimum=0)
+
+
+def gyro(scenario: Scenario) -> System:
+    """Measured omega with a bias that moves by walk times a uniform number in each sample."""
+    omega, p = port(OMEGA), Parameters(scenario)
+    bias = port(Signal("toy_bias", "rad/s", "bias of the toy gyro"))
+    step = draw(Signal("toy_gyro", "1", "uniform numbers", 2), UNIFORM, p.take("toy_gyro.walk") > 0)
+    following = 0.99 * bias.sym + p.take("toy_gyro.walk") * step.port.sym[0]
+    return System(
+        "toy_gyro", "walking bias", (omega,), (bias,), p.ports, following,
+        (Output(OMEGA, omega.sym + following),),
+        (Output(Signal("toy_bias_now", "rad/s", "bias of this sample"), following),),
+        scenario.clock.control, (step,),
+    )  # fmt: skip
+
+
+GYRO = Effect(
+    name="toy gyro",
+    role=EffectRole.SENSOR,
+    section=ToyGyro,
+    build=gyro,
+    acts=lambda scenario: scenario.section(ToyGyro).walk > 0,
+    bound=lambda scenario: Bound(nbar=(0.0, 100.0 * scenario.section(ToyGyro).walk)),
+)
+
+
+# A sensor that counts the way: what an encoder stands on.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyEncoder(Section):
+    """How coarse it is."""
+
+    KEY: ClassVar[str] = "toy_encoder"
+
+    step: float = quantity(0.0, unit="m", doc="way of one count; 0: none", minimum=0)
+
+
+def encoder(scenario: Scenario) -> System:
+    """Measured v1: the way since the previous sample, in whole steps, over the period."""
+    travel, p = port(TRAVEL), Parameters(scenario)
+    step, period = p.take("toy_encoder.step"), p.take("clock.control")
+    counted = step * ca.floor(travel.sym[0] / step + 0.5)
+    return System(
+        "toy_encoder", "differenced counts", (travel,), (), p.ports, ca.SX(0, 1),
+        (Output(MEASURED_VELOCITY[0], counted / period),), period=scenario.clock.control,
+    )  # fmt: skip
+
+
+ENCODER = Effect(
+    name="toy encoder",
+    role=EffectRole.SENSOR,
+    section=ToyEncoder,
+    build=encoder,
+    acts=lambda scenario: scenario.section(ToyEncoder).step > 0,
+)
+"""It states no bound: half a period late is more than the guard knows of."""
+
+
+# A drive with state: a torque that cannot jump.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyRamp(Section):
+    """How fast the torque may change."""
+
+    KEY: ClassVar[str] = "toy_ramp"
+
+    rate: float = quantity(0.0, unit="N.m/s", doc="largest rate; 0: the torque jumps", minimum=0)
+
+
+def ramp(scenario: Scenario) -> System:
+    """Torque that moves towards what arrives by at most rate h in a plant step."""
+    torque, p = ports(TORQUE), Parameters(scenario)
+    old = port(Signal("toy_torque", "N.m", "torque of the previous plant step", 2))
+    most = p.take("toy_ramp.rate") * p.take("clock.plant")
+    moved = ca.fmax(-most, ca.fmin(most, stack(item.sym for item in torque) - old.sym))
+    following = old.sym + moved
+    return System(
+        "toy_ramp", "limited rate", torque, (old,), p.ports, following,
+        tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
+        period=scenario.clock.plant,
+    )  # fmt: skip
+
+
+RAMP = Effect(
+    name="toy ramp",
+    role=EffectRole.DRIVE,
+    section=ToyRamp,
+    build=ramp,
+    acts=lambda scenario: scenario.section(ToyRamp).rate > 0,
+    rate=Rate.STEP,
+)
+
+
+# A force on the body, in each plant step.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToySlope(Section):
+    """How steep the ground is."""
+
+    KEY: ClassVar[str] = "toy_slope"
+
+    angle: float = quantity(0.0, unit="rad", doc="rise of the ground along +X", minimum=0)
+
+
+def slope(scenario: Scenario) -> System:
+    """Gravity along the heading, -m g sin(angle) times the share of it that points uphill."""
+    theta, p = port(THETA), Parameters(scenario)
+    pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("toy_slope.angle"))
+    return System(
+        "toy_slope", "slope along X", (theta,), (), p.ports, ca.SX(0, 1),
+        (Output(BODY_FORCE[0], pull * ca.sin(theta.sym)),), period=scenario.clock.plant,
+    )  # fmt: skip
+
+
+def slope_bound(scenario: Scenario) -> Bound:
+    """The heaviest robot straight downhill."""
+    heaviest = max((scenario.robot.m, *(c.m for c in scenario.changes if c.m)))
+    pull = heaviest * scenario.robot.g * math.sin(scenario.section(ToySlope).angle)
+    return Bound(dbar=(pull, 0.0))
+
+
+SLOPE = Effect(
+    name="toy slope",
+    role=EffectRole.DISTURBANCE,
+    section=ToySlope,
+    build=slope,
+    acts=lambda scenario: scenario.section(ToySlope).angle > 0,
+    bound=slope_bound,
+    rate=Rate.STEP,
+)
+
+
+# A disturbance with state and draws of its own in each plant step: gusts.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyGust(Section):
+    """How strong the gusts are."""
+
+    KEY: ClassVar[str] = "toy_gust"
+
+    torque: float = quantity(0.0, unit="N.m", doc="standard deviation of a step's kick", minimum=0)
+
+
+def gust(scenario: Scenario) -> System:
+    """Filtered noise on both wheels, drawn anew in each plant step."""
+    p, state = Parameters(scenario), port(Signal("toy_gust", "N.m", "filtered noise", 2))
+    kick = draw(Signal("toy_gust", "1", "numbers", 2), NORMAL, p.take("toy_gust.torque") > 0, 3.0)
+    following = 0.9 * state.sym + p.take("toy_gust.torque") * kick.port.sym
+    return System(
+        "toy_gust", "gusts", (), (state,), p.ports, following,
+        tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        period=scenario.clock.plant, draws=(kick,),
+    )  # fmt: skip
+
+
+GUST = Effect(
+    name="toy gust",
+    role=EffectRole.DISTURBANCE,
+    section=ToyGust,
+    build=gust,
+    acts=lambda scenario: scenario.section(ToyGust).torque > 0,
+    bound=lambda scenario: Bound(dbar=(600.0 * scenario.section(ToyGust).torque,) * 2),
+    rate=Rate.STEP,
+)
+
+
+# A reference with state: a clothoid, integrated.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyClothoid(Reference):
+    """A curve whose curvature grows with the way."""
+
+    speed: float = quantity(0.3, unit="m/s", doc="speed", above=0)
+    growth: float = quantity(0.2, unit="1/m2", doc="growth of the curvature over the way")
+
+
+SPEED = Signal("ref_speed", "m/s", "speed of the desired motion")
+GROWTH = Signal("ref_growth", "1/m2", "growth of the curvature over the way")
+
+
+def clothoid_numbers(reference: ToyClothoid) -> Numbers:
+    """Speed and growth."""
+    return ((SPEED, (reference.speed,)), (GROWTH, (reference.growth,)))
+
+
+def clothoid(scenario: Scenario) -> System:
+    """Position by Simpson's rule from sample to sample; orientation and rates in closed form."""
+    time, p = port(TIME), Parameters(scenario)
+    v, growth, T = p.take(SPEED.name), p.take(GROWTH.name), p.take("clock.control")
+    place = port(Signal("ref_place", "m", "desired position", 2))
+
+    def angle(t: ca.SX) -> ca.SX:
+        return growth * (v * t) ** 2 / 2
+
+    def velocity(t: ca.SX) -> ca.SX:
+        return v * ca.vertcat(-ca.sin(angle(t)), ca.cos(angle(t)))
+
+    t = time.sym
+    following = place.sym + T / 6 * (velocity(t) + 4 * velocity(t + T / 2) + velocity(t + T))
+    path = ca.vertcat(place.sym, angle(t), v, growth * v * v * t, 0, growth * v * v)
+    return System(
+        "reference", "clothoid", (time,), (place,), p.ports, following, outputs(path),
+        period=scenario.clock.control,
+    )  # fmt: skip
+
+
+CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid)
+EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST)

@@ -1,0 +1,63 @@
+"""Types of what `wmr_ctrl.api` is handed and hands back, for those who check their own code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypeAlias, TypedDict
+
+from wmr_ctrl.scenario import Scenario
+
+Progress: TypeAlias = Callable[[float], None]
+"""Called with the share that is done, 0 to 1."""
+
+Overrides: TypeAlias = Mapping[str, object]
+"""Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""
+
+
+class SspOptions(TypedDict, total=False):
+    """What `export_fmu` may be given for an SSP, as in `wmr_ctrl.fmi.ssp.export_ssp`."""
+
+    law: str
+    scenario: str | Path | Scenario
+    target: str
+    out: str | Path
+    progress: Callable[[str], None] | None
+
+
+class ExportOptions(SspOptions, total=False):
+    """What `export_fmu` may be given for FMUs, as in `wmr_ctrl.fmi.export.export_fmu`."""
+
+    fmi: str | int
+    arrays: bool
+
+
+class CosimulationOptions(TypedDict, total=False):
+    """What `cosimulate` may be given, as in `wmr_ctrl.fmi.cosim.cosimulate`."""
+
+    plant: str | Path | None
+    controller: str | Path | None
+    map_file: str | Path | None
+    master: str
+    seed: int
+    fmi: int
+    progress: Progress | None
+
+
+class Measurements(TypedDict):
+    """What the benchmarks measured: ratios by name (None: not measured), quartiles and targets.
+
+    ``ns`` per step of each candidate; ``paper``: the paper's times and ours.
+    """
+
+    ratios: dict[str, float | None]
+    spread: dict[str, list[float] | None]
+    targets: dict[str, str]
+    ns: dict[str, float]
+    paper: dict[str, object]
+
+
+class BenchReport(Measurements):
+    """The measurements, and ``text``: all of them as a table."""
+
+    text: str

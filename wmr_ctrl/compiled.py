@@ -1,0 +1,59 @@
+"""What a compiled loop holds, as plain data: for those who run it and must not wait for CasADi."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmr_ctrl.signals import Signal
+
+Signals = tuple[Signal, ...]
+
+
+@dataclass(frozen=True)
+class LawLayout:
+    """Inputs, memory and parameters of the controller by itself."""
+
+    inputs: Signals
+    state: Signals
+    parameters: Signals
+    start: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class LoopLayout:
+    """What the vectors of a loop's library mean: the same for every scenario of its structure.
+
+    ``columns``: of the log.  ``findings`` and ``sums``: names of what a run without log leaves.
+    """
+
+    title: str
+    columns: Signals
+    state: Signals
+    parameters: Signals
+    findings: tuple[str, ...]
+    sums: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CompiledLoop:
+    """A law's closed loop on a scenario: library, layout, and the numbers of this scenario.
+
+    ``parameters`` has a row for each phase, which begins at plant step ``phase_start``; ``start``
+    is the whole state at t = 0.  ``digest`` is the hash of the sources; ``structure`` tells loops
+    that can run side by side from others.
+    """
+
+    library: str
+    digest: str
+    structure: str
+    layout: LoopLayout
+    law: LawLayout
+    parameters: tuple[tuple[float, ...], ...]
+    phase_start: tuple[int, ...]
+    start: tuple[float, ...]
+
+
+def elements(signals: Signals) -> tuple[str, ...]:
+    """Names of all elements of some signals, in order."""
+    return tuple(name for signal in signals for name in signal.elements)

@@ -1,0 +1,270 @@
+"""The closed loop of a setup as two graphs, one a rate, over one state and one parameter vector.
+
+    sample (every T)  reference, sensors, controller, disturbances  ->  what is held over the period
+    step   (every h)  disturbances, drives, plant                   ->  the next fast state
+
+The state is the fast one (the plant, then what moves with it at each step) followed by the slow
+one.  Compiled loops and FMUs are made from these graphs and know no System by name.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, cast
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.wiring import (
+    DISTURBING,
+    MEASURED,
+    Named,
+    Stream,
+    Wiring,
+    held_signals,
+    pushes,
+)
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.system import Port, System, port, stack, values
+from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.results.assumptions import admitted, stopping_force
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    LOG_HEAD,
+    PATH,
+    POSE,
+    PSI,
+    REFERENCE,
+    TORQUE,
+    TRACKING_ERROR,
+    TRAVEL,
+    VELOCITY,
+    Signal,
+)
+from wmr_ctrl.world.effect import EffectRole, Rate
+from wmr_ctrl.world.references.evaluate import reference
+
+SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "samples")
+"""Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, 1."""
+SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
+"""What every run without a log watches: also the largest |torque| [N m], and of the guard's
+monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
+CLOCK = ("control", "plant", "delay_steps", "v_u1_linear", "v_u1_angular")
+"""Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound."""
+TRAVELLED = Signal("travel_mark", "m, rad", "way and orientation at the previous sample", 2)
+
+
+class LoopGraphs:
+    """Both graphs of a setup's closed loop.
+
+    ``fast`` and ``slow``: ports of the state; ``held``: what a sample leaves to its steps;
+    ``columns`` and ``row``: a line of the log; ``seen``: see SEEN; ``clock``: see CLOCK.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        """Compose all Systems of ``setup``."""
+        self.setup, self.parameters = setup, Parameters(setup)
+        self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
+        sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
+        sensors = sampled.effects(EffectRole.SENSOR)
+        odometer = any(item.signal == TRAVEL for part in sensors for item in part.inputs)
+        self.plant = plant(setup.scenario, odometer=odometer)
+        true = {item.signal.name: item.sym for item in self.plant.state}
+        sampled.known |= true
+        self.sample = sampled
+        self.step = Wiring(setup, self.parameters, Rate.STEP, true)
+        self._compose_sample(sensors)
+        self._compose_step()
+
+    @property
+    def fast(self) -> tuple[Port, ...]:
+        """The part of the state that moves with every plant step, the plant's first."""
+        return (*self.plant.state, *self.step.state)
+
+    @property
+    def slow(self) -> tuple[Port, ...]:
+        """The part of the state that moves with every sample."""
+        return tuple(self.sample.state)
+
+    @property
+    def streams(self) -> tuple[Stream, ...]:
+        """Random numbers of both rates."""
+        return (*self.sample.streams, *self.step.streams)
+
+    @property
+    def x(self) -> ca.SX:
+        """The whole state."""
+        return stack(item.sym for item in (*self.fast, *self.slow))
+
+    @property
+    def x0(self) -> list[float]:
+        """Start values of the whole state."""
+        return values((*self.fast, *self.slow))
+
+    @property
+    def p(self) -> ca.SX:
+        """The parameters."""
+        return stack(item.sym for item in self.parameters.ports)
+
+    @property
+    def next_slow(self) -> ca.SX:
+        """The slow state of the next sample."""
+        return stack(self.sample.following)
+
+    def draws(self, rate: Rate) -> ca.SX:
+        """Random numbers of one rate."""
+        return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
+
+    @cached_property
+    def columns(self) -> tuple[Signal, ...]:
+        """Signals of the log, in order."""
+        pushed = BODY_FORCE if self._pushed else ()
+        return (*LOG_HEAD, *own_diagnostics(self.controller), *pushed, *self.sample.shown)
+
+    @cached_property
+    def row(self) -> ca.SX:
+        """One line of the log."""
+        return self.sample.column(self.columns)
+
+    @cached_property
+    def seen(self) -> ca.SX:
+        """What is watched in a run without a log, in the order of SEEN."""
+        known, p = self.sample.known, self.parameters
+        off = self.sample.column(POSE) - self.sample.column(REFERENCE[:3])
+        e, torque = known[TRACKING_ERROR.name], self.sample.column(TORQUE)
+        peak = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
+        least = known["d_least"]
+        keys = ("guard.M_max", "limits.v_u1", "clock.control", "guard.dbar")
+        mass, u1, period, dbar = (cast(Any, p.take(key)) for key in keys)  # symbols for floats
+        most = admitted(dbar, stopping_force(mass, u1, period))
+        sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
+        squares = torque[0] * torque[0] + torque[1] * torque[1]
+        beyond = [least[axis] > most[axis] for axis in (0, 1)]
+        return ca.vertcat(*sums, squares, 1, peak, known["clip_active"], least, *beyond)
+
+    @cached_property
+    def clock(self) -> ca.SX:
+        """Numbers of CLOCK, then two for each stream."""
+        return clock_numbers(self.parameters, self._late, self.streams)
+
+    def _compose_sample(self, sensors: list[System]) -> None:
+        rate, known = self.sample, self.sample.known
+        known[PSI.name] = known[POSE[2].name] + ca.pi / 2
+        known |= rate.run(self.reference)
+        self._add_travel()
+        rate.measure(sensors)
+        measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
+        shown = known | {true.name: known[seen.name] for true, seen in measured}
+        known |= rate.run(self.controller, shown)
+        disturbances = rate.effects(EffectRole.DISTURBANCE)
+        rate.disturb(disturbances)
+        every = [*disturbances, *self.step.effects(EffectRole.DISTURBANCE)]
+        self._pushed = pushes(every)
+        desired = rate.column(REFERENCE[:3])
+        known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
+        self.held = rate.column(held_signals(self._pushed))
+
+    def _add_travel(self) -> None:
+        """Way and turn since the previous sample, where a sensor asks for them."""
+        if PATH.name not in self.sample.known:
+            return
+        now, mark = self.sample.column((PATH, POSE[2])), port(TRAVELLED)
+        moved = ca.if_else(self.sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
+        self.sample.known[TRAVEL.name] = moved
+        self.sample.add((mark,), now)
+
+    def _compose_step(self) -> None:
+        """The fast state after one plant step, from what is held and has arrived."""
+        rate, signals = self.step, held_signals(self._pushed)
+        self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
+        rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
+        self._late = rate.drive(rate.effects(EffectRole.DRIVE))
+        rate.disturb(rate.effects(EffectRole.DISTURBANCE))
+        h = ca.SX.sym("h")
+        moved = rk4_step(self.plant, h)
+        old = ca.vertcat(self.plant.u, self.plant.p, h)
+        acting = rate.column((*TORQUE, *DISTURBING))
+        new = ca.vertcat(acting, rate.of(self.plant), self.parameters.take("clock.plant"))
+        self.next_fast = ca.vertcat(ca.substitute(moved, old, new), *rate.following)
+
+
+class OutsideGraphs:
+    """The loop without reference, controller and plant, which are coupled from outside.
+
+    ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
+    ``acting``: torques that act over a plant step, and what disturbs.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        """Compose sensors, disturbances and drives; ArgumentError for an odometer."""
+        self.parameters = Parameters(setup)
+        self.plant = plant(setup.scenario)
+        true: Named = {item.signal.name: item.sym for item in self.plant.state}
+        self.sample = Wiring(setup, self.parameters, Rate.SAMPLE, dict(true))
+        self.step = Wiring(setup, self.parameters, Rate.STEP, dict(true))
+        sensors = self.sample.effects(EffectRole.SENSOR)
+        _refuse_odometer(sensors)
+        self.sample.measure(sensors)
+        disturbances = self.sample.effects(EffectRole.DISTURBANCE)
+        self.sample.disturb(disturbances)
+        pushed = pushes([*disturbances, *self.step.effects(EffectRole.DISTURBANCE)])
+        self.columns = (*(BODY_FORCE if pushed else ()), *self.sample.shown)
+        self.measured = self.sample.column((*MEASURED, *DISTURBING, *self.columns))
+        signals = held_signals(pushed=True)
+        self.u = port(Signal("held", "1", "torque commanded, and what disturbs", len(signals)))
+        self.step.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
+        late = self.step.drive(self.step.effects(EffectRole.DRIVE))
+        self.step.disturb(self.step.effects(EffectRole.DISTURBANCE))
+        self.acting = self.step.column((*TORQUE, *DISTURBING))
+        self.parameters.take("limits.v_u1")
+        self.clock = clock_numbers(self.parameters, late, self.streams)
+
+    @property
+    def streams(self) -> tuple[Stream, ...]:
+        """Random numbers of both rates."""
+        return (*self.sample.streams, *self.step.streams)
+
+    @property
+    def fast(self) -> tuple[Port, ...]:
+        """State of the plant's rate, the plant's first."""
+        return (*self.plant.state, *self.step.state)
+
+    @property
+    def slow(self) -> tuple[Port, ...]:
+        """State of the samples' rate."""
+        return tuple(self.sample.state)
+
+    @property
+    def next_fast(self) -> ca.SX:
+        """The fast state after a step, with the plant at rest."""
+        return ca.vertcat(self.plant.x, *self.step.following)
+
+    @property
+    def always_moves(self) -> bool:
+        """Whether what acts may change from plant step to plant step."""
+        return bool(self.step.state or self.step.streams or self.step.shown)
+
+    def draws(self, rate: Rate) -> ca.SX:
+        """Random numbers of one rate."""
+        return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
+
+
+def clock_numbers(p: Parameters, late: ca.SX, streams: tuple[Stream, ...]) -> ca.SX:
+    """Numbers of CLOCK for a delay [s], then two for each stream."""
+    h = p.take("clock.plant")
+    steps = ca.floor(late / h + 0.5)
+    said = (item.said for item in streams)
+    return ca.vertcat(p.take("clock.control"), h, steps, p.take("limits.v_u1"), *said)
+
+
+def _refuse_odometer(sensors: list[System]) -> None:
+    for system in sensors:
+        if any(item.signal == TRAVEL for item in system.inputs):
+            raise ArgumentError(
+                f"the sensor {system.name!r} counts the way that is driven, which a plant that is "
+                "coupled from outside does not tell. Use the native loop or the closed-loop FMU."
+            )

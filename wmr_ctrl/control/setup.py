@@ -1,0 +1,185 @@
+"""Setup: a law on a scenario, settled once: gains, guard's numbers, limits and effects, checked.
+
+Everything that is built or judged for a run is handed this value; nothing below looks a gain up by
+itself.  Numbers keep their scenario keys, so a graph's parameters can be filled without the graph.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TypeVar
+
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.fields.section import Section, build, number_of
+from wmr_ctrl.guard.bounds import Stated, assumptions, settled_guard, stated_guard
+from wmr_ctrl.laws.law import Law, TorqueLimited
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.results import Assumptions
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
+from wmr_ctrl.world.references.evaluate import check_finite
+from wmr_ctrl.world.registry import EFFECTS
+
+KINEMATICS = "kinematics"
+GUARD_ALONE = "guard"
+"""Name of a setup without a law."""
+Pair = tuple[float, float]
+S = TypeVar("S", bound=Section)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A law (or the guard by itself) on a scenario, with every number that follows from them.
+
+    ``gains`` are the law's, ``kinematics`` those of Eq. (7), ``guard`` the numbers of the guard:
+    met where it is on, as stated or implied where it is off.  ``effects`` are those present.
+    """
+
+    scenario: Scenario
+    law: Law | None
+    gains: Section
+    kinematics: KinematicGains
+    guard: Stated
+    effects: tuple[Effect, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the law; "guard" for the guard by itself."""
+        return self.law.name if self.law else GUARD_ALONE
+
+    @property
+    def control_law(self) -> Law:
+        """The law, where there must be one."""
+        assert self.law is not None, "the guard by itself has no law"
+        return self.law
+
+    @property
+    def tau_max(self) -> float:
+        """Torque limit of each wheel [N m]: the drives', or the law's own where it is smaller."""
+        return wheel_limit_of(self.scenario, self.gains)
+
+    @property
+    def assumptions(self) -> Assumptions:
+        """What a guard assumes of the motion, be it on or off."""
+        return assumptions(self.scenario, self.guard)
+
+    @cached_property
+    def bound(self) -> Bound:
+        """What all effects with a bound add to the guard's assumptions."""
+        return bound_of(self.scenario, self.effects)
+
+    def own(self, cls: type[S]) -> S:
+        """The law's gains as their own class; raises ArgumentError for another law's."""
+        if not isinstance(self.gains, cls):
+            raise ArgumentError(f"{self.name} has {type(self.gains).__name__}, not {cls.__name__}.")
+        return self.gains
+
+    def with_role(self, role: EffectRole) -> tuple[Effect, ...]:
+        """Effects of one role that are present, in the order in which they compose."""
+        return tuple(item for item in self.effects if item.role is role)
+
+    def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
+        """Signal and value of the number at a key: the law's gains, the guard's, the scenario's.
+
+        Raises KeyError for a key that names no number.
+        """
+        section, _, name = key.partition(".")
+        if section == "guard":
+            return number_of(self.guard, name, key)
+        if section != "gains":
+            return self.scenario.number(key)
+        law, _, gain = name.partition(".")
+        if law == KINEMATICS:
+            return number_of(self.kinematics, gain, key)
+        if law != self.name:
+            raise KeyError(key)
+        return number_of(self.gains, gain, key)
+
+
+@lru_cache(maxsize=4096)
+def settle(scenario: Scenario, law: str | None) -> Setup:
+    """The Setup of ``law`` on ``scenario``; None is the guard by itself.
+
+    Raises UnknownNameError for a law, effect or gain that does not exist, ScenarioError for a bad
+    value, a reference that is not finite, or a guard that is on and cannot keep its limits.
+    """
+    chosen = None if law is None else LAWS[law]
+    check_gains(scenario)
+    _finite_reference(scenario)
+    gains = Section() if chosen is None else gains_of(scenario, chosen)
+    present = EFFECTS.present(scenario)
+    if scenario.guard.enabled or chosen is None:
+        _check_bounds(present)
+    settled = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
+    bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
+    guard = settled(scenario, bound, limit)
+    return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
+
+
+def check_scenario(scenario: Scenario) -> None:
+    """Raise what `settle` raises for every law: gains, a reference, a guard that cannot be.
+
+    Of the guard that is on, what no law's own torque limit changes.
+    """
+    check_gains(scenario)
+    _finite_reference(scenario)
+    if scenario.guard.enabled:
+        settle(scenario, None)
+
+
+def gains_of(scenario: Scenario, law: Law) -> Section:
+    """The law's gains with what the scenario sets; raises on unknown names and bad values."""
+    return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
+
+
+def kinematic_gains(scenario: Scenario) -> KinematicGains:
+    """k_1, k_2, k_3 of Eq. (7)."""
+    return build(KinematicGains, scenario.gains.get(KINEMATICS, {}), f"gains.{KINEMATICS}")
+
+
+def check_gains(scenario: Scenario) -> None:
+    """Raise where the scenario names a law or a gain that does not exist, or a bad value."""
+    kinematic_gains(scenario)
+    for name in scenario.gains:
+        if name == KINEMATICS:
+            continue
+        if name not in LAWS:
+            raise UnknownNameError("section of gains", name, (*LAWS, KINEMATICS))
+        gains_of(scenario, LAWS[name])
+
+
+def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
+    """The smaller of actuator.tau_max and the limit that the law's gains bring, if any [N m]."""
+    limit = scenario.actuator.tau_max
+    return min(limit, gains.tau_max) if isinstance(gains, TorqueLimited) else limit
+
+
+def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
+    """Sum of what effects add to the guard's assumptions; those without a bound add nothing."""
+    return total([item.bound(scenario) for item in present if item.bound is not None])
+
+
+def _check_bounds(present: tuple[Effect, ...]) -> None:
+    for item in present:
+        if item.bound is None:
+            raise ScenarioError(
+                f"guard.enabled: the effect {item.name!r} ([{item.section.KEY}]) states no bound, "
+                "so no guard can count on anything. Switch the guard off, take the effect out of "
+                "the scenario, or give its Effect a bound."
+            )
+
+
+_FINITE: dict[tuple[object, ...], None] = {}
+
+
+def _finite_reference(scenario: Scenario) -> None:
+    """Check a reference once, however many scenarios share it."""
+    key = (type(scenario.reference), scenario.reference, scenario.clock)
+    if key not in _FINITE:
+        check_finite(scenario)
+        if len(_FINITE) > 4096:
+            _FINITE.clear()
+        _FINITE[key] = None

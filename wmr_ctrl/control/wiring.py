@@ -1,0 +1,178 @@
+"""Wiring: Systems of one rate joined by the names of their signals, over shared parameters.
+
+The world around plant and controller is joined here, for the whole loop and for parts of it that
+are coupled from outside: sensors and disturbances in a control sample, disturbances and drives in
+a plant step.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import casadi as ca
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import NORMAL, Draw, Port, System, port, stack
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    MEASURED_POSE,
+    MEASURED_VELOCITY,
+    POSE,
+    SAMPLE,
+    TIME,
+    TORQUE,
+    TORQUE_NOISE,
+    VELOCITY,
+    Signal,
+)
+from wmr_ctrl.world.effect import EffectRole, Rate
+
+Named: TypeAlias = dict[str, ca.SX]
+STEP = Signal("step", "1", "number of the plant step, from 0")
+MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
+DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
+STREAMS = {"torque": 0, "pose": 1, "velocity": 2}
+"""Streams whose numbers are fixed; others follow from their names."""
+FIRST_STREAM = 16
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Random numbers of one draw: what picks them, their kind, how many, and at which rate.
+
+    ``said``: whether they are wanted and their bound (2,), by the loop's parameters.
+    """
+
+    draw: Draw
+    rate: Rate
+    said: ca.SX
+
+    @property
+    def name(self) -> str:
+        """Name of the stream."""
+        return self.draw.port.signal.name
+
+    @property
+    def number(self) -> int:
+        """Number of the stream in the generator's counter: it depends on the name alone."""
+        return STREAMS.get(self.name, FIRST_STREAM + zlib.crc32(self.name.encode()))
+
+    @property
+    def size(self) -> int:
+        """How many numbers."""
+        return self.draw.port.signal.size
+
+    @property
+    def normal(self) -> bool:
+        """Whether they are normal; else uniform on [-1, 1)."""
+        return self.draw.kind == NORMAL
+
+
+class Wiring:
+    """What is known by name at one rate, and the state that its Systems bring.
+
+    ``clock`` is the number of the sample or step; ``known`` starts with the time and the true
+    state; ``shown`` are diagnostics of effects.
+    """
+
+    def __init__(self, setup: Setup, parameters: Parameters, rate: Rate, true: Named) -> None:
+        """Nothing is joined yet."""
+        sampled = rate is Rate.SAMPLE
+        self.setup, self.parameters, self.rate = setup, parameters, rate
+        self.clock = port(SAMPLE if sampled else STEP)
+        time = self.clock.sym * parameters.take("clock.control" if sampled else "clock.plant")
+        self.known: Named = {**true, TIME.name: time, self.clock.signal.name: self.clock.sym}
+        self.state: list[Port] = []
+        self.following: list[ca.SX] = []
+        self.streams: list[Stream] = []
+        self.shown: list[Signal] = []
+
+    def of(self, system: System) -> ca.SX:
+        """The shared symbols for a System's parameters."""
+        return stack(self.parameters.take(item.signal.name) for item in system.params)
+
+    def run(self, system: System, known: Mapping[str, ca.SX] | None = None) -> Named:
+        """Outputs and diagnostics of a System for what is known; its state joins the others."""
+        named = self.known if known is None else known
+        p = self.of(system)
+        for item in system.draws:
+            said = ca.substitute(ca.vertcat(item.wanted, item.bound), system.p, p)
+            self.streams.append(Stream(item, self.rate, said))
+        given = [stack(named[item.signal.name] for item in system.inputs), system.x, p]
+        graph = system.function("run", [system.update, system.y, system.d])
+        update, y, d = graph(*given, *([system.w] if system.draws else []))
+        self.add(system.state, update)
+        return _by_name(system, ca.vertcat(y, d))
+
+    def add(self, state: Sequence[Port], following: ca.SX) -> None:
+        """State with its next value."""
+        self.state.extend(state)
+        self.following.append(following)
+
+    def effects(self, role: EffectRole) -> list[System]:
+        """Systems of one role that act at this rate, in the order in which they compose."""
+        chosen = (item for item in self.setup.with_role(role) if item.rate is self.rate)
+        return [item.build(self.setup.scenario) for item in chosen]
+
+    def measure(self, sensors: Sequence[System]) -> None:
+        """Sensors one after the other, the first from the true state."""
+        for seen, true in zip(MEASURED, (*POSE, *VELOCITY), strict=True):
+            self.known[seen.name] = self.known[true.name]
+        for system in sensors:
+            self.known |= self._shown(system)
+
+    def disturb(self, disturbances: Sequence[System]) -> None:
+        """Sum of torques at the wheels and of forces on the body, onto what is there already."""
+        total = {s.name: self.known.get(s.name, ca.SX(0)) for s in DISTURBING}
+        for system in disturbances:
+            given = self._shown(system)
+            total |= {name: total[name] + given.pop(name) for name in total if name in given}
+            self.known |= given
+        self.known |= total
+
+    def drive(self, drives: Sequence[System]) -> ca.SX:
+        """Drives one after the other, from the torque that arrives; returns the delay [s].
+
+        Raises ArgumentError for a delay behind another drive.
+        """
+        late = ca.SX(0)
+        for place, system in enumerate(drives):
+            if system.transport is None:
+                self.known |= self._shown(system)
+            elif place:
+                raise ArgumentError(f"{system.name}: a delay must be the first of the drives.")
+            else:
+                late = ca.substitute(system.transport, system.p, self.of(system))
+        return late
+
+    def _shown(self, system: System) -> Named:
+        self.shown.extend(item.signal for item in system.diagnostics)
+        return self.run(system)
+
+    def column(self, signals: Sequence[Signal]) -> ca.SX:
+        """What is known of some signals."""
+        return stack(self.known[item.name] for item in signals)
+
+
+def pushes(systems: Sequence[System]) -> bool:
+    """Whether any of some disturbances exerts a force on the body."""
+    names = {item.name for item in BODY_FORCE}
+    return any(item.signal.name in names for system in systems for item in system.outputs)
+
+
+def held_signals(pushed: bool) -> tuple[Signal, ...]:
+    """What a sample leaves to its steps, the commanded torques first."""
+    return (*TORQUE, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))
+
+
+def _by_name(system: System, numbers: ca.SX) -> Named:
+    at, named = 0, {}
+    for item in (*system.outputs, *system.diagnostics):
+        named[item.signal.name] = numbers[at : at + item.signal.size]
+        at += item.signal.size
+    return named

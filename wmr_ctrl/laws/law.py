@@ -1,0 +1,72 @@
+"""Law: a control law as a value, with the traits that checks and reports ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import System
+
+if TYPE_CHECKING:
+    from wmr_ctrl.laws.sample import Sample
+
+BARRIERS = ("paper", "smooth")
+"""Forms of the barrier function: the paper's, and the one whose slope is continuous."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Traits:
+    """What a law is, as its author states it.
+
+    ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
+    ``model``: it believes a mass and a friction.  ``theorem``: the paper's theorem whose claim is
+    about it, 0 for none.  ``estimates``: its memory holds an estimate that is learnt on the way,
+    so that what holds at the start need not hold later.
+    """
+
+    auxiliary: bool = False
+    barrier: bool = False
+    model: bool = False
+    theorem: int = 0
+    estimates: bool = False
+
+
+@dataclass(frozen=True)
+class Law:
+    """A control law: name, gains, graph, traits and what its file says.
+
+    ``build(sample)`` gives its System, whose output is the generalised force (N, N m).
+    """
+
+    name: str
+    gains: type[Section]
+    build: Callable[[Sample], System]
+    traits: Traits
+    doc: str
+
+    @property
+    def title(self) -> str:
+        """The first line of what its file says."""
+        return self.doc.strip().splitlines()[0].rstrip(".") if self.doc.strip() else self.name
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueLimited(Section):
+    """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
+
+    KEY: ClassVar[str] = "gains"
+
+    tau_max: float = quantity(
+        20.0, unit="N.m", doc="torque limit of the law's own, beside actuator.tau_max", above=0.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BarrierChoice(Section):
+    """Gains of a law that lets one choose the form of the barrier function."""
+
+    KEY: ClassVar[str] = "gains"
+
+    barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)

@@ -1,1 +1,0 @@
-"""The robot on its path as moving pictures: a page, a GIF or a film."""

@@ -1,0 +1,142 @@
+"""Figures of many runs as arrays, from the sums that the lanes' loop leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.results import Monitor, Settings
+from wmr_ctrl.results.metrics import E_RMS_WINDOWS
+from wmr_ctrl.results.monitor import STOP_REASONS
+from wmr_ctrl.sim.memory import Memory
+from wmr_ctrl.sim.ready import Ready
+
+Floats = NDArray[np.float64]
+Figures = dict[str, NDArray[Any]]
+
+SHAPES: Mapping[str, tuple[int, ...]] = {
+    "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
+    "e_rms": (len(E_RMS_WINDOWS), 3), "max_abs_v": (2,), "violations": (),
+    "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
+    "samples": (), "tau_peak": (), "tau_rms": (), "final_state": (5,),
+    "d_least": (2,), "bounds_left": (), "bounds_axis": (), "clipped": (2,),
+}  # fmt: skip
+"""Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
+window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
+``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
+into STOP_REASONS); ``samples`` made; torques [N m]; ``final_state`` x, y [m], theta [rad],
+v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
+the first motion that a guard's bounds do not admit; ``clipped``, share of samples in which the
+guard acted.  NaN where there was no such event or the run ended before its window
+did."""
+
+
+class Runnable(Protocol):
+    """What is read of a task."""
+
+    @property
+    def loop(self) -> Ready:
+        """What ran: its clocks and windows."""
+
+
+def windows_of(settings: Settings) -> list[tuple[int, int]]:
+    """Sample windows: all, before and after the split, the RMS of torque, the RMS of errors."""
+    end, split = settings.samples, settings.index(settings.split)
+    errors = [(settings.index(a), settings.index(b)) for a, b in E_RMS_WINDOWS]
+    return [(0, end), (0, split), (split, end), (settings.index(settings.rms_from), end), *errors]
+
+
+def empty_figures(count: int) -> Figures:
+    """Arrays for ``count`` runs."""
+    return {name: np.full((count, *shape), np.nan) for name, shape in SHAPES.items()}
+
+
+def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Runnable]) -> None:
+    """Write a batch's figures where its runs stand."""
+    settings = runs[0].loop.settings
+    found = _from_findings(memory, settings) | _from_sums(memory, settings)
+    for name, values in found.items():
+        figures[name][list(places)] = values
+
+
+def monitors(memory: Memory, runs: Sequence[Runnable]) -> list[Monitor]:
+    """What was watched in each run of a batch."""
+    found = _from_findings(memory, runs[0].loop.settings)
+    return [
+        monitor({name: values[lane] for name, values in found.items()})
+        for lane, _ in enumerate(runs)
+    ]
+
+
+def monitor(one: Mapping[str, Any]) -> Monitor:
+    """What was watched in one run, from its figures by name."""
+    first = None
+    if one["violations"] > 0:
+        first = (float(one["first_violation"]), int(one["first_axis"]))
+    reason = STOP_REASONS[int(one["stop"])]
+    stopped = (float(one["stopped"]), int(one["stop_axis"])) if reason else None
+    speeds = (float(one["max_abs_v"][0]), float(one["max_abs_v"][1]))
+    left = None
+    if one["bounds_left"] >= 0:
+        left = (float(one["bounds_left"]), int(one["bounds_axis"]))
+    least = None
+    if not np.isnan(one["d_least"]).any():
+        least = (float(one["d_least"][0]), float(one["d_least"][1]))
+    return Monitor(
+        speeds, int(one["violations"]), first, stopped, reason, bounds_left=left, d_least=least
+    )
+
+
+def _from_findings(memory: Memory, settings: Settings) -> Figures:
+    found = memory.row
+    step, left = settings.plant, found("left_sample")
+    violated, ended, samples = found("violations") > 0, found("stop") > 0, found("samples")
+    made = (samples > 0)[:, None]
+    return {
+        "final_state": memory.final,
+        "max_abs_v": found("max_v1", "max_omega"),
+        "violations": found("violations"),
+        "first_violation": np.where(violated, found("first_step") * step, np.nan),
+        "first_axis": np.where(violated, found("first_axis"), np.nan),
+        "stop": found("stop"),
+        "stopped": np.where(ended, found("stop_step") * step, np.nan),
+        "stop_axis": np.where(ended, found("stop_axis"), np.nan),
+        "samples": samples,
+        "tau_peak": np.where(samples > 0, found("torque"), np.nan),
+        "d_least": np.where(made, found("d_least1", "d_least2"), np.nan),
+        "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
+        "bounds_axis": np.where(left >= 0, found("left_axis"), np.nan),
+        "clipped": np.where(
+            made, found("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
+        ),
+    }
+
+
+def _from_sums(memory: Memory, settings: Settings) -> Figures:
+    windows, sums = windows_of(settings), memory.sums
+    full = np.array([covered(w, settings, memory) for w in windows])
+    both = np.where(full, sums[:, 0] + sums[:, 1], np.nan) * settings.control
+    position = np.where(full[0], sums[0, 0], np.nan) * settings.control
+    with np.errstate(divide="ignore", invalid="ignore"):
+        counts = np.where(full, sums[:, 6], np.nan)
+        mean = sums / counts[:, None]
+    return {
+        "ise_total": both[0],
+        "ise_before": both[1],
+        "ise_after": both[2],
+        "ise_position": position,
+        "tau_rms": np.sqrt(mean[3, 5] / 2),
+        "e_rms": np.sqrt(np.moveaxis(mean[4:, 2:5], 2, 0)),
+    }
+
+
+def covered(window: tuple[int, int], settings: Settings, memory: Memory) -> NDArray[np.bool_]:
+    """Which runs lasted through a window of samples."""
+    stop, stop_step = memory.row("stop"), memory.row("stop_step")
+    substeps = round(settings.control / settings.plant)
+    whole = np.where(stop > 0, stop_step // substeps, settings.samples)
+    first, last = window
+    return np.asarray((whole >= last) & (first <= last) & (last <= settings.samples))

@@ -1,0 +1,30 @@
+"""CasADi, loaded when it is first used.
+
+A scenario knows the kinds of its references and effects, whose files hold graphs too; a worker
+that only runs what is compiled reads scenarios and must not wait for CasADi.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+
+class _OnFirstUse:
+    """Stands for a module and imports it at the first look at one of its names."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, name: str) -> object:
+        value = getattr(import_module(self._name), name)
+        setattr(self, name, value)
+        return value
+
+
+if TYPE_CHECKING:
+    import casadi as ca
+else:
+    ca = _OnFirstUse("casadi")
+
+__all__ = ["ca"]

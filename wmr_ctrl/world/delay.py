@@ -1,0 +1,81 @@
+"""Delay of the drives: a command acts a constant time after it was given.
+
+The loop keeps the commands under way in a queue of plant steps, the one thing that a graph is bad
+at; this System passes them on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.signals import TORQUE
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay(Section):
+    """How late the torque is."""
+
+    KEY: ClassVar[str] = "actuator"
+
+    delay: float = quantity(
+        0.0, unit="s", doc="delay of the torque, a multiple of clock.plant", minimum=0, maximum=10
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: the torque that arrives [N m]."""
+    torque, p = ports(TORQUE), Parameters(scenario)
+    late = p.take("actuator.delay")
+    return System(
+        "delay",
+        "delay of the drives",
+        torque,
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(item.signal, item.sym) for item in torque),
+        period=scenario.clock.plant,
+        transport=late,
+    )
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there is a delay."""
+    return scenario.section(Delay).delay > 0
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The delay itself: the guard counts every command that is under way."""
+    return Bound(delay=scenario.section(Delay).delay)
+
+
+DELAY = Effect(
+    name="delay",
+    role=EffectRole.DRIVE,
+    section=Delay,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+)
+
+
+def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
+    """The delay as whole control periods and the plant steps that are left."""
+    clock = scenario.clock
+    return divmod(round(scenario.section(Delay).delay / clock.plant), clock.substeps)
+
+
+def commands_under_way(scenario: Scenario) -> int:
+    """How many commands have not acted to their end when the next one is computed."""
+    whole, part = delay_in_periods(scenario)
+    return whole + bool(part)

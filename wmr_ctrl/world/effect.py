@@ -1,0 +1,101 @@
+"""Effect: what a sensor, a disturbance or a drive adds to the loop, and to what a guard assumes.
+
+An effect is one file: a section of the scenario, a graph, a bound.  It is named in `registry`.
+
+| role | rate | inputs by name | outputs by name |
+|---|---|---|---|
+| sensor | sample | time, true state, ``travel``, what was measured so far | measured quantities |
+| disturbance | sample or step | time, true state | wheel torque, force on the body |
+| drive | step | torque so far, true state | torque |
+
+Effects of a role compose in the order of the registry: a sensor reads what those before it made of
+the measured quantities, a drive the torque that those before it let through; disturbances add up.
+Names that an effect does not read or write stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, TypeAlias
+
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.model.system import System
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+Pair: TypeAlias = tuple[float, float]
+
+
+class EffectRole(Enum):
+    """What an effect stands for in the loop."""
+
+    SENSOR = "sensor"
+    DISTURBANCE = "disturbance"
+    DRIVE = "drive"
+
+
+class Rate(Enum):
+    """How often an effect acts: once in a control sample, or in each plant step."""
+
+    SAMPLE = "sample"
+    STEP = "step"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """What an effect adds to what the guard assumes; pairs are (linear, angular).
+
+    ``dbar`` disturbance force [N, N m]; ``nbar`` error of the velocity [m/s, rad/s]; ``mass`` by
+    which mass and inertia may differ from the robot's [kg, kg m2]; ``delay`` lateness of a command
+    [s].  ``void`` names an assumption that the effect breaks whatever the numbers are: then the
+    guard filters but promises nothing.
+    """
+
+    dbar: Pair = (0.0, 0.0)
+    nbar: Pair = (0.0, 0.0)
+    mass: Pair = (0.0, 0.0)
+    delay: float = 0.0
+    void: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """One sensor, disturbance or drive.
+
+    ``section``: its fields, whose KEY is a table of the scenario.  ``build(scenario)`` gives its
+    System.  ``acts(scenario)`` tells whether it makes a difference, ``present(scenario)`` whether
+    it is part of the loop's structure: where it acts, unless it is so cheap that it is always
+    there and its numbers decide.  ``bound(scenario)`` is what it adds to the guard's assumptions;
+    without a bound the guard refuses to be switched on.
+    """
+
+    name: str
+    role: EffectRole
+    section: type[Section]
+    build: Callable[[Scenario], System]
+    acts: Callable[[Scenario], bool]
+    bound: Callable[[Scenario], Bound] | None = None
+    rate: Rate = Rate.SAMPLE
+    always: bool = False
+
+    def present(self, scenario: Scenario) -> bool:
+        """Whether it is part of the loop's structure."""
+        return self.always or self.acts(scenario)
+
+
+def total(bounds: list[Bound]) -> Bound:
+    """The sum of bounds, and every reason why there is no promise."""
+    return Bound(
+        dbar=_sum([item.dbar for item in bounds]),
+        nbar=_sum([item.nbar for item in bounds]),
+        mass=_sum([item.mass for item in bounds]),
+        delay=sum(item.delay for item in bounds),
+        void=" ".join(item.void for item in bounds if item.void),
+    )
+
+
+def _sum(pairs: list[Pair]) -> Pair:
+    return sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)

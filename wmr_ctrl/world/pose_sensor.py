@@ -1,0 +1,116 @@
+"""Pose sensor: a slow and noisy pose, dead-reckoned in between from the measured velocity.
+
+Source: Section VI of the paper has such a sensor; how it is read between two poses is not told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
+from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, SAMPLE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+NUMBERS = Signal("pose", "1", "uniform numbers on [-1, 1)", 2)
+ESTIMATE = Signal("pose_estimate", "m, m, rad", "dead-reckoned pose of the previous sample", 3)
+OLD_VELOCITY = Signal("v_reckoned", "m/s, rad/s", "measured velocity of the previous sample", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseSensor(Section):
+    """Period, error and weight of the measured pose; the defaults are a perfect sensor.
+
+    Between two measured poses the pose is predicted from the velocity; each measured pose
+    corrects the prediction by the share ``correction`` of the difference.
+    """
+
+    KEY: ClassVar[str] = "sensor"
+
+    pose_period: float = quantity(
+        0.0, unit="s", doc="time between two poses; 0: one every control period", minimum=0
+    )
+    pose_noise: float = quantity(
+        0.0, unit="m", doc="half-width of the uniform error in x and y; theta is exact", minimum=0
+    )
+    correction: float = quantity(
+        1.0, unit="1", doc="share of the pose's difference that is corrected", above=0, maximum=1
+    )
+
+    @property
+    def perfect(self) -> bool:
+        """Whether the laws see the true pose at every sample."""
+        return self.pose_period == 0 and self.pose_noise == 0 and self.correction == 1
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: true pose, measured velocity and number of the sample to measured pose.
+
+    Predicts by Euler over one control period with the previous sample's measured velocity, the
+    angle first, then moves the estimate by a share of the measured error: all of it at the first
+    sample, ``correction`` where a pose came, nothing in between.
+    """
+    pose, velocity, sample = ports(POSE), ports(MEASURED_VELOCITY), port(SAMPLE)
+    estimate, old, p = port(ESTIMATE), port(OLD_VELOCITY), Parameters(scenario)
+    T, every, width, correction = (
+        p.take(key)
+        for key in (
+            "clock.control", "sensor.pose_period", "sensor.pose_noise", "sensor.correction",
+        )
+    )  # fmt: skip
+    error = draw(NUMBERS, UNIFORM, width > 0)
+    true = stack(item.sym for item in pose)
+    measured = true + ca.vertcat(width * error.port.sym, 0)
+    predicted = _reckoned(estimate.sym, old.sym, T)
+    share = _share(sample.sym, ca.fmax(1, ca.floor(every / T + 0.5)), correction)
+    perfect = ca.logic_and(ca.logic_and(every == 0, width == 0), correction == 1)
+    seen = ca.if_else(perfect, true, predicted + share * (measured - predicted))
+    return System(
+        "pose_sensor",
+        "dead reckoning with pose correction",
+        (*pose, *velocity, sample),
+        (estimate, old),
+        p.ports,
+        ca.vertcat(seen, *(item.sym for item in velocity)),
+        tuple(Output(signal, seen[i]) for i, signal in enumerate(MEASURED_POSE)),
+        period=scenario.clock.control,
+        draws=(error,),
+    )
+
+
+def _reckoned(q: ca.SX, v: ca.SX, T: ca.SX) -> ca.SX:
+    theta = q[2] + T * v[1]
+    step = T * v[0]
+    return ca.vertcat(q[0] - step * ca.sin(theta), q[1] + step * ca.cos(theta), theta)
+
+
+def _share(k: ca.SX, every: ca.SX, correction: ca.SX) -> ca.SX:
+    came = k - every * ca.floor(k / every) == 0
+    return ca.if_else(k == 0, 1, ca.if_else(came, correction, 0))
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether the laws see another pose than the true one."""
+    return not scenario.section(PoseSensor).perfect
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Nothing: the guard reads no pose."""
+    return Bound()
+
+
+POSE_SENSOR = Effect(
+    name="pose sensor",
+    role=EffectRole.SENSOR,
+    section=PoseSensor,
+    build=build,
+    acts=acts,
+    bound=bound,
+    always=True,
+)

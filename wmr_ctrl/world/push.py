@@ -1,0 +1,71 @@
+"""Push: an adversary that pushes each axis on in the direction in which it moves, forward at rest.
+
+Source: none in the paper; the worst disturbance of a given size for a limit on the velocity.  It
+acts as torque at the wheels and is held over a control period.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, ports, stack
+from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push(Section):
+    """Size of the push."""
+
+    KEY: ClassVar[str] = "disturbance"
+
+    push: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="force that always pushes away from rest", minimum=0
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: true velocity to wheel torques [N m]."""
+    velocity, p = ports(VELOCITY), Parameters(scenario)
+    v, size = stack(item.sym for item in velocity), p.take("disturbance.push")
+    force = ca.vertcat(*(ca.if_else(v[i] < 0, -size[i], size[i]) for i in (0, 1)))
+    torque = force_to_wheel(p.take("robot.r"), p.take("robot.l"), force)
+    return System(
+        "push",
+        "push in the direction of motion",
+        velocity,
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        period=scenario.clock.control,
+    )
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there is a push."""
+    return any(scenario.section(Push).push)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Its own size: it is a force [N, N m]."""
+    return Bound(dbar=scenario.section(Push).push)
+
+
+PUSH = Effect(
+    name="push",
+    role=EffectRole.DISTURBANCE,
+    section=Push,
+    build=build,
+    acts=acts,
+    bound=bound,
+    always=True,
+)

@@ -1,0 +1,85 @@
+"""Waypoints from a CSV file: one point a row, x and y in metres, perhaps a header row."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.fields.problems import show
+
+Point = tuple[float, float]
+SAME = 1e-9
+"""Points nearer to each other than this, m, are the same."""
+
+
+def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
+    """Return the points of a CSV file; blank rows and rows that start with ``#`` are skipped.
+
+    Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
+    """
+    numbered = list(_rows(read_text(file, path), f"{path}: {file.name}"))
+    if numbered and _is_header(numbered[0][1]):
+        numbered = numbered[1:]
+    points = [_point(cells, f"{path}: {file.name}, row {row}") for row, cells in numbered]
+    if len(points) < 2:
+        raise ScenarioError(
+            f"{path}: {file.name} holds {len(points)} point(s), but a path needs at least 2. "
+            "Give one point a row, as x,y in m."
+        )
+    _refuse_twins(points, [row for row, _ in numbered], f"{path}: {file.name}")
+    return tuple(points)
+
+
+def _rows(text: str, place: str) -> Iterator[tuple[int, list[str]]]:
+    reader = csv.reader(io.StringIO(text), skipinitialspace=True)
+    try:
+        for cells in reader:
+            stripped = [cell.strip() for cell in cells]
+            if any(stripped) and not stripped[0].startswith("#"):
+                yield reader.line_num, stripped
+    except csv.Error as problem:
+        raise ScenarioError(f"{place}, row {reader.line_num}: {problem}. Save it as CSV.") from None
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _is_header(cells: list[str]) -> bool:
+    return all(cell and _number(cell) is None for cell in cells)
+
+
+def _point(cells: list[str], place: str) -> Point:
+    if len(cells) != 2:
+        raise ScenarioError(
+            f"{place} has {len(cells)} column(s), but a point needs two, x and y in m. Separate "
+            "them by a comma, with a point as the decimal sign."
+        )
+    x, y = (_coordinate(cell, f"{place}, column {i}") for i, cell in enumerate(cells, start=1))
+    return x, y
+
+
+def _coordinate(cell: str, place: str) -> float:
+    value = _number(cell)
+    if value is None:
+        raise ScenarioError(f"{place}: {show(cell)} is not a number. Give a coordinate in m.")
+    if not math.isfinite(value):
+        raise ScenarioError(f"{place}: {cell} is not a finite number. Give a coordinate in m.")
+    return value
+
+
+def _refuse_twins(points: list[Point], rows: list[int], place: str) -> None:
+    for i in range(1, len(points)):
+        if math.dist(points[i - 1], points[i]) < SAME:
+            raise ScenarioError(
+                f"{place}, rows {rows[i - 1]} and {rows[i]} are the same point {points[i]}: the "
+                "path has no direction there. Remove one of them."
+            )

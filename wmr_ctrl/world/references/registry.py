@@ -1,0 +1,56 @@
+"""The registry of references: one line each.
+
+Other packages add theirs through the entry-point group ``wmr_ctrl.references`` (name = kind,
+value = a `ReferenceKind`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from importlib.metadata import entry_points
+
+from wmr_ctrl.world.references import (
+    circle,
+    lemniscate,
+    line,
+    rounded_square,
+    stop_and_go,
+    waypoints,
+)
+from wmr_ctrl.world.references.kind import Reference, ReferenceKind
+
+OURS = tuple(
+    module.KIND for module in (circle, line, lemniscate, rounded_square, stop_and_go, waypoints)
+)
+GROUP = "wmr_ctrl.references"
+
+
+class ReferenceRegistry(Mapping[str, ReferenceKind]):
+    """Kinds by name: ours, then those of other packages."""
+
+    @cached_property
+    def plugins(self) -> tuple[ReferenceKind, ...]:
+        """Kinds of other packages."""
+        points = sorted(entry_points(group=GROUP), key=lambda item: item.name)
+        return tuple(point.load() for point in points)
+
+    def __getitem__(self, name: str) -> ReferenceKind:
+        """Return the kind called ``name``."""
+        return {item.name: item for item in (*OURS, *self.plugins)}[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of all kinds."""
+        return (item.name for item in (*OURS, *self.plugins))
+
+    def __len__(self) -> int:
+        """Return how many kinds there are."""
+        return len(OURS) + len(self.plugins)
+
+    def of(self, reference: Reference) -> ReferenceKind | None:
+        """Return the kind whose section ``reference`` is."""
+        same = (item for item in self.values() if type(reference) is item.section)
+        return next(same, None)
+
+
+REFERENCES = ReferenceRegistry()

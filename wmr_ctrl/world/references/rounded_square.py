@@ -1,0 +1,100 @@
+"""Square with smoothed corners, a closed spline path: the curvature grows and falls like sin^2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
+from wmr_ctrl.world.references.spline import Array, SplinePath, fit
+from wmr_ctrl.world.references.spline_motion import path_numbers, trajectory
+
+CORNER_STEPS = 6
+GROWTH = 2.5
+"""Ratio of neighbouring steps along a side, away from a corner: ripples die out in them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundedSquare(Reference):
+    """Square with smoothed corners, counter-clockwise from the middle of its lower side."""
+
+    side: float = quantity(3.0, unit="m", doc="side of the square", minimum=1e-6)
+    corner: float = quantity(
+        0.8,
+        unit="m",
+        doc="length of side that a corner takes at each end; at most side/2",
+        minimum=1e-6,
+    )
+    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", minimum=1e-6)
+
+    def relate(self) -> None:
+        """Two corners must fit on a side."""
+        if self.corner > self.side / 2:
+            raise ScenarioError(
+                f"reference.corner = {self.corner!r} must be at most half of reference.side = "
+                f"{self.side!r} m: two corners share a side. Lower corner or raise side."
+            )
+
+    @property
+    def cycle(self) -> float:
+        """Time of one lap, s."""
+        return square_path(self).duration
+
+
+@lru_cache(maxsize=64)
+def square_path(reference: RoundedSquare) -> SplinePath:
+    """Return the spline path of a rounded square."""
+    return fit(square_points(reference.side, reference.corner), reference.speed, True)
+
+
+def numbers(reference: RoundedSquare) -> Numbers:
+    """Return the table of the square's path (see ``spline_motion.path_numbers``)."""
+    return path_numbers(square_path(reference))
+
+
+def square_points(side: float, corner: float) -> Array:
+    """Points (n, 2) [m], counter-clockwise from the middle of the lower side at the origin."""
+    turn = _corner(corner)
+    straight = side - 2 * corner
+    step = float(np.hypot(*(turn[1] - turn[0])))
+    half = straight / 2
+    along = half - _graded(half, step)
+    run_up = np.column_stack([along, np.zeros_like(along)])[:-1]
+    run_out = np.column_stack([np.full_like(along, side / 2), corner + along])[:-1]
+    middle = turn + np.array([straight / 2, 0.0])
+    first = np.vstack([run_up, middle[:-1], run_out]) if straight > 0 else middle[:-1]
+    return np.vstack([_turned(first, quarter, side) for quarter in range(4)])
+
+
+def _corner(corner: float) -> Array:
+    """Points (CORNER_STEPS + 1, 2) of one corner from (0, 0), heading +X, to (corner, corner)."""
+    fine = 200
+    sigma = np.linspace(0, 1, fine * CORNER_STEPS + 1)
+    middles = (sigma[:-1] + sigma[1:]) / 2
+    heading = np.pi / 2 * (middles - np.sin(2 * np.pi * middles) / (2 * np.pi))
+    steps = np.column_stack([np.cos(heading), np.sin(heading)])
+    path = np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])[::fine]
+    return np.asarray(path * (corner / path[-1]))
+
+
+def _graded(length: float, step: float) -> Array:
+    """Distances from a corner along half a side, ``length`` first and 0 last, growing steps."""
+    distances = [0.0]
+    while distances[-1] + step < 0.7 * length:
+        distances.append(distances[-1] + step)
+        step *= GROWTH
+    return np.array([*distances, length])[::-1]
+
+
+def _turned(points: Array, quarter: int, side: float) -> Array:
+    """The points turned by ``quarter`` right angles about the square's centre (0, side/2)."""
+    centre = np.array([0.0, side / 2])
+    turn = np.linalg.matrix_power(np.array([[0.0, -1.0], [1.0, 0.0]]), quarter)
+    return np.asarray((points - centre) @ turn.T + centre)
+
+
+KIND = ReferenceKind("rounded-square", RoundedSquare, numbers, timed(trajectory))

@@ -1,0 +1,88 @@
+"""The registry of effects: one line each, in the order in which effects of a role compose.
+
+Other packages add theirs through the entry-point group ``wmr_ctrl.effects`` (name = effect,
+value = an `Effect`); they come after ours.  An effect with a table of its own in the scenario
+needs nothing else; one whose fields belong to an existing table is a base of that table's class.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.world.delay import DELAY, Delay
+from wmr_ctrl.world.effect import Effect, EffectRole
+from wmr_ctrl.world.lag import LAG, Lag
+from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
+from wmr_ctrl.world.push import PUSH, Push
+from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
+from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+OURS = (VELOCITY_NOISE, POSE_SENSOR, TORQUE_NOISE_EFFECT, PUSH, DELAY, LAG)
+GROUP = "wmr_ctrl.effects"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor(VelocityNoise, PoseSensor):
+    """How pose and velocity are measured; the defaults are perfect sensors."""
+
+    KEY: ClassVar[str] = "sensor"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disturbance(Push, TorqueNoise):
+    """Torque on the wheels that no law commands: random, or as adverse as its size allows."""
+
+    KEY: ClassVar[str] = "disturbance"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Actuator(Delay, Lag):
+    """Torque limit, first-order lag and delay of the drives; the defaults are ideal drives."""
+
+    KEY: ClassVar[str] = "actuator"
+
+    tau_max: float = quantity(
+        math.inf, unit="N.m", doc="largest torque of each wheel; inf: none", above=0, infinite=True
+    )
+
+    @property
+    def ideal(self) -> bool:
+        """Whether the torque acts at once (it may still be limited)."""
+        return self.lag == 0 and self.delay == 0
+
+
+class EffectRegistry:
+    """All effects: ours, then those of other packages in the order of their names."""
+
+    @cached_property
+    def plugins(self) -> tuple[Effect, ...]:
+        """Effects of other packages."""
+        points = sorted(entry_points(group=GROUP), key=lambda item: item.name)
+        return tuple(point.load() for point in points)
+
+    def __iter__(self) -> Iterator[Effect]:
+        """Yield every effect."""
+        yield from (*OURS, *self.plugins)
+
+    def present(self, scenario: Scenario, *roles: EffectRole) -> tuple[Effect, ...]:
+        """Those that are part of a scenario's loop; of these roles only, where some are named."""
+        asked = (item for item in self if not roles or item.role in roles)
+        return tuple(item for item in asked if item.present(scenario))
+
+    def sections(self) -> dict[str, type[Section]]:
+        """Sections of effects that have a table of their own, by its key."""
+        shared = {Sensor.KEY, Disturbance.KEY, Actuator.KEY}
+        own = (item.section for item in self if item.section.KEY not in shared)
+        return {section.KEY: section for section in own}
+
+
+EFFECTS = EffectRegistry()

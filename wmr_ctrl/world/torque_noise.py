@@ -1,0 +1,88 @@
+"""Torque noise: Gaussian torque on each wheel, drawn once per control period and held over it.
+
+Source: Section V of the paper adds such noise without saying more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import NORMAL, Output, System, draw
+from wmr_ctrl.signals import TORQUE_NOISE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+SIGMAS = 3.0
+"""Bound of noise without truncation, in standard deviations: it holds with a probability only."""
+NUMBERS = Signal("torque", "1", "standard normal numbers (right, left)", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueNoise(Section):
+    """Standard deviation and truncation of the noise."""
+
+    KEY: ClassVar[str] = "disturbance"
+
+    std: float = quantity(
+        1.0, unit="N.m", doc="standard deviation of the torque on each wheel", minimum=0
+    )
+    truncate: float = quantity(
+        math.inf,
+        unit="1",
+        doc="draw again beyond this many std; inf: never",
+        above=0,
+        infinite=True,
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System without inputs: std times standard normal numbers [N m]."""
+    p = Parameters(scenario)
+    std, truncate = p.take("disturbance.std"), p.take("disturbance.truncate")
+    normal = draw(NUMBERS, NORMAL, std > 0, truncate)
+    torque = std * normal.port.sym
+    return System(
+        "torque_noise",
+        "Gaussian torque on the wheels",
+        (),
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        period=scenario.clock.control,
+        draws=(normal,),
+    )
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there is noise."""
+    return scenario.section(TorqueNoise).std > 0
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Both wheels at their largest, n std each: thrust 2 n std/r, moment l times that.
+
+    n is the truncation, or SIGMAS without one.
+    """
+    section, robot = scenario.section(TorqueNoise), scenario.robot
+    free = math.isinf(section.truncate)
+    thrust = 2.0 * section.std * (SIGMAS if free else section.truncate) / robot.r
+    return Bound(dbar=(thrust, thrust * robot.l))
+
+
+TORQUE_NOISE_EFFECT = Effect(
+    name="torque noise",
+    role=EffectRole.DISTURBANCE,
+    section=TorqueNoise,
+    build=build,
+    acts=acts,
+    bound=bound,
+    always=True,
+)

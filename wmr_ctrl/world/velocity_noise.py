@@ -1,0 +1,74 @@
+"""Velocity noise: a uniform error of each measured velocity, anew at every sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import UNIFORM, Output, System, draw, ports
+from wmr_ctrl.signals import MEASURED_VELOCITY, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+NUMBERS = Signal("velocity", "1", "uniform numbers on [-1, 1)", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityNoise(Section):
+    """Half-widths of the error."""
+
+    KEY: ClassVar[str] = "sensor"
+
+    velocity_noise: tuple[float, float] = quantity(
+        (0.0, 0.0),
+        unit="m/s, rad/s",
+        doc="half-widths of the uniform error in v1, omega",
+        minimum=0,
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: measured velocity to measured velocity."""
+    velocity, p = ports(MEASURED_VELOCITY), Parameters(scenario)
+    half = p.take("sensor.velocity_noise")
+    error = draw(NUMBERS, UNIFORM, ca.logic_or(half[0] > 0, half[1] > 0))
+    return System(
+        "velocity_noise",
+        "noise of the measured velocity",
+        velocity,
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(
+            Output(item.signal, item.sym + half[i] * error.port.sym[i])
+            for i, item in enumerate(velocity)
+        ),
+        period=scenario.clock.control,
+        draws=(error,),
+    )
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there is noise."""
+    return any(scenario.section(VelocityNoise).velocity_noise)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The half-widths: the error never exceeds them."""
+    return Bound(nbar=scenario.section(VelocityNoise).velocity_noise)
+
+
+VELOCITY_NOISE = Effect(
+    name="velocity noise",
+    role=EffectRole.SENSOR,
+    section=VelocityNoise,
+    build=build,
+    acts=acts,
+    bound=bound,
+    always=True,
+)
