@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from wmr_ctrl.scenario.reference import KINDS
-
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.values import Quantity
 from wmr_ctrl.laws import LAWS
