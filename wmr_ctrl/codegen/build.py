@@ -219,7 +219,7 @@ def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
 
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
     """A setup's values of parameters, by their keys, flat and in order."""
-    return tuple(number for item in parameters for number in setup.number(item.name)[1])
+    return tuple(number for item in parameters for number in setup.value(item.name))
 
 
 def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
