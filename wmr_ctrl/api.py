@@ -223,8 +223,7 @@ def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import export_ssp
 
-        given = {key: item for key, item in options.items() if key != "fmi"}
-        return export_ssp(**cast("SspOptions", given))
+        return export_ssp(**cast("SspOptions", options))
     from wmr_ctrl.fmi.export import export_fmu as write_fmus
 
     return write_fmus(what, **options)
