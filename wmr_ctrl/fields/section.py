@@ -107,11 +107,17 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
     """Signal called ``path`` and value of a section's field ``name``; KeyError if not a number."""
     what = dict(quantities(type(section)))[name]
+    numbers = numbers_in(section, name)
+    return Signal(path, what.unit, what.doc, len(numbers)), numbers
+
+
+def numbers_in(section: Section, name: str) -> tuple[float, ...]:
+    """Value of a section's field as numbers; KeyError where it is something else."""
     value = getattr(section, name)
     numbers = value if isinstance(value, tuple) else (value,)
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in numbers):
-        raise KeyError(path)
-    return Signal(path, what.unit, what.doc, len(numbers)), tuple(map(float, numbers))
+        raise KeyError(name)
+    return tuple(map(float, numbers))
 
 
 def key(path: str, name: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, write_fmu
+from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
 from wmr_ctrl.fmi.model import Model
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
@@ -47,17 +47,25 @@ def export_ssp(
     *,
     law: str = "nn",
     scenario: str | Path | Scenario = "paper-simulation",
+    fmi: str | int = "2",
     target: str = "host",
     out: str | Path = ".",
     progress: Progress | None = None,
 ) -> list[Path]:
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
+    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.
+
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
     delay does to each law.  The package has no noise and no changes of the robot: those come from
-    outside.  Raises ArgumentError for a push, sensors and drives, which it cannot hold;
+    outside.  Raises ArgumentError for FMI 3 and for effects that it cannot hold, by name;
     UnknownNameError, ScenarioError or CompilerError.
     """
+    if 2 not in versions_of(fmi):
+        raise ArgumentError(
+            f"fmi = {fmi!r}: an SSP 1.0 package holds FMUs of FMI 2.0. Leave fmi out, or export "
+            "the parts by themselves for FMI 3."
+        )
     setup = settle(scenario_given(scenario), law)
     _check_contents(setup)
     models = {
