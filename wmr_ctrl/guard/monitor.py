@@ -29,7 +29,7 @@ OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previou
 STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")
 
 
-class Monitor:
+class GuardMonitor:
     """State, update and diagnostics that watching brings into a System."""
 
     def __init__(

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fmi.cosim.mapping import PartMap, Row, compiled, identity, input_rows, output_rows
+from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, compiled, identity, input_rows, output_rows
 from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
@@ -46,8 +46,8 @@ class Part:
     def __init__(
         self,
         slave: Slave,
-        inputs: Sequence[Row],
-        outputs: Sequence[Row],
+        inputs: Sequence[MapRow],
+        outputs: Sequence[MapRow],
         sources: Sequence[str],
         step: float | None = None,
         *,
@@ -162,12 +162,12 @@ def limited_torque(torque: tuple[float, float], scenario: Scenario) -> Sequence[
     return np.asarray(limited).ravel().tolist()
 
 
-def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:
+def _without_ready(rows: Sequence[MapRow], robot: Robot) -> list[MapRow]:
     """theta from psi, v1 and omega from the wheels' speeds, where these are mapped."""
     found = {row.target: row for row in rows}
     if "psi" in found:
         psi = found.pop("psi")
-        found["theta"] = Row("theta", psi.terms, psi.offset - math.pi / 2)
+        found["theta"] = MapRow("theta", psi.terms, psi.offset - math.pi / 2)
     if {"w_right", "w_left"} <= found.keys():
         right, left = found.pop("w_right"), found.pop("w_left")
         found["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
@@ -177,18 +177,18 @@ def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:
     return list(found.values())
 
 
-def _combined(target: str, parts: Mapping[Row, float]) -> Row:
+def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:
     terms = tuple(
         (name, share * factor) for row, share in parts.items() for name, factor in row.terms
     )
-    return Row(target, terms, sum(share * row.offset for row, share in parts.items()))
+    return MapRow(target, terms, sum(share * row.offset for row, share in parts.items()))
 
 
-def _sorted(rows: Sequence[Row], order: Sequence[str]) -> list[Row]:
+def _sorted(rows: Sequence[MapRow], order: Sequence[str]) -> list[MapRow]:
     return [next(row for row in rows if row.target == name) for name in order]
 
 
-def _complete(rows: Sequence[Row], wanted: Sequence[str], part: str) -> None:
+def _complete(rows: Sequence[MapRow], wanted: Sequence[str], part: str) -> None:
     missing = sorted(set(wanted) - {row.target for row in rows})
     if missing:
         raise ArgumentError(
