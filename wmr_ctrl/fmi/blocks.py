@@ -151,12 +151,12 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
     first_input = 0 if _follows_time(system) else 1
     parameters = 1 + count["U"]
     states = parameters + count["P"]
-    found = states + count["X"]
+    results = states + count["X"]
     continuous = system.period is None
     return {
-        "ROWS": found + count["rates"] + count["results"],
+        "ROWS": results + count["rates"] + count["results"],
         "Z": first_input,
-        "NZ": found - first_input,
+        "NZ": results - first_input,
         "U": first_input,
         "NU": count["U"],
         "P": parameters,
@@ -164,7 +164,7 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
         "X": states,
         "NX": count["X"],
         "NY": count["results"] - system.d.numel(),
-        "W": found,
+        "W": results,
         "NW": count["rates"] + count["results"],
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
         "HAS_ME": int(continuous or (_follows_time(system) and not count["X"])),
@@ -172,10 +172,10 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
 
 
 def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, ...]:
-    found: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
+    columns: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
     for row, column, constant in sorted(block.jacobian):
-        found[layout["W"] + row].append((layout["Z"] + column, constant))
-    return tuple(Dependency(row, tuple(on)) for row, on in found.items())
+        columns[layout["W"] + row].append((layout["Z"] + column, constant))
+    return tuple(Dependency(row, tuple(on)) for row, on in columns.items())
 
 
 def is_known(variable: Variable) -> bool:

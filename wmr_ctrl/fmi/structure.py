@@ -34,12 +34,12 @@ def initial_unknowns(model: FmuModel) -> list[Unknown]:
 
 def headed(model: FmuModel, on: Iterable[tuple[int, bool]], arrays: bool) -> list[tuple[int, bool]]:
     """Dependencies with an array's head in place of its elements; constant if all of them are."""
-    found: dict[int, bool] = {}
+    heads: dict[int, bool] = {}
     for row, constant in on:
         variable = model.variables[row]
         head = row - variable.index if arrays and variable.array else row
-        found[head] = found.get(head, True) and constant
-    return sorted(found.items())
+        heads[head] = heads.get(head, True) and constant
+    return sorted(heads.items())
 
 
 def _entry(model: FmuModel, row: int, *, at_start: bool) -> Unknown:

@@ -70,13 +70,13 @@ def units_of(names: Iterable[str]) -> list[NamedUnit]:
 
 
 def _part(text: str, whole: str) -> tuple[str, int]:
-    found = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", text)
-    if not found or found[1] not in _KNOWN:
+    match = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", text)
+    if not match or match[1] not in _KNOWN:
         raise ArgumentError(
             f"unit {whole!r} is not known: {text!r} is none of {', '.join(_KNOWN)}. Write it as in "
             "kg.m2/s, with whole exponents."
         )
-    return found[1], int(found[2] or 1)
+    return match[1], int(match[2] or 1)
 
 
 def _without_angle(unit: NamedUnit) -> dict[str, int]:

@@ -76,12 +76,12 @@ def build_description(model: FmuModel, sources: Sources) -> str:
 def terminals(model: FmuModel) -> str:
     """Text of terminalsAndIcons/terminalsAndIcons.xml, FMI 3."""
     ports = {v.name for v in model.variables if v.output or v.role is Role.INPUT}
-    found = [
+    listed = [
         {"name": name, "text": text, "members": [s.name for s in signals]}
         for name, text, signals in TERMINALS
         if all(s.name in ports for s in signals)
     ]
-    return render("terminalsAndIcons.xml", m={"terminals": found})
+    return render("terminalsAndIcons.xml", m={"terminals": listed})
 
 
 def documentation(model: FmuModel, tool: str) -> str:
@@ -284,9 +284,12 @@ def _structure(
     name, base, sections = dialect
     listed = ((title, list(find(model))) for title, find in sections)
     return [
-        {"name": title, "unknowns": [_unknown(model, item, name, base, arrays) for item in found]}
-        for title, found in listed
-        if found
+        {
+            "name": title,
+            "unknowns": [_unknown(model, item, name, base, arrays) for item in unknowns],
+        }
+        for title, unknowns in listed
+        if unknowns
     ]
 
 

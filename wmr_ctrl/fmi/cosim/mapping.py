@@ -153,12 +153,12 @@ def _ours(units: Mapping[str, str]) -> Units:
 def _row(key: str, target: str, entry: Any, unit_of_target: Units, unit_of_source: Units) -> MapRow:
     terms, offset, factor_unit = _entry(key, entry)
     wanted = unit_of_target(target, key)
-    found = []
+    shares = []
     for name, factor in terms.items():
         given = unit_of_source(name, key)
         _check(key, wanted, given, factor_unit, name)
-        found.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
-    return MapRow(target, tuple(found), offset)
+        shares.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
+    return MapRow(target, tuple(shares), offset)
 
 
 def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, NamedUnit]:
@@ -183,8 +183,8 @@ def _check(key: str, wanted: NamedUnit, given: NamedUnit, factor: NamedUnit, nam
     keys = {*given.exponents, *factor.exponents}
     product = {k: given.exponents.get(k, 0) + factor.exponents.get(k, 0) for k in keys}
     if not NamedUnit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
-        told = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
+        unit = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
         raise ArgumentError(
-            f"{key}: {name} in {given.name} does not give {wanted.name}{told}. Give the "
+            f"{key}: {name} in {given.name} does not give {wanted.name}{unit}. Give the "
             "coefficient's unit as coefficient_unit, or map another variable."
         )

@@ -43,9 +43,9 @@ class GuardedAxis:
         if delay == 0.0:
             return math.inf
         push = self.dbar - self.f_min
-        kept = self.aim - self.f_speed
-        kept -= max(brake + push, 0.0) / (self.M_min * alpha)
-        return self.M_min * kept / delay - push
+        room = self.aim - self.f_speed
+        room -= max(brake + push, 0.0) / (self.M_min * alpha)
+        return self.M_min * room / delay - push
 
     def rise(self, force: float, time: float) -> float:
         """Most that v can gain while ``force`` acts for ``time``."""
