@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sampled_loop import (
+from wmr_ctrl.checks.sample_time import (
     closed_loop,
     exponential,
     largest_period,

@@ -99,7 +99,7 @@ def test_numpy_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.Monke
 @every_law
 def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
     scenario = load_scenario("safe-simulation")
-    plain, watched = (build(scenario, law) for build in (controller, watched_controller))
+    plain, watched = (build(settle(scenario, law)) for build in (controller, watched_controller))
     graphs = [s.function("f", [s.update, s.y, s.d]).serialize() for s in (plain, watched)]
 
     assert graphs[0] == graphs[1]

@@ -42,7 +42,7 @@ class PlainGains(Section):
     ahead: float = quantity(0.5, unit="1/s", doc="gain on e_1", minimum=0.0)
     aside: float = quantity(0.5, unit="rad/(m.s)", doc="gain on e_2", minimum=0.0)
     turned: float = quantity(1.0, unit="1/s", doc="gain on e_3", minimum=0.0)
-    k: tuple[float, float] = quantity((100.0, 10.0), unit="N.s/m, N.m.s/rad", doc="gain on v")
+    k: tuple[float, float] = quantity((1000.0, 100.0), unit="N.s/m, N.m.s/rad", doc="gain on v")
 
 
 def build_plain(sample: Sample) -> System:

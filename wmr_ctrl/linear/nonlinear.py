@@ -12,7 +12,6 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
