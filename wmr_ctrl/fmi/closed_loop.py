@@ -11,7 +11,7 @@ from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, clock_of, ranges_of
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, port, stack
@@ -28,7 +28,7 @@ SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
 
 
-def closed_loop_model(setup: Setup) -> Model:
+def closed_loop_model(setup: Setup) -> FmuModel:
     """Reference, sensors, law, drives, disturbances and plant of a setup in one model."""
     loop, scenario = LoopGraphs(setup), setup.scenario
     ports, absent = _ports(setup, loop), _absent(setup)
@@ -41,7 +41,7 @@ def closed_loop_model(setup: Setup) -> Model:
         *output_rows((VIOLATIONS,), discrete=True, integer=True),
     ]
     rows = (*parameters, *outputs)
-    return Model(
+    return FmuModel(
         "closed-loop",
         f"Closed loop: {setup.control_law.title}",
         "loop",
