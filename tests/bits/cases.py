@@ -29,7 +29,12 @@ EFFECTS: Mapping[str, object] = {
     "sensor.correction": 0.6,
     "actuator": {"lag": 0.02, "delay": 0.003},
 }
-GUARD: Mapping[str, object] = {"guard.enabled": True}
+GUARD: Mapping[str, object] = {
+    "guard.enabled": True,
+    "guard.alpha": 5.0,
+    "initial.velocity": [0.99, -1.45],
+}
+"""So that it acts on every law."""
 CASES: Mapping[str, Mapping[str, object]] = {
     "plain": {}, "guarded": GUARD, "effects": EFFECTS, "everything": {**EFFECTS, **GUARD},
 }  # fmt: skip

@@ -255,6 +255,8 @@ def flags_of(vectors: Vectors, toolchain: Toolchain) -> Iterator[str]:
         yield f"-mcpu={vectors.target.replace('-', '_')}"
     elif vectors.target:
         yield f"-march={vectors.target}"
+    if vectors.target and toolchain.fuses_pairs:
+        yield "-fno-tree-vectorize"  # lanes are vectors already, and their scalars must not fuse
 
 
 def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[str, str | bytes]:
