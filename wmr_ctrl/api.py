@@ -156,10 +156,12 @@ def simulate_many(
 
     listed = list(seeds)
     _check_seeds(listed)
+    if progress:
+        progress(0.0)
     rows = None if starts is None else [tuple(map(float, row)) for row in starts]
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
-    compiled = partial(compile_loop, law=law)
+    compiled = partial(_batch, law=law)
     return run_many(compiled, scenarios, listed, starts=rows, jobs=jobs, progress=progress)
 
 
@@ -221,8 +223,7 @@ def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import export_ssp
 
-        given = {key: item for key, item in options.items() if key != "fmi"}
-        return export_ssp(**cast("SspOptions", given))
+        return export_ssp(**cast("SspOptions", options))
     from wmr_ctrl.fmi.export import export_fmu as write_fmus
 
     return write_fmus(what, **options)
@@ -291,10 +292,14 @@ def compile_loop(
 
     For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
+    return _batch(scenario_of(scenario, overrides, guard), law)
+
+
+def _batch(scenario: Scenario, law: str) -> Ready:
     from wmr_ctrl.codegen.build import build_batch
     from wmr_ctrl.control.setup import settle
 
-    setup = settle(scenario_of(scenario, overrides, guard), law)
+    setup = settle(scenario, law)
     return _ready(setup, build_batch(setup))
 
 

@@ -20,6 +20,7 @@ class SspOptions(TypedDict, total=False):
 
     law: str
     scenario: str | Path | Scenario
+    fmi: str | int
     target: str
     out: str | Path
     progress: Callable[[str], None] | None
@@ -28,7 +29,6 @@ class SspOptions(TypedDict, total=False):
 class ExportOptions(SspOptions, total=False):
     """What `export_fmu` may be given for FMUs, as in `wmr_ctrl.fmi.export.export_fmu`."""
 
-    fmi: str | int
     arrays: bool
 
 

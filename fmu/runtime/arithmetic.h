@@ -1,14 +1,14 @@
 /* Numbers and elementary functions of all generated code and of the loop: written once for one
-   number (WMR_LANES 0, plain C99) and for WMR_LANES numbers side by side (2, 4 or 8; vector types of
-   GCC and Clang).  An element's bits are the same either way, with every compiler and on every
-   processor that keeps IEEE doubles: only + - * / and square roots round, no multiplication is fused
-   with an addition (compile with -ffp-contract=off), and nothing comes from the C library but sqrt,
-   fabs and copysign, which are exact.
+   number (WMR_LANES 0, plain C99) and for WMR_LANES numbers side by side (2, 4 or 8; vector types
+   of GCC and Clang).  An element's bits are the same either way, with every compiler and on every
+   processor that keeps IEEE doubles: only + - * / and square roots round, no multiplication is
+   fused with an addition (compile with -ffp-contract=off), and nothing comes from the C library
+   but sqrt, fabs and copysign, which are exact.
 
-   Infinities, NaN, signed zeros and denormal numbers are treated as in C99's Annex F.  Largest errors,
-   in units in the last place: floor, ceil, sqrt none but rounding; exp, log, log1p, asin, acos, atan 1;
-   expm1, sin, cos, tanh, cosh, atan2, hypot, pow 2; sinh, tan 3.  Coefficients are those of fdlibm (Sun Microsystems)
-   and of Cephes (S. L. Moshier). */
+   Infinities, NaN, signed zeros and denormal numbers are treated as in C99's Annex F.  Largest
+   errors, in units in the last place: floor, ceil, sqrt none but rounding; exp, log, log1p, asin,
+   acos, atan 1; expm1, sin, cos, tanh, cosh, atan2, hypot, pow 2; sinh, tan 3.  Coefficients are
+   those of fdlibm (Sun Microsystems) and of Cephes (S. L. Moshier), but for exp. */
 #ifndef WMR_ARITHMETIC_H
 #define WMR_ARITHMETIC_H
 
@@ -21,7 +21,7 @@
 #error "this arithmetic needs doubles of 64 bits"
 #endif
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 2
-#error "this arithmetic needs rounding to doubles, which x87 units do not do: use -msse2 -mfpmath=sse"
+#error "this arithmetic needs rounding to doubles, not x87: use -msse2 -mfpmath=sse"
 #endif
 
 #ifndef WMR_LANES
@@ -38,8 +38,8 @@
 #define WMR_RARE static inline
 #endif
 
-/* Types: wmr_v numbers, wmr_m truth values, wmr_i the bits of numbers.  wmr_some(m): whether m holds
-   anywhere; WMR_AT(v, i): element i of WMR_WIDTH. */
+/* Types: wmr_v numbers, wmr_m truth values, wmr_i the bits of numbers.  wmr_some(m): whether m
+   holds anywhere; WMR_AT(v, i): element i of WMR_WIDTH. */
 #if WMR_LANES == 0
 
 #define WMR_WIDTH 1
@@ -154,13 +154,11 @@ static inline wmr_v wmr_sqrt(wmr_v a)
 #endif
 }
 
-#define WMR_SIGN_BIT INT64_MIN
-
 static inline wmr_v wmr_abs(wmr_v a) { return (wmr_v)((wmr_m)a & INT64_MAX); }
 
 static inline wmr_v wmr_copysign(wmr_v size, wmr_v sign)
 {
-    return (wmr_v)(((wmr_m)size & INT64_MAX) | ((wmr_m)sign & WMR_SIGN_BIT));
+    return (wmr_v)(((wmr_m)size & INT64_MAX) | ((wmr_m)sign & INT64_MIN));
 }
 
 #endif
@@ -185,7 +183,8 @@ static inline int wmr_every(wmr_m m) { return !wmr_some(wmr_not(m)); }
 /* The same with one NaN for all: processors differ in sign and content of those they make. */
 static inline wmr_v wmr_one_nan(wmr_v a)
 {
-    return wmr_choose(wmr_mask(a == a), a, wmr_cooked(wmr_raw(wmr_all(0.0)) | UINT64_C(0x7ff8000000000000)));
+    const wmr_i none = wmr_raw(wmr_all(0.0));
+    return wmr_choose(wmr_mask(a == a), a, wmr_cooked(none | UINT64_C(0x7ff8000000000000)));
 }
 
 static inline wmr_v wmr_floor(wmr_v a)
@@ -207,7 +206,10 @@ static inline wmr_v wmr_power_of_two(wmr_v shifted)
 }
 
 /* A number without its last 27 bits: products of two such are exact. */
-static inline wmr_v wmr_high(wmr_v a) { return wmr_cooked(wmr_raw(a) & UINT64_C(0xfffffffff8000000)); }
+static inline wmr_v wmr_high(wmr_v a)
+{
+    return wmr_cooked(wmr_raw(a) & UINT64_C(0xfffffffff8000000));
+}
 
 /* What a + b and a * b lost when they were rounded. */
 static inline wmr_v wmr_sum_rest(wmr_v a, wmr_v b, wmr_v sum)
@@ -227,17 +229,16 @@ static inline wmr_v wmr_product_rest(wmr_v a, wmr_v b, wmr_v product)
 #define WMR_LN2_LOW 1.90821492927058770002e-10
 #define WMR_PER_LN2 1.44269504088896338700
 
-/* e^r - 1 - r for |r| < 0.35: Taylor to r^13. */
+/* e^r - 1 - r for |r| < 0.35, to 2^-57 of e^r: the best polynomial of degree 11. */
 static inline wmr_v wmr_exp_rest(wmr_v r)
 {
     const wmr_v r2 = r * r, r4 = r2 * r2;
-    const wmr_v p01 = r * (1.0 / 6.0) + 0.5, p23 = r * (1.0 / 120.0) + 1.0 / 24.0;
-    const wmr_v p45 = r * (1.0 / 5040.0) + 1.0 / 720.0;
-    const wmr_v p67 = r * (1.0 / 362880.0) + 1.0 / 40320.0;
-    const wmr_v p89 = r * (1.0 / 39916800.0) + 1.0 / 3628800.0;
-    const wmr_v pab = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0;
-    const wmr_v low = p01 + r2 * p23, middle = p45 + r2 * p67, top = p89 + r2 * pab;
-    return r2 * (low + r4 * (middle + r4 * top));
+    const wmr_v p01 = r * 1.6666666666666433e-01 + 0.5;
+    const wmr_v p23 = r * 8.33333333350125e-03 + 4.16666666666035e-02;
+    const wmr_v p45 = r * 1.9841269464180965e-04 + 1.388888892700519e-03;
+    const wmr_v p67 = r * 2.7557642022841833e-06 + 2.4801508393536655e-05;
+    const wmr_v p89 = r * 2.497825197196261e-08 + 2.76253116562445e-07;
+    return r2 * ((p01 + r2 * p23) + r4 * ((p45 + r2 * p67) + r4 * p89));
 }
 
 #define WMR_EXP_NEAR 700.0
@@ -250,17 +251,20 @@ static inline wmr_v wmr_exp_near(wmr_v a)
     return (1.0 + (r + wmr_exp_rest(r))) * wmr_power_of_two(shifted);
 }
 
-/* exp anywhere: the power of two in two factors, so that neither is beyond what numbers can be. */
-static inline wmr_v wmr_exp_far(wmr_v a)
+/* e^a / 2^less anywhere: the power of two in two factors, neither beyond what numbers can be. */
+static inline wmr_v wmr_exp_over(wmr_v a, double less)
 {
-    const wmr_v high = wmr_choose(wmr_mask(a > 710.0), wmr_all(710.0), a);
+    const wmr_v high = wmr_choose(wmr_mask(a > 712.0), wmr_all(712.0), a);
     const wmr_v x = wmr_choose(wmr_mask(high < -746.0), wmr_all(-746.0), high);
     const wmr_v n = (x * WMR_PER_LN2 + WMR_ROUNDER) - WMR_ROUNDER;
     const wmr_v r = (x - n * WMR_LN2_HIGH) - n * WMR_LN2_LOW;
-    const wmr_v half = 0.5 * n + WMR_ROUNDER, other = (n - (half - WMR_ROUNDER)) + WMR_ROUNDER;
+    const wmr_v half = 0.5 * n + WMR_ROUNDER;
+    const wmr_v other = ((n - (half - WMR_ROUNDER)) - less) + WMR_ROUNDER;
     const wmr_v value = 1.0 + (r + wmr_exp_rest(r));
     return (value * wmr_power_of_two(half)) * wmr_power_of_two(other);
 }
+
+static inline wmr_v wmr_exp_far(wmr_v a) { return wmr_exp_over(a, 0.0); }
 
 static inline wmr_v wmr_exp(wmr_v a)
 {
@@ -274,11 +278,11 @@ static inline wmr_v wmr_exp(wmr_v a)
    vector instructions. */
 static inline void wmr_exp_many(wmr_v *a, int count)
 {
-    wmr_m inside = wmr_always();
-    for (int i = 0; i < count; ++i) {
-        inside &= wmr_mask(wmr_abs(a[i]) < WMR_EXP_NEAR);
+    wmr_i inside = wmr_raw(wmr_all(-1.0));
+    for (int i = 0; i < count; ++i) { /* a difference's sign: sizes are in order as integers too */
+        inside &= wmr_raw(wmr_abs(a[i])) - UINT64_C(0x4085e00000000000);
     }
-    if (wmr_every(inside)) {
+    if (wmr_every(wmr_mask((inside >> 63) != 0))) {
         for (int i = 0; i < count; ++i) {
             a[i] = wmr_exp_near(a[i]);
         }
@@ -296,7 +300,8 @@ static inline wmr_v wmr_expm1(wmr_v a)
     const wmr_v shifted = x * WMR_PER_LN2 + WMR_ROUNDER, n = shifted - WMR_ROUNDER;
     const wmr_v high = x - n * WMR_LN2_HIGH, low = n * WMR_LN2_LOW, r = high - low;
     const wmr_v lost = (high - r) - low, power = wmr_power_of_two(shifted);
-    const wmr_v sum = (power - 1.0) + power * r, rest = power * (wmr_exp_rest(r) + (lost + lost * r));
+    const wmr_v sum = (power - 1.0) + power * r;
+    const wmr_v rest = power * (wmr_exp_rest(r) + (lost + lost * r));
     wmr_v value = sum + rest;
     if (!wmr_every(inside)) {
         value = wmr_choose(inside, value, wmr_exp(a) - 1.0);
@@ -367,8 +372,8 @@ static inline wmr_v wmr_log1p(wmr_v a)
     const wmr_m one = wmr_mask(e == 0.0);
     const wmr_v more = wmr_choose(one, wmr_all(0.0), lost);
     wmr_v value = wmr_log_of(e, wmr_choose(one, a, m - 1.0), more);
-    if (!wmr_every(wmr_mask(sum > 0.0) & wmr_mask(sum < WMR_INF))) {
-        const wmr_m inside = wmr_mask(sum > 0.0) & wmr_mask(sum < WMR_INF);
+    const wmr_m inside = wmr_mask(sum > 0.0) & wmr_mask(sum < WMR_INF);
+    if (!wmr_every(inside)) {
         value = wmr_choose(inside, value, wmr_log_far(sum));
     }
     return wmr_choose(wmr_mask(wmr_abs(a) < 0x1p-54), a, value);
@@ -377,30 +382,25 @@ static inline wmr_v wmr_log1p(wmr_v a)
 /* Angles from here on lose digits in the reduction by three parts of pi/2. */
 #define WMR_ANGLE_NEAR 1000.0
 
-/* a less the nearest multiple of pi/2, for |a| from WMR_ANGLE_NEAR on: a = m 2^e times those 192 bits
-   of 2/pi that decide the last two bits before the point and what follows, in integers
+/* 2/pi times the number of these bits, modulo 4, in units of 2^-190, least significant word first:
+   of 2/pi only the 192 bits that decide the two before the point and what follows, in integers
    (M. H. Payne and R. N. Hanek, 1983). */
-WMR_RARE double wmr_reduced_far(double a, unsigned *quarter)
+static inline void wmr_turns(uint64_t bits, uint32_t product[6])
 {
     static const uint32_t two_over_pi[39] = {
         0, 0,
-        0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab, 0xdebbc561,
-        0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e, 0xe88235f5, 0x2ebb4484,
-        0xe99c7026, 0xb45f7e41, 0x3991d639, 0x835339f4, 0x9c845f8b, 0xbdf9283b, 0x1ff897ff, 0xde05980f,
-        0xef2f118b, 0x5a0a6d1f, 0x6d367ecf, 0x27cb09b7, 0x4f463f66, 0x9e5fea2d, 0x7527bac7, 0xebe5f17b,
-        0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046,
+        0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab,
+        0xdebbc561, 0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e,
+        0xe88235f5, 0x2ebb4484, 0xe99c7026, 0xb45f7e41, 0x3991d639, 0x835339f4, 0x9c845f8b,
+        0xbdf9283b, 0x1ff897ff, 0xde05980f, 0xef2f118b, 0x5a0a6d1f, 0x6d367ecf, 0x27cb09b7,
+        0x4f463f66, 0x9e5fea2d, 0x7527bac7, 0xebe5f17b, 0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1,
+        0x1f8d5d08, 0x56033046,
     };
-    uint64_t bits, m, high, low, carry = 0;
-    uint32_t window[6], product[6];
-    double scale, r;
-    memcpy(&bits, &a, sizeof bits);
-    const unsigned from = (unsigned)((bits >> 52) & 0x7ff) - 1075u + 62u;
-    if (((bits >> 52) & 0x7ff) == 0x7ff) {
-        *quarter = 0;
-        return WMR_NAN;
-    }
-    m = (bits & UINT64_C(0xfffffffffffff)) | UINT64_C(0x10000000000000);
-    for (unsigned k = 0; k < 6; ++k) { /* least significant first */
+    const uint64_t m = (bits & UINT64_C(0xfffffffffffff)) | UINT64_C(0x10000000000000);
+    const unsigned from = (unsigned)((bits >> 52) & 0x7ff) - 1013u;
+    uint32_t window[6];
+    uint64_t carry = 0;
+    for (unsigned k = 0; k < 6; ++k) {
         const uint32_t *word = two_over_pi + from / 32 + (5 - k);
         window[k] = (uint32_t)((((uint64_t)word[0] << 32) | word[1]) >> (32 - from % 32));
         carry += window[k] * (m & UINT64_C(0xffffffff));
@@ -408,30 +408,44 @@ WMR_RARE double wmr_reduced_far(double a, unsigned *quarter)
         carry >>= 32;
     }
     carry = 0;
-    for (unsigned k = 0; k < 5; ++k) {
-        carry += window[k] * (m >> 32) + product[k + 1];
-        product[k + 1] = (uint32_t)carry;
+    for (unsigned k = 1; k < 6; ++k) {
+        carry += window[k - 1] * (m >> 32) + product[k];
+        product[k] = (uint32_t)carry;
         carry >>= 32;
     }
-    high = ((uint64_t)product[5] << 34) | ((uint64_t)product[4] << 2) | (product[3] >> 30);
-    low = ((uint64_t)product[3] << 34) | ((uint64_t)product[2] << 2) | (product[1] >> 30);
-    *quarter = (product[5] >> 30) + (unsigned)(high >> 63);
-    const int negative = (int)(high >> 63) != (a < 0.0);
-    if (high >> 63) {
-        high = ~high;
-        low = ~low;
-    }
-    *quarter = a < 0.0 ? 0u - *quarter : *quarter;
+}
+
+/* a less the nearest multiple of pi/2, for |a| from WMR_ANGLE_NEAR on. */
+WMR_RARE double wmr_reduced_far(double a, unsigned *quarter)
+{
+    uint64_t bits;
+    uint32_t product[6];
     unsigned shift = 0;
+    double scale;
+    memcpy(&bits, &a, sizeof bits);
+    *quarter = 0;
+    if (((bits >> 52) & 0x7ff) == 0x7ff) {
+        return WMR_NAN;
+    }
+    wmr_turns(bits, product);
+    /* what follows the point, with a sign: nearest, not below */
+    uint64_t high = ((uint64_t)product[5] << 34) | ((uint64_t)product[4] << 2) | (product[3] >> 30);
+    uint64_t low = ((uint64_t)product[3] << 34) | ((uint64_t)product[2] << 2) | (product[1] >> 30);
+    const unsigned above = (unsigned)(high >> 63), turns = (product[5] >> 30) + above;
+    *quarter = a < 0.0 ? 0u - turns : turns;
+    high = above ? ~high : high;
+    low = above ? ~low : low;
     for (; shift < 127 && !(high >> 63); ++shift) {
         high = (high << 1) | (low >> 63);
         low <<= 1;
     }
     bits = (uint64_t)(1023 - 64 - shift) << 52;
     memcpy(&scale, &bits, sizeof scale);
-    const double top = (double)(int64_t)(high >> 37) * 0x1p37, rest = (double)(int64_t)(high & UINT64_C(0x1fffffffff));
-    r = (top * 1.5707963109016418 + (top * 1.5893254773528196e-08 + rest * 1.57079632679489661923)) * scale;
-    return negative ? -r : r;
+    const double top = (double)(int64_t)(high >> 37) * 0x1p37; /* 27 bits */
+    const double rest = (double)(int64_t)(high & UINT64_C(0x1fffffffff));
+    const double less = top * 1.5893254773528196e-08 + rest * 1.57079632679489661923;
+    const double r = (top * 1.5707963109016418 + less) * scale;
+    return (above != 0) != (a < 0.0) ? -r : r;
 }
 
 /* a less the nearest multiple of pi/2; the multiple stands in the low bits of `quarter`. */
@@ -518,7 +532,8 @@ static inline wmr_v wmr_tan(wmr_v a)
 /* tanh of sizes below 0.625 is size + size^3 over / under. */
 static inline wmr_v wmr_tanh_over(wmr_v z)
 {
-    return (-9.64399179425052238628e-1 * z - 9.92877231001918586564e1) * z - 1.61468768441708447952e3;
+    return (-9.64399179425052238628e-1 * z - 9.92877231001918586564e1) * z
+         - 1.61468768441708447952e3;
 }
 
 static inline wmr_v wmr_tanh_under(wmr_v z)
@@ -571,20 +586,13 @@ static inline wmr_v wmr_tanh(wmr_v a)
 #endif
 }
 
-/* e^size / 2 where e^size itself may be too large. */
-static inline wmr_v wmr_half_exp(wmr_v size)
-{
-    const wmr_v root = wmr_exp(0.5 * size);
-    return (0.5 * root) * root;
-}
-
 static inline wmr_v wmr_sinh(wmr_v a)
 {
     const wmr_v size = wmr_abs(a), t = wmr_expm1(size), share = t / (t + 1.0);
     const wmr_v low = 0.5 * (2.0 * t - t * share), middle = 0.5 * (t + share);
     wmr_v value = wmr_choose(wmr_mask(size < 1.0), low, middle);
     if (wmr_some(wmr_mask(size > 700.0))) {
-        value = wmr_choose(wmr_mask(size > 700.0), wmr_half_exp(size), value);
+        value = wmr_choose(wmr_mask(size > 700.0), wmr_exp_over(size, 1.0), value);
     }
     return wmr_copysign(value, a);
 }
@@ -594,7 +602,7 @@ static inline wmr_v wmr_cosh(wmr_v a)
     const wmr_v size = wmr_abs(a), t = wmr_exp(size);
     wmr_v value = 0.5 * t + 0.5 / t;
     if (wmr_some(wmr_mask(size > 700.0))) {
-        value = wmr_choose(wmr_mask(size > 700.0), wmr_half_exp(size), value);
+        value = wmr_choose(wmr_mask(size > 700.0), wmr_exp_over(size, 1.0), value);
     }
     return value;
 }
@@ -639,7 +647,8 @@ static inline wmr_v wmr_atan2(wmr_v y, wmr_v x)
     const wmr_v ratio = wmr_choose(wmr_mask(height == width), one, height / width);
     const wmr_v angle = wmr_atan(ratio);
     const wmr_m back = wmr_mask(wmr_copysign(wmr_all(1.0), x) < 0.0);
-    const wmr_v turned = wmr_choose(back, 3.14159265358979311600 - (angle - 1.22464679914735320717e-16), angle);
+    const wmr_v other = 3.14159265358979311600 - (angle - 1.22464679914735320717e-16);
+    const wmr_v turned = wmr_choose(back, other, angle);
     const wmr_m steep = wmr_mask(ratio > 0x1p60);
     return wmr_copysign(wmr_choose(steep, wmr_all(1.57079632679489655800), turned), y);
 }
@@ -698,14 +707,16 @@ static inline wmr_v wmr_hypot(wmr_v a, wmr_v b)
     const wmr_v x = wmr_abs(a), y = wmr_abs(b);
     const wmr_m huge = wmr_mask(x > 0x1p500) | wmr_mask(y > 0x1p500);
     const wmr_m tiny = wmr_mask(x < 0x1p-450) & wmr_mask(y < 0x1p-450);
-    const wmr_v down = wmr_choose(huge, wmr_all(0x1p-600), wmr_choose(tiny, wmr_all(0x1p600), wmr_all(1.0)));
-    const wmr_v up = wmr_choose(huge, wmr_all(0x1p600), wmr_choose(tiny, wmr_all(0x1p-600), wmr_all(1.0)));
+    const wmr_v one = wmr_all(1.0), large = wmr_all(0x1p600), little = wmr_all(0x1p-600);
+    const wmr_v down = wmr_choose(huge, little, wmr_choose(tiny, large, one));
+    const wmr_v up = wmr_choose(huge, large, wmr_choose(tiny, little, one));
     const wmr_v u = x * down, v = y * down, value = wmr_sqrt(u * u + v * v) * up;
     const wmr_m endless = wmr_mask(x == WMR_INF) | wmr_mask(y == WMR_INF);
     return wmr_choose(endless, wmr_all(WMR_INF), value);
 }
 
-/* ln a of positive numbers in two parts, together right to some 2^-66: 2/3 s (3 + s^2 + 3/5 s^4 + ...). */
+/* ln a of positive numbers in two parts, together right to some 2^-66:
+   2/3 s (3 + s^2 + 3/5 s^4 + ...). */
 static inline wmr_v wmr_log_parts(wmr_v a, wmr_v *low)
 {
     wmr_v e, tiny;
@@ -720,7 +731,8 @@ static inline wmr_v wmr_log_parts(wmr_v a, wmr_v *low)
     const wmr_v q = 3.0 + z, q_low = (z - (q - 3.0)) + (z_low + tail);
     const wmr_v p = s * q, p_low = wmr_product_rest(s, q, p) + (s * q_low + s_low * q);
     const wmr_v third = wmr_all(2.0 / 3.0), third_low = wmr_all(3.70074341541718833e-17);
-    const wmr_v g = p * third, g_low = wmr_product_rest(p, third, g) + (p * third_low + p_low * third);
+    const wmr_v g = p * third;
+    const wmr_v g_low = wmr_product_rest(p, third, g) + (p * third_low + p_low * third);
     const wmr_v base = n * WMR_LN2_HIGH, sum = base + g;
     const wmr_v rest = wmr_sum_rest(base, g, sum) + (g_low + n * WMR_LN2_LOW);
     const wmr_v high = sum + rest;

@@ -19,9 +19,11 @@ WMR_EXPORT void wmr_outside_sizes(int64_t sizes[4])
     sizes[3] = WMR_ACTING;
 }
 
-WMR_EXPORT void wmr_outside_start(const wmr_settings *s, wmr_loop *w)
+/* 0 if the run ends before its first step. */
+WMR_EXPORT int32_t wmr_outside_start(const wmr_settings *s, wmr_loop *w)
 {
     wmr_loop_start(s, w);
+    return w->running;
 }
 
 /* One control sample: what the sensors show of a plant's state, and what disturbs it. */

@@ -103,6 +103,21 @@ SHOWN uint64_t hash_of(int32_t which)
     return hash;
 }
 
+/* The most lanes that this processor has registers for; called in a library for any processor. */
+SHOWN int32_t most_lanes(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")
+        && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")) {
+        return 8;
+    }
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 4 : 2;
+#else
+    return 2;
+#endif
+}
+
 #if defined(WMR_PRINT)
 #include <inttypes.h>
 #include <stdio.h>

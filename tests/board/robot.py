@@ -4,35 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmr_ctrl.codegen.build import build_loop
+from tests.codegen.compiled import compiled
+from wmr_ctrl.codegen.block import plant_block
+from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.native import load
-from wmr_ctrl.sim.structs import REALS
+from wmr_ctrl.world.references.evaluate import reference
 
 
 class Robot:
     """State x, y [m], theta [rad], v1 [m/s], omega [rad/s], without noise."""
 
     def __init__(self, scenario: Scenario, start: np.ndarray | None = None) -> None:
-        kernels = build_loop(scenario, "mb")
-        systems = kernels.manifest["systems"]
-        library = load(kernels.library)
+        plant, desired = plant_block(scenario), reference(scenario)
+        step = next(item for item in plant.kernels if item.name == "rk4")
+        sample = kernel("desired", "Desired trajectory.", {"u": desired.u, "p": desired.p},
+                        {"y": desired.y})  # fmt: skip
         self.clock = scenario.clock
-        self._plant, self._reference = (
-            library.wmr_export_plant_step, library.wmr_export_reference
-        )  # fmt: skip
-        self._plant.restype = self._reference.restype = None
-        self._plant_p, self._reference_p = (
-            np.array(systems[role]["parameter_values"]) for role in ("plant", "reference")
-        )
-        self.state = np.array(systems["plant"]["start"] if start is None else start, dtype=float)
+        self._step, self._reference = compiled([step, sample])
+        self._plant_p, self._reference_p = np.array(plant.system.p0), np.array(desired.p0)
+        self._more = np.zeros(plant.system.u.numel() - 2)
+        self.state = np.array(plant.system.x0 if start is None else start, dtype=float)
         self.fastest = abs(self.state[3:])
 
     def reference(self, k: int) -> np.ndarray:
         """Desired trajectory at sample k."""
-        found = np.zeros(7)
-        _call(self._reference, np.array([k * self.clock.control]), self._reference_p, found)
-        return found
+        return self._reference(np.array([k * self.clock.control]), self._reference_p)
 
     def inputs(self, k: int) -> np.ndarray:
         """What the law is given at sample k."""
@@ -40,16 +36,11 @@ class Robot:
 
     def advance(self, torque: np.ndarray) -> None:
         """One control period with the torques held."""
-        u, following = np.array([*torque, 0.0, 0.0]), np.zeros(5)
+        u = np.concatenate([torque, self._more])
         for _ in range(self.clock.substeps):
-            _call(self._plant, u, self.state, self._plant_p, following)
-            self.state, following = following, self.state
+            self.state = self._step(u, self.state, self._plant_p)
             self.fastest = np.maximum(self.fastest, abs(self.state[3:]))
 
     def distance(self, k: int) -> float:
         """From the desired position at sample k [m]."""
         return float(np.hypot(*(self.state[:2] - self.reference(k)[:2])))
-
-
-def _call(function: object, *arrays: np.ndarray) -> None:
-    function(*(item.ctypes.data_as(REALS) for item in arrays))

@@ -15,12 +15,14 @@ from tests.codegen.measured import BOARD, loop_scenario
 from wmr_ctrl.codegen.footprint import known_footprint
 from wmr_ctrl.codegen.package import step_kernel
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 
-TOLERANCE = {False: 1e-12, True: 5e-5}
+TOLERANCE = {False: 0.0, True: 5e-5}
 """Largest torque difference from the host's build of the same precision, relative to 1 N m + the
-torque: two mathematics libraries, and memories that each carry on for 10 s."""
+torque, memories carried on for 10 s: none in double precision, whose mathematics is our own; in
+single precision there are two mathematics libraries."""
 
 MOST_INSTRUCTIONS = {
     ("mb", True): 2_000,
@@ -46,10 +48,10 @@ def test_ten_seconds_in_lockstep(
     for name, value in asdict(found).items():
         record_property(name, value)
 
-    assert found.worst < TOLERANCE[float32]
+    assert found.worst <= TOLERANCE[float32]
     assert found.distance < 0.2
     if board == BOARD:
-        operations = step_kernel(controller(scenario, law)).operations
+        operations = step_kernel(controller(settle(scenario, law))).operations
         told = known_footprint(law, float32, guarded, operations)
         assert told is not None
         assert found.most_instructions <= 1.1 * told.most_instructions + 80

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmr_ctrl.checks.barrier import largest_pull, phases
-from wmr_ctrl.checks.mismatch import velocity_error
+from wmr_ctrl.checks.barrier import largest_pull, phases, velocity_error
 
 MODEL = "model"
 

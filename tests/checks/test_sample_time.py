@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.checks.first_step import first_speeds
-from wmr_ctrl.checks.sample_time import kink_limits
+from wmr_ctrl.checks.sample_time import first_speeds, kink_limits
 
 PERIOD = "clock.control"
 

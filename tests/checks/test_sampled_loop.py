@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
-from wmr_ctrl.checks.sampled_loop import (
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sample_time import (
     closed_loop,
     exponential,
     largest_period,
@@ -96,10 +98,12 @@ def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
 
 
 @pytest.mark.parametrize(("declared", "states"), [(True, 5), (False, 9)])
-def test_module_of_a_law_has_the_last_word_on_its_memory(loop, monkeypatch, declared, states):
-    monkeypatch.setattr("wmr_ctrl.laws.smc.ADAPTIVE", declared, raising=False)
+def test_a_law_states_itself_what_its_memory_is(loop, declared, states):
+    setup = loop("smc").setup
+    traits = replace(setup.law.traits, estimates=declared)
+    stated = replace(setup, law=replace(setup.law, traits=traits))
 
-    assert closed_loop(loop("smc"), CIRCLE, 0.01).shape == (states, states)
+    assert closed_loop(Loop(stated), CIRCLE, 0.01).shape == (states, states)
 
 
 def test_constant_references_have_one_operating_point():

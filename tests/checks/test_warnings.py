@@ -7,6 +7,7 @@ import re
 import pytest
 
 from wmr_ctrl.checks import Warning, warnings_for
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import load_scenario, preset_names
@@ -17,7 +18,7 @@ KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", preset_names())
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
-    found = warnings_for(load_scenario(name), law)
+    found = warnings_for(settle(load_scenario(name), law))
 
     assert len(found) <= 5
     for warning in found:
@@ -32,21 +33,21 @@ def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
 def test_every_reference_is_judged(kind, law):
     scenario = load_scenario("paper-simulation", {"reference.kind": kind})
 
-    assert isinstance(warnings_for(scenario, law), tuple)
+    assert isinstance(warnings_for(settle(scenario, law)), tuple)
 
 
 def test_theorems_own_case_gets_no_objection():
-    assert warnings_for(load_scenario("paper-simulation-nominal"), "mb") == ()
+    assert warnings_for(settle(load_scenario("paper-simulation-nominal"), "mb")) == ()
 
 
 def test_gravest_comes_first():
-    found = warnings_for(load_scenario("outside-start", {"clock.control": 0.1}), "mb")
+    found = warnings_for(settle(load_scenario("outside-start", {"clock.control": 0.1}), "mb"))
 
     assert [warning.key for warning in found][:3] == ["initial.velocity"] * 2 + ["clock.control"]
 
 
 def test_same_question_same_answer():
-    first, second = (warnings_for(load_scenario("far-start"), "nn") for _ in range(2))
+    first, second = (warnings_for(settle(load_scenario("far-start"), "nn")) for _ in range(2))
 
     assert first is second
 
@@ -61,4 +62,4 @@ def test_warnings_are_values():
 
 def test_unknown_law():
     with pytest.raises(UnknownNameError, match="near: pid"):
-        warnings_for(load_scenario("paper-simulation"), "pit")
+        warnings_for(settle(load_scenario("paper-simulation"), "pit"))

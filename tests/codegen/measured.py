@@ -23,6 +23,7 @@ from wmr_ctrl.codegen import footprint
 from wmr_ctrl.codegen.package import step_kernel, write_package
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import Scenario, load_scenario
 
@@ -60,7 +61,7 @@ def sizes(law: str, float32: bool, guarded: bool, folder: Path) -> Sizes:
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
-    operations = step_kernel(controller(scenario, law)).operations
+    operations = step_kernel(controller(settle(scenario, law))).operations
     return Sizes(operations, int(text), int(data) + int(bss), stack)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from wmr_ctrl.sim.structs import REALS
 
 from wmr_ctrl.codegen.build import build_loop, unity
 from wmr_ctrl.codegen.emit import definition, kernel
@@ -19,7 +20,6 @@ from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.native import load
-from wmr_ctrl.sim.structs import REALS
 
 SCENARIO = load_scenario("paper-simulation")
 every_law = pytest.mark.parametrize("law", tuple(LAWS))

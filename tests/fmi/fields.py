@@ -8,11 +8,11 @@ from typing import Any
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.values import Quantity
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model import auxiliary
+from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.world.references import REFERENCES
 
 Changed = tuple[str, dict[str, Any]]
 """A field's key, and the overrides that change it."""
@@ -93,13 +93,13 @@ def of_sections(base: Scenario) -> Iterator[Changed]:
 
 def of_gains(law: str) -> Iterator[Changed]:
     """The gains of one law, and of Eq. (7)."""
-    yield from _of("gains.kinematics", auxiliary.Gains, auxiliary.Gains())
+    yield from _of("gains.kinematics", KinematicGains, KinematicGains())
     yield from _of(f"gains.{law}", LAWS[law].gains, LAWS[law].gains())
 
 
 def of_references() -> Iterator[Changed]:
     """Every kind, by itself and with each of its fields changed."""
-    for kind, cls in KINDS.items():
+    for kind, cls in ((name, item.section) for name, item in REFERENCES.items()):
         start = {"reference.kind": kind}
         if kind == "waypoints":
             start["reference.points"] = POINTS

@@ -10,10 +10,11 @@ import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.plant import plant
-from wmr_ctrl.world.references.evaluate import reference
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.references.evaluate import reference
 
 SCENARIO = load_scenario("paper-simulation")
 CASES = [
@@ -33,7 +34,7 @@ def system_of(what):
         if what == "plant"
         else reference(SCENARIO)
         if what == "reference"
-        else watched_controller(SCENARIO, what)
+        else watched_controller(settle(SCENARIO, what))
     )
 
 

@@ -20,6 +20,7 @@ from fmpy.ssp.simulation import simulate_ssp
 from tests.fmi.fields import FULL, LOOSE, Changed, based, of_gains, of_references, of_sections
 from tests.fmi.raw import OK, Fmu
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.export import export_fmu, model_of
@@ -90,7 +91,7 @@ def files_of(tmp_path_factory):
 
 def code_of(scenario: Scenario, law: str, version: int) -> dict[str, str]:
     """All C of the closed loop but start values and the token made of them."""
-    found = sources_of(closed_loop_model(scenario, law), version, arrays=False)
+    found = sources_of(closed_loop_model(settle(scenario, law)), version, arrays=False)
     files = {name: text for name, text in found.files.items() if name != "model.c"}
     return {**files, "model.h": files["model.h"].replace(found.token, "")}
 
@@ -98,7 +99,7 @@ def code_of(scenario: Scenario, law: str, version: int) -> dict[str, str]:
 def flown(fmu: Fmu, scenario: Scenario, law: str, run: Run) -> tuple[dict[str, list[float]], float]:
     """Columns by element name and violations of a closed loop whose parameters are all set."""
     names = [name for signal in run.signals[1:] for name in signal.elements]
-    numbers = (v for v in closed_loop_model(scenario, law).variables if v.parameter)
+    numbers = (v for v in closed_loop_model(settle(scenario, law)).variables if v.parameter)
     loop, period = fmu.new(), scenario.clock.control
     assert loop.put({v.name: v.start for v in numbers if not v.integer}) == OK, fmu.messages[-1:]
     loop.begin(stop=scenario.clock.duration)

@@ -9,6 +9,7 @@ from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, PLANT, PLANT_MAP
 from tests.fmi.raw import OK, REFUSED
 from tests.fmi.test_cosim import SHORT, foreign, mapped  # noqa: F401
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.cosim import cosimulate
@@ -123,7 +124,7 @@ def test_a_package_that_would_lose_a_part_is_refused(tmp_path, changes):
     ],
 )
 def test_drives_that_the_controller_is_built_for_are_fixed(drives, fixed, free):
-    model = closed_loop_model(override(load_scenario("paper-simulation"), drives), "mb")
+    model = closed_loop_model(settle(override(load_scenario("paper-simulation"), drives), "mb"))
     rows = {v.name: v for v in model.variables}
     assert not [k for k, value in fixed.items() if rows[k].low <= value <= rows[k].high]
     assert [k for k, value in free.items() if rows[k].low <= value <= rows[k].high] == [*free]

@@ -14,7 +14,6 @@ from wmr_ctrl.campaign.comparison import ADVERSARY
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.scenario import load_scenario, override
-from wmr_ctrl.sim.native import push_torque
 
 PUSHED = override(
     load_scenario("paper-simulation-nominal"),
@@ -85,11 +84,13 @@ def test_cosimulation_under_an_adversary_is_the_native_loop(version, guard):
 
 
 def test_push_is_turned_with_the_motion():
-    along, around = push_torque(PUSHED)
+    robot, (force, moment) = PUSHED.robot, PUSHED.disturbance.push
+    along, around = 0.5 * robot.r * force, 0.5 * robot.r * moment / robot.l
     run = cosimulate(PUSHED, "mb", master="jacobi")
     ways = [np.where(run[name] < 0, -1.0, 1.0) for name in ("v1", "omega")]
-    assert np.array_equal(run["noise_right"], ways[0] * along + ways[1] * around)
-    assert np.array_equal(run["noise_left"], ways[0] * along - ways[1] * around)
+    right, left = (ways[0] * along + sign * ways[1] * around for sign in (1.0, -1.0))
+    assert run["noise_right"] == pytest.approx(right, abs=1e-15)
+    assert run["noise_left"] == pytest.approx(left, abs=1e-15)
 
 
 def test_push_reaches_a_foreign_plant(foreign, mapped):  # noqa: F811

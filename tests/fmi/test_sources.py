@@ -14,7 +14,7 @@ from fmpy import simulate_fmu
 
 from tests.fmi.test_portable import HEADERS, WHAT, linux, tool
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.fmi.export import model_of, settled
+from wmr_ctrl.fmi.export import model_of, scenario_given
 from wmr_ctrl.fmi.sources import sources_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
 def test_sources_compile_without_a_warning(tmp_path, compiler, what, version):
-    sources = sources_of(model_of(what, "nn", settled("paper-simulation")), version)
+    sources = sources_of(model_of(what, "nn", scenario_given("paper-simulation")), version)
     for name, text in sources.files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     flags = [

@@ -17,8 +17,8 @@ from wmr_ctrl.scenario import load_scenario, override
 
 @pytest.fixture
 def toy(monkeypatch):
-    entry = EntryPoint("toy", "tests.fmi.toy_law", "wmr_ctrl.laws")
-    monkeypatch.setitem(LAWS._plugins, "toy", entry)
+    entry = EntryPoint("toy", "tests.fmi.toy_law:LAW", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, "toy", entry)
 
 
 @pytest.mark.usefixtures("toy")

@@ -13,16 +13,16 @@ from typing import ClassVar
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.law import Law, Traits
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
-from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 SUM = Signal("toy_sum", "m, rad", "integral of the velocity error", 2)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gains(Section):
+class ToyGains(Section):
     """One gain per axis."""
 
     KEY: ClassVar[str] = "gains.toy"
@@ -30,9 +30,11 @@ class Gains(Section):
     K: tuple[float, float] = quantity((200.0, 20.0), unit="kg/s, kg.m2/s", doc="gain", above=0.0)
 
 
-def build(scenario: Scenario) -> System:
+def build(sample: Sample) -> System:
     """F = K (v_c0 - v), with a memory that nothing reads."""
-    sample = Sample("toy", scenario)
     memory, error = port(SUM), sample.v_c0 - sample.v
     force = ca.vertcat(*(sample.gain("K")[i] * error[i] for i in (0, 1)))
     return sample.system("toy law", force, (memory,), memory.sym + sample.period * error)
+
+
+LAW = Law("toy", ToyGains, build, Traits(auxiliary=True), __doc__ or "")

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from tests.guard.harness import HEAVY, LIGHT, MOST, guarded, slid
-from wmr_ctrl.guard.guard import guard
+from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import Scenario
 
 PIECES = 3
@@ -39,7 +40,7 @@ class Drive:
 
     def speeds(self, scenario: Scenario, v: np.ndarray, samples: int) -> np.ndarray:
         """|v| (n, 2) at the end of every piece that starts when the first command acts or later."""
-        system = guard(scenario)
+        system = guard(settle(scenario, None))
         step = system.function("guard", [system.update, system.y])
         x, p, period = np.array(system.x0), system.p0, scenario.clock.control
         whole, part = divmod(round(self.delay / scenario.clock.plant), scenario.clock.substeps)

@@ -14,9 +14,10 @@ from tests.guard.late import hostile, late
 from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
 from wmr_ctrl.api import simulate
+from wmr_ctrl.control.controller import guard as guard_alone
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard import guard as product
-from wmr_ctrl.guard.bounds import early_speed, settled_guard, torque_limit, usable_speed
+from wmr_ctrl.guard.bounds import early_speed, usable_speed
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
@@ -98,7 +99,8 @@ def _scaled(coming: UnderWay, share: float) -> UnderWay:
 
 @pytest.mark.parametrize("name", MUTATIONS)
 def test_a_guard_without_one_of_its_parts_breaks(name: str, monkeypatch) -> None:
-    monkeypatch.setattr(product, *MUTATIONS[name])
+    part, other = MUTATIONS[name]
+    monkeypatch.setattr(f"wmr_ctrl.guard.guard.{part}", other)
 
     assert (fastest(24, 0, true_delay=True) > 1.001).any()
 
@@ -116,8 +118,8 @@ def test_back_inside_within_the_delay_and_the_stated_samples(law: str, delay: fl
     changed = {"disturbance.truncate": 3.0, "clock.duration": 6.0, "actuator.delay": delay}
     run = simulate("outside-start", law, guard=True, overrides=changed)
     scenario = load_scenario("outside-start", {**ON, **changed})
-    guard, period = settled_guard(scenario, torque_limit(scenario, law)), scenario.clock.control
-    gained, begun = early_speed(scenario), math.ceil(delay / period)
+    guard, period = settle(scenario, law).guard, scenario.clock.control
+    gained, begun = early_speed(guard), math.ceil(delay / period)
     for i, name in enumerate(("v1", "omega")):
         u1, start = scenario.limits.v_u1[i], scenario.initial.velocity[i]
         beyond = start + gained[i] - u1
@@ -154,7 +156,7 @@ def test_bounds_broken_by_D_cost_D_times_period_and_delay() -> None:
 ])  # fmt: skip
 def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(ScenarioError) as refused:
-        product.guard(load_scenario("paper-simulation", {**ON, **changed}))
+        guard_alone(settle(load_scenario("paper-simulation", {**ON, **changed}), None))
 
     assert re.search(said, str(refused.value)), str(refused.value)
 
@@ -166,17 +168,19 @@ def test_condition_is_the_necessary_one() -> None:
         changed = {**ON, "guard.dbar": [factor * edge, 1.0], "actuator.delay": 0.04}
         scenario = load_scenario("paper-simulation", changed)
         if possible:
-            assert settled_guard(scenario, math.inf).brake[0] >= edge * factor
+            assert settle(scenario, None).guard.brake[0] >= edge * factor
         else:
             with pytest.raises(ScenarioError, match="axis 1"):
-                settled_guard(scenario, math.inf)
+                settle(scenario, None)
 
 
 @pytest.mark.parametrize(("stated", "possible"), [(0.013, 1.0), (0.012, 1.0), (0.014, 0.0)])
 def test_a_longer_delay_than_the_graph_was_built_for_is_not_feasible(
     stated: float, possible: float
 ) -> None:
-    item = product.guard(load_scenario("paper-simulation", {**ON, "actuator.delay": 0.013}))
+    item = guard_alone(
+        settle(load_scenario("paper-simulation", {**ON, "actuator.delay": 0.013}), None)
+    )
     names = [name for port in item.params for name in port.signal.elements]
     item_p = np.array(item.p0)
     item_p[names.index("actuator.delay")] = stated
@@ -192,7 +196,8 @@ def test_usable_speed_counts_the_delay() -> None:
     still = {"disturbance.std": 0.0, "robot.mu": 0.15, "actuator.tau_max": 40.0}
     changed = {**wide, **still, **ON, "clock.duration": 40.0, "actuator.delay": 0.05}
     friction = (0.15 * 50 * 9.81, 0.0)
-    expected = usable_speed(load_scenario("fast-reference", changed), friction)[0]
+    scenario = load_scenario("fast-reference", changed)
+    expected = usable_speed(scenario, settle(scenario, "pid").guard, friction)[0]
     run = simulate("fast-reference", "pid", overrides=changed)
 
     assert expected == pytest.approx(1 - (73.575 + 60) * 0.1 / 25, abs=1e-9)
@@ -200,6 +205,6 @@ def test_usable_speed_counts_the_delay() -> None:
 
 
 def test_without_delay_the_graph_has_no_further_parameter() -> None:
-    item = product.guard(load_scenario("paper-simulation", ON))
+    item = guard_alone(settle(load_scenario("paper-simulation", ON), None))
 
     assert "actuator.delay" not in {port.signal.name for port in item.params}

@@ -11,7 +11,9 @@ import pytest
 
 from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.emit import kernel
-from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, feasible, floor, guard
+from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, feasible, floor
 from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.system import System
@@ -173,7 +175,7 @@ def test_guard_by_itself_equals_its_numpy_twin(order: str, delay: float) -> None
     changed = {"guard.enabled": True, "actuator.tau_max": 12.0, "guard.map": order}
     changed |= {"actuator.delay": delay}
     scenario = load_scenario("paper-simulation", {**changed, "sensor.velocity_noise": [0.02, 0.03]})
-    item, twin = guard(scenario), VelocityGuard(scenario, 12.0)
+    item, twin = guard(settle(scenario, None)), VelocityGuard(scenario, 12.0)
     draw, x = np.random.default_rng(5), np.array(item.x0)
     for _ in range(500):
         asked, v = draw.normal(size=2) * (300, 60), draw.uniform(-1.2, 1.2, 2) * (1.0, 1.5)
@@ -189,7 +191,7 @@ def test_guard_by_itself_equals_its_numpy_twin(order: str, delay: float) -> None
 
 def test_numpy_twin_derives_the_same_numbers() -> None:
     scenario = load_scenario("paper-simulation", {"guard.enabled": True})
-    named = {item.signal.name: item.value for item in guard(scenario).params}
+    named = {item.signal.name: item.value for item in guard(settle(scenario, None)).params}
     for i, axis in enumerate(axes_of(scenario)):
         for name in ("M_min", "M_max", "dbar", "nbar", "f_min", "f_speed"):
             assert getattr(axis, name) == pytest.approx(named[f"guard.{name}"][i])

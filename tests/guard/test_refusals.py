@@ -7,9 +7,10 @@ import re
 import pytest
 
 from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.control.controller import guard
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import disturbance_bound, mass_range, settled_guard
-from wmr_ctrl.guard.guard import guard
+from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}
@@ -33,7 +34,7 @@ ON = {"guard.enabled": True}
 ])  # fmt: skip
 def test_what_cannot_be_met_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(ScenarioError) as refused:
-        guard(scenario_of("paper-simulation", {**ON, **changed}))
+        guard(settle(scenario_of("paper-simulation", {**ON, **changed}), None))
 
     assert re.search(said, str(refused.value)), str(refused.value)
 
@@ -44,39 +45,43 @@ def test_five_newton_metres_are_refused_for_every_law_and_6_5_are_enough() -> No
     with pytest.raises(ScenarioError, match="tau_max"):
         simulate("paper-simulation", "prox", guard=True, overrides={"gains.prox.tau_max": 5.0})
 
-    guard(scenario_of("paper-simulation", {**ON, "actuator.tau_max": 6.5}))
+    guard(settle(scenario_of("paper-simulation", {**ON, "actuator.tau_max": 6.5}), None))
 
 
 def test_the_remedy_of_the_message_is_accepted() -> None:
     with pytest.raises(ScenarioError) as refused:
-        guard(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 1.0]}))
+        guard(settle(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 1.0]}), None))
     period = float(re.search(r"clock\.control <= ([\d.]+) s", str(refused.value))[1])
 
     step = 0.001 * int(period / 0.001)
     length = {"clock.control": step, "clock.duration": 100 * step, "changes": []}
-    guard(scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 1.0]}))
+    guard(
+        settle(scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 1.0]}), None)
+    )
 
 
 def test_defaults_follow_from_the_scenario() -> None:
     scenario = load_scenario("paper-simulation", ON)
-    settled = settled_guard(scenario, float("inf"))
+    setup = settle(scenario, None)
+    settled = setup.guard
 
-    assert mass_range(scenario) == (
+    assert mass_range(scenario, setup.bound) == (
         pytest.approx((45.0, 4.86)),
         pytest.approx((71.5, 7.7)),
     )
-    assert disturbance_bound(scenario) == pytest.approx((60.0, 15.0))
+    assert setup.bound.dbar == pytest.approx((60.0, 15.0))
+    assert settled.dbar == pytest.approx((60.0, 15.0))
     assert settled.nbar == (0.0, 0.0)
     assert settled.alpha == pytest.approx(100.0)
     assert settled.brake == pytest.approx((45.0 * 100 - 60, 4.86 * 100 * 1.5 - 15))
     given = load_scenario("paper-simulation", {**ON, "guard.M_min": [30.0, 3.0]})
-    assert settled_guard(given, float("inf")).M_min == (30.0, 3.0)
+    assert settle(given, None).guard.M_min == (30.0, 3.0)
 
 
 def test_dbar_of_truncated_noise_is_its_largest_value() -> None:
     scenario = load_scenario("paper-simulation", {"disturbance.truncate": 2.0})
 
-    assert disturbance_bound(scenario) == pytest.approx((40.0, 10.0))
+    assert settle(scenario, None).guard.dbar == pytest.approx((40.0, 10.0))
 
 
 def test_presets_of_the_paper_are_unguarded_and_ours_are_not() -> None:

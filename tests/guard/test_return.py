@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.guard.bounds import settled_guard, torque_limit
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario
@@ -23,7 +23,7 @@ def returning(law: str, **changed: object) -> Run:
 def stated_samples(law: str, **changed: object) -> int:
     """ceil((v0 - v_u1) M_max/(T (brake - dbar))) of the slower axis."""
     scenario = load_scenario("outside-start", {**TRUNCATED, "guard.enabled": True, **changed})
-    guard = settled_guard(scenario, torque_limit(scenario, law))
+    guard = settle(scenario, law).guard
     start, period = scenario.initial.velocity, scenario.clock.control
     return max(
         math.ceil((start[i] - u1) * guard.M_max[i] / (period * (guard.brake[i] - guard.dbar[i])))

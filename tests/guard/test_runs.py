@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate, simulate_runs
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import usable_speed
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
@@ -112,7 +113,8 @@ def test_usable_speed_tells_how_fast_the_robot_gets() -> None:
     still = {"disturbance.std": 0.0, "robot.mu": 0.15, "actuator.tau_max": 40.0}
     changed = {**wide, **still, "guard.enabled": True, "clock.duration": 40.0}
     friction = (0.15 * 50 * 9.81, 0.0)
-    expected = usable_speed(load_scenario("fast-reference", changed), friction)[0]
+    scenario = load_scenario("fast-reference", changed)
+    expected = usable_speed(scenario, settle(scenario, "pid").guard, friction)[0]
     run = simulate("fast-reference", "pid", overrides=changed)
 
     assert expected == pytest.approx(1 - (73.575 + 60) / 250, abs=1e-9)

@@ -15,6 +15,7 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS
+from wmr_ctrl.world.effect import Bound
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 every_twin = pytest.mark.parametrize("law", NAMES)
@@ -111,7 +112,7 @@ def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> 
 
 def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
     """The property above can fail: it does as soon as the robot is lighter than M_min."""
-    low = mass_range(load_scenario("paper-simulation"))[0]
+    low = mass_range(load_scenario("paper-simulation"), Bound())[0]
     wrong = {"guard.M_min": list(low), "robot.m": 20.0, "robot.I": 2.0, "robot.mu": 0.0}
     run = simulate("paper-simulation", "pid", overrides={**OFF, **wrong})
 

@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.gains import gains_of
+from wmr_ctrl.control.controller import controller, law_graph
+from wmr_ctrl.control.setup import gains_of, settle
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.system import System
@@ -38,12 +38,12 @@ def inputs(draw: np.random.Generator) -> np.ndarray:
 
 @every_law
 def test_ports_are_the_common_ones(law: str) -> None:
-    system = LAWS[law].build(SCENARIO)
+    system = law_graph(settle(SCENARIO, law))
 
     common, further = [*REFERENCE, *POSE, *VELOCITY], [item.signal for item in system.inputs][12:]
     assert [item.signal for item in system.inputs][:12] == common
     assert further in ([], [TAU_APPLIED])
-    assert [item.signal for item in controller(SCENARIO, law).inputs] == common
+    assert [item.signal for item in controller(settle(SCENARIO, law)).inputs] == common
     assert [item.signal for item in system.outputs] == [FORCE]
     assert tuple(item.signal for item in system.diagnostics[: len(DIAGNOSTICS)]) == DIAGNOSTICS
     assert system.period == SCENARIO.clock.control
@@ -51,7 +51,8 @@ def test_ports_are_the_common_ones(law: str) -> None:
 
 @every_law
 def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
-    names = [item.signal.name for item in controller(SCENARIO, law).params]
+    params = controller(settle(SCENARIO, law)).params
+    names = [item.signal.name for item in params]
 
     assert len(names) == len(set(names))
     assert {name.split(".")[0] for name in names} <= {
@@ -64,14 +65,15 @@ def test_parameters_are_named_once_by_their_scenario_key(law: str) -> None:
         "guard",
     }
     assert all(
-        item.signal.unit and item.signal.meaning for item in controller(SCENARIO, law).params
+        item.signal.unit and item.signal.meaning
+        for item in controller(settle(SCENARIO, law)).params
     )
 
 
 @every_law
 def test_finite_everywhere(law: str) -> None:
     """No NaN or infinity for any finite pose and velocity, also outside the limit and at rest."""
-    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(0)
+    system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(0)
     for _ in range(300):
         u = inputs(draw)
         u[10:] *= draw.choice([0.0, 1.0, 1.0 / 0.99, 3.0, 300.0])
@@ -81,7 +83,7 @@ def test_finite_everywhere(law: str) -> None:
 @every_law
 def test_mirror_symmetry(law: str) -> None:
     """A world seen in a mirror: the thrust stays, the moment changes sign."""
-    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(1)
+    system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(1)
     flip = np.array([-1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1.0])  # x, theta, v2 change sign
     for _ in range(100):
         u = inputs(draw)
@@ -94,7 +96,7 @@ def test_mirror_symmetry(law: str) -> None:
 @every_law
 def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None:
     """Turning and shifting the whole plane changes nothing."""
-    system, draw = LAWS[law].build(SCENARIO), np.random.default_rng(2)
+    system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(2)
     for _ in range(50):
         u = inputs(draw)
         angle, shift = draw.uniform(-3, 3), draw.normal(size=2)
@@ -109,14 +111,14 @@ def test_only_the_difference_of_headings_and_positions_matters(law: str) -> None
 @every_law
 def test_torque_limit_is_never_exceeded(law: str) -> None:
     limited = override(SCENARIO, {"actuator.tau_max": 6.5})
-    system, draw = controller(limited, law), np.random.default_rng(3)
+    system, draw = controller(settle(limited, law)), np.random.default_rng(3)
     for _ in range(200):
         assert abs(sample(system, inputs(draw))[1]).max() <= 6.5 * (1 + 1e-15)
 
 
 @every_law
 def test_memory_starts_at_zero_and_moves(law: str) -> None:
-    system = LAWS[law].build(SCENARIO)
+    system = law_graph(settle(SCENARIO, law))
     following = sample(system, (*NOMINAL, -0.5, -0.5, -0.7, 0.0, 0.0))[0]
 
     assert not any(system.x0)
@@ -125,19 +127,21 @@ def test_memory_starts_at_zero_and_moves(law: str) -> None:
 
 @every_law
 def test_diagnostics_tell_the_margin(law: str) -> None:
-    diagnostics = sample(LAWS[law].build(SCENARIO), (*NOMINAL, -0.5, -0.5, -0.7, 0.25, -1.2))[2]
+    diagnostics = sample(
+        law_graph(settle(SCENARIO, law)), (*NOMINAL, -0.5, -0.5, -0.7, 0.25, -1.2)
+    )[2]
 
     assert diagnostics[7] == pytest.approx(min(1 - 0.25, 1 - 1.2 / 1.5))
 
 
 @every_law
 def test_gains_are_checked(law: str) -> None:
-    name = next(iter(vars(gains_of(SCENARIO, law))))
+    name = next(iter(vars(gains_of(SCENARIO, LAWS[law]))))
 
     with pytest.raises(ScenarioError, match=rf"gains\.{law}\.{name}"):
-        gains_of(override(SCENARIO, {f"gains.{law}.{name}": "high"}), law)
+        gains_of(override(SCENARIO, {f"gains.{law}.{name}": "high"}), LAWS[law])
     with pytest.raises((UnknownNameError, ScenarioError), match="gain_of_none"):
-        gains_of(override(SCENARIO, {f"gains.{law}.gain_of_none": 1.0}), law)
+        gains_of(override(SCENARIO, {f"gains.{law}.gain_of_none": 1.0}), LAWS[law])
 
 
 @every_law
@@ -156,7 +160,7 @@ def test_unknown_law_lists_the_near_ones() -> None:
 
 def test_feedforward_is_not_dropped_at_the_target() -> None:
     """At v = v_c0 exactly, MB asks for M1 v_c0' + F1; the printed A^-1 := 0 asks for F1 alone."""
-    system = LAWS["mb"].build(SCENARIO)
+    system = law_graph(settle(SCENARIO, "mb"))
     accelerating = (0.0, 0.0, 0.0, 0.2, 0.1, 0.7, -0.4)
     u = (*accelerating, 0.0, 0.0, 0.0, 0.2, 0.1)
     friction = 0.08 * 50.0 * 9.81 * np.tanh(0.2 / 0.01)
@@ -165,7 +169,7 @@ def test_feedforward_is_not_dropped_at_the_target() -> None:
 
 
 def test_network_is_linear_in_its_weights() -> None:
-    system = LAWS["nn"].build(SCENARIO)
+    system = law_graph(settle(SCENARIO, "nn"))
     jacobian = ca.jacobian(system.y, system.x)
 
     assert not ca.depends_on(jacobian, system.x)

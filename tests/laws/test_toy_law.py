@@ -2,55 +2,20 @@
 
 from __future__ import annotations
 
-import types
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 import pytest
 
+from tests.laws.toys import TOY, install
 from wmr_ctrl.api import compile_law, law_table, simulate
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.control import registry
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws.sample import Sample
-from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario, load_scenario
-
-
-@dataclass(frozen=True, kw_only=True)
-class Gains(Section):
-    """One gain an axis."""
-
-    KEY: ClassVar[str] = "gains.toy"
-
-    k: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on z")
-
-
-def build(scenario: Scenario) -> System:
-    """F = F1 - k (v - v_c1)."""
-    sample = Sample("toy", scenario)
-    pull = sample.gain("k") * (sample.v - sample.per_axis("v_c1"))
-    return sample.system("toy", sample.friction - pull)
-
-
-class Entry:
-    """Stands for the entry point of another package."""
-
-    name = "toy"
-
-    def load(self) -> types.SimpleNamespace:
-        """The law's module."""
-        return types.SimpleNamespace(__doc__="Toy law.", Gains=Gains, build=build)
+from wmr_ctrl.scenario import load_scenario
 
 
 @pytest.fixture(autouse=True)
 def toy(monkeypatch: pytest.MonkeyPatch) -> None:
-    fresh = registry.Registry()
-    monkeypatch.setattr(registry, "entry_points", lambda group: [Entry()])
-    fresh._plugins  # noqa: B018  # read while the entry point is there
-    monkeypatch.setattr(registry.LAWS, "__dict__", fresh.__dict__)
+    install(monkeypatch, TOY)
 
 
 def test_it_is_listed_run_and_compiled() -> None:
@@ -81,7 +46,7 @@ def test_guard_and_theory_serve_it_too() -> None:
     guarded = simulate("far-start-drop", "toy", guard=True, overrides={"disturbance.truncate": 3.0})
 
     assert guarded.monitor.violations == 0
-    assert warnings_for(load_scenario("paper-experiment-literal"), "toy")
+    assert warnings_for(settle(load_scenario("paper-experiment-literal"), "toy"))
 
 
 def test_numpy_engine_says_that_it_has_no_twin() -> None:

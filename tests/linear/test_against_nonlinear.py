@@ -59,7 +59,7 @@ def test_python_control_linearises_the_plant_to_the_same_matrices(nominal):
     from wmr_ctrl.linear import linearise
     from wmr_ctrl.model.plant import plant
 
-    x, u = np.array((0.1, -0.2, 0.4, 0.3, 0.2)), np.array((2.0, 1.0, 0.0, 0.0))
+    x, u = np.array((0.1, -0.2, 0.4, 0.3, 0.2)), np.array((2.0, 1.0, 0.0, 0.0, 0.0, 0.0))
     theirs = plant_nlsys(nominal).linearize(x, u)
 
     assert pytest.approx(theirs.A, abs=1e-4) == linearise(plant(nominal), u, x).A

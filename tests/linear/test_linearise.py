@@ -107,7 +107,7 @@ def test_linear_loop_is_the_limit_of_the_nonlinear_one(nominal, law):
 
 def test_any_system_linearises(nominal):
     robot = plant(nominal)
-    found = linearise(robot, np.zeros(4), (0, 0, 0.3, 0.5, 0.1))
+    found = linearise(robot, np.zeros(6), (0, 0, 0.3, 0.5, 0.1))
 
     assert found.A[0, 2] == pytest.approx(-0.5 * np.cos(0.3))
     assert found.A[1, 3] == pytest.approx(np.cos(0.3))

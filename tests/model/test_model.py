@@ -91,15 +91,17 @@ def test_error_rate_follows_from_both_kinematics() -> None:
 
 
 def test_power_balance() -> None:
-    """The kinetic energy's rate is the wheels' power less friction's: nothing else does work."""
+    """The kinetic energy's rate is the power of wheels and pushes less that of friction."""
     system = plant(SCENARIO)
     x, u = system.x, system.u
     energy = 0.5 * (50.0 * x[3] ** 2 + 5.4 * x[4] ** 2)
     wheel_speeds = ca.vertcat(x[3] + 0.25 * x[4], x[3] - 0.25 * x[4]) / 0.1
     friction = 0.08 * 50.0 * 9.81 * ca.tanh(x[3] / 0.01) * x[3]
-    gap = ca.jtimes(energy, x, system.update) - ca.dot(u[0:2] + u[2:4], wheel_speeds) + friction
+    power = ca.dot(u[0:2] + u[2:4], wheel_speeds) + ca.dot(u[4:6], x[3:5])
+    gap = ca.jtimes(energy, x, system.update) - power + friction
+    inputs = (3, -1, 0.2, 0.1, 7, -0.4)
     for speed in (-0.9, -0.003, 0.0, 0.4):
-        found = value(gap, [u, x, system.p], (3, -1, 0.2, 0.1), (0, 0, 1, speed, 0.8), system.p0)
+        found = value(gap, [u, x, system.p], inputs, (0, 0, 1, speed, 0.8), system.p0)
         assert abs(found).max() < 1e-12
 
 
@@ -111,7 +113,7 @@ def test_runge_kutta_step_is_of_fourth_order() -> None:
     def end(count: int) -> np.ndarray:
         state = ca.DM([0, 0, 0.3, 0.5, 0.4])
         for _ in range(count):
-            state = step((20, 20.3, 0, 0), state, system.p0, 0.4 / count)
+            state = step((20, 20.3, 0, 0, 0, 0), state, system.p0, 0.4 / count)
         return state.full().ravel()
 
     exact = end(2048)

@@ -21,8 +21,10 @@ from wmr_ctrl.scenario import (
     build,
     quantity,
 )
-from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.world.references import REFERENCES
+
+KINDS = [kind.section for kind in REFERENCES.values()]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +41,7 @@ class Gains(Section):
     share: float = quantity(0.5, unit="1", doc="share", minimum=0, below=1)
 
 
-@pytest.mark.parametrize("cls", [*SECTIONS.values(), *KINDS.values(), Change, Gains])
+@pytest.mark.parametrize("cls", [*SECTIONS.values(), *KINDS, Change, Gains])
 def test_every_field_has_unit_meaning_and_bounds(cls):
     for field in fields(cls):
         assert field.metadata["doc"]

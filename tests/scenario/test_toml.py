@@ -32,8 +32,8 @@ from wmr_ctrl.scenario import (
     scenario_dict,
     to_toml,
 )
-from wmr_ctrl.scenario.reference import KINDS
 from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.world.references import REFERENCES
 
 FULL = Scenario(
     title='odd "title" with = and # and é',
@@ -41,23 +41,23 @@ FULL = Scenario(
     model=Model(mu=0.0, I=1 / 3),
     gains={"mb": {"rho": (1.0, 2.0)}, "nn": {"on": False, "way": "x", "eta": math.pi}, "pid": {}},
     disturbance=Disturbance(std=0.1 + 0.2, truncate=3.0),
-    sensor=Sensor(0.02, 0.01, (0.1, 0.2), 0.5),
-    actuator=Actuator(20.0, 0.02, 0.003),
-    changes=(Change(1.0, m=3.0), Change(2.0, I=4.0, mu=0.0)),
-    clock=Clock(0.02, 0.001, 4.0),
-    metrics=Metrics(1.5, 0.0),
+    sensor=Sensor(pose_period=0.02, pose_noise=0.01, velocity_noise=(0.1, 0.2), correction=0.5),
+    actuator=Actuator(tau_max=20.0, lag=0.02, delay=0.003),
+    changes=(Change(t=1.0, m=3.0), Change(t=2.0, I=4.0, mu=0.0)),
+    clock=Clock(control=0.02, plant=0.001, duration=4.0),
+    metrics=Metrics(split=1.5, rms_from=0.0),
 )
-REFERENCES = (
-    Circle(3.0, -0.2),
-    Line(0.1, 0.3, (1.0, 2.0)),
-    Lemniscate(1.0, 0.2),
-    RoundedSquare(2.0, 0.5, 0.1),
-    StopAndGo(1.0, 0.2, 4.0),
-    Waypoints(((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)), 0.3, True),
+MOTIONS = (
+    Circle(radius=3.0, rate=-0.2),
+    Line(speed=0.1, heading=0.3, origin=(1.0, 2.0)),
+    Lemniscate(size=1.0, rate=0.2),
+    RoundedSquare(side=2.0, corner=0.5, speed=0.1),
+    StopAndGo(radius=1.0, speed=0.2, period=4.0),
+    Waypoints(points=((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)), speed=0.3, closed=True),
 )
 
 
-@pytest.mark.parametrize("reference", REFERENCES, ids=lambda reference: type(reference).__name__)
+@pytest.mark.parametrize("reference", MOTIONS, ids=lambda reference: type(reference).__name__)
 @pytest.mark.parametrize("comments", [True, False])
 def test_every_kind_and_field_loads_back_equal(reference, comments):
     scenario = Scenario(**{**vars(FULL), "reference": reference})
@@ -67,7 +67,9 @@ def test_every_kind_and_field_loads_back_equal(reference, comments):
 
 
 def test_every_kind_is_tried_above():
-    assert {type(reference) for reference in REFERENCES} == set(KINDS.values())
+    assert {type(reference) for reference in MOTIONS} == {
+        kind.section for kind in REFERENCES.values()
+    }
 
 
 finite = st.floats(-1e12, 1e12)

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wmr_ctrl.codegen.lanes import vector_sets
+from wmr_ctrl.sim.batch_memory import vector_sets as usable
 
 from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, simulate_runs
-from wmr_ctrl.codegen.lanes import vector_sets
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.metrics import summary
 from wmr_ctrl.sim.batch import Columns, Task, run_logged, run_tasks
-from wmr_ctrl.sim.batch_memory import vector_sets as usable
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 every_law = pytest.mark.parametrize("law", NAMES)

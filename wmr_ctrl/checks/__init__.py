@@ -1,9 +1,41 @@
 """What theory says before a run: sample time, preconditions, start, network, barrier.
 
 `warnings_for` answers for one law on one scenario; nothing here simulates more than one control
-period, and nothing is ever refused.
+period, and nothing is ever refused.  A law is told only of what it has: of Eq. (7), of a theorem,
+of a barrier or of a believed model where its `Traits` state them.
 """
 
-from wmr_ctrl.checks.before_run import warnings_for as warnings_for
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+from wmr_ctrl.checks.barrier import pushed_through, wrong_model
+from wmr_ctrl.checks.guard_price import guard_price
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.network import network
+from wmr_ctrl.checks.preconditions import drives, noise, preconditions, start
+from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.checks.warning import Warning as Warning
+from wmr_ctrl.control.setup import Setup
+
+CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
+    start,
+    sample_time,
+    preconditions,
+    pushed_through,
+    wrong_model,
+    network,
+    drives,
+    noise,
+    guard_price,
+)
+"""In the order in which they are told: what ends a run first comes first."""
+
+
+@lru_cache(maxsize=256)
+def warnings_for(setup: Setup) -> tuple[Warning, ...]:
+    """What theory says against a law on a scenario; empty where it has no objection."""
+    loop = Loop(setup)
+    return tuple(warning for check in CHECKS for warning in check(loop))

@@ -1,4 +1,4 @@
-"""Can the barrier hold the limit against a wrong model?  Its pull is bounded, and fades at v_u1."""
+"""What a wrong model does: to the barrier, whose pull fades at v_u1, and to the error."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Floats, Loop
-from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.checks.wording import FORCE_UNITS, SPEEDS, UNITS
+from wmr_ctrl.checks.sample_time import operating_points
+from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
 from wmr_ctrl.model.dynamics import friction
 from wmr_ctrl.scenario import Robot, Scenario
 
 GRID = 200
+NOTABLE = 0.01
+"""Velocity error [m/s] from which it is worth a line."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Phase:
 def pushed_through(loop: Loop) -> Iterator[Warning]:
     """Yield the first phase in which the barrier is too weak at the start's v_c0."""
     outside = (np.abs(loop.start.v) > loop.scenario.limits.v_u1).any()
-    if loop.guarded or outside or not loop.uses("limits."):
+    if loop.guarded or outside or not loop.has_barrier:
         return
     for phase in phases(loop.scenario):
         axes = np.flatnonzero(largest_pull(loop, phase) <= 0)
@@ -84,11 +86,59 @@ def _warning(loop: Loop, axis: int, phase: Phase) -> Warning:
     push = -largest_pull(loop, phase)[axis]
     limit = f"{loop.scenario.limits.v_u1[axis]:g} {UNITS[axis]}"
     when = f"from {phase.t:g} s on" if phase.t else "at the start"
+    surplus, remedy = "", ""
+    if loop.traits.model:
+        surplus = " of friction that the law compensates and the robot does not have"
+        remedy = ", or let model.mu and model.m not overestimate friction"
+    return Warning(
+        "model" if loop.traits.model else "law",
+        f"The barrier of {loop.law} cannot hold |{SPEEDS[axis]}| below {limit} {when}: its pull, "
+        f"weak while the error is large, is exceeded by {push:.3g} {FORCE_UNITS[axis]}{surplus}. "
+        f"Start nearer to the reference{remedy}.",
+        "Eqs. (9), (15)" if loop.traits.theorem == 1 else "Eq. (15)",
+    )
+
+
+def wrong_model(loop: Loop) -> Iterator[Warning]:
+    """Yield the largest steady error that a friction other than the believed one leaves.
+
+    Laws that estimate make up for it, and are not asked.
+    """
+    asked = loop.traits.model and not loop.traits.estimates
+    if not asked or any(pushed_through(loop)):
+        return
+    offset, phase = max(
+        ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario)),
+        key=lambda pair: abs(pair[0]),
+    )
+    if abs(offset) >= NOTABLE:
+        yield _wrong(loop, offset, phase)
+
+
+def velocity_error(loop: Loop, phase: Phase) -> float:
+    """Steady v1 - v_c0[1] [m/s] on the reference: surplus of force over the law's slope there."""
+    v_d = max(operating_points(loop.scenario), key=lambda point: float(abs(point[0])))
+    surplus = loop.force_towards(v_d, v_d) - drag(loop.scenario.robot, phase, v_d)
+    return float(-surplus[0, 0] / loop.slope_towards(v_d, v_d)[0])
+
+
+def _wrong(loop: Loop, offset: float, phase: Phase) -> Warning:
+    believed, robot = loop.scenario.believed, loop.scenario.robot
+    forces = [mass * mu * robot.g for mass, mu in ((phase.m, phase.mu), (believed.m, believed.mu))]
+    when = f"from {phase.t:g} s on" if phase.t else "from the start"
+    exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
     return Warning(
         "model",
-        f"The barrier of {loop.law} cannot hold |{SPEEDS[axis]}| below {limit} {when}: its pull, "
-        f"weak while the error is large, is exceeded by {push:.3g} {FORCE_UNITS[axis]} of friction "
-        "that the law compensates and the robot does not have. Start nearer to the reference, or "
-        "let model.mu and model.m not overestimate friction.",
-        "Eqs. (9), (15)",
+        f"Friction is {forces[0]:.3g} N {when} where {loop.law} believes {forces[1]:.3g} N{exact}. "
+        f"Expect {_consequence(loop, offset)} from then on; nn adapts instead.",
+        f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
     )
+
+
+def _consequence(loop: Loop, offset: float) -> str:
+    """Where the robot drives with a steady error of v1 [m/s], which Eq. (7) turns into a way."""
+    if not loop.traits.auxiliary:
+        return f"a speed that is off by {abs(offset):.2g} m/s"
+    ahead = -offset / loop.setup.kinematics.k[0]
+    side = "behind" if ahead > 0 else "ahead of"
+    return f"the robot about {abs(ahead):.2g} m {side} the reference"

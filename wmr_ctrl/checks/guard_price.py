@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.barrier import phases
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.checks.wording import SPEEDS, UNITS
+from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
 from wmr_ctrl.guard.bounds import early_speed, usable_speed
 from wmr_ctrl.world.references import reference_bounds
 
@@ -15,11 +14,13 @@ PLACE = "guard, docs/guarantee.md"
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
-    """Yield drives with lag, a start that a delay carries out, and a reference that is too fast."""
+    """Yield what voids the guarantee, an early start, and a reference that is too fast."""
     if not loop.guarded:
         return
-    if loop.scenario.actuator.lag > 0:
-        yield _slow_drives(loop)
+    for effect in loop.setup.effects:
+        void = effect.bound(loop.scenario).void if effect.bound else ""
+        if void:
+            yield _void(void)
     yield from _early_start(loop)
     fastest = reference_bounds(loop.scenario)[1]
     usable = slowest(loop)
@@ -34,14 +35,16 @@ def slowest(loop: Loop) -> float:
     return usable_speed(scenario, loop.setup.guard, (friction, 0.0))[0]
 
 
-def _slow_drives(loop: Loop) -> Warning:
-    return Warning(
-        "actuator.lag",
-        f"actuator.lag = {loop.scenario.actuator.lag:g} s: the guard's theorem knows torque that "
-        "acts at once or after a delay, so it filters but promises nothing here. Make the drives "
-        "faster than clock.control by far, or keep away from the limit with a smaller guard.alpha.",
-        PLACE,
+def _void(void: str) -> Warning:
+    """An effect that breaks an assumption: ``void`` begins with the key at fault."""
+    key, _, _ = void.partition(" ")
+    remedy = (
+        "Make the drives faster than clock.control by far, or keep away from the limit with a "
+        "smaller guard.alpha."
+        if key == "actuator.lag"
+        else "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
     )
+    return Warning(key, f"{void} {remedy}", PLACE)
 
 
 def _early_start(loop: Loop) -> Iterator[Warning]:

@@ -1,7 +1,8 @@
-"""Loop: a law's graph in error coordinates, evaluated where the checks ask for it."""
+"""Loop: a law's graph in error coordinates, evaluated where the checks ask; and where it starts."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,18 +10,28 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.start_point import StartPoint, start_point
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits
-from wmr_ctrl.model.auxiliary import auxiliary_rate
+from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
 from wmr_ctrl.model.system import Port, System
-from wmr_ctrl.model.tracking import error_rotation
+from wmr_ctrl.model.tracking import error_rotation, tracking_error
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
 
 PERIOD = "clock.control"
+
+
+@dataclass(frozen=True)
+class StartPoint:
+    """Reference (7) at t = 0, tracking error e (3) [m, m, rad], v and v_c0 (2) [m/s, rad/s]."""
+
+    reference: Floats
+    e: Floats
+    v: Floats
+    v_c0: Floats
 
 
 @dataclass(frozen=True)
@@ -54,9 +65,15 @@ class Loop:
         return law_graph(self.setup)
 
     @property
-    def adaptive(self) -> bool:
-        """Whether the law's memory holds estimates, which the checks keep at their start values."""
-        return self.traits.estimates
+    def has_barrier(self) -> bool:
+        """Whether a barrier pulls the auxiliary velocity of Eq. (7) back from the limits."""
+        return self.traits.barrier and self.traits.auxiliary
+
+    @property
+    def equations(self) -> str:
+        """Those of the linear loop: robot, outer loop where it is Eq. (7), tracking error."""
+        outer = "(7), " if self.traits.auxiliary else ""
+        return f"Eqs. (4), {outer}(33)-(35)"
 
     @cached_property
     def start(self) -> StartPoint:
@@ -77,7 +94,7 @@ class Loop:
     def feedback(self, v_d: Floats, period: float) -> Floats:
         """Gradient of force and next memory at e = 0, v = v_d, sampled with ``period`` [s].
 
-        Rows: force (2), then the memory (n) unless the law is adaptive; columns: e (3), v (2), then
+        Rows: force (2), then the memory (n) unless it holds estimates; columns: e (3), v (2), then
         the memory.  ``v_d`` (2) in m/s, rad/s.
         """
         s = np.concatenate((np.zeros(3), v_d))
@@ -99,7 +116,7 @@ class Loop:
         s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
         force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2))
         x, answers, causes = self.core.x, force, s
-        if not self.adaptive:
+        if not self.traits.estimates:
             answers, causes = ca.vertcat(force, following), ca.vertcat(s, x)
         return ca.Function("gradient", [s, v_d, x, self.core.p], [ca.jacobian(answers, causes)])
 
@@ -132,7 +149,9 @@ class Loop:
     def _memory(self, v_d: Floats) -> Floats:
         """The law's memory on the reference: its start value, or what one sample there leaves."""
         start = np.array(self.core.x0)
-        return start if self.adaptive else np.asarray(self._next(v_d, start, self.core.p0)).ravel()
+        if self.traits.estimates:
+            return start
+        return np.asarray(self._next(v_d, start, self.core.p0)).ravel()
 
     def _parameters(self, period: float) -> list[float]:
         return [number for port in self.core.params for number in _with_period(port, period)]
@@ -144,3 +163,20 @@ INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1",
 
 def _with_period(port: Port, period: float) -> tuple[float, ...]:
     return (period,) if port.signal.name == PERIOD else port.value
+
+
+def start_point(setup: Setup) -> StartPoint:
+    """The scenario at t = 0: Eqs. (8) and (7) there."""
+    scenario = setup.scenario
+    reference = sample(scenario, np.zeros(1))[0]
+    e = tracking_error(_sx(reference[:3]), _sx(scenario.initial.pose))
+    v_c0 = auxiliary_velocity(e, _sx(reference[3:5]), _sx(setup.kinematics.k))
+    return StartPoint(reference, _flat(e), np.array(scenario.initial.velocity), _flat(v_c0))
+
+
+def _sx(numbers: Sequence[float] | Floats) -> ca.SX:
+    return ca.SX(ca.DM(numbers))
+
+
+def _flat(column: ca.SX) -> Floats:
+    return np.asarray(ca.evalf(column)).ravel()

@@ -10,18 +10,15 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
-from wmr_ctrl.checks.sampled_loop import operating_points
-from wmr_ctrl.checks.warning import Warning
-from wmr_ctrl.checks.wording import SPEEDS
+from wmr_ctrl.checks.sample_time import operating_points
+from wmr_ctrl.checks.warning import SPEEDS, Warning
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.laws.rbf import corner_basis
-
-LAW = "nn"
 
 
 def network(loop: Loop) -> Iterator[Warning]:
     """Yield what the network's width and the control period do to learning."""
-    if loop.law == LAW:
+    if isinstance(loop.setup.gains, NetworkGains):
         yield from unstable_width(loop)
         yield from learning_too_fast(loop)
 

@@ -1,74 +1,213 @@
-"""What the theorems ask of the reference and of the kinematic gains."""
+"""What promises ask of start, reference, gains, drives and noise, and a scenario does not give."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
+import numpy as np
+
+from wmr_ctrl.checks.barrier import largest_pull, phases
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.world.references import reference_bounds
 
-THEOREM = "Theorem 1, Eq. (7)"
 STANDSTILL = 1e-9
 """Desired speed [m/s] that counts as none."""
+LIMIT = "limits.v_u1"
+
+
+def start(loop: Loop) -> Iterator[Warning]:
+    """Yield where the run starts outside or at the limit, and a law that does not look at it."""
+    limits = loop.scenario.limits
+    for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
+        named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
+        place = f"limits.v_u1[{axis + 1}]"
+        if abs(v) > u1:
+            yield Warning(
+                "initial.velocity",
+                f"{named} is outside {place} = {u1:g}: the run begins with a violation, "
+                f"{_outside(loop)}. Start inside the limit.",
+                "Eq. (15)" if loop.traits.barrier else LIMIT,
+            )
+        elif loop.traits.barrier and abs(v) > u1 - limits.clip:
+            yield Warning(
+                "initial.velocity",
+                f"{named} is within limits.clip = {limits.clip:g} of {place} = {u1:g}, where the "
+                "barrier is cut off and nearly powerless. Start further inside.",
+                "Eq. (15)",
+            )
+    if loop.traits.auxiliary and not (loop.guarded or loop.uses("limits.")):
+        yield from _blind(loop)
+
+
+def _outside(loop: Loop) -> str:
+    """What an outside start means for what the law promises."""
+    barrier = "the barrier is not defined there, " if loop.traits.barrier else ""
+    if loop.guarded:
+        return f"{barrier}and only the guard brings it back"
+    return f"{barrier}and {'no theorem' if loop.traits.theorem else 'nothing'} promises a return"
+
+
+def _blind(loop: Loop) -> Iterator[Warning]:
+    limits, asked = np.array(loop.scenario.limits.v_u1), np.abs(loop.start.v_c0)
+    axes = np.flatnonzero(asked > limits)
+    if axes.size:
+        named = joined(
+            f"|{SPEEDS[i]}| = {asked[i]:.3g} {UNITS[i]} (limit {limits[i]:g})" for i in axes
+        )
+        yield Warning(
+            "law",
+            f"{loop.law} does not know the velocity limit, and at the start the kinematic loop "
+            f"asks for {named}: expect violations. Choose a law that knows it, such as mb or nn, "
+            "switch the guard on, or start nearer.",
+            "Eq. (7)",
+        )
 
 
 def preconditions(loop: Loop) -> Iterator[Warning]:
-    """Yield what of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 does not hold."""
+    """Yield what of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 does not hold.
+
+    A law without barrier is asked to stay below v_u1; one without Eq. (7) about nothing else.
+    """
     slowest, fastest, turning = reference_bounds(loop.scenario)
-    if slowest <= STANDSTILL:
-        yield _not_moving(slowest)
+    if loop.traits.auxiliary and slowest <= STANDSTILL:
+        yield _not_moving(loop, slowest)
     yield from _too_fast(loop, fastest)
     yield from _turning_too_fast(loop, turning)
     k2 = loop.setup.kinematics.k[1]
-    if k2 < 1:
+    if loop.traits.auxiliary and k2 < 1:
+        proof = f"proof of Theorem {loop.traits.theorem}" if loop.traits.theorem else "proof"
         yield Warning(
             "gains.kinematics.k",
-            f"gains.kinematics.k[2] = {k2:g} is below 1, which the proof of Theorem 1 asks for: "
-            "raise it.",
+            f"gains.kinematics.k[2] = {k2:g} is below 1, which the {proof} that the error of the "
+            "path vanishes asks for: raise it.",
             "Eq. (42)",
         )
 
 
+def _basis(loop: Loop) -> str:
+    """What the conditions on the reference rest on."""
+    theorem = f"Theorem {loop.traits.theorem}, " if loop.traits.theorem else ""
+    return f"{theorem}Eq. (7)" if loop.traits.auxiliary else LIMIT
+
+
 def _too_fast(loop: Loop, fastest: float) -> Iterator[Warning]:
     limit, threshold = loop.scenario.limits.v_u1[0], loop.scenario.limits.v_u2[0]
-    if fastest < threshold:
-        return
-    if fastest < limit:
+    end = "the robot may not drive that fast and falls behind, or leaves the limit"
+    if loop.has_barrier and threshold <= fastest < limit:
         lag = 1 / (limit - fastest) / loop.setup.kinematics.k[0]
         end = f"the barrier leaves the robot about {lag:.2g} m behind on a straight line"
-    else:
-        end = "the robot may not drive that fast and falls behind"
-    yield Warning(
-        "reference",
-        f"v1_d of the reference reaches {fastest:.4g} m/s, not below limits.v_u2[1] = "
-        f"{threshold:g} m/s (v_u1[1] = {limit:g}): {end}. Ask for a slower reference, or raise "
-        "v_u2[1].",
-        THEOREM,
-    )
+    yield from _beyond(loop, 0, f"v1_d of the reference reaches {fastest:.4g}", fastest, end)
 
 
 def _turning_too_fast(loop: Loop, turning: float) -> Iterator[Warning]:
-    limit, threshold = loop.scenario.limits.v_u1[1], loop.scenario.limits.v_u2[1]
-    if turning >= threshold:
+    end = "the robot may not turn that fast and falls behind, or leaves the limit"
+    if loop.has_barrier:
+        end = "the angle e3 falls behind and can wind up by whole turns"
+    yield from _beyond(loop, 1, f"|v2_d| of the reference reaches {turning:.4g}", turning, end)
+
+
+def _beyond(loop: Loop, axis: int, what: str, value: float, end: str) -> Iterator[Warning]:
+    """A speed of the reference that is not below what the law can hold: v_u2, or v_u1."""
+    limits, unit = loop.scenario.limits, UNITS[axis]
+    limit, name = limits.v_u1[axis], f"v_u1[{axis + 1}]"
+    bound, raised = f"limits.{name} = {limit:g} {unit}", f"limits.{name}"
+    if loop.has_barrier:
+        raised = f"v_u2[{axis + 1}]"
+        bound = f"limits.{raised} = {limits.v_u2[axis]:g} {unit} ({name} = {limit:g})"
+    if value >= (limits.v_u2 if loop.has_barrier else limits.v_u1)[axis]:
         yield Warning(
             "reference",
-            f"|v2_d| of the reference reaches {turning:.4g} rad/s, not below limits.v_u2[2] = "
-            f"{threshold:g} rad/s (v_u1[2] = {limit:g}): the angle e3 falls behind and can wind up "
-            "by whole turns. Ask for a slower or wider reference, or raise v_u2[2].",
-            THEOREM,
+            f"{what} {unit}, not below {bound}: {end}. Ask for a slower "
+            f"{'or wider ' * axis}reference, or raise {raised}.",
+            _basis(loop),
         )
 
 
-def _not_moving(slowest: float) -> Warning:
+def _not_moving(loop: Loop, slowest: float) -> Warning:
     what = (
         f"falls to {slowest:.4g} m/s, that is backwards"
         if slowest < -STANDSTILL
         else "falls to 0, and while it stands still nothing steers the sideways error e2"
     )
+    asking = "the theorems ask" if loop.traits.theorem else "that the error vanishes is known"
     return Warning(
         "reference",
-        f"v1_d of the reference {what}: the theorems ask for v1_d > 0 and promise no convergence "
+        f"v1_d of the reference {what}: {asking} for v1_d > 0 and no convergence is promised "
         "otherwise. Ask for a reference that keeps moving forwards.",
-        THEOREM,
+        _basis(loop),
+    )
+
+
+def drives(loop: Loop) -> Iterator[Warning]:
+    """Yield a torque limit that friction uses up, and a delay of one sample or more."""
+    scenario, actuator = loop.scenario, loop.scenario.actuator
+    thrust = 2 * actuator.tau_max / scenario.robot.r
+    friction = max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
+    if friction >= thrust:
+        yield Warning(
+            "actuator.tau_max",
+            f"actuator.tau_max = {actuator.tau_max:g} N m gives {thrust:.3g} N of thrust at most, "
+            f"and friction takes {friction:.3g} N: the robot cannot keep moving. Raise it above "
+            f"{friction * scenario.robot.r / 2:.3g} N m.",
+            "Eq. (4)",
+        )
+    if actuator.delay >= scenario.clock.control:
+        yield _late(loop)
+
+
+def _late(loop: Loop) -> Warning:
+    held = loop.guarded and not loop.setup.bound.void
+    promise = "The guard keeps the limits all the same, not the path. " if held else ""
+    cost = (
+        "the theorems let the torque act at once, and at 10 ms a single period of delay is enough "
+        "to break mb"
+        if loop.traits.theorem
+        else "what is computed from one sample acts after the next one was taken"
+    )
+    return Warning(
+        "actuator.delay",
+        f"actuator.delay = {loop.scenario.actuator.delay:g} s is a whole control period or more; "
+        f"{cost}. {promise}Lower the gains, or shorten both clock.control and the delay.",
+        f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
+    )
+
+
+def noise(loop: Loop) -> Iterator[Warning]:
+    """Yield that the limit is not guaranteed under noise: on the weakest axis, or by the guard."""
+    if loop.scenario.disturbance.std == 0:
+        return
+    if loop.guarded:
+        yield from _guarded_noise(loop)
+    elif loop.has_barrier:
+        yield _unguarded_noise(loop)
+
+
+def _guarded_noise(loop: Loop) -> Iterator[Warning]:
+    if math.isinf(loop.scenario.disturbance.truncate):
+        yield Warning(
+            "disturbance.truncate",
+            "The torque noise is unbounded (disturbance.truncate = inf), and the guard counts on a "
+            "bounded one, of 3 std unless guard.dbar says otherwise: it keeps the limit with that "
+            "probability only. Set disturbance.truncate = 3 for a guarantee.",
+            "guard, bound dbar",
+        )
+
+
+def _unguarded_noise(loop: Loop) -> Warning:
+    disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
+    push = math.sqrt(2) * disturbance.std / robot.r * np.array((1.0, robot.l))
+    pull = np.maximum(largest_pull(loop, next(phases(loop.scenario))), 0)
+    axis = int(np.argmin(pull / push))
+    truncate, unit = disturbance.truncate, FORCE_UNITS[axis]
+    bound = "unbounded" if math.isinf(truncate) else f"cut at {truncate:g} times that"
+    cover = "is covered by no theorem: at" if loop.traits.theorem else "acts against the limit: at"
+    return Warning(
+        "disturbance.std",
+        f"The torque noise ({disturbance.std:g} N m rms, {bound}) {cover} the start it pushes "
+        f"{SPEEDS[axis]} with {push[axis]:.3g} {unit} rms, and the barrier of {loop.law} pulls "
+        f"back with at most {pull[axis]:.3g} {unit}. That the limit is kept is not certain: try "
+        "several seeds, start nearer, or switch the guard on.",
+        f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eqs. (4), (15)",
     )

@@ -1,8 +1,13 @@
-"""Warning: one thing that theory has to say against a run."""
+"""Warning: one thing that theory has to say against a run; and words that several checks share."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+SPEEDS = ("v1", "omega")
+UNITS = ("m/s", "rad/s")
+FORCE_UNITS = ("N", "N m")
 
 
 @dataclass(frozen=True, slots=True)
@@ -10,7 +15,7 @@ class Warning:
     """A sentence of what, by how much, and the remedy.
 
     ``key`` is the scenario's key (or ``law``) that the remedy starts from; ``equation`` names the
-    place in the paper that the statement rests on, such as ``"Eq. (9)"``.
+    place that the statement rests on: one of the paper, such as ``"Eq. (9)"``, or a limit.
     """
 
     key: str
@@ -18,5 +23,11 @@ class Warning:
     equation: str
 
     def __str__(self) -> str:
-        """The sentence, then its place in the paper."""
+        """The sentence, then the place that it rests on."""
         return f"{self.sentence} [{self.equation}]"
+
+
+def joined(parts: Iterable[str]) -> str:
+    """The parts as in "a", "a and b" or "a, b and c"."""
+    *head, last = parts
+    return f"{', '.join(head)} and {last}" if head else last

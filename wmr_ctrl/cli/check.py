@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.checks import Warning
     from wmr_ctrl.scenario import Scenario
 
-    Found = Mapping[str, Sequence[Warning]]
+    Warned = Mapping[str, Sequence[Warning]]
 
 
 @click.command(short_help="Validate a scenario without running it.")
@@ -48,40 +48,40 @@ def check(
     from wmr_ctrl.laws import LAWS
 
     case = load(scenario, assignments, guard)
-    found = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
-    periods = {law: largest_stable_period(case, law) for law in found}
+    warned = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
+    periods = {law: largest_stable_period(case, law) for law in warned}
     if as_json:
-        print_json(_document(case, found, periods))
+        print_json(_document(case, warned, periods))
     else:
-        click.echo("\n".join(_lines(case, found, periods)))
+        click.echo("\n".join(_lines(case, warned, periods)))
 
 
-def _document(scenario: Scenario, found: Found, periods: Mapping[str, float]) -> dict[str, Any]:
+def _document(scenario: Scenario, warned: Warned, periods: Mapping[str, float]) -> dict[str, Any]:
     laws = {
         law: {
             "largest_stable_period": periods[law],
             "warnings": [asdict(warning) for warning in warnings],
         }
-        for law, warnings in found.items()
+        for law, warnings in warned.items()
     }
     return {"scenario": scenario.name, "valid": True, "laws": laws}
 
 
-def _lines(scenario: Scenario, found: Found, periods: Mapping[str, float]) -> list[str]:
+def _lines(scenario: Scenario, warned: Warned, periods: Mapping[str, float]) -> list[str]:
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
-    shared = [warning for warning in next(iter(found.values())) if _in_all(warning, found)]
-    if len(found) > 1 and shared:
+    shared = [warning for warning in next(iter(warned.values())) if _in_all(warning, warned)]
+    if len(warned) > 1 and shared:
         lines += ["", "all laws", *(_item(warning) for warning in shared)]
-    for law, warnings in found.items():
-        own = [warning for warning in warnings if len(found) == 1 or warning not in shared]
+    for law, warnings in warned.items():
+        own = [warning for warning in warnings if len(warned) == 1 or warning not in shared]
         lines += ["", f"{law}, {_stable(periods[law])}"]
         lines += [_item(warning) for warning in own] or ["  - no objection"]
     return lines
 
 
-def _in_all(warning: Warning, found: Found) -> bool:
-    return all(warning in warnings for warnings in found.values())
+def _in_all(warning: Warning, warned: Warned) -> bool:
+    return all(warning in warnings for warnings in warned.values())
 
 
 def _item(warning: Warning) -> str:

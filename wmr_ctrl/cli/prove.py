@@ -29,8 +29,8 @@ def prove(only: tuple[str, ...], file: str | None) -> None:
     check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
 
-        def told(done: int, total: int, _entry: object) -> None:
+        def tell(done: int, total: int, _entry: object) -> None:
             progress(done / total)
 
-        code = run_prove(only, Path(file) if file else None, told)
+        code = run_prove(only, Path(file) if file else None, tell)
     raise click.exceptions.Exit(code)

@@ -219,7 +219,7 @@ def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
 
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
     """A setup's values of parameters, by their keys, flat and in order."""
-    return tuple(number for item in parameters for number in setup.number(item.name)[1])
+    return tuple(number for item in parameters for number in setup.value(item.name))
 
 
 def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
@@ -236,7 +236,8 @@ def phases_of(
     row, phases = list(first), [(0, first)]
     for change in setup.scenario.changes:
         for key, value in change.values().items():
-            row[names.index(f"robot.{key}")] = value
+            if f"robot.{key}" in names:
+                row[names.index(f"robot.{key}")] = value
         phases.append((_first_step_at(change.t, setup.scenario.clock.plant), tuple(row)))
     return phases
 

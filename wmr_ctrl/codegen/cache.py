@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir
+from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir, wanted_dir
 from wmr_ctrl.codegen.whole import is_whole
 from wmr_ctrl.errors import CacheError
 
@@ -33,6 +33,7 @@ Sources = Mapping[str, str | bytes]
 _LAYOUT = "1"  # raise it when what an entry consists of changes
 _STAMP = "stamp.json"
 _UNFINISHED = "building-"
+_HOST = ".host"
 _DAY = 86400.0
 _checked: set[tuple[str, int]] = set()
 
@@ -70,7 +71,11 @@ def build_cached(
     CompilerError
         If compiling fails; its kind CacheError if the folder cannot be written (a full disk, say).
     """
-    entry = cache_dir() / "kernels" / content_key(sources, key)
+    name = content_key(sources, key)
+    present = _intact(wanted_dir() / "kernels" / name)  # a folder that can only be read will do
+    if present:
+        return present
+    entry = cache_dir() / "kernels" / name
     return _intact(entry) or _build(entry, sources, compile_in)
 
 
@@ -146,8 +151,10 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
     folder: Path | None = None
     try:
         folder = _fresh_folder(entry.parent)
+        (folder / _HOST).write_text(_this_host(), encoding="utf-8")
         _write(folder, sources)
         library = compile_in(folder)
+        (folder / _HOST).unlink()
         if not is_whole(library):
             raise OSError(f"the compiler wrote only a part of {library.name}")
         _write_stamp(folder, library)
@@ -165,20 +172,50 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
 def _fresh_folder(parent: Path) -> Path:
     parent.mkdir(parents=True, exist_ok=True)
     _sweep(parent)
-    folder = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=parent))
+    folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{os.getpid()}-", dir=parent))
     folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
     return folder
 
 
 def _sweep(parent: Path) -> None:
-    """Remove what processes that died while building left behind, a day later."""
+    """Remove what processes that died while building left behind.
+
+    A process of this machine is seen to be gone; that of another, on a shared drive, is thought so
+    a day later.
+    """
     for folder in parent.glob(f"{_UNFINISHED}*"):
         try:
             old = time.time() - folder.stat().st_mtime > _DAY
         except OSError:
             continue
-        if old:
+        if old or _is_abandoned(folder):
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _this_host() -> str:
+    """Where a process number means something: a machine, or a container with its own."""
+    try:
+        numbers = os.readlink("/proc/self/ns/pid")
+    except OSError:
+        numbers = ""
+    return f"{platform.node()} {numbers}"
+
+
+def _is_abandoned(folder: Path) -> bool:
+    """Whether the process that builds in a folder has ended, as far as can be told here.
+
+    The folder names its process and holds its machine's name.
+    """
+    try:
+        owner = int(folder.name.removeprefix(_UNFINISHED).split("-")[0])
+        if os.name == "nt" or (folder / _HOST).read_text(encoding="utf-8") != _this_host():
+            return False
+        os.kill(owner, 0)  # asks whether it is there
+    except ProcessLookupError:
+        return True
+    except (OSError, ValueError):
+        return False
+    return False
 
 
 def _write(folder: Path, sources: Sources) -> None:

@@ -24,11 +24,16 @@ STORAGE_REMEDY = (
 def cache_dir() -> Path:
     """Return the cache folder, which exists and can be written.
 
-    It is ``$WMR_CTRL_CACHE``, or the user's cache folder of this platform; where that cannot be
-    written, a private folder among the temporary files, with a warning in the log.
+    It is `wanted_dir`; where that cannot be written, a private folder among the temporary files,
+    with a warning in the log.
     """
+    return _usable(str(wanted_dir()))
+
+
+def wanted_dir() -> Path:
+    """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform: it may be read-only."""
     wanted = os.environ.get(VARIABLE) or platformdirs.user_cache_dir("wmr_ctrl", appauthor=False)
-    return _usable(wanted)
+    return Path(wanted).expanduser().absolute()
 
 
 @functools.lru_cache(maxsize=8)

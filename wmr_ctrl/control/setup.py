@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
-from wmr_ctrl.fields.section import Section, build, number_of
+from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, settled_guard, stated_guard
 from wmr_ctrl.laws.law import Law, TorqueLimited
 from wmr_ctrl.laws.registry import LAWS
@@ -86,17 +86,27 @@ class Setup:
 
         Raises KeyError for a key that names no number.
         """
+        own = self._own_section(key)
+        return self.scenario.number(key) if own is None else number_of(own[0], own[1], key)
+
+    def value(self, key: str) -> tuple[float, ...]:
+        """Value of the number at a key alone."""
+        own = self._own_section(key)
+        return self.scenario.value(key) if own is None else numbers_in(*own)
+
+    def _own_section(self, key: str) -> tuple[Section, str] | None:
+        """Section and field of a key that is not the scenario's alone."""
         section, _, name = key.partition(".")
         if section == "guard":
-            return number_of(self.guard, name, key)
+            return self.guard, name
         if section != "gains":
-            return self.scenario.number(key)
+            return None
         law, _, gain = name.partition(".")
         if law == KINEMATICS:
-            return number_of(self.kinematics, gain, key)
+            return self.kinematics, gain
         if law != self.name:
             raise KeyError(key)
-        return number_of(self.gains, gain, key)
+        return self.gains, gain
 
 
 @lru_cache(maxsize=4096)
@@ -113,9 +123,9 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     present = EFFECTS.present(scenario)
     if scenario.guard.enabled or chosen is None:
         _check_bounds(present)
-    settled = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
+    numbers_of = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
-    guard = settled(scenario, bound, limit)
+    guard = numbers_of(scenario, bound, limit)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
 
 

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, TypeVar
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
-from wmr_ctrl.fields.values import Bounds, Quantity, kind_of
+from wmr_ctrl.fields.values import Quantity, Range, kind_of
 from wmr_ctrl.signals import Signal
 
 REQUIRED = dataclasses.MISSING
@@ -46,7 +46,7 @@ def quantity(
     overrules this (``"points"`` is a list of pairs of any length); ``size`` makes a field that may
     be left out a vector.  Bounds hold for every element, in ``unit``; ``infinite`` admits inf.
     """
-    bounds = Bounds(above, minimum, below, maximum, infinite)
+    bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
     what = Quantity(default, unit, doc, bounds, kind or _kind(default), elements, options)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
@@ -107,11 +107,17 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
     """Signal called ``path`` and value of a section's field ``name``; KeyError if not a number."""
     what = dict(quantities(type(section)))[name]
+    numbers = numbers_in(section, name)
+    return Signal(path, what.unit, what.doc, len(numbers)), numbers
+
+
+def numbers_in(section: Section, name: str) -> tuple[float, ...]:
+    """Value of a section's field as numbers; KeyError where it is something else."""
     value = getattr(section, name)
     numbers = value if isinstance(value, tuple) else (value,)
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in numbers):
-        raise KeyError(path)
-    return Signal(path, what.unit, what.doc, len(numbers)), tuple(map(float, numbers))
+        raise KeyError(name)
+    return tuple(map(float, numbers))
 
 
 def key(path: str, name: str) -> str:

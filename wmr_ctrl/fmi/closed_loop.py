@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, clock_of, ranges_of
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Port, stack
+from wmr_ctrl.model.system import Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import PLANT_STATE, Signal
+from wmr_ctrl.world.registry import EFFECTS
 
 START = ("initial.pose", "initial.velocity")
 MAX_ABS_V = Signal(
@@ -26,19 +28,20 @@ SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
 
 
-def closed_loop_model(setup: Setup) -> Model:
+def closed_loop_model(setup: Setup) -> FmuModel:
     """Reference, sensors, law, drives, disturbances and plant of a setup in one model."""
     loop, scenario = LoopGraphs(setup), setup.scenario
-    ports = _ports(setup, loop)
+    ports, absent = _ports(setup, loop), _absent(setup)
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
-    ranges |= _drives(scenario, ranges)
-    parameters = [TIME, *parameter_rows(ports, ranges), _seed(), *_changes(scenario)]
+    ranges |= _drives(scenario) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
+    numbers = parameter_rows((*ports, *absent), ranges)
+    parameters = [TIME, *numbers, _seed(), *_changes(scenario)]
     outputs = [
         *output_rows((*loop.columns[1:], MAX_ABS_V), discrete=True),
         *output_rows((VIOLATIONS,), discrete=True, integer=True),
     ]
     rows = (*parameters, *outputs)
-    return Model(
+    return FmuModel(
         "closed-loop",
         f"Closed loop: {setup.control_law.title}",
         "loop",
@@ -64,6 +67,20 @@ def _ports(setup: Setup, loop: LoopGraphs) -> tuple[Port, ...]:
     return (*start.ports, *loop.parameters.ports)
 
 
+def _absent(setup: Setup) -> tuple[Port, ...]:
+    """Numbers of effects that this loop does not have: parameters that cannot be changed."""
+    ports: dict[str, Port] = {}
+    for effect in EFFECTS:
+        section = setup.scenario.section(effect.section)
+        own = [name for name, _ in quantities(effect.section)] * (effect not in setup.effects)
+        for name in own:
+            key = f"{effect.section.KEY}.{name}"
+            with suppress(KeyError):  # a text or a flag is no parameter
+                signal, value = number_of(section, name, key)
+                ports[key] = port(signal, value)
+    return tuple(ports.values())
+
+
 def _plant_kernel(loop: LoopGraphs) -> Kernel:
     """What the plant shows of a state, as the log's first columns do."""
     outputs = loop.plant.y
@@ -71,15 +88,15 @@ def _plant_kernel(loop: LoopGraphs) -> Kernel:
     return kernel("plant", "What the plant shows.", {"x": x}, {"y": outputs})
 
 
-def _drives(scenario: Scenario, known: Iterable[str]) -> dict[str, Range]:
+def _drives(scenario: Scenario) -> dict[str, Range]:
     """Ranges of the drives: the controller, which knows the torque that acts, is built for them.
 
     Whether there is a lag, the delay, and with either of them the clock's steps, cannot change.
     """
     actuator = scenario.actuator
-    lag = (SMALLEST, LARGEST) if actuator.lag > 0 else (0.0, 0.0)
-    held = {"actuator.delay": (actuator.delay, actuator.delay), "actuator.lag": lag}
-    return {key: held[key] for key in held if key in known} | clock_of(scenario)
+    held = {"actuator.delay": (actuator.delay, actuator.delay)}
+    lag = {"actuator.lag": (SMALLEST, LARGEST)} if actuator.lag > 0 else {}
+    return held | lag | clock_of(scenario)
 
 
 def _seed() -> Variable:

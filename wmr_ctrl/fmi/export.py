@@ -12,7 +12,7 @@ from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.fat import joined
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
 from wmr_ctrl.fmi.sources import Sources, sources_of
@@ -81,7 +81,7 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
     return VERSIONS[str(fmi)]
 
 
-def model_of(what: str, law: str, scenario: Scenario) -> Model:
+def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
     if what == "plant":
         return plant_model(scenario)
@@ -97,7 +97,7 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
 
 
 def write_fmu(
-    model: Model,
+    model: FmuModel,
     version: int,
     targets: tuple[Target, ...],
     path: Path,
@@ -116,7 +116,7 @@ def write_fmu(
     return write_archive(path, packed)
 
 
-def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
+def _texts(model: FmuModel, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
     """Every file but description and binaries."""
     if version == 3:
         yield "terminalsAndIcons/terminalsAndIcons.xml", xml.terminals(model)
@@ -130,7 +130,7 @@ def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, 
 
 
 def binaries(
-    model: Model, sources: Sources, version: int, targets: tuple[Target, ...]
+    model: FmuModel, sources: Sources, version: int, targets: tuple[Target, ...]
 ) -> dict[str, bytes]:
     """Libraries by their place in the FMU."""
     built = {t.name: (t, compile_for(t, sources, model.identifier).read_bytes()) for t in targets}
@@ -141,6 +141,6 @@ def binaries(
     return packed
 
 
-def _place(model: Model, version: int, target: Target) -> str:
+def _place(model: FmuModel, version: int, target: Target) -> str:
     folder = target.fmi2 if version == 2 else target.name
     return f"binaries/{folder}/{model.identifier}{target.suffix}"

@@ -27,7 +27,7 @@ class Dependency:
 
 
 @dataclass(frozen=True)
-class Model:
+class FmuModel:
     """One FMU's content before any file is written.
 
     ``constants`` and ``layout``: names and numbers for the kernels and for the FMI layer;

@@ -10,8 +10,8 @@ from typing import Any
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, write_fmu
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.templates import render
@@ -47,17 +47,25 @@ def export_ssp(
     *,
     law: str = "nn",
     scenario: str | Path | Scenario = "paper-simulation",
+    fmi: str | int = "2",
     target: str = "host",
     out: str | Path = ".",
     progress: Progress | None = None,
 ) -> list[Path]:
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
+    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.
+
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
     delay does to each law.  The package has no noise and no changes of the robot: those come from
-    outside.  Raises ArgumentError for a push, sensors and drives, which it cannot hold;
+    outside.  Raises ArgumentError for FMI 3 and for effects that it cannot hold, by name;
     UnknownNameError, ScenarioError or CompilerError.
     """
+    if 2 not in versions_of(fmi):
+        raise ArgumentError(
+            f"fmi = {fmi!r}: an SSP 1.0 package holds FMUs of FMI 2.0. Leave fmi out, or export "
+            "the parts by themselves for FMI 3."
+        )
     setup = settle(scenario_given(scenario), law)
     _check_contents(setup)
     models = {
@@ -95,13 +103,13 @@ def _is_lost(effect: Effect, scenario: Scenario) -> bool:
     return effect.acts(scenario)
 
 
-def _fmu(model: Model, target: str) -> bytes:
+def _fmu(model: FmuModel, target: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{model.identifier}.fmu"
         return write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
 
 
-def _structure(models: dict[str, Model], scenario: Scenario) -> str:
+def _structure(models: dict[str, FmuModel], scenario: Scenario) -> str:
     ports = {name: list(_ports(model)) for name, model in models.items()}
     every = [port["unit"] for listed in ports.values() for port in listed]
     return render(
@@ -120,7 +128,7 @@ def _structure(models: dict[str, Model], scenario: Scenario) -> str:
     )
 
 
-def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any]:
+def _part(name: str, model: FmuModel, ports: list[dict[str, str]]) -> dict[str, Any]:
     return {
         "name": name,
         "source": f"resources/{model.identifier}.fmu",
@@ -129,7 +137,7 @@ def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any
     }
 
 
-def _ports(model: Model) -> Iterator[dict[str, str]]:
+def _ports(model: FmuModel) -> Iterator[dict[str, str]]:
     for v in model.variables:
         if v.role is Role.INPUT or (v.output and not v.array):
             yield {
@@ -139,7 +147,7 @@ def _ports(model: Model) -> Iterator[dict[str, str]]:
             }
 
 
-def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
+def _outside(models: dict[str, FmuModel]) -> list[tuple[str, str]]:
     names = {v.name for model in models.values() for v in model.variables if v.output}
     return [
         *((name, "input") for name in DISTURBANCE),
@@ -147,11 +155,11 @@ def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
     ]
 
 
-def _unit_of(models: dict[str, Model], name: str) -> str:
+def _unit_of(models: dict[str, FmuModel], name: str) -> str:
     return next(v.unit for model in models.values() for v in model.variables if v.name == name)
 
 
-def _connections(models: dict[str, Model]) -> Iterator[list[tuple[str, str]]]:
+def _connections(models: dict[str, FmuModel]) -> Iterator[list[tuple[str, str]]]:
     """Each input to the output of its name; the applied torque is the controller's own."""
     owner = {v.name: part for part, model in models.items() for v in model.variables if v.output}
     renamed = dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True))
@@ -168,7 +176,7 @@ def _line(owner: dict[str, str], source: str, part: str, v: Variable) -> list[tu
     return [*start, ("startConnector", source), ("endElement", part), ("endConnector", v.name)]
 
 
-def _parameters(name: str, model: Model) -> str:
+def _parameters(name: str, model: FmuModel) -> str:
     listed = [v for v in model.variables if v.parameter and not v.integer]
     return render(
         "parameters.ssv",

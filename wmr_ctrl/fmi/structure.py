@@ -6,24 +6,24 @@ from collections.abc import Iterable
 from typing import TypeAlias
 
 from wmr_ctrl.fmi.blocks import is_known
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import Role
 
 Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]
 """Row of a calculated variable, and the rows that it depends on (True: linearly, constant)."""
 
 
-def outputs(model: Model) -> list[Unknown]:
+def outputs(model: FmuModel) -> list[Unknown]:
     """Every output; in sampled models they depend on inputs, in continuous ones on states too."""
     return [_entry(model, i, at_start=False) for i, v in enumerate(model.variables) if v.output]
 
 
-def rates(model: Model) -> list[Unknown]:
+def rates(model: FmuModel) -> list[Unknown]:
     """The rates of the continuous states."""
     return [_entry(model, i, at_start=False) for i, v in enumerate(model.variables) if v.rate_of]
 
 
-def initial_unknowns(model: Model) -> list[Unknown]:
+def initial_unknowns(model: FmuModel) -> list[Unknown]:
     """What is calculated in initialization mode, from inputs, parameters and start values."""
     return [
         _entry(model, i, at_start=True)
@@ -32,17 +32,17 @@ def initial_unknowns(model: Model) -> list[Unknown]:
     ]
 
 
-def headed(model: Model, on: Iterable[tuple[int, bool]], arrays: bool) -> list[tuple[int, bool]]:
+def headed(model: FmuModel, on: Iterable[tuple[int, bool]], arrays: bool) -> list[tuple[int, bool]]:
     """Dependencies with an array's head in place of its elements; constant if all of them are."""
-    found: dict[int, bool] = {}
+    heads: dict[int, bool] = {}
     for row, constant in on:
         variable = model.variables[row]
         head = row - variable.index if arrays and variable.array else row
-        found[head] = found.get(head, True) and constant
-    return sorted(found.items())
+        heads[head] = heads.get(head, True) and constant
+    return sorted(heads.items())
 
 
-def _entry(model: Model, row: int, *, at_start: bool) -> Unknown:
+def _entry(model: FmuModel, row: int, *, at_start: bool) -> Unknown:
     if model.variables[row].role is Role.START:  # a state that is an output: itself
         return row, [(row, True)]
     if model.dependencies is None:

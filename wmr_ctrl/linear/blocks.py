@@ -16,7 +16,6 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.linearise import Floats, element_names
 from wmr_ctrl.model.dynamics import acceleration, force_to_wheel, friction, reduced_mass

@@ -18,7 +18,6 @@ import numpy as np
 
 from wmr_ctrl.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.barrier.stable import stable_minimiser
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.linear.blocks import V_D
 from wmr_ctrl.linear.linearise import Floats, linearise

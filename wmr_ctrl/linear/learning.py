@@ -17,7 +17,6 @@ import control as ct
 import numpy as np
 
 from wmr_ctrl.checks.network import largest_square, square_bound
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.linear.blocks import law_loop

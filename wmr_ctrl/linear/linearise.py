@@ -12,7 +12,6 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.model.system import System
 from wmr_ctrl.signals import Signal
 

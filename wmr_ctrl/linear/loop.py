@@ -13,7 +13,6 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
     DISTURBANCES,
@@ -88,7 +87,7 @@ def _law_graph(
 ) -> tuple[System, ca.Function]:
     """The law's System in the wanted reading, and its gradients."""
     block = error_law(scenario, law)
-    still = memory == "frozen" and law_loop(scenario, law).adaptive
+    still = memory == "frozen" and law_loop(scenario, law).traits.estimates
     held = [item.signal.name for item in block.state] if still else constants(block)
     block = holding(block, held)
     block = continuous_reading(block) if continuous else block

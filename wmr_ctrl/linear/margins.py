@@ -16,7 +16,7 @@ import control as ct
 import numpy as np
 from scipy.optimize import brentq
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.sample_time import largest_stable_period
 from wmr_ctrl.linear.blocks import FORCES, STATES
 from wmr_ctrl.linear.linearise import Floats, is_stable
 from wmr_ctrl.linear.loop import law_at, plant_at, with_inputs

@@ -12,7 +12,6 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
@@ -22,7 +21,7 @@ from wmr_ctrl.linear.loop import MEMORY
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import TORQUE_NOISE
+from wmr_ctrl.signals import BODY_FORCE, TORQUE_NOISE
 from wmr_ctrl.world.references.evaluate import reference
 
 
@@ -47,7 +46,7 @@ def to_nlsys(system: System) -> ct.NonlinearIOSystem:
 
 
 def plant_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIOSystem:
-    """The robot: wheel torques and their disturbance [N m] to pose and velocity, Eqs. (1)-(6).
+    """The robot: wheel torques, their disturbance [N m] and a force on the body to its motion.
 
     ``sampled``: over one control period with its inputs held, by the clock's Runge-Kutta steps.
     """
@@ -86,7 +85,7 @@ def reference_nlsys(scenario: Scenario, sampled: bool = False) -> ct.NonlinearIO
 def loop_nlsys(
     scenario: Scenario, law: str, sampled: bool = False, memory: str = "learning"
 ) -> ct.InterconnectedSystem:
-    """The whole nonlinear loop: disturbing wheel torques [N m] to pose, velocity and torques.
+    """The whole nonlinear loop: disturbing torques and body force to pose, velocity and torques.
 
     Its start is `start_of`.  The sampled loop steps at the control period.
     """
@@ -94,7 +93,7 @@ def loop_nlsys(
     shown = [*moving.output_labels, *acting.output_labels]
     return ct.interconnect(
         [reference_nlsys(scenario, sampled), acting, moving],
-        inputs=element_names(TORQUE_NOISE), outputs=shown, name=f"{law} loop",
+        inputs=element_names((*TORQUE_NOISE, *BODY_FORCE)), outputs=shown, name=f"{law} loop",
     )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.blocks import error_law, error_plant, law_loop
 from wmr_ctrl.linear.linearise import Floats, column, outputs_at
@@ -69,7 +68,7 @@ def point_at(
     """Any point, with the memory that one sample there leaves; estimates stay at their start."""
     block = error_law(scenario, law)
     u, memory = np.concatenate((e, v, v_d, v_d_dot)), np.array(block.x0)
-    if not law_loop(scenario, law).adaptive:
+    if not law_loop(scenario, law).traits.estimates:
         memory, _ = outputs_at(block, u, memory, np.array(block.p0))
     _, force = outputs_at(block, u, memory, np.array(block.p0))
     return Point(e, v, v_d, v_d_dot, memory, force)

@@ -15,7 +15,6 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import FORCES
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import law_at, plant_at

@@ -15,7 +15,6 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from wmr_ctrl.checks.barrier import Phase, drag
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop

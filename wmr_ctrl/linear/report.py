@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.sample_time import largest_stable_period
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.blocks import law_loop
@@ -144,7 +144,7 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
 
 def learned_point(scenario: Scenario, law: str) -> Point | None:
     """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
-    if not law_loop(scenario, law).adaptive:
+    if not law_loop(scenario, law).traits.estimates:
         return None
     try:
         return resting_point(scenario, law)

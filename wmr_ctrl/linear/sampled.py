@@ -14,9 +14,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.sample_time import kink_limits
-from wmr_ctrl.checks.sampled_loop import LONGEST, SHORTEST
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.sample_time import LONGEST, SHORTEST, kink_limits
+from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import PERIOD, law_loop
 from wmr_ctrl.linear.linearise import Floats, bisect, radius
 from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at

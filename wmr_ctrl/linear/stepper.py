@@ -16,7 +16,6 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.sampled_loop import largest_stable_period as largest_stable_period
 from wmr_ctrl.linear.blocks import (
     by_port,
     error_law,
@@ -98,7 +97,7 @@ def stepper(
     held = scenario.clock.control if period is None else period
     law_block = error_law(scenario, law)
     acting = with_values(with_period(law_block, held), by_port(law_block, at.memory))
-    if memory == "frozen" and law_loop(scenario, law).adaptive:
+    if memory == "frozen" and law_loop(scenario, law).traits.estimates:
         acting = holding(acting, [item.signal.name for item in acting.state])
     moving = error_plant(scenario)
     step = _one_period(moving, acting, at, held, max(1, round(held / min(LONGEST_STEP, held))))

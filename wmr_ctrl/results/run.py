@@ -15,7 +15,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.monitor import Monitor
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
-from wmr_ctrl.signals import TIME, Signal
+from wmr_ctrl.signals import REFERENCE, TIME, Signal
 
 __all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
 
@@ -86,7 +86,21 @@ class Run:
     @property
     def explanation(self) -> str:
         """The outcome as a sentence: what, when, which axis, and the remedy."""
-        return self.outcome.sentence(self.monitor, self.guard)
+        lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
+        if lost is None:
+            return self.outcome.sentence(self.monitor, self.guard)
+        return (
+            "The run ended early because the desired motion was no longer finite at "
+            f"t = {lost:.6g} s; law and robot only followed it. Change the reference's numbers, or "
+            "its graph."
+        )
+
+    def _lost_reference(self) -> float | None:
+        """Time [s] of the first row whose reference is not finite; None where all are."""
+        names = [signal.name for signal in REFERENCE if signal.name in self.columns]
+        bad = [~np.isfinite(self.columns[name]) for name in names]
+        rows = np.flatnonzero(np.any(bad, axis=0)) if bad else np.empty(0)
+        return float(self.time[rows[0]]) if rows.size else None
 
     @property
     def elements(self) -> tuple[Signal, ...]:
@@ -140,11 +154,11 @@ def _check_labels(run: Run) -> None:
             raise ArgumentError(f"run.{name} = {getattr(run, name)!r} must be a text.")
     if not isinstance(run.guard, bool):
         raise ArgumentError(f"run.guard = {run.guard!r} must be True or False.")
-    found = outcome_of(run.monitor, run.guard)
-    if run.outcome != found:
+    outcome = outcome_of(run.monitor, run.guard)
+    if run.outcome != outcome:
         raise ArgumentError(
             f"run.outcome = {run.outcome.value!r} does not fit what the monitor saw, which is "
-            f"{found.value!r}. Use outcome_of(monitor, guard)."
+            f"{outcome.value!r}. Use outcome_of(monitor, guard)."
         )
 
 

@@ -11,12 +11,12 @@ from typing import TypeAlias
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.values import Bounds, Quantity, as_list
+from wmr_ctrl.fields.values import Quantity, Range, as_list
 
 Gain: TypeAlias = float | bool | str | tuple[float, ...]
 Gains: TypeAlias = Mapping[str, Mapping[str, Gain]]
 
-_NUMBER = Quantity(None, "", "a gain", Bounds(), "number")
+_NUMBER = Quantity(None, "", "a gain", Range(), "number")
 
 
 def clean_gains(raw: object) -> Gains:

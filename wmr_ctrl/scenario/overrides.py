@@ -47,9 +47,9 @@ def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
 def parse_value(text: str) -> Any:
     """Return the value of an override's text: TOML, or a bare comma list, or a bare word."""
     text = text.strip()
-    found = _toml_value(text)
-    if found is not None:
-        return found[0]
+    item = _toml_value(text)
+    if item is not None:
+        return item[0]
     if "," in text and not text.startswith(("[", "{", '"', "'")):
         items = text.removesuffix(",").split(",")
         return [parse_value(item) for item in items]

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.frozen import Frozen
-from wmr_ctrl.fields.section import Section, number_of
+from wmr_ctrl.fields.section import Section, number_of, numbers_in
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import Clock
 from wmr_ctrl.scenario.gains import Gains, clean_gains
@@ -132,6 +132,11 @@ class Scenario:
         if not name:
             return self._of_reference(key)
         return number_of(self.table(section), name, key)
+
+    def value(self, key: str) -> tuple[float, ...]:
+        """Value of the number at a key path alone."""
+        section, _, name = key.partition(".")
+        return numbers_in(self.table(section), name) if name else self._of_reference(key)[1]
 
     def _of_reference(self, name: str) -> tuple[Signal, tuple[float, ...]]:
         for signal, value in self.reference_kind.numbers(self.reference):

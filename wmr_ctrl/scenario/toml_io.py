@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -70,12 +72,18 @@ def parse(text: str, what: str) -> Raw:
 def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     """Return the raw dictionary of a preset or file with everything that it extends."""
     if not is_path(source):
-        return _extended(parse(preset_text(source), source), folder, (*seen, source))
+        return _extended(deepcopy(_preset(source)), folder, (*seen, source))
     path = folder / source
     mark = os.path.abspath(path) if "\0" not in source else source
     if mark in seen:
         raise ScenarioError(f"extends = {show(source)} leads back to the same file: {path.name}.")
     return _extended(parse(read_text(path, "scenario"), str(path)), path.parent, (*seen, mark))
+
+
+@lru_cache
+def _preset(name: str) -> Raw:
+    """The dictionary of a preset, read once."""
+    return parse(preset_text(name), name)
 
 
 def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:

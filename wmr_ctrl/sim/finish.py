@@ -23,7 +23,7 @@ from wmr_ctrl.results import (
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
-Found = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
+Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
 
@@ -32,7 +32,7 @@ def finished(
     law: str,
     seed: int,
     engine: str,
-    found: Found,
+    log: Log,
     facts: Mapping[str, str],
     bounds: Assumptions | None = None,
 ) -> Run:
@@ -42,7 +42,7 @@ def finished(
     [N, N m]; with them the monitor tells the first motion that contradicts them, and how near the
     least disturbance came.
     """
-    signals, columns, seen = found
+    signals, columns, seen = log
     monitor, settings, guard = seen, settings_of(scenario), scenario.guard.enabled
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)

@@ -68,14 +68,38 @@ def run_many(
     count = len(seeds)
     _check(count, scenarios, starts)
     listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
-    known = {item: build(item) for item in dict.fromkeys(listed)}
+    known = _prepared(build, list(dict.fromkeys(listed)), progress)
     tasks = []
     for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
         start = None if starts is None else tuple(float(value) for value in starts[k])
         tasks.append(Task(known[scenario], int(seed), start))
-    figures = run_tasks(tasks, jobs=jobs, progress=progress)
+    figures = run_tasks(tasks, jobs=jobs, progress=_later(progress))
     outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
     return RunTable({**figures, "outcome": np.array(outcomes), "seed": np.array(seeds)})
+
+
+PREPARING = 0.1
+"""Share of the progress that is told while loops are compiled and filled with numbers."""
+
+
+def _prepared(
+    build: Callable[[Scenario], Ready], different: list[Scenario], progress: Progress | None
+) -> dict[Scenario, Ready]:
+    """The loop of each different scenario; progress is told from the first one on."""
+    loops = {}
+    for k, scenario in enumerate(different):
+        if progress and k % 16 == 0:
+            progress(PREPARING * k / len(different))
+        loops[scenario] = build(scenario)
+    return loops
+
+
+def _later(progress: Progress | None) -> Progress | None:
+    """Progress of the runs, behind what was told before."""
+    if progress is None:
+        return None
+    report = progress
+    return lambda share: report(PREPARING + (1.0 - PREPARING) * share)
 
 
 def _outcome(figures: Figures, place: int, task: Task) -> str:

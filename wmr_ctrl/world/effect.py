@@ -50,8 +50,8 @@ class Bound:
 
     ``dbar`` disturbance force [N, N m]; ``nbar`` error of the velocity [m/s, rad/s]; ``mass`` by
     which mass and inertia may differ from the robot's [kg, kg m2]; ``delay`` lateness of a command
-    [s].  ``void`` names an assumption that the effect breaks whatever the numbers are: then the
-    guard filters but promises nothing.
+    [s].  ``void`` says what assumption the effect breaks whatever the numbers are, in a sentence
+    that begins with the key at fault: then the guard filters but promises nothing.
     """
 
     dbar: Pair = (0.0, 0.0)

@@ -48,7 +48,7 @@ class Master:
 
     def run(self, progress: Progress | None) -> None:
         """All control samples, or those before the run must end."""
-        ended = self.outside.ends(self.state, 0)
+        ended = self.outside.ended
         for k in range(self.clock.samples):
             if ended:
                 break

@@ -42,7 +42,7 @@ class Outside:
     """What lies between controller and plant of one run; its counters move with every call.
 
     ``columns``: signals of the log that effects bring; ``steady``: whether what acts stays the same
-    over a sample.
+    over a sample; ``ended``: whether the run ends before its first step.
     """
 
     def __init__(self, setup: Setup, seed: int) -> None:
@@ -74,7 +74,9 @@ class Outside:
         self._loop = aligned(sizes[1] // 8 + 1)
         self._plant, self._held = np.zeros(5), np.zeros(6)
         self._measured, self._acting = np.zeros(sizes[2]), np.zeros(sizes[3])
-        self._library.wmr_outside_start(ct.byref(self._settings), self._at(self._loop))
+        self._library.wmr_outside_start.restype = ct.c_int32
+        start = self._library.wmr_outside_start
+        self.ended = not start(ct.byref(self._settings), self._at(self._loop))
 
     def sample(self, state: Sequence[float]) -> Measurement:
         """The next control sample, for the plant's state at it."""

@@ -84,7 +84,7 @@ def _reduced(flip: float) -> Statement:
 
 
 def _plant(flip: float) -> Statement:
-    """The System that is simulated: M1 v' + F1 = B1 (tau + noise), and q' = H v."""
+    """The System that is simulated: M1 v' + F1 = B1 (tau + noise) + force on the body, q' = H v."""
     system = plant(load_scenario(PRESET))
     t = scalars((*system.inputs, *system.state, *system.params))
     m, inertia, mu, r, l, g, v_s = (t[f"robot.{n}"] for n in ("m", "I", "mu", "r", "l", "g", "v_s"))
@@ -92,10 +92,11 @@ def _plant(flip: float) -> Statement:
     tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + flip * t["noise_left"])
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
     left = inertial + dynamics.friction(mu, m, g, v_s, v)
+    force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t["thrust"], t["moment"])
     return Statement(
         t,
         (
-            *every(left, dynamics.wheel_to_force(r, l, tau)),
+            *every(left, force),
             *every(system.update[0:3], velocity_map(t["theta"]) @ v),
         ),
     )

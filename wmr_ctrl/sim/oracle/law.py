@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from wmr_ctrl.sim.oracle.barrier import Barrier
+from wmr_ctrl.sim.oracle.barrier import BarrierTerms
 
 Pair = tuple[float, float]
 
@@ -20,13 +20,13 @@ class Sight:
     """Auxiliary velocity, Eq. (7) [m/s, rad/s]."""
     v_c0_dot: Pair
     """Its rate [m/s2, rad/s2]."""
-    barrier: tuple[Barrier, Barrier]
+    barrier: tuple[BarrierTerms, BarrierTerms]
     """Barrier terms of both axes, on the clipped velocity."""
     applied: Pair = (0.0, 0.0)
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
 
 
-class Law(Protocol):
+class LawTwin(Protocol):
     """A control law with its memory."""
 
     def act(self, sight: Sight) -> Pair:

@@ -7,14 +7,14 @@ from typing import Any
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.law import Law
+from wmr_ctrl.sim.oracle.law import LawTwin
 from wmr_ctrl.sim.oracle.mb import ModelBased
 from wmr_ctrl.sim.oracle.nn import NeuralNetwork
 from wmr_ctrl.sim.oracle.pid import Pid
 from wmr_ctrl.sim.oracle.prox import Prox
 from wmr_ctrl.sim.oracle.smc import Smc
 
-TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], Law]] = {
+TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], LawTwin]] = {
     "pid": Pid,
     "smc": Smc,
     "mb": ModelBased,
@@ -23,7 +23,7 @@ TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], Law]] = {
 }
 
 
-def build_law(name: str, gains: Mapping[str, Any], scenario: Scenario) -> Law:
+def build_law(name: str, gains: Mapping[str, Any], scenario: Scenario) -> LawTwin:
     """The twin of law ``name`` with its resolved gains; ArgumentError if it has none."""
     if name not in TWINS:
         raise ArgumentError(

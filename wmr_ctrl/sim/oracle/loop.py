@@ -10,7 +10,7 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.actuator import Actuator
+from wmr_ctrl.sim.oracle.actuator import Drives
 from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
@@ -22,9 +22,9 @@ from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
 from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torques
 from wmr_ctrl.sim.oracle.recorder import Recorder
 from wmr_ctrl.sim.oracle.references import reference_of
-from wmr_ctrl.sim.oracle.sensing import Sensor
+from wmr_ctrl.sim.oracle.sensing import Sensors
 from wmr_ctrl.sim.oracle.smooth import smooth_barrier
-from wmr_ctrl.sim.oracle.target import Target
+from wmr_ctrl.sim.oracle.target import DesiredState
 
 _ROWS_PER_REPORT = 100
 TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "delay", "lag"})
@@ -76,8 +76,8 @@ class _Loop:
         self.scenario, self.clock, self.k = scenario, clock, kinematics["k"]
         self.law = build_law(law, gains, scenario)
         self.reference = reference_of(scenario.reference)
-        self.sensor = Sensor(scenario.sensor, clock, key)
-        self.actuator = Actuator(scenario.actuator, clock.plant)
+        self.sensor = Sensors(scenario.sensor, clock, key)
+        self.actuator = Drives(scenario.actuator, clock.plant)
         self.applied: Pair = (0.0, 0.0)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
@@ -134,7 +134,7 @@ class _Loop:
         """Further columns: the law's, then the monitor's."""
         return {**self.law.memory(), **self.guard.seen}
 
-    def _look(self, k: int, target: Target) -> Sight:
+    def _look(self, k: int, target: DesiredState) -> Sight:
         pose, v = self.sensor.look(k, self.state)
         e = tracking_error(target, pose)
         v_c0 = auxiliary_velocity(e, target, self.k)
@@ -160,7 +160,7 @@ class _Loop:
         return acting
 
     def _row(
-        self, k: int, target: Target, sight: Sight, torque: Pair, noise: Pair
+        self, k: int, target: DesiredState, sight: Sight, torque: Pair, noise: Pair
     ) -> dict[str, Any]:
         """The log's row: state at t_k, torques over the step, memory after the law acted."""
         x, y, theta, v1, omega = self.state
@@ -171,7 +171,7 @@ class _Loop:
         row |= {"noise_right": noise[0], "noise_left": noise[1]}
         return row | self._diagnostics(target, sight) | self._memory()
 
-    def _diagnostics(self, target: Target, sight: Sight) -> dict[str, Any]:
+    def _diagnostics(self, target: DesiredState, sight: Sight) -> dict[str, Any]:
         """Error of the true pose; margin and the rest as the law saw them."""
         speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier

@@ -19,11 +19,11 @@ from wmr_ctrl.scenario import (
 )
 from wmr_ctrl.scenario import Reference as Kind
 from wmr_ctrl.sim.oracle.splined import splined
-from wmr_ctrl.sim.oracle.target import Target, target_on
+from wmr_ctrl.sim.oracle.target import DesiredState, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
 from wmr_ctrl.world.references.waypoints import waypoint_path
 
-Reference = Callable[[float], Target]
+Reference = Callable[[float], DesiredState]
 
 
 def reference_of(kind: Kind) -> Reference:
@@ -46,32 +46,32 @@ def reference_of(kind: Kind) -> Reference:
     )
 
 
-def circle(kind: Circle, t: float) -> Target:
+def circle(kind: Circle, t: float) -> DesiredState:
     """Counter-clockwise from the origin, centre (0, R), at the angular rate ``rate``."""
     R, w = kind.radius, kind.rate
     x, y = R * math.sin(w * t), R - R * math.cos(w * t)
-    return Target(x, y, w * t - math.pi / 2.0, R * w, w, 0.0, 0.0)
+    return DesiredState(x, y, w * t - math.pi / 2.0, R * w, w, 0.0, 0.0)
 
 
-def line(kind: Line, t: float) -> Target:
+def line(kind: Line, t: float) -> DesiredState:
     """From ``origin`` straight ahead at ``speed``."""
     s = kind.speed * t
     x = kind.origin[0] - s * math.sin(kind.heading)
     y = kind.origin[1] + s * math.cos(kind.heading)
-    return Target(x, y, kind.heading, kind.speed, 0.0, 0.0, 0.0)
+    return DesiredState(x, y, kind.heading, kind.speed, 0.0, 0.0, 0.0)
 
 
-def stop_and_go(kind: StopAndGo, t: float) -> Target:
+def stop_and_go(kind: StopAndGo, t: float) -> DesiredState:
     """The circle at the speed (speed/2) (1 - cos(2 pi t/period)), which is 0 once a period."""
     R, w = kind.radius, 2.0 * math.pi / kind.period
     half = kind.speed / 2.0
     arc = half * (t - math.sin(w * t) / w) / R
     v1, v1_dot = half * (1.0 - math.cos(w * t)), half * w * math.sin(w * t)
     x, y = R * math.sin(arc), R - R * math.cos(arc)
-    return Target(x, y, arc - math.pi / 2.0, v1, v1 / R, v1_dot, v1_dot / R)
+    return DesiredState(x, y, arc - math.pi / 2.0, v1, v1 / R, v1_dot, v1_dot / R)
 
 
-def lemniscate(kind: Lemniscate, t: float) -> Target:
+def lemniscate(kind: Lemniscate, t: float) -> DesiredState:
     """Gerono's figure of eight, x = a sin p, y = a sin p cos p with p = rate t."""
     a, w = kind.size, kind.rate
     s, c = math.sin(w * t), math.cos(w * t)

@@ -6,16 +6,16 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 
-from wmr_ctrl.sim.oracle.target import Pair, Target, target_on
+from wmr_ctrl.sim.oracle.target import DesiredState, Pair, target_on
 from wmr_ctrl.world.references.spline import SplinePath
 
 
-def splined(path: SplinePath) -> Callable[[float], Target]:
+def splined(path: SplinePath) -> Callable[[float], DesiredState]:
     """The function of time t [s] that follows a spline path."""
     return lambda t: along(path, t)
 
 
-def along(path: SplinePath, t: float) -> Target:
+def along(path: SplinePath, t: float) -> DesiredState:
     """A closed path is repeated; an open one goes on straight ahead after its end."""
     if path.closed:
         lap = math.floor(t / path.duration)
@@ -23,7 +23,7 @@ def along(path: SplinePath, t: float) -> Target:
     return _on_path(path, t, 0.0) if t <= path.duration else _beyond(path, t - path.duration)
 
 
-def _on_path(path: SplinePath, t: float, turned: float) -> Target:
+def _on_path(path: SplinePath, t: float, turned: float) -> DesiredState:
     """Target at time ``t`` of the first lap, its orientation increased by ``turned``."""
     knots = path.knots
     i = min(max(bisect_right(knots, t) - 1, 0), len(knots) - 2)
@@ -46,9 +46,9 @@ def _derivative(path: SplinePath, i: int, s: float, order: int, length: float) -
     return x / length**order, y / length**order
 
 
-def _beyond(path: SplinePath, late: float) -> Target:
+def _beyond(path: SplinePath, late: float) -> DesiredState:
     """Straight on at the last velocity, ``late`` seconds after the end of an open path."""
     end = _on_path(path, path.duration, 0.0)
     x = end.x - late * end.v1 * math.sin(end.theta)
     y = end.y + late * end.v1 * math.cos(end.theta)
-    return Target(x, y, end.theta, end.v1, 0.0, 0.0, 0.0)
+    return DesiredState(x, y, end.theta, end.v1, 0.0, 0.0, 0.0)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 GRID = 2001
+MOST_SAMPLES = 20_000
 Floats = NDArray[np.float64]
 
 
@@ -61,9 +62,13 @@ def reference_bounds(scenario: Scenario) -> tuple[float, float, float]:
 
 
 def check_finite(scenario: Scenario) -> None:
-    """Raise ScenarioError where the reference is not finite on a grid over the run."""
-    end = min(scenario.clock.duration, scenario.reference.cycle)
-    times = np.linspace(0, end, GRID)
+    """Raise ScenarioError where the reference is not finite: at samples, and on a grid between.
+
+    Over one cycle of the velocities or the run, whichever is shorter, and MOST_SAMPLES at most.
+    """
+    end, period = min(scenario.clock.duration, scenario.reference.cycle), scenario.clock.control
+    samples = np.arange(min(end / period + 1, MOST_SAMPLES)) * period
+    times = np.union1d(samples, np.linspace(0, end, GRID))
     bad = np.flatnonzero(~np.isfinite(sample(scenario, times)).all(axis=1))
     if bad.size:
         raise ScenarioError(

@@ -5,9 +5,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "arithmetic.h"
+
 #define WMR_KERNEL static
-#define WMR_INF ((wmr_real)INFINITY)
-#define WMR_NAN ((wmr_real)NAN)
 
 /* The structs are read as vectors of their members. */
 typedef char wmr_inputs_are_a_vector
@@ -19,9 +19,6 @@ typedef char wmr_state_is_a_vector
 typedef char wmr_outputs_are_a_vector
     [sizeof(wmr_mb_outputs) == 2 * sizeof(wmr_real) ? 1 : -1];
 
-static inline wmr_real wmr_min(wmr_real a, wmr_real b) { return a < b ? a : b; }
-static inline wmr_real wmr_max(wmr_real a, wmr_real b) { return a > b ? a : b; }
-static inline wmr_real wmr_tanh(wmr_real a) { return tanh(a); }
 
 /* One sample: model-based (MB).
    451 operations. */
@@ -34,12 +31,12 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t5 = t4 / p[16];
     const wmr_real t6 = -t5;
     const wmr_real t11 = u[2] - u[9];
-    const wmr_real t12 = cos(t11);
+    const wmr_real t12 = wmr_cos(t11);
     const wmr_real t13 = u[3] * t12;
-    const wmr_real t15 = cos(u[9]);
+    const wmr_real t15 = wmr_cos(u[9]);
     const wmr_real t18 = u[1] - u[8];
     const wmr_real t19 = t15 * t18;
-    const wmr_real t20 = sin(u[9]);
+    const wmr_real t20 = wmr_sin(u[9]);
     const wmr_real t23 = u[0] - u[7];
     const wmr_real t24 = t20 * t23;
     const wmr_real t25 = t19 - t24;
@@ -49,9 +46,9 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t34 = p[3] - p[7];
     const wmr_real t36 = wmr_min(t34, u[10]);
     const wmr_real t37 = wmr_max(t33, t36);
-    const wmr_real t28 = fabs(t27);
+    const wmr_real t28 = wmr_abs(t27);
     const int t30 = t28 <= p[5];
-    const wmr_real t38 = fabs(t37);
+    const wmr_real t38 = wmr_abs(t37);
     const int t39 = t38 <= p[5];
     const int t40 = t30 && t39;
     wmr_real t163;
@@ -133,7 +130,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const int t119 = 0.0 < t118;
         const wmr_real t120 = t118 * t118;
         const wmr_real t122 = t120 + 4.0;
-        const wmr_real t123 = sqrt(t122);
+        const wmr_real t123 = wmr_sqrt(t122);
         const wmr_real t124 = t118 + t123;
         const wmr_real t125 = 0.5 * t124;
         const wmr_real t127 = t123 - t118;
@@ -141,7 +138,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t129 = 2.0 / t128;
         const wmr_real t130 = t119 ? t125 : t129;
         const wmr_real t131 = 1.0 / t130;
-        const wmr_real t132 = fabs(t46);
+        const wmr_real t132 = wmr_abs(t46);
         const wmr_real t133 = p[3] - t132;
         const wmr_real t134 = t131 - t133;
         const wmr_real t136 = t62 - t131;
@@ -161,7 +158,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t189 = t188 * t130;
         const wmr_real t192 = t186 ? t191 : 0.0;
         const wmr_real t193 = t109 ? t189 : t192;
-        const wmr_real t194 = fabs(t193);
+        const wmr_real t194 = wmr_abs(t193);
         const int t196 = t194 < 0.05;
         const wmr_real t198 = 0.07692307692307693 * t193;
         const wmr_real t200 = t198 + 0.08333333333333333;
@@ -188,7 +185,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t230 = t229 * t193;
         const wmr_real t231 = t187 / t144;
         const wmr_real t232 = t196 ? 1.0 : t231;
-        const wmr_real t233 = log(t232);
+        const wmr_real t233 = wmr_log(t232);
         const wmr_real t234 = t233 + t193;
         const wmr_real t235 = t196 ? 1.0 : t193;
         const wmr_real t236 = t234 / t235;
@@ -257,7 +254,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         t262 = t261;
     }
     const wmr_real t165 = t12 * u[5];
-    const wmr_real t166 = sin(t11);
+    const wmr_real t166 = wmr_sin(t11);
     const wmr_real t169 = u[4] - u[11];
     const wmr_real t170 = t166 * t169;
     const wmr_real t171 = u[3] * t170;
@@ -283,7 +280,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t275 = t265 + t274;
     const wmr_real t276 = wmr_min(t5, t275);
     const wmr_real t277 = wmr_max(t6, t276);
-    const wmr_real t279 = fabs(t277);
+    const wmr_real t279 = wmr_abs(t277);
     const wmr_real t280 = t5 - t279;
     const wmr_real t281 = p[17] * t280;
     const wmr_real t282 = -t281;
@@ -296,9 +293,9 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t296 = p[4] - p[7];
     const wmr_real t297 = wmr_min(t296, u[11]);
     const wmr_real t298 = wmr_max(t295, t297);
-    const wmr_real t291 = fabs(t290);
+    const wmr_real t291 = wmr_abs(t290);
     const int t293 = t291 <= p[6];
-    const wmr_real t299 = fabs(t298);
+    const wmr_real t299 = wmr_abs(t298);
     const int t300 = t299 <= p[6];
     const int t301 = t293 && t300;
     wmr_real t412;
@@ -380,7 +377,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const int t370 = 0.0 < t369;
         const wmr_real t371 = t369 * t369;
         const wmr_real t372 = t371 + 4.0;
-        const wmr_real t373 = sqrt(t372);
+        const wmr_real t373 = wmr_sqrt(t372);
         const wmr_real t374 = t369 + t373;
         const wmr_real t375 = 0.5 * t374;
         const wmr_real t376 = t373 - t369;
@@ -388,7 +385,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t378 = 2.0 / t377;
         const wmr_real t379 = t370 ? t375 : t378;
         const wmr_real t380 = 1.0 / t379;
-        const wmr_real t381 = fabs(t304);
+        const wmr_real t381 = wmr_abs(t304);
         const wmr_real t382 = p[4] - t381;
         const wmr_real t383 = t380 - t382;
         const wmr_real t385 = t317 - t380;
@@ -408,7 +405,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t433 = t432 * t379;
         const wmr_real t436 = t430 ? t435 : 0.0;
         const wmr_real t437 = t360 ? t433 : t436;
-        const wmr_real t438 = fabs(t437);
+        const wmr_real t438 = wmr_abs(t437);
         const int t439 = t438 < 0.05;
         const wmr_real t440 = 0.07692307692307693 * t437;
         const wmr_real t441 = t440 + 0.08333333333333333;
@@ -435,7 +432,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t462 = t461 * t437;
         const wmr_real t463 = t431 / t393;
         const wmr_real t464 = t439 ? 1.0 : t463;
-        const wmr_real t465 = log(t464);
+        const wmr_real t465 = wmr_log(t464);
         const wmr_real t466 = t465 + t437;
         const wmr_real t467 = t439 ? 1.0 : t437;
         const wmr_real t468 = t466 / t467;

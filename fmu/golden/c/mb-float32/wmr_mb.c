@@ -6,8 +6,8 @@
 #include <string.h>
 
 #define WMR_KERNEL static
-#define WMR_INF ((wmr_real)INFINITY)
-#define WMR_NAN ((wmr_real)NAN)
+#define WMR_INF INFINITY
+#define WMR_NAN NAN
 
 /* The structs are read as vectors of their members. */
 typedef char wmr_inputs_are_a_vector
@@ -21,7 +21,6 @@ typedef char wmr_outputs_are_a_vector
 
 static inline wmr_real wmr_min(wmr_real a, wmr_real b) { return a < b ? a : b; }
 static inline wmr_real wmr_max(wmr_real a, wmr_real b) { return a > b ? a : b; }
-static inline wmr_real wmr_tanh(wmr_real a) { return tanhf(a); }
 
 /* One sample: model-based (MB).
    451 operations. */
@@ -278,7 +277,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t269 = t267 * p[14];
     const wmr_real t271 = 1.0f / p[15];
     const wmr_real t272 = u[10] * t271;
-    const wmr_real t273 = wmr_tanh(t272);
+    const wmr_real t273 = tanhf(t272);
     const wmr_real t274 = t269 * t273;
     const wmr_real t275 = t265 + t274;
     const wmr_real t276 = wmr_min(t5, t275);

@@ -5,9 +5,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "arithmetic.h"
+
 #define WMR_KERNEL static
-#define WMR_INF ((wmr_real)INFINITY)
-#define WMR_NAN ((wmr_real)NAN)
 
 /* The structs are read as vectors of their members. */
 typedef char wmr_inputs_are_a_vector
@@ -19,8 +19,6 @@ typedef char wmr_state_is_a_vector
 typedef char wmr_outputs_are_a_vector
     [sizeof(wmr_nn_outputs) == 2 * sizeof(wmr_real) ? 1 : -1];
 
-static inline wmr_real wmr_min(wmr_real a, wmr_real b) { return a < b ? a : b; }
-static inline wmr_real wmr_max(wmr_real a, wmr_real b) { return a > b ? a : b; }
 
 /* One sample: adaptive network (NN).
    1294 operations. */
@@ -37,12 +35,12 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t5 = t3 * p[16];
     const wmr_real t6 = 1.0 - t5;
     const wmr_real t12 = u[2] - u[9];
-    const wmr_real t13 = cos(t12);
+    const wmr_real t13 = wmr_cos(t12);
     const wmr_real t14 = u[3] * t13;
-    const wmr_real t16 = cos(u[9]);
+    const wmr_real t16 = wmr_cos(u[9]);
     const wmr_real t19 = u[1] - u[8];
     const wmr_real t20 = t16 * t19;
-    const wmr_real t21 = sin(u[9]);
+    const wmr_real t21 = wmr_sin(u[9]);
     const wmr_real t24 = u[0] - u[7];
     const wmr_real t25 = t21 * t24;
     const wmr_real t26 = t20 - t25;
@@ -52,9 +50,9 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t35 = p[1] - p[5];
     const wmr_real t37 = wmr_min(t35, u[10]);
     const wmr_real t38 = wmr_max(t34, t37);
-    const wmr_real t29 = fabs(t28);
+    const wmr_real t29 = wmr_abs(t28);
     const int t31 = t29 <= p[3];
-    const wmr_real t39 = fabs(t38);
+    const wmr_real t39 = wmr_abs(t38);
     const int t40 = t39 <= p[3];
     const int t41 = t31 && t40;
     wmr_real t140;
@@ -133,7 +131,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const int t116 = 0.0 < t115;
         const wmr_real t117 = t115 * t115;
         const wmr_real t119 = t117 + 4.0;
-        const wmr_real t120 = sqrt(t119);
+        const wmr_real t120 = wmr_sqrt(t119);
         const wmr_real t121 = t115 + t120;
         const wmr_real t122 = 0.5 * t121;
         const wmr_real t124 = t120 - t115;
@@ -141,7 +139,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t126 = 2.0 / t125;
         const wmr_real t127 = t116 ? t122 : t126;
         const wmr_real t128 = 1.0 / t127;
-        const wmr_real t129 = fabs(t51);
+        const wmr_real t129 = wmr_abs(t51);
         const wmr_real t130 = p[1] - t129;
         const wmr_real t131 = t128 - t130;
         const wmr_real t133 = t66 - t128;
@@ -167,7 +165,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t1192 = t1191 * t127;
         const wmr_real t1195 = t1189 ? t1194 : 0.0;
         const wmr_real t1196 = t113 ? t1192 : t1195;
-        const wmr_real t1197 = fabs(t1196);
+        const wmr_real t1197 = wmr_abs(t1196);
         const int t1199 = t1197 < 0.05;
         const wmr_real t1201 = 0.07692307692307693 * t1196;
         const wmr_real t1203 = t1201 + 0.08333333333333333;
@@ -194,7 +192,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t1233 = t1232 * t1196;
         const wmr_real t1234 = t1190 / t193;
         const wmr_real t1235 = t1199 ? 1.0 : t1234;
-        const wmr_real t1236 = log(t1235);
+        const wmr_real t1236 = wmr_log(t1235);
         const wmr_real t1237 = t1236 + t1196;
         const wmr_real t1238 = t1199 ? 1.0 : t1196;
         const wmr_real t1239 = t1237 / t1238;
@@ -265,7 +263,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     }
     const wmr_real t141 = t3 * t140;
     const wmr_real t143 = t13 * u[5];
-    const wmr_real t144 = sin(t12);
+    const wmr_real t144 = wmr_sin(t12);
     const wmr_real t147 = u[4] - u[11];
     const wmr_real t148 = t144 * t147;
     const wmr_real t149 = u[3] * t148;
@@ -320,9 +318,9 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t234 = p[2] - p[5];
     const wmr_real t235 = wmr_min(t234, u[11]);
     const wmr_real t236 = wmr_max(t233, t235);
-    const wmr_real t229 = fabs(t228);
+    const wmr_real t229 = wmr_abs(t228);
     const int t231 = t229 <= p[4];
-    const wmr_real t237 = fabs(t236);
+    const wmr_real t237 = wmr_abs(t236);
     const int t238 = t237 <= p[4];
     const int t239 = t231 && t238;
     wmr_real t350;
@@ -406,7 +404,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const int t308 = 0.0 < t307;
         const wmr_real t309 = t307 * t307;
         const wmr_real t310 = t309 + 4.0;
-        const wmr_real t311 = sqrt(t310);
+        const wmr_real t311 = wmr_sqrt(t310);
         const wmr_real t312 = t307 + t311;
         const wmr_real t313 = 0.5 * t312;
         const wmr_real t314 = t311 - t307;
@@ -414,7 +412,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t316 = 2.0 / t315;
         const wmr_real t317 = t308 ? t313 : t316;
         const wmr_real t318 = 1.0 / t317;
-        const wmr_real t319 = fabs(t242);
+        const wmr_real t319 = wmr_abs(t242);
         const wmr_real t320 = p[2] - t319;
         const wmr_real t321 = t318 - t320;
         const wmr_real t323 = t255 - t318;
@@ -434,7 +432,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t1409 = t1408 * t317;
         const wmr_real t1412 = t1406 ? t1411 : 0.0;
         const wmr_real t1413 = t298 ? t1409 : t1412;
-        const wmr_real t1414 = fabs(t1413);
+        const wmr_real t1414 = wmr_abs(t1413);
         const int t1415 = t1414 < 0.05;
         const wmr_real t1416 = 0.07692307692307693 * t1413;
         const wmr_real t1417 = t1416 + 0.08333333333333333;
@@ -461,7 +459,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         const wmr_real t1438 = t1437 * t1413;
         const wmr_real t1439 = t1407 / t331;
         const wmr_real t1440 = t1415 ? 1.0 : t1439;
-        const wmr_real t1441 = log(t1440);
+        const wmr_real t1441 = wmr_log(t1440);
         const wmr_real t1442 = t1441 + t1413;
         const wmr_real t1443 = t1415 ? 1.0 : t1413;
         const wmr_real t1444 = t1442 / t1443;
@@ -558,19 +556,19 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t376 = 1.0 / t375;
     const wmr_real t377 = t373 * t376;
     const wmr_real t378 = -t377;
-    const wmr_real t379 = exp(t378);
+    const wmr_real t379 = wmr_exp(t378);
     const wmr_real t381 = (-4.0) * p[11];
     const wmr_real t382 = t381 / t375;
     const wmr_real t383 = t382 * t370;
-    const wmr_real t384 = exp(t383);
+    const wmr_real t384 = wmr_exp(t383);
     const wmr_real t385 = t368 ? t384 : 1.0;
     const wmr_real t386 = t379 * t385;
     const wmr_real t387 = t382 * t364;
-    const wmr_real t388 = exp(t387);
+    const wmr_real t388 = wmr_exp(t387);
     const wmr_real t389 = t362 ? t388 : 1.0;
     a8[0] = t386 * t389;
     const wmr_real t391 = t382 * t358;
-    const wmr_real t392 = exp(t391);
+    const wmr_real t392 = wmr_exp(t391);
     const wmr_real t393 = t356 ? t392 : 1.0;
     const wmr_real t411 = t368 ? 1.0 : t384;
     const wmr_real t412 = t379 * t411;
@@ -582,7 +580,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         a7[j] = a8[j] * t393;
     }
     const wmr_real t395 = t382 * t221;
-    const wmr_real t396 = exp(t395);
+    const wmr_real t396 = wmr_exp(t395);
     const wmr_real t397 = t219 ? t396 : 1.0;
     const wmr_real t441 = t356 ? 1.0 : t392;
     for (int j = 0; j < 4; ++j) {
@@ -592,7 +590,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         a6[j] = a7[j] * t397;
     }
     const wmr_real t399 = t382 * t182;
-    const wmr_real t400 = exp(t399);
+    const wmr_real t400 = wmr_exp(t399);
     const wmr_real t401 = t180 ? t400 : 1.0;
     const wmr_real t474 = t219 ? 1.0 : t396;
     for (int j = 0; j < 8; ++j) {
@@ -602,7 +600,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
         a5[j] = a6[j] * t401;
     }
     const wmr_real t403 = t382 * t161;
-    const wmr_real t404 = exp(t403);
+    const wmr_real t404 = wmr_exp(t403);
     const wmr_real t405 = t159 ? t404 : 1.0;
     const wmr_real t531 = t180 ? 1.0 : t400;
     for (int j = 0; j < 16; ++j) {
@@ -644,7 +642,7 @@ WMR_KERNEL void wmr_step(const wmr_real *restrict u, const wmr_real *restrict x,
     const wmr_real t1267 = t1185 - t1266;
     const wmr_real t1268 = wmr_min(t1056, t1267);
     const wmr_real t1269 = wmr_max(t1057, t1268);
-    const wmr_real t1271 = fabs(t1269);
+    const wmr_real t1271 = wmr_abs(t1269);
     const wmr_real t1272 = t1056 - t1271;
     const wmr_real t1273 = p[19] * t1272;
     const wmr_real t1274 = -t1273;

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #define WMR_KERNEL static
-#define WMR_INF ((wmr_real)INFINITY)
-#define WMR_NAN ((wmr_real)NAN)
+#define WMR_INF INFINITY
+#define WMR_NAN NAN
 
 /* The structs are read as vectors of their members. */
 typedef char wmr_inputs_are_a_vector

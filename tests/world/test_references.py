@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.world.references import function_of, reference_bounds, sample, trajectory_of
 from wmr_ctrl.scenario import (
     Circle,
     Clock,
@@ -24,9 +23,11 @@ from wmr_ctrl.scenario import (
     StopAndGo,
     Waypoints,
     load_scenario,
-    path_of,
 )
 from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.world.references import reference_bounds
+from wmr_ctrl.world.references import sample as sample_scenario
+from wmr_ctrl.world.references.waypoints import waypoint_path
 
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
 EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0), (-2.0, 0.0))
@@ -58,13 +59,15 @@ def name_of(reference):
 
 def graph_of(reference):
     """Symbols t and p with the reference's expression, and the numbers of p."""
-    kind = trajectory_of(reference)
-    given_ = kind.parameters(reference)
-    t = ca.SX.sym("t")
-    p = {signal.name: ca.SX.sym(signal.name, signal.size) for signal, _ in given_}
-    symbols = ca.vertcat(*p.values())
-    numbers = ca.vertcat(*(ca.DM(value) for _, value in given_))
-    return t, symbols, kind.trajectory(t, p), numbers
+    scenario = Scenario(reference=reference)
+    system = scenario.reference_kind.build(scenario)
+    assert not system.state
+    return system.u, system.p, system.y, ca.DM(system.p0)
+
+
+def sample(reference, times):
+    """A reference that is a function of time alone, at times (N,) [s]: (N, 7)."""
+    return sample_scenario(Scenario(reference=reference), times)
 
 
 def instants(reference, count=400, seed=0):
@@ -79,7 +82,8 @@ def test_has_seven_finite_outputs_and_matching_parameters(reference):
 
     assert found.shape == (400, len(REFERENCE))
     assert np.isfinite(found).all()
-    for signal, values in trajectory_of(reference).parameters(reference):
+    kind = Scenario(reference=reference).reference_kind
+    for signal, values in kind.numbers(reference):
         assert len(values) == signal.size == len(signal.elements)
         assert all(type(value) is float for value in values)
 
@@ -202,7 +206,7 @@ def test_stop_and_go_really_stops_and_starts_again():
 
 def test_waypoints_are_passed_in_order():
     for reference in (Waypoints(points=EIGHT), Waypoints(points=HOOK, closed=True)):
-        path = path_of(reference)
+        path = waypoint_path(reference)
         count = len(reference.points)
         places = sample(reference, path.knots[:count])[:, :2]
 
@@ -265,10 +269,6 @@ def test_bounds_tell_the_fast_reference_from_the_papers():
 
     assert reference_bounds(load_scenario("fast-reference"))[1] > limit
     assert 0 < reference_bounds(load_scenario("paper-simulation"))[0] < limit
-
-
-def test_function_takes_time_alone():
-    assert function_of(Circle())(0.0).shape == (7, 1)
 
 
 coordinates = st.floats(-20, 20).map(lambda value: round(value, 3))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from wmr_ctrl.world.references.rounded_square import square_points
 from wmr_ctrl.world.references.spline import fit
-from wmr_ctrl.scenario.square import square_points
 
 WAVE = np.array([[0.0, 0.0], [1.0, 1.0], [2.0, -0.5], [3.0, 0.5], [5.0, 0.0]])
 ENDS = np.array([0.0, 1.0])

@@ -11,13 +11,13 @@ import pytest
 from tests.codegen.compiled import compiled
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.controller import controller, watched_controller
+from wmr_ctrl.control.controller import controller, law_graph, watched_controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import settled_guard, torque_limit
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS, POSE, REFERENCE, VELOCITY
 from wmr_ctrl.sim.oracle.guard import VelocityGuard
 
@@ -53,7 +53,7 @@ def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
 def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> None:
     """Over samples in a row, with and without the diagnostics computed beside them."""
     scenario = scenario_of(drive)
-    plain, watched = controller(scenario, law), watched_controller(scenario, law)
+    plain, watched = controller(settle(scenario, law)), watched_controller(settle(scenario, law))
     both = ca.vertcat(watched.y, watched.d)
     steps = compiled([stepped(plain, "plain", plain.y), stepped(watched, "short", watched.y),
                       stepped(watched, "whole", both)])  # fmt: skip
@@ -67,14 +67,14 @@ def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> 
         states = [row[:n] for row, n in zip(found, counts, strict=True)]
         torques = [row[n : n + 2].tolist() for row, n in zip(found, counts, strict=True)]
         assert torques[0] == torques[1] == torques[2]
-        own = LAWS[law].build(scenario).x.numel()
+        own = law_graph(settle(scenario, law)).x.numel()
         assert states[0][:own].tolist() == states[1][:own].tolist()
 
 
 @every_law
 def test_the_unwatched_law_repeats_a_native_run_to_the_bit(law: str) -> None:
     scenario = scenario_of("limited")
-    system, run = controller(scenario, law), simulate(scenario, law, seed=3)
+    system, run = controller(settle(scenario, law)), simulate(scenario, law, seed=3)
     (step,) = compiled([stepped(system, "plain", system.y)], native=True)
     inputs = np.column_stack([run[s.name] for s in (*REFERENCE, *POSE, *VELOCITY)])
     x = np.array(system.x0)
@@ -99,7 +99,7 @@ def test_numpy_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.Monke
 @every_law
 def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
     scenario = load_scenario("safe-simulation")
-    plain, watched = (build(scenario, law) for build in (controller, watched_controller))
+    plain, watched = (build(settle(scenario, law)) for build in (controller, watched_controller))
     graphs = [s.function("f", [s.update, s.y, s.d]).serialize() for s in (plain, watched)]
 
     assert graphs[0] == graphs[1]
@@ -111,7 +111,7 @@ def test_a_guarded_controller_is_watched_anyway(law: str) -> None:
 def test_the_monitor_comes_last(law: str) -> None:
     """State and diagnostics: the law's own first, as they were; then tau_applied, then watching."""
     scenario = scenario_of()
-    bare, watched = LAWS[law].build(scenario), watched_controller(scenario, law)
+    bare, watched = law_graph(settle(scenario, law)), watched_controller(settle(scenario, law))
     own, further = len(bare.state), [item.signal.name for item in watched.state]
 
     assert diagnostics(watched)[0] == [*diagnostics(bare)[0], *GUARD_DIAGNOSTICS]
@@ -125,7 +125,7 @@ def test_the_monitor_comes_last(law: str) -> None:
 @every_law
 def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
     given = {"guard.dbar": [12.0, 3.0]}
-    listed = watched_controller(scenario_of(**given), law).params
+    listed = watched_controller(settle(scenario_of(**given), law)).params
     params = {item.signal.name: item for item in listed}
 
     assert params["guard.dbar"].value == (12.0, 3.0)
@@ -145,7 +145,7 @@ def test_bounds_that_cannot_be_met_are_told_not_refused(
 ) -> None:
     scenario = scenario_of(**changed)
 
-    assert diagnostics(watched_controller(scenario, law))[1][-1] == feasible
+    assert diagnostics(watched_controller(settle(scenario, law)))[1][-1] == feasible
     assert (simulate(scenario, law)["feasible"] == feasible).all()
     if law in NAMES:
         assert (simulate(scenario, law, engine="numpy")["feasible"] == feasible).all()
@@ -171,7 +171,7 @@ def drawn(draw: np.random.Generator) -> dict[str, Any]:
 
 def refused(scenario: Scenario, law: str) -> bool:
     try:
-        settled_guard(scenario, torque_limit(scenario, law))
+        settle(override(scenario, {"guard.enabled": True}), law)
     except ScenarioError:
         return True
     return False
@@ -183,7 +183,9 @@ def test_feasible_is_zero_exactly_where_a_guard_would_refuse() -> None:
     for _ in range(300):
         scenario = load_scenario("paper-simulation", drawn(draw))
         wanted = float(not refused(scenario, "pid"))
-        assert diagnostics(watched_controller(scenario, "pid"))[1][-1] == wanted, scenario.guard
+        assert diagnostics(watched_controller(settle(scenario, "pid")))[1][-1] == wanted, (
+            scenario.guard
+        )
         assert VelocityGuard(scenario, scenario.actuator.tau_max).feasible == wanted
         told.append(wanted)
 

@@ -1,0 +1,99 @@
+"""A law is told of Eq. (7), a theorem, a barrier or a believed model only where it has one."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.laws.toys import PLAIN, install
+from wmr_ctrl.api import simulate
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario import load_scenario, preset_names
+
+FOREIGN = {
+    "auxiliary": r"\(7\)|kinematic|\be2\b|\bk\[2\]|v_c0",
+    "theorem": r"Theorem|theorems",
+    "barrier": r"barrier|v_u2|Eqs?\. \((9|10|15)\)",
+    "model": r"believe|model\.|the exact model",
+}
+"""What is said of a trait, and to nobody without it; the guard's own theorem is another matter."""
+HARSH = {
+    "gains.kinematics.k": "10, 0.5, 4",
+    "reference.speed": "1.2",
+    "reference.kind": "line",
+    "initial.velocity": "1.3, 0.0",
+    "actuator.delay": "0.02",
+    "model.mu": "0.2",
+    "disturbance.std": "1.0",
+}
+
+
+@pytest.fixture(autouse=True)
+def plain(monkeypatch: pytest.MonkeyPatch) -> None:
+    install(monkeypatch, PLAIN)
+
+
+def spoken(text: str, law: str) -> list[str]:
+    """Traits that a text speaks of though the law does not state them."""
+    stated = LAWS[law].traits
+    return [name for name, words in FOREIGN.items()
+            if re.search(words, text) and not getattr(stated, name)]  # fmt: skip
+
+
+def warned(law: str, scenario: str = "paper-simulation", **overrides: object) -> str:
+    setup = settle(load_scenario(scenario, overrides), law)
+    return "\n".join(map(str, warnings_for(setup))).replace("than the guard's theorem", "")
+
+
+def test_the_plain_law_tracks_and_states_nothing() -> None:
+    near = {"initial.pose": [0.0, -0.3, -1.5]}
+    run = simulate("paper-simulation-nominal", "plain", overrides=near)
+
+    assert PLAIN.traits == type(PLAIN.traits)()
+    assert np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])[-1] < 0.2
+
+
+@pytest.mark.parametrize("guard", [False, True])
+@pytest.mark.parametrize("name", preset_names())
+@pytest.mark.parametrize("law", [*LAWS, "plain"])
+def test_no_warning_speaks_of_what_a_law_has_not(name: str, guard: bool, law: str) -> None:
+    assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []
+
+
+@pytest.mark.parametrize("law", [*LAWS, "plain"])
+def test_nor_where_everything_is_wrong_at_once(law: str) -> None:
+    said = warned(law, **HARSH)
+
+    assert said.count("\n") >= 2
+    assert spoken(said, law) == []
+
+
+def test_those_that_have_it_are_told() -> None:
+    assert set(spoken(warned("mb", **HARSH), "plain")) == set(FOREIGN)
+
+
+@pytest.mark.parametrize("arguments", [[], ["--json"]])
+def test_nor_does_the_command(arguments: list[str]) -> None:
+    sets = [part for key, value in HARSH.items() for part in ("--set", f"{key}={value}")]
+    command = ["check", "paper-simulation", "--law", "plain", *sets, *arguments]
+    done = CliRunner().invoke(root, command)
+
+    assert done.exit_code == 0, done.output
+    assert spoken(done.output, "plain") == []
+    if arguments:
+        (law,) = json.loads(done.output)["laws"].values()
+        assert len(law["warnings"]) >= 2
+
+
+def test_what_voids_the_guard_is_told_by_its_key() -> None:
+    said = warned("plain", **{"guard.enabled": True, "actuator.lag": 0.02})
+
+    assert "actuator.lag = 0.02 s" in said
+    assert "promises nothing" in said

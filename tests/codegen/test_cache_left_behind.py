@@ -1,0 +1,69 @@
+"""What a killed process leaves in the cache, and a cache that can only be read."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.codegen.cache import _HOST, _this_host, build_cached
+from wmr_ctrl.codegen.cache_folder import VARIABLE
+
+SOURCES = {"a.c": "int a(void) { return 1; }\n"}
+KILLED = """
+import os, pathlib, signal
+from wmr_ctrl.codegen.cache import build_cached
+def compile_in(folder):
+    os.kill(os.getpid(), signal.SIGKILL)
+build_cached({"b.c": "int b;"}, compile_in)
+"""
+
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows tells nothing of dead processes here")
+
+
+def library_in(folder: Path) -> Path:
+    from wmr_ctrl.codegen.compiler import compile_library
+    from wmr_ctrl.codegen.toolchain import find_toolchain
+
+    return compile_library(find_toolchain(), [folder / "a.c"], folder / "a.so")
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    return tmp_path / "kernels"
+
+
+@posix
+def test_the_next_build_removes_what_a_killed_process_left(cache):
+    done = subprocess.run([sys.executable, "-c", KILLED], env=dict(os.environ), check=False)
+    assert done.returncode == -9
+    assert len(list(cache.glob("building-*"))) == 1
+
+    build_cached(SOURCES, library_in)
+
+    assert list(cache.glob("building-*")) == []
+
+
+@posix
+def test_a_process_that_lives_keeps_its_folder(cache):
+    for owner, host in ((os.getpid(), _this_host()), (2**22 + 1, "another machine")):
+        folder = cache / f"building-{owner}-x"
+        folder.mkdir(parents=True)
+        (folder / _HOST).write_text(host)
+
+    build_cached(SOURCES, library_in)
+
+    assert len(list(cache.glob("building-*"))) == 2
+
+
+def test_a_cache_that_can_only_be_read_is_used(cache, monkeypatch, tmp_path):
+    built = build_cached(SOURCES, library_in)
+    monkeypatch.setattr(
+        "wmr_ctrl.codegen.cache.cache_dir", lambda: tmp_path / "elsewhere", raising=True
+    )
+
+    assert build_cached(SOURCES, lambda folder: pytest.fail("compiled again")) == built

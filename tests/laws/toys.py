@@ -1,0 +1,72 @@
+"""Laws as other packages would bring them: one that stands on Eq. (7), one that knows nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws import registry
+from wmr_ctrl.laws.law import Law, Traits
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.model.system import System
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyGains(Section):
+    """One gain an axis."""
+
+    KEY: ClassVar[str] = "gains.toy"
+
+    k: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on z")
+
+
+def build_toy(sample: Sample) -> System:
+    """F = F1 - k (v - v_c1)."""
+    pull = sample.gain("k") * (sample.v - sample.per_axis("v_c1"))
+    return sample.system("toy", sample.friction - pull)
+
+
+TOY = Law("toy", ToyGains, build_toy, Traits(auxiliary=True, barrier=True, model=True), "Toy law.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainGains(Section):
+    """Gains on the errors of way, heading and velocity."""
+
+    KEY: ClassVar[str] = "gains.plain"
+
+    ahead: float = quantity(0.5, unit="1/s", doc="gain on e_1", minimum=0.0)
+    aside: float = quantity(0.5, unit="rad/(m.s)", doc="gain on e_2", minimum=0.0)
+    turned: float = quantity(1.0, unit="1/s", doc="gain on e_3", minimum=0.0)
+    k: tuple[float, float] = quantity((1000.0, 100.0), unit="N.s/m, N.m.s/rad", doc="gain on v")
+
+
+def build_plain(sample: Sample) -> System:
+    """F = k (v_d + gains times errors - v): no Eq. (7), no barrier, no model, no memory."""
+    steer = sample.gain("aside") * sample.e[1] + sample.gain("turned") * sample.e[2]
+    wanted = sample.v_d + ca.vertcat(sample.gain("ahead") * sample.e[0], steer)
+    return sample.system("plain", sample.gain("k") * (wanted - sample.v))
+
+
+PLAIN = Law("plain", PlainGains, build_plain, Traits(), "Plain law.")
+
+
+class Entry:
+    """Stands for the entry point of another package."""
+
+    def __init__(self, law: Law) -> None:
+        self.name, self._law = law.name, law
+
+    def load(self) -> Law:
+        """The law."""
+        return self._law
+
+
+def install(monkeypatch: pytest.MonkeyPatch, *laws: Law) -> None:
+    """Register laws for one test, as if their packages were installed."""
+    monkeypatch.setattr(registry, "entry_points", lambda group: [Entry(law) for law in laws])
+    monkeypatch.setitem(vars(registry.LAWS), "plugins", registry.LawRegistry().plugins)

@@ -1,0 +1,113 @@
+"""Scenarios of one structure share graphs and C: whatever differs in numbers alone."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.codegen import build
+from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
+from wmr_ctrl.control.loop import LoopGraphs
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.control.structure import structure_of
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.system import values
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.sim.many import run_many
+from wmr_ctrl.sim.ready import Ready
+
+BASES = {
+    "plain": {},
+    "everything on": {
+        "disturbance.push": [3.0, 0.5], "disturbance.truncate": 2.0, "sensor.pose_period": 0.04,
+        "sensor.pose_noise": 0.01, "sensor.velocity_noise": [0.002, 0.004], "actuator.lag": 0.02,
+        "actuator.delay": 0.013, "actuator.tau_max": 30.0, "guard.enabled": True,
+    },
+}  # fmt: skip
+FIXED = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "sensor.pose_period"}
+TABLES = ("robot", "limits", "initial", "disturbance", "sensor", "actuator")
+
+
+def nudged(base: Scenario, law: str) -> Scenario:
+    """All numbers of a scenario a little larger, where they are not 0 or infinite."""
+    changes: dict[str, object] = {}
+    for key in TABLES:
+        part = base.table(key)
+        for name, what in quantities(type(part)):
+            old = getattr(part, name)
+            if f"{key}.{name}" not in FIXED and (isinstance(old, float) or what.size):
+                changes[f"{key}.{name}"] = _larger(old, what.bounds.maximum)
+    gains = settle(base, law).gains
+    for item in dataclasses.fields(gains):
+        old = getattr(gains, item.name)
+        if isinstance(old, float | tuple):
+            changes[f"gains.{law}.{item.name}"] = _larger(old, None)
+    return override(base, changes)
+
+
+def _larger(old: object, most: float | None) -> object:
+    if isinstance(old, tuple):
+        return [_larger(number, most) for number in old]
+    return old if old in (0.0, np.inf) or most is not None else float(old) * 1.001
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("law", LAWS)
+def test_numbers_are_no_part_of_the_structure(law, base):
+    """The graphs' text is the same, and the numbers by key are those of a graph built anew."""
+    first = load_scenario("paper-simulation", BASES[base])
+    one, other = settle(first, law), settle(nudged(first, law), law)
+    texts = [Program(item, structure_of(item)).generated for item in (one, other)]
+    fresh = LoopGraphs(other)
+    signals = tuple(item.signal for item in fresh.parameters.ports)
+
+    assert structure_of(one) == structure_of(other)
+    assert texts[0] == texts[1]
+    assert list(numbers_of(other, signals)) == values(fresh.parameters.ports)
+    assert numbers_of(one, signals) != numbers_of(other, signals)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"actuator.lag": 0.01},
+        {"actuator.delay": 0.02},
+        {"guard.enabled": True},
+        {"gains.nn.barrier": "smooth"},
+        {"reference.kind": "line"},
+    ],
+)
+def test_what_changes_the_graphs_changes_the_structure(change):
+    base = load_scenario("paper-simulation")
+    one, other = settle(base, "nn"), settle(override(base, change), "nn")
+
+    assert structure_of(one) != structure_of(other)
+
+
+def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
+    made = []
+
+    class Counted(LoopGraphs):
+        def __init__(self, *given):
+            made.append(given)
+            super().__init__(*given)
+
+    monkeypatch.setattr(build, "LoopGraphs", Counted)
+    monkeypatch.setattr(build, "_PROGRAMS", {})
+    masses = [{"robot.m": 40.0 + k, "clock.duration": 0.1} for k in range(20)]
+    scenarios = [load_scenario("paper-simulation", mass) for mass in masses]
+
+    def ready(scenario: Scenario) -> Ready:
+        setup = settle(scenario, "mb")
+        return Ready(build_batch(setup), scenario, "mb", setup.assumptions)
+
+    shares: list[float] = []
+    table = run_many(ready, scenarios, [0] * 20, progress=shares.append)
+
+    assert len(made) == 1
+    assert len(set(table["ise_total"])) == 20
+    assert shares[0] == 0.0
+    assert shares == sorted(shares)

@@ -1,0 +1,77 @@
+"""A reference that is not finite is refused by name; where only the run meets it, it is blamed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+import pytest
+from click.testing import CliRunner
+
+from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.references.evaluate import MOST_SAMPLES
+from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
+from wmr_ctrl.world.references.registry import REFERENCES
+
+WHEN = Signal("ref_when", "s", "time at which there is no desired speed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Singular(Reference):
+    """A line whose desired speed is not a number at one sample."""
+
+    KIND: ClassVar[str] = "toy-singular"
+    when: float = quantity(0.37, unit="s", doc="time at which there is no desired speed")
+
+
+def numbers(reference: Singular) -> Numbers:
+    return ((WHEN, (reference.when,)),)
+
+
+def trajectory(t, p):
+    lost = ca.fabs(t - p["ref_when"]) < 1e-9
+    return ca.vertcat(0.2 * t, ca.if_else(lost, ca.SX.nan(), 0), -ca.pi / 2, 0.2, 0, 0, 0)
+
+
+@pytest.fixture(autouse=True)
+def singular(monkeypatch):
+    kind = ReferenceKind("toy-singular", Singular, numbers, timed(trajectory))
+    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
+
+
+def test_it_is_refused_before_a_run():
+    with pytest.raises(ScenarioError, match=r'"toy-singular".*not finite at t = 0\.37 s'):
+        scenario_of("paper-simulation", {"reference.kind": "toy-singular"})
+
+
+def test_the_command_line_says_so_in_one_paragraph():
+    done = CliRunner().invoke(root, ["run", "--set", "reference.kind=toy-singular"])
+
+    assert done.exit_code == 2
+    assert "not finite at t = 0.37 s" in " ".join(done.stderr.split())
+    assert "Traceback" not in done.output
+
+
+def test_beyond_what_was_looked_at_the_run_blames_the_reference():
+    period = 0.001
+    when = (MOST_SAMPLES + 1234) * period
+    changes = {
+        "reference.kind": "toy-singular", "reference.when": when, "clock.control": period,
+        "clock.duration": when + 1.0,
+    }  # fmt: skip
+    run = simulate("paper-simulation-nominal", "pid", overrides=changes)
+
+    assert run.outcome == "non-finite"
+    assert f"desired motion was no longer finite at t = {when:.6g} s" in run.explanation
+
+
+def test_an_unknown_kind_is_told_with_those_that_are_near():
+    done = CliRunner().invoke(root, ["run", "--set", "reference.kind=circel"])
+
+    assert done.exit_code == 2
+    assert "near: circle" in " ".join(done.stderr.split())
