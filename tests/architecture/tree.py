@@ -30,9 +30,15 @@ class Module:
         """The folder or file right below wmr_ctrl that it belongs to."""
         return layer_of(self.name)
 
-    def imports(self) -> Iterator[str]:
-        """Every imported module, wherever the statement stands; names count as modules if so."""
+    def imports(self, *, typing: bool = False) -> Iterator[str]:
+        """Every imported module, wherever the statement stands; names count as modules if so.
+
+        With ``typing`` also what only annotations need, under ``if TYPE_CHECKING:``.
+        """
+        unused = set() if typing else for_typing(self.tree)
         for node in ast.walk(self.tree):
+            if node in unused:
+                continue
             if isinstance(node, ast.Import):
                 yield from (alias.name for alias in node.names)
             elif isinstance(node, ast.ImportFrom):
@@ -65,9 +71,16 @@ def names_of_modules() -> frozenset[str]:
 
 
 def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
-    """Module to what ``check`` found wrong in it, for the modules where it found something."""
-    found = {module.name: list(check(module)) for module in modules()}
-    return {name: wrong for name, wrong in found.items() if wrong}
+    """Module to what ``check`` says is wrong in it, for the modules where there is something."""
+    faults = {module.name: list(check(module)) for module in modules()}
+    return {name: wrong for name, wrong in faults.items() if wrong}
+
+
+def for_typing(tree: ast.Module) -> set[ast.AST]:
+    """What stands under ``if TYPE_CHECKING:`` and never runs."""
+    guards = (node for node in ast.walk(tree) if isinstance(node, ast.If))
+    asked = (node for node in guards if ast.unparse(node.test).endswith("TYPE_CHECKING"))
+    return {inner for node in asked for line in node.body for inner in ast.walk(line)}
 
 
 def layer_of(name: str) -> str:
