@@ -10,18 +10,17 @@ True
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, SupportsIndex, Unpack, cast
+from typing import TYPE_CHECKING, Unpack, cast
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.sim.finish import versions
+from wmr_ctrl.sim.finish import check_seeds, versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import (
@@ -95,7 +94,7 @@ def simulate(
     from wmr_ctrl.engines import run_compiled, run_numpy
 
     chosen = scenario_of(scenario, overrides, guard)
-    _check_seeds([seed])
+    check_seeds([seed])
     if engine == "native":
         return run_compiled(chosen, law, seed)
     if engine == "numpy":
@@ -123,10 +122,10 @@ def simulate_runs(
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from wmr_ctrl.sim.together import run_each
+    from wmr_ctrl.sim.many import run_each
 
     listed = list(seeds)
-    _check_seeds(listed)
+    check_seeds(listed)
     loop = compile_loop(scenario, law, overrides, guard)
     return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
@@ -155,7 +154,7 @@ def simulate_many(
     from wmr_ctrl.sim.many import run_many
 
     listed = list(seeds)
-    _check_seeds(listed)
+    check_seeds(listed)
     if progress:
         progress(0.0)
     rows = None if starts is None else [tuple(map(float, row)) for row in starts]
@@ -187,7 +186,7 @@ def reproduce(
     from wmr_ctrl.report.reproduction import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
     from wmr_ctrl.sim.batch import check_jobs
-    from wmr_ctrl.sim.together import run_each
+    from wmr_ctrl.sim.many import run_each
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
@@ -205,7 +204,7 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
     from wmr_ctrl.proofs.staleness import stale_entries
     from wmr_ctrl.report.reproduction import Facts
-    from wmr_ctrl.sim.timing import seconds_of
+    from wmr_ctrl.sim.compiled_law import seconds_of
 
     return Facts(
         titles={row["name"]: row["title"] for row in law_table()},
@@ -302,10 +301,3 @@ def law_table() -> list[dict[str, str]]:
     from wmr_ctrl.laws import LAWS
 
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
-
-
-def _check_seeds(seeds: Iterable[int]) -> None:
-    for seed in seeds:
-        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
-        if not (whole and 0 <= operator.index(seed) < 2**63):
-            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

@@ -10,19 +10,23 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LOG_HEAD
 from wmr_ctrl.sim.oracle.actuator import Drives
 from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
 from wmr_ctrl.sim.oracle.guard import VelocityGuard
-from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.laws import build_law
+from wmr_ctrl.sim.oracle.law import LawTwin, Pair, Sight
+from wmr_ctrl.sim.oracle.mb import ModelBased
 from wmr_ctrl.sim.oracle.monitor import Watch
+from wmr_ctrl.sim.oracle.nn import NeuralNetwork
 from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
+from wmr_ctrl.sim.oracle.pid import Pid
 from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torques
-from wmr_ctrl.sim.oracle.recorder import Recorder
+from wmr_ctrl.sim.oracle.prox import Prox
 from wmr_ctrl.sim.oracle.references import reference_of
 from wmr_ctrl.sim.oracle.sensing import Sensors
+from wmr_ctrl.sim.oracle.smc import Smc
 from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 from wmr_ctrl.sim.oracle.target import DesiredState
 
@@ -188,3 +192,48 @@ class _Loop:
 def _mean(pairs: list[Pair]) -> Pair:
     count = max(1, len(pairs))
     return sum(pair[0] for pair in pairs) / count, sum(pair[1] for pair in pairs) / count
+
+
+class Recorder:
+    """Collects rows of values by column name."""
+
+    def __init__(self, further: Mapping[str, Any]) -> None:
+        self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
+        self.sizes.update(
+            {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
+        )
+        self.rows: dict[str, list[Any]] = {name: [] for name in self.sizes}
+
+    def write(self, row: Mapping[str, Any]) -> None:
+        """Append one row, which must name every column and nothing else."""
+        if row.keys() != self.rows.keys():
+            raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
+        for name, value in row.items():
+            self.rows[name].append(value)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Arrays (N,), or (N, size) for vectors, also when there is no row."""
+        return {
+            name: np.array(self.rows[name], dtype=float).reshape(-1 if size == 1 else (-1, size))
+            for name, size in self.sizes.items()
+        }
+
+
+LAW_TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], LawTwin]] = {
+    "pid": Pid,
+    "smc": Smc,
+    "mb": ModelBased,
+    "nn": NeuralNetwork,
+    "prox": Prox,
+}
+
+
+def build_law(name: str, gains: Mapping[str, Any], scenario: Scenario) -> LawTwin:
+    """The twin of law ``name`` with its resolved gains; ArgumentError if it has none."""
+    if name not in LAW_TWINS:
+        known = ", ".join(LAW_TWINS)
+        raise ArgumentError(
+            f"the numpy engine knows only the laws {known}, and was asked for {name!r}; "
+            "the native engine serves any law (engine native)."
+        )
+    return LAW_TWINS[name](gains, scenario)
