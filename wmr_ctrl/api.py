@@ -18,10 +18,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, cast
 
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import check_seeds, finished, versions
+from wmr_ctrl.sim.finish import check_seeds, versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import (
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
         SspOptions,
     )
     from wmr_ctrl.campaign import PhaseProgress
-    from wmr_ctrl.compiled import CompiledLoop
-    from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.linear import LinearReport
     from wmr_ctrl.proofs import Entry, Ledger
     from wmr_ctrl.report.reproduction import Facts, Verdicts
@@ -94,12 +91,14 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
+    from wmr_ctrl.engines import run_compiled, run_numpy
+
     chosen = scenario_of(scenario, overrides, guard)
     check_seeds([seed])
     if engine == "native":
-        return _simulate_native(chosen, law, seed)
+        return run_compiled(chosen, law, seed)
     if engine == "numpy":
-        return _simulate_numpy(chosen, law, seed, progress)
+        return run_numpy(chosen, law, seed, progress)
     raise UnknownNameError("engine", engine, ENGINES)
 
 
@@ -151,6 +150,7 @@ def simulate_many(
     >>> table["violations"]
     array([0., 0., 0.])
     """
+    from wmr_ctrl.engines import ready_batch
     from wmr_ctrl.sim.many import run_many
 
     listed = list(seeds)
@@ -160,7 +160,7 @@ def simulate_many(
     rows = None if starts is None else [tuple(map(float, row)) for row in starts]
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
-    compiled = partial(_batch, law=law)
+    compiled = partial(ready_batch, law=law)
     return run_many(compiled, scenarios, listed, starts=rows, jobs=jobs, progress=progress)
 
 
@@ -291,21 +291,9 @@ def compile_loop(
 
     For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
-    return _batch(scenario_of(scenario, overrides, guard), law)
+    from wmr_ctrl.engines import ready_batch
 
-
-def _batch(scenario: Scenario, law: str) -> Ready:
-    from wmr_ctrl.codegen.build import build_batch
-    from wmr_ctrl.control.setup import settle
-
-    setup = settle(scenario, law)
-    return _ready(setup, build_batch(setup))
-
-
-def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
-    from wmr_ctrl.sim.ready import Ready
-
-    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
+    return ready_batch(scenario_of(scenario, overrides, guard), law)
 
 
 def law_table() -> list[dict[str, str]]:
@@ -313,33 +301,3 @@ def law_table() -> list[dict[str, str]]:
     from wmr_ctrl.laws import LAWS
 
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
-
-
-def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
-    from wmr_ctrl.codegen.build import build_loop
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.sim.native import run_native
-
-    setup = settle(scenario, law)
-    loop = _ready(setup, build_loop(setup))
-    columns, monitor = run_native(loop, seed)
-    logged = (loop.compiled.layout.columns, columns, monitor)
-    facts = {"kernel_hash": loop.compiled.digest}
-    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
-
-
-def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
-    from wmr_ctrl.control.controller import watched_controller
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.laws.sample import own_diagnostics
-    from wmr_ctrl.sim.oracle import simulate_oracle
-
-    setup = settle(scenario, law)
-    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
-    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
-    effects = [item.name for item in setup.effects]
-    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
-    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    logged = (signals, columns, Monitor(**numbers))
-    facts = {"kernel_hash": ""}
-    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)

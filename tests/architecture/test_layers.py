@@ -26,7 +26,7 @@ ORDER = (
     {"proofs", "linear", "fmi"},
     {"campaign"},
     {"report"},
-    {"api_types"},
+    {"engines", "api_types"},
     {"api"},
     {"__init__"},
     {"cli"},
@@ -56,10 +56,11 @@ THIRD_PARTY = {
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},
     "api_types": set(),
     "api": {"numpy"},
+    "engines": set(),
     "__init__": set(),
 }
 """What each layer may import from elsewhere; the command line (cli) may import anything."""
-JOINERS = {"api", "cli", "fmi"}
+JOINERS = {"engines", "api", "cli", "fmi"}
 """Who may both compile and run: the interface, and the co-simulation that is compared with it."""
 LEDGER = "wmr_ctrl.proofs.ledger"
 LIGHT = ("wmr_ctrl.errors", "wmr_ctrl.signals")

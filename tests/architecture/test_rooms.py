@@ -11,6 +11,7 @@ SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
 KEPT_SHORT = {
     "wmr_ctrl.api_types": "types that a reader of the interface looks for by themselves",
+    "wmr_ctrl.engines": "the two engines are looked for by that word",
     "wmr_ctrl.results.format_npz": "a file for each format of results",
     "wmr_ctrl.sim.oracle.actuator": "the twin of the drives' effects",
 }
