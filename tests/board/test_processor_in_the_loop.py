@@ -12,6 +12,7 @@ from tests.board.emulated import BOARDS, Emulated, built, missing
 from tests.board.lockstep import lockstep
 from tests.board.robot import Robot
 from tests.codegen.measured import BOARD, loop_scenario
+from tests.matrix import crossed
 from wmr_ctrl.codegen.footprint import known_footprint
 from wmr_ctrl.codegen.package import step_kernel
 from wmr_ctrl.control.controller import controller
@@ -33,16 +34,21 @@ MOST_INSTRUCTIONS = {
     ("prox", False): 4_000,
 }
 """Of the slowest sample on a Cortex-M7, by law and whether in single precision."""
+OTHER_SETTINGS = [(BOARD, True), *((board, False) for board in BOARDS if board != BOARD)]
 
 
-@pytest.mark.parametrize("float32", [True, False], ids=["float32", "double"])
-@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
 @pytest.mark.parametrize(
-    ("board", "guarded"), [*((board, False) for board in BOARDS), (BOARD, True)]
+    ("law", "float32", "setting"),
+    crossed(["nn", "mb", "prox"], [True, False], [(BOARD, False), *OTHER_SETTINGS]),
 )
 def test_ten_seconds_in_lockstep(
-    board: str, law: str, guarded: bool, float32: bool, tmp_path: Path, record_property: object
+    law: str,
+    float32: bool,
+    setting: tuple[str, bool],
+    tmp_path: Path,
+    record_property: object,
 ) -> None:
+    board, guarded = setting
     scenario = loop_scenario(guarded)
     found = lockstep(law, scenario, board, tmp_path, float32=float32)
     for name, value in asdict(found).items():

@@ -11,6 +11,7 @@ import casadi as ca
 import pytest
 
 from tests.codegen import measured
+from tests.matrix import crossed
 from wmr_ctrl.codegen.footprint import key, known_footprint
 from wmr_ctrl.codegen.package import package_files, write_package
 from wmr_ctrl.codegen.single_precision import MARGIN
@@ -42,10 +43,10 @@ def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> Non
     write_package(law, folder, scenario, float32=float32)
 
 
-@every_law
-@both
-@either
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize(
+    ("law", "float32", "guarded", "compiler"),
+    crossed(NAMES[::-1], [False, True], [False, True], ["gcc", "clang"]),
+)
 def test_vectors_pass_and_nothing_warns(
     law: str, float32: bool, guarded: bool, compiler: str, tmp_path: Path
 ) -> None:

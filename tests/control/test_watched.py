@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled
+from tests.matrix import crossed
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import controller, law_graph, watched_controller
@@ -28,7 +29,6 @@ DRIVES: dict[str, dict[str, Any]] = {
     "limited": {"actuator.tau_max": 6.5},
     "slow": {"actuator.lag": 0.02, "actuator.delay": 0.004},
 }
-every_drive = pytest.mark.parametrize("drive", DRIVES)
 SHORT = {"clock.duration": 3.0, "changes": [{"t": 1.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 
@@ -48,8 +48,7 @@ def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
     return [item.signal for item in system.diagnostics], at_start.full().ravel().tolist()
 
 
-@every_law
-@every_drive
+@pytest.mark.parametrize(("law", "drive"), crossed(tuple(LAWS), tuple(DRIVES)))
 def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> None:
     """Over samples in a row, with and without the diagnostics computed beside them."""
     scenario = scenario_of(drive)
@@ -132,17 +131,17 @@ def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
     assert params["guard.dbar"].signal.units == ("N", "N.m")
 
 
-@every_law
-@pytest.mark.parametrize(("changed", "feasible"), [
+@pytest.mark.parametrize(("law", "case"), crossed(tuple(LAWS), [
     ({}, 1.0),
     ({"actuator.tau_max": 6.5}, 1.0),
     ({"actuator.tau_max": 5.0}, 0.0),
     ({"guard.dbar": [1e4, 1.0]}, 0.0),
     ({"guard.M_min": [80.0, 8.0]}, 0.0),
-])  # fmt: skip
+]))  # fmt: skip
 def test_bounds_that_cannot_be_met_are_told_not_refused(
-    law: str, changed: dict[str, Any], feasible: float
+    law: str, case: tuple[dict[str, Any], float]
 ) -> None:
+    changed, feasible = case
     scenario = scenario_of(**changed)
 
     assert diagnostics(watched_controller(settle(scenario, law)))[1][-1] == feasible

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
+from tests.matrix import crossed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.laws import LAWS
@@ -17,6 +18,7 @@ SHORT = override(
     {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 65.0, "mu": 0.15}]},
 )
 every_law = pytest.mark.parametrize("law", LAWS)
+every_pair = pytest.mark.parametrize(("law", "version"), crossed(tuple(LAWS), (3, 2)))
 
 
 def differences(first, second):
@@ -34,8 +36,7 @@ def assert_same(first, second, bound=0.0):
     assert found.get("e", 0.0) < 1e-12 + bound  # NumPy's sine, not the kernel's
 
 
-@every_law
-@pytest.mark.parametrize("version", [2, 3])
+@every_pair
 def test_cosimulation_is_the_native_loop_to_the_bit(law, version):
     assert_same(simulate(SHORT, law, seed=3), cosimulate(SHORT, law, seed=3, fmi=version))
 
@@ -49,8 +50,7 @@ def test_cosimulation_is_the_native_loop_over_a_whole_run(law, version):
     assert_same(native, simulate("paper-simulation", law, seed=1, engine="numpy"), 1e-9)
 
 
-@every_law
-@pytest.mark.parametrize("version", [2, 3])
+@every_pair
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(exported, law, version):
     run = simulate("paper-simulation", law, seed=3)
     names = [name for signal in run.signals[1:] for name in signal.elements]

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from tests.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
+from tests.matrix import crossed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 
-PERIODS = (0.001, 0.01, 0.05, 0.1)
+PERIODS = (0.01, 0.001, 0.05, 0.1)
 LIGHTEST = {
     **WIDE,
     "robot.m": 25.0,
@@ -30,8 +31,7 @@ def pushed(law: str, period: float, guard: bool = True, **changed: object) -> Ru
     return simulate("paper-simulation-nominal", law, guard=guard, overrides=overrides)
 
 
-@pytest.mark.parametrize("period", PERIODS)
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize(("law", "period"), crossed(NAMES, PERIODS))
 def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period: float) -> None:
     run = pushed(law, period)
 
@@ -43,8 +43,7 @@ def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period
         assert pushed(law, period, guard=False).outcome != "completed"
 
 
-@pytest.mark.parametrize("period", PERIODS)
-@pytest.mark.parametrize("law", ["pid", "smc"])
+@pytest.mark.parametrize(("law", "period"), crossed(["pid", "smc"], PERIODS))
 def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> None:
     """|d| <= dbar + D gives |v| <= v_u1 + D T/M_min, and the adversary gets there."""
     run = pushed(law, period, **{"guard.dbar": [40.0, 10.0]})
@@ -54,11 +53,11 @@ def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> Non
     assert run.outcome == "limit-violated"
 
 
-@pytest.mark.parametrize("law", NAMES)
-def test_switching_disturbances_any_mass_and_noise(law: str) -> None:
-    """20 random cases a law: bang-bang in time or by sign; mass, friction, nbar, period, start."""
+@pytest.mark.parametrize(("law", "cases"), crossed(NAMES, [6, 20]))
+def test_switching_disturbances_any_mass_and_noise(law: str, cases: int) -> None:
+    """Random cases: bang-bang in time or by sign; mass, friction, nbar, period, start."""
     draw = np.random.default_rng(sum(law.encode()))
-    for case in range(20):
+    for case in range(cases):
         worst = drive(law, draw, case)
         assert (worst <= LIMITS * (1 + 1e-14)).all(), (law, case, worst - LIMITS)
 

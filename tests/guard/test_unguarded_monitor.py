@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.matrix import crossed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.laws import LAWS
@@ -18,7 +19,6 @@ from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.world.effect import Bound
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
-every_twin = pytest.mark.parametrize("law", NAMES)
 OFF = {"guard.enabled": False, "clock.duration": 5.0, "changes": []}
 PUSHED = {"disturbance.push": [150.0, 40.0], "disturbance.std": 0.0, "robot.mu": 0.0,
           "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0}  # fmt: skip
@@ -95,9 +95,9 @@ def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-@every_law
 @pytest.mark.parametrize(
-    "drive", [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}], ids=["ideal", "slow", "late"]
+    ("law", "drive"),
+    crossed(tuple(LAWS), [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}]),
 )
 def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> None:
     """d_least <= the true disturbance along the motion, whatever robot, push, law and drives."""
@@ -119,14 +119,13 @@ def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
     assert (run["d_least"] > ahead(run) + scale(run)).any()
 
 
-@every_twin
-@pytest.mark.parametrize("changed", [
+@pytest.mark.parametrize(("law", "changed"), crossed(NAMES, [
     {"actuator.tau_max": 5.0},
     {"actuator.lag": 0.02, "actuator.delay": 0.013},
     {"sensor.velocity_noise": [0.02, 0.03]},
     PUSHED,
     {"initial.velocity": [1.3, 2.0]},
-])  # fmt: skip
+]))  # fmt: skip
 def test_both_engines_tell_the_same(law: str, changed: dict[str, Any]) -> None:
     native, numpy = (
         simulate("paper-simulation", law, seed=2, engine=e, overrides={**OFF, **changed})

@@ -35,7 +35,7 @@ def test_sampled_nonlinear_loop_is_the_native_run(nominal, law):
     run = wmr_ctrl.simulate(short, law)
     loop = loop_nlsys(short, law, sampled=True)
     response = ct.input_output_response(
-        loop, run.time, np.zeros((2, run.rows)), start_of(short, law)
+        loop, run.time, np.zeros((4, run.rows)), start_of(short, law)
     )
 
     for row, name in enumerate(("x", "y", "theta", "v1", "omega")):
@@ -47,7 +47,7 @@ def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
     run = wmr_ctrl.simulate(fast, "mb")
     times = run.time[::100]
     response = ct.input_output_response(
-        loop_nlsys(fast, "mb"), times, np.zeros((2, len(times))), start_of(fast, "mb")
+        loop_nlsys(fast, "mb"), times, np.zeros((4, len(times))), start_of(fast, "mb")
     )
 
     assert response.outputs[0] == pytest.approx(run["x"][::100], abs=2e-3)

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from tests.matrix import crossed
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
@@ -15,7 +16,7 @@ from wmr_ctrl.results import Run, runs_equal
 from wmr_ctrl.scenario import preset_names
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
-every_law = pytest.mark.parametrize("law", NAMES)
+OTHERS = [name for name in NAMES if name != "nn"]
 
 
 def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
@@ -24,8 +25,9 @@ def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
     )
 
 
-@every_law
-@pytest.mark.parametrize("scenario", ["paper-simulation", "paper-simulation-noise-free"])
+@pytest.mark.parametrize(
+    ("law", "scenario"), crossed(NAMES, ["paper-simulation", "paper-simulation-noise-free"])
+)
 def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
     native, numpy = (
         simulate(scenario, law, seed=5, engine=engine) for engine in ("native", "numpy")
@@ -36,7 +38,7 @@ def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
 
 
-@every_law
+@pytest.mark.parametrize("law", ["nn", *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)])
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
     native, numpy = (
@@ -47,8 +49,7 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, rel=1e-2)
 
 
-@every_law
-@pytest.mark.parametrize("changed", [
+@pytest.mark.parametrize(("law", "changed"), crossed(NAMES, [
     {"actuator.lag": 0.02, "actuator.delay": 0.005},
     {"actuator.delay": 0.03},
     {"actuator.tau_max": 10.0},
@@ -62,7 +63,7 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     {"reference.kind": "lemniscate"},
     {"reference.kind": "rounded-square"},
     {"initial.velocity": [1.3, 2.0]},
-])  # fmt: skip
+]))  # fmt: skip
 def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str, object]) -> None:
     native, numpy = (
         simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})

@@ -20,15 +20,16 @@ LIMIT = "limits.v_u1"
 def start(loop: Loop) -> Iterator[Warning]:
     """Yield where the run starts outside or at the limit, and a law that does not look at it."""
     limits = loop.scenario.limits
+    back = "only the guard brings it back" if loop.guarded else "nothing brings it back for sure"
     for axis, (v, u1) in enumerate(zip(loop.start.v, limits.v_u1, strict=True)):
         named = f"initial.velocity[{axis + 1}] = {v:.9g} {UNITS[axis]}"
         place = f"limits.v_u1[{axis + 1}]"
         if abs(v) > u1:
             yield Warning(
                 "initial.velocity",
-                f"{named} is outside {place} = {u1:g}: the run begins with a violation, "
-                f"{_outside(loop)}. Start inside the limit.",
-                "Eq. (15)" if loop.traits.barrier else LIMIT,
+                f"{named} is outside {place} = {u1:g}: the run begins with a violation, no promise "
+                f"holds out there, and {back}. Start inside the limit.",
+                LIMIT,
             )
         elif loop.traits.barrier and abs(v) > u1 - limits.clip:
             yield Warning(
@@ -39,14 +40,6 @@ def start(loop: Loop) -> Iterator[Warning]:
             )
     if loop.traits.auxiliary and not (loop.guarded or loop.uses("limits.")):
         yield from _blind(loop)
-
-
-def _outside(loop: Loop) -> str:
-    """What an outside start means for what the law promises."""
-    barrier = "the barrier is not defined there, " if loop.traits.barrier else ""
-    if loop.guarded:
-        return f"{barrier}and only the guard brings it back"
-    return f"{barrier}and {'no theorem' if loop.traits.theorem else 'nothing'} promises a return"
 
 
 def _blind(loop: Loop) -> Iterator[Warning]:

@@ -1,0 +1,23 @@
+"""Which combinations of many cases are tried by default."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import pytest
+
+
+def crossed(*axes: Sequence[object]) -> list[object]:
+    """Combinations for parametrize: those that differ from the first case in one way at most.
+
+    The others are there too and are slow: `-m ''` runs them.
+    """
+
+    def usual(case: tuple[object, ...]) -> bool:
+        return sum(value != axis[0] for value, axis in zip(case, axes, strict=True)) < 2
+
+    return [
+        pytest.param(*case, marks=() if usual(case) else pytest.mark.slow)
+        for case in product(*axes)
+    ]
