@@ -7,6 +7,7 @@ from typing import Any
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.kanayama import Kanayama
 from wmr_ctrl.sim.oracle.law import Law
 from wmr_ctrl.sim.oracle.mb import ModelBased
 from wmr_ctrl.sim.oracle.nn import NeuralNetwork
@@ -20,6 +21,7 @@ TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], Law]] = {
     "mb": ModelBased,
     "nn": NeuralNetwork,
     "prox": Prox,
+    "kanayama": Kanayama,
 }
 
 

@@ -144,7 +144,7 @@ class _Loop:
             for i, u1 in enumerate(limits.v_u1)
         )
         rate = auxiliary_rate(e, v, target, self.k)
-        return Sight(v, v_c0, rate, (first, second), self.applied)
+        return Sight(v, v_c0, rate, (first, second), target, e, self.applied)
 
     def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
         """The plant's step number ``n`` with the parameters of the time at which it starts.
