@@ -102,7 +102,7 @@ class LinearReport:
             "model_errors": [asdict(item) for item in self.model_errors],
             "warnings": list(self.warnings),
         }
-        return dict(json_safe(content))
+        return {key: json_safe(item) for key, item in content.items()}
 
     def table(self) -> str:
         """The same as text: all figures, a line each, then the warnings."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +20,15 @@ from wmr_ctrl.sim.ready import Ready
 
 
 @dataclass(frozen=True)
-class RunTable(Mapping[str, NDArray[Any]]):
+class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
     Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
     """
 
-    figures: Mapping[str, NDArray[Any]]
+    figures: Mapping[str, NDArray[np.float64]]
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.figures[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -19,7 +19,7 @@ from wmr_ctrl.sim.oracle.guard import VelocityGuard
 from wmr_ctrl.sim.oracle.kanayama import Kanayama
 from wmr_ctrl.sim.oracle.law import LawTwin, Pair, Sight
 from wmr_ctrl.sim.oracle.mb import ModelBased
-from wmr_ctrl.sim.oracle.monitor import Watch
+from wmr_ctrl.sim.oracle.monitor import Watch, WatchedNumbers
 from wmr_ctrl.sim.oracle.nn import NeuralNetwork
 from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
 from wmr_ctrl.sim.oracle.pid import Pid
@@ -39,12 +39,12 @@ TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "del
 def simulate_oracle(
     scenario: Scenario,
     law: str,
-    gains: Mapping[str, Any],
-    kinematics: Mapping[str, Any],
+    gains: Mapping[str, object],
+    kinematics: Mapping[str, object],
     seed: int,
     progress: Callable[[float], None] | None = None,
     effects: Iterable[str] = (),
-) -> tuple[dict[str, FloatArray], dict[str, Any]]:
+) -> tuple[dict[str, FloatArray], WatchedNumbers]:
     """One run of ``law`` in ``scenario``.
 
     ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
@@ -135,7 +135,7 @@ class _Loop:
         self.guard.watch(sight.v, sight.applied)
         return limited_force(asked, self.tau_max, self.scenario.robot)
 
-    def _memory(self) -> dict[str, Any]:
+    def _memory(self) -> dict[str, object]:
         """Further columns: the law's, then the monitor's."""
         return {**self.law.memory(), **self.guard.seen}
 
@@ -166,7 +166,7 @@ class _Loop:
 
     def _row(
         self, k: int, target: DesiredState, sight: Sight, torque: Pair, noise: Pair
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         """The log's row: state at t_k, torques over the step, memory after the law acted."""
         x, y, theta, v1, omega = self.state
         row = {"t": k * self.clock.control, "x": x, "y": y, "theta": theta, "v1": v1}
@@ -176,7 +176,7 @@ class _Loop:
         row |= {"noise_right": noise[0], "noise_left": noise[1]}
         return row | self._diagnostics(target, sight) | self._memory()
 
-    def _diagnostics(self, target: DesiredState, sight: Sight) -> dict[str, Any]:
+    def _diagnostics(self, target: DesiredState, sight: Sight) -> dict[str, object]:
         """Error of the true pose; margin and the rest as the law saw them."""
         speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier
@@ -198,14 +198,14 @@ def _mean(pairs: list[Pair]) -> Pair:
 class Recorder:
     """Collects rows of values by column name."""
 
-    def __init__(self, further: Mapping[str, Any]) -> None:
+    def __init__(self, further: Mapping[str, object]) -> None:
         self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
         self.sizes.update(
             {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
         )
-        self.rows: dict[str, list[Any]] = {name: [] for name in self.sizes}
+        self.rows: dict[str, list[object]] = {name: [] for name in self.sizes}
 
-    def write(self, row: Mapping[str, Any]) -> None:
+    def write(self, row: Mapping[str, object]) -> None:
         """Append one row, which must name every column and nothing else."""
         if row.keys() != self.rows.keys():
             raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
@@ -220,7 +220,7 @@ class Recorder:
         }
 
 
-LAW_TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], LawTwin]] = {
+LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
     "pid": Pid,
     "smc": Smc,
     "mb": ModelBased,
@@ -230,7 +230,7 @@ LAW_TWINS: dict[str, Callable[[Mapping[str, Any], Scenario], LawTwin]] = {
 }
 
 
-def build_law(name: str, gains: Mapping[str, Any], scenario: Scenario) -> LawTwin:
+def build_law(name: str, gains: Mapping[str, object], scenario: Scenario) -> LawTwin:
     """The twin of law ``name`` with its resolved gains; ArgumentError if it has none."""
     if name not in LAW_TWINS:
         known = ", ".join(LAW_TWINS)
