@@ -245,9 +245,9 @@ def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
 
 
 def prove(
-    only: Iterable[str] = (), progress: Callable[[int, int, Entry], None] | None = None
+    only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
-    """Check the paper's equations by machine; ``progress(done, total, entry)`` after each."""
+    """Check the paper's equations by machine; ``progress(share, entry)`` after each."""
     from wmr_ctrl.proofs import prove as check_all
 
     return check_all(tuple(only), progress)
