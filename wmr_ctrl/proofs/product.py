@@ -17,7 +17,9 @@ import casadi as ca
 
 from wmr_ctrl.model.system import Port
 
-PRODUCT = tuple(f"wmr_ctrl.{part}." for part in ("barrier", "control", "guard", "laws", "model"))
+PRODUCT = tuple(
+    f"wmr_ctrl.{part}." for part in ("barrier", "control", "guard", "laws", "model", "world")
+)
 TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.parameters", "wmr_ctrl.model.system")
 """What carries expressions without computing any."""
 
