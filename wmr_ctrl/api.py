@@ -114,8 +114,8 @@ def simulate_runs(
 ) -> list[Run]:
     """One whole Run per seed, several robots at a time on each core.
 
-    The same bits for any number of ``jobs`` (threads; default: one per core) and any vector
-    instructions; `simulate` agrees to rounding.  `simulate_many` gives figures only, which takes no
+    The same bits as `simulate`, for any number of ``jobs`` (threads; default: one per core) and any
+    vector instructions.  `simulate_many` gives figures only, which takes no
     memory.  ``progress`` is called with the share that is done.  Errors as in `simulate`.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
@@ -245,9 +245,9 @@ def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
 
 
 def prove(
-    only: Iterable[str] = (), progress: Callable[[int, int, Entry], None] | None = None
+    only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
-    """Check the paper's equations by machine; ``progress(done, total, entry)`` after each."""
+    """Check the paper's equations by machine; ``progress(share, entry)`` after each."""
     from wmr_ctrl.proofs import prove as check_all
 
     return check_all(tuple(only), progress)

@@ -70,7 +70,7 @@ def test_truncated_noise_redraws_only_what_is_beyond() -> None:
     assert 0 < inside.sum() < 500
     assert np.array_equal(held[inside], free[inside])
     assert np.abs(held).max() <= 1.5
-    assert np.abs(noise.torque_noise(key, 20, Disturbance(1.0, truncate=1e-9))).max() <= 1e-9
+    assert np.abs(noise.torque_noise(key, 20, Disturbance(std=1.0, truncate=1e-9))).max() <= 1e-9
 
 
 # -- references ----

@@ -7,17 +7,17 @@ proximal map has one (`resolvent`).  With E = exp(-rho T/2), c = v_c0 and c+ = c
     F    = M1 (v+ - v)/T + F1(v) + observer
 
 Differences from the paper: not in it.  Law (9) divides V1 by its slope and loses its authority at
-the limit; this one follows the slope, so bounded disturbances leave V1 bounded.  V1 falls by at
-least exp(-rho T) in a sample for every control period, |v+| < v_u1 for every measured v, inside the
-limit or not.  The observer (wo = 0 switches it off) makes up for friction and mass that differ from
-the model.  The first samples ask for much torque, so the law brings a limit of its own, tau_max,
-which counts where it is below actuator.tau_max.  Choose it for slow control periods, for unknown
-friction, and behind the guard.
+the limit; this one follows the slope.  With the model exact, V1 at c+ falls by at least exp(-rho T)
+from v* to v+ for every control period: while the target is held, where v* = v, that is the decay of
+V1; a target that moves can raise it first.  Over the real numbers |v+| < v_u1 for every measured v,
+inside the limit or not (proved for the paper's barrier).  The observer (wo = 0 switches it off)
+makes up for friction and mass that differ from the model.  The first samples ask for much torque,
+so the law brings a limit of its own, tau_max, which counts where it is below actuator.tau_max.
+Choose it for slow control periods, for unknown friction, and behind the guard.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -26,45 +26,9 @@ import casadi as ca
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.law import BarrierChoice, Law, TorqueLimited, Traits
+from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.sample import AXES, Sample
-from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.system import Output, System, port
-from wmr_ctrl.signals import D_HAT, TAU_APPLIED, Signal
-
-FORCE_HAT = Signal("f_hat", "N, N.m", "force that makes up for the disturbance", 2)
-OLD_VELOCITY = Signal("v_previous", "m/s, rad/s", "measured velocity of the previous sample", 2)
-STARTED = Signal("started", "1", "0 before the first sample, then 1")
-
-
-class Observer:
-    """Momentum observer of the force that the model does not explain: state, update, force.
-
-    Source: the usual first-order disturbance observer, here on the force that was applied, so a
-    torque limit or a guard cannot wind it up.  Per sample, with mass M and friction F1 as believed,
-
-        residual = F_applied - M (v_k - v_(k-1))/T - F1((v_k + v_(k-1))/2)
-        f_k      = f_(k-1) + (1 - exp(-wo T)) (residual - f_(k-1))
-
-    and f is added to the law's force; the disturbance that it stands for is -f.  The law takes a
-    further input, tau_applied (2,) [N m].
-    """
-
-    def __init__(self, sample: Sample, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]) -> None:
-        """Observe with bandwidth ``rate`` [1/s]; ``friction`` gives F1 (2,) at a velocity."""
-        applied, f_hat, old, started = (
-            port(item) for item in (TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED)
-        )
-        take = sample.parameters.take
-        force = wheel_to_force(take("robot.r"), take("robot.l"), applied.sym)
-        gained = (sample.v - old.sym) / sample.period
-        residual = force - sample.mass * gained - friction(0.5 * (sample.v + old.sym))
-        share = -ca.expm1(-rate * sample.period)
-        updated = f_hat.sym + share * (residual - f_hat.sym)
-        self.force = ca.if_else(started.sym > 0, updated, f_hat.sym)
-        self.input = applied
-        self.state = (f_hat, old, started)
-        self.update = ca.vertcat(self.force, sample.v, 1)
-        self.diagnostics = (Output(D_HAT, -self.force),)
+from wmr_ctrl.model.system import System
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,7 +30,7 @@ def draw(report: LinearReport, folder: Path) -> list[Path]:
     """Write the figures as PNG into ``folder``, which is made; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     parts = {"poles": _poles, "sample-time": _sample_time, "nyquist": _nyquist}
-    if law_loop(report.scenario, report.law).uses("limits."):
+    if law_loop(report.scenario, report.law).has_barrier:
         parts["pull"] = _pull
     paths = []
     for name, plot in parts.items():

@@ -16,6 +16,7 @@ from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
 from wmr_ctrl.sim.oracle.guard import VelocityGuard
+from wmr_ctrl.sim.oracle.kanayama import Kanayama
 from wmr_ctrl.sim.oracle.law import LawTwin, Pair, Sight
 from wmr_ctrl.sim.oracle.mb import ModelBased
 from wmr_ctrl.sim.oracle.monitor import Watch, WatchedNumbers
@@ -148,7 +149,7 @@ class _Loop:
             for i, u1 in enumerate(limits.v_u1)
         )
         rate = auxiliary_rate(e, v, target, self.k)
-        return Sight(v, v_c0, rate, (first, second), self.applied)
+        return Sight(v, v_c0, rate, (first, second), target, e, self.applied)
 
     def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
         """The plant's step number ``n`` with the parameters of the time at which it starts.
@@ -225,6 +226,7 @@ LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
     "mb": ModelBased,
     "nn": NeuralNetwork,
     "prox": Prox,
+    "kanayama": Kanayama,
 }
 
 

@@ -1,0 +1,49 @@
+"""Momentum observer of the force that the model does not explain.
+
+Source: the usual first-order disturbance observer, here on the force that was applied, so a torque
+limit or a guard cannot wind it up.  Per sample, with the believed mass M and friction F1,
+
+    residual = F_applied - M (v_k - v_(k-1))/T - F1((v_k + v_(k-1))/2)
+    f_k      = f_(k-1) + (1 - exp(-wo T)) (residual - f_(k-1))
+
+and f is added to the law's force; the disturbance that it stands for is -f.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.model.system import Output, port
+from wmr_ctrl.signals import D_HAT, TAU_APPLIED, Signal
+
+FORCE_HAT = Signal("f_hat", "N, N.m", "force that makes up for the disturbance", 2)
+OLD_VELOCITY = Signal("v_previous", "m/s, rad/s", "measured velocity of the previous sample", 2)
+STARTED = Signal("started", "1", "0 before the first sample, then 1")
+
+
+class Observer:
+    """State, update and force of the observer of a law's Sample.
+
+    The law takes a further input, tau_applied (2,) [N m].
+    """
+
+    def __init__(self, sample: Sample, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]) -> None:
+        """Observe with bandwidth ``rate`` [1/s]; ``friction`` gives F1 (2,) at a velocity."""
+        applied, f_hat, old, started = (
+            port(item) for item in (TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED)
+        )
+        take = sample.parameters.take
+        force = wheel_to_force(take("robot.r"), take("robot.l"), applied.sym)
+        gained = (sample.v - old.sym) / sample.period
+        residual = force - sample.mass * gained - friction(0.5 * (sample.v + old.sym))
+        share = -ca.expm1(-rate * sample.period)
+        updated = f_hat.sym + share * (residual - f_hat.sym)
+        self.force = ca.if_else(started.sym > 0, updated, f_hat.sym)
+        self.input, self.started = applied, started.sym
+        self.state = (f_hat, old, started)
+        self.update = ca.vertcat(self.force, sample.v, 1)
+        self.diagnostics = (Output(D_HAT, -self.force),)
