@@ -7,6 +7,8 @@ from itertools import product
 
 import pytest
 
+from wmr_ctrl.laws.registry import NAMES
+
 
 def crossed(*axes: Sequence[object]) -> list[object]:
     """Combinations for parametrize: those that differ from the first case in one way at most.
@@ -20,4 +22,14 @@ def crossed(*axes: Sequence[object]) -> list[object]:
     return [
         pytest.param(*case, marks=() if usual(case) else pytest.mark.slow)
         for case in product(*axes)
+    ]
+
+
+def versioned(whats: Sequence[str], shown: str = "nn") -> list[object]:
+    """FMUs by what they hold and version of FMI; of most laws the older version is slow."""
+    rest = [name for name in NAMES if name != shown]
+    return [
+        pytest.param(what, version, marks=pytest.mark.slow if slow else ())
+        for what, version in product(whats, (2, 3))
+        for slow in [what in rest and version == 2]
     ]

@@ -13,6 +13,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from tests.matrix import versioned
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.export import export_fmu
@@ -22,7 +23,7 @@ from wmr_ctrl.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
-every_fmu = pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
+every_fmu = pytest.mark.parametrize(("what", "version"), versioned(WHAT))
 
 
 def parsed(path, name):

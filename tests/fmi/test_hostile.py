@@ -11,15 +11,11 @@ from hypothesis import strategies as st
 
 from tests.fmi.raw import CS, ERROR, ME, OK, REFUSED, Instance, reals, refs
 from tests.fmi.sequences import MODES, STEP, calls, reach
+from tests.matrix import versioned
 from wmr_ctrl.laws import LAWS
 
-FULL = [(what, version) for what in ("plant", "nn") for version in (2, 3)]
-SMOKE = [
-    (what, version)
-    for what in ("reference", "guard", "closed-loop", *LAWS)
-    if what != "nn"
-    for version in (2, 3)
-]
+FULL = versioned(("plant", "nn"))
+SMOKE = versioned(("reference", "guard", "closed-loop", *(law for law in LAWS if law != "nn")))
 full = pytest.mark.parametrize(("what", "version"), FULL)
 everywhere = pytest.mark.parametrize(("what", "version"), FULL + SMOKE)
 NAN, INF = math.nan, math.inf

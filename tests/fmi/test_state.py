@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK
+from tests.matrix import versioned
 from wmr_ctrl.laws import LAWS
 
 ROOT = Path(__file__).resolve().parents[2]
 WHAT = ("plant", "reference", "nn", "mb", "closed-loop")
-every_fmu = pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
+every_fmu = pytest.mark.parametrize(("what", "version"), versioned(WHAT))
 ELSEWHERE = """
 import json, sys
 from pathlib import Path
