@@ -80,8 +80,8 @@ def _oscillates(run: Run) -> Iterator[Remark]:
             "oscillates",
             f"The wheel torques swing by {cycle.swing:.3g} N m peak to peak at "
             f"{cycle.frequency:.3g} Hz, {1 / cycle.frequency / run.settings.control:.3g} samples a "
-            "period, more than noise explains. Lower the law's gains, or shorten clock.control and "
-            "the drives' delay.",
+            "period: a limit cycle, or a loop that is close to one. Lower the law's gains, or "
+            "shorten clock.control and the drives' delay.",
         )
 
 
