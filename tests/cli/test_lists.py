@@ -8,6 +8,7 @@ import tomllib
 import pytest
 
 from wmr_ctrl.api import scenario_of
+from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import preset_names
 
@@ -93,16 +94,17 @@ def test_check_tells_theory_for_every_law(wmr):
 
 
 def test_check_says_what_concerns_all_laws_once(wmr):
-    found = wmr("check", "outside-start").stdout
+    found = wmr("check", "paper-simulation", "--set", "actuator.tau_max=1").stdout
 
-    assert found.count("initial.velocity[1] = 1.3 m/s is outside") == 1
-    assert found.index("all laws") < found.index("initial.velocity[1]") < found.index("\npid,")
+    assert found.count("actuator.tau_max = 1 N m gives") == 1
+    assert found.index("all laws") < found.index("actuator.tau_max") < found.index("\npid,")
 
 
 def test_check_of_one_law_without_objection(wmr):
     found = wmr("check", "paper-simulation-nominal", "--law", "mb").stdout
 
-    assert found.splitlines()[-1] == "  - no objection"
+    assert "  - no objection" in found.splitlines()
+    assert "run once with seed 0: completed, tracked" in " ".join(found.split())
     assert "nn," not in found
 
 
@@ -111,9 +113,41 @@ def test_check_as_json(wmr):
     law = document["laws"]["mb"]
 
     assert document["valid"] is True
+    assert document["max_period"] == {"mb": law["largest_stable_period"]}
+    texts = [(item["key"], item["law"], item["text"]) for item in document["warnings"]]
+    assert texts == [
+        (w["key"], "mb", f"{w['sentence']} [{w['equation']}]") for w in law["warnings"]
+    ]
     assert law["largest_stable_period"] == pytest.approx(0.061, rel=1e-2)
     assert {"key", "sentence", "equation"} == set(law["warnings"][0])
     assert "reference" in {warning["key"] for warning in law["warnings"]}
+
+
+def test_check_runs_each_law_once(wmr):
+    late = ("--set", "clock.control=0.05", "--set", "actuator.delay=0.05")
+    command = ("check", "safe-simulation", "--law", "prox", "--law", "kanayama", *late)
+    document, text = json.loads(wmr(*command, "--json").stdout), wmr(*command).stdout
+    prox, peer = (document["nominal"][law] for law in ("prox", "kanayama"))
+
+    assert list(prox["position_rms"]) == ["all", "last_quarter"]
+    assert [item["key"] for item in prox["remarks"]] == ["oscillates"]
+    assert (peer["outcome"], peer["tracked"]) == ("completed", True)
+    assert len(peer["guard_share"]) == 2
+    assert document["max_period"]["prox"] == 0 < 0.05 < document["max_period"]["kanayama"]
+    assert "oscillates: The wheel torques swing" in " ".join(text.split())
+    assert max(map(len, text.splitlines())) <= 80
+
+
+def test_check_without_a_compiler_says_so(wmr, monkeypatch):
+    def missing(*_, **__):
+        raise CompilerError("no C compiler was found.")
+
+    monkeypatch.setattr("wmr_ctrl.api.simulate", missing)
+    found = wmr("check", "paper-simulation-nominal", "--law", "mb", "--json")
+
+    assert found.exit_code == 0
+    assert json.loads(found.stdout)["nominal"] == {}
+    assert "no law was run" in found.stderr
 
 
 def test_check_takes_overrides(wmr):

@@ -13,8 +13,10 @@ from wmr_ctrl.results import load_run, summary
 
 module = import_module("wmr_ctrl.cli.run")
 
-KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise", "max_abs_v", "violations",
-        "d_least", "dbar", "tau_peak", "tau_rms", "e_rms", "provenance"]  # fmt: skip
+KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise",
+        "position_rms", "position_max", "tracked", "guard_share", "torque_change_rms",
+        "max_abs_v", "violations", "d_least", "dbar", "tau_peak", "tau_rms", "e_rms", "remarks",
+        "provenance"]  # fmt: skip
 
 
 def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):

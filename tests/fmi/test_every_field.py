@@ -32,7 +32,7 @@ from wmr_ctrl.scenario import Scenario, override
 
 LAW = "mb"
 STATE = {"x", "y", "theta", "v1", "omega", "psi"}
-WITHOUT_EFFECT = {"name", "title", "metrics.split", "metrics.rms_from"}
+WITHOUT_EFFECT = {"name", "title", "metrics.split", "metrics.rms_from", "metrics.tolerance"}
 """Fields that no run depends on."""
 BASE, LOOSER = based(FULL), based(LOOSE)
 

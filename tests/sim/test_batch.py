@@ -150,7 +150,9 @@ def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
         assert run.monitor.bounds_left is not None
         assert (table["bounds_left"][seed], table["bounds_axis"][seed]) == run.monitor.bounds_left
         assert table["d_least"][seed] == pytest.approx(run.monitor.d_least, rel=1e-6)
-        assert table["clipped"][seed] == pytest.approx(run["clip_active"].mean(axis=0), abs=2e-3)
+        assert table["guard_share"][seed] == pytest.approx(
+            run["clip_active"].mean(axis=0), abs=2e-3
+        )
         assert table["outcome"][seed] == run.outcome
 
 

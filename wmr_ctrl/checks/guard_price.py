@@ -11,6 +11,15 @@ from wmr_ctrl.guard.bounds import early_speed, usable_speed
 from wmr_ctrl.world.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"
+REMEDIES = {
+    "actuator.lag": "Make the drives faster than clock.control by far, or keep away from the limit "
+    "with a smaller guard.alpha.",
+    "disturbance.truncate": "Set disturbance.truncate = 3 for a guarantee.",
+}
+OTHER_REMEDY = (
+    "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
+)
+"""What to do about an effect that breaks an assumption, by the key at fault."""
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
@@ -38,13 +47,7 @@ def slowest(loop: Loop) -> float:
 def _void(void: str) -> Warning:
     """An effect that breaks an assumption: ``void`` begins with the key at fault."""
     key, _, _ = void.partition(" ")
-    remedy = (
-        "Make the drives faster than clock.control by far, or keep away from the limit with a "
-        "smaller guard.alpha."
-        if key == "actuator.lag"
-        else "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
-    )
-    return Warning(key, f"{void} {remedy}", PLACE)
+    return Warning(key, f"{void} {REMEDIES.get(key, OTHER_REMEDY)}", PLACE)
 
 
 def _early_start(loop: Loop) -> Iterator[Warning]:

@@ -168,24 +168,9 @@ def _late(loop: Loop) -> Warning:
 
 
 def noise(loop: Loop) -> Iterator[Warning]:
-    """Yield that the limit is not guaranteed under noise: on the weakest axis, or by the guard."""
-    if loop.scenario.disturbance.std == 0:
-        return
-    if loop.guarded:
-        yield from _guarded_noise(loop)
-    elif loop.has_barrier:
+    """Yield that no barrier is sure to hold against the noise: on its weakest axis."""
+    if loop.scenario.disturbance.std > 0 and loop.has_barrier and not loop.guarded:
         yield _unguarded_noise(loop)
-
-
-def _guarded_noise(loop: Loop) -> Iterator[Warning]:
-    if math.isinf(loop.scenario.disturbance.truncate):
-        yield Warning(
-            "disturbance.truncate",
-            "The torque noise is unbounded (disturbance.truncate = inf), and the guard counts on a "
-            "bounded one, of 3 std unless guard.dbar says otherwise: it keeps the limit with that "
-            "probability only. Set disturbance.truncate = 3 for a guarantee.",
-            "guard, bound dbar",
-        )
 
 
 def _unguarded_noise(loop: Loop) -> Warning:

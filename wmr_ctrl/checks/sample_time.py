@@ -1,8 +1,8 @@
 """How long may the control period be: the linear loop, the barrier's kink, the first step.
 
 The linear loop is sampled with an exact zero-order hold.  Its state: e (3) and v (2) of the robot,
-Eqs. (33)-(35) and (4), linearised on the reference with v_d held constant; the torque's lag where
-the drives have one; the law's memory where it is dynamic.
+Eqs. (33)-(35) and (4), linearised on the reference with v_d held constant; the torque's lag and the
+commands under way where the drives have lag and delay; the law's memory where it is dynamic.
 """
 
 from __future__ import annotations
@@ -31,6 +31,9 @@ SAFE = 0.5
 
 SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
 """Periods that are tried [s], and the factor from one to the next."""
+
+MOST_UNDER_WAY = 40
+"""Commands that the shortest period that is tried leaves under way in a delay."""
 
 MARGIN = 1e-9
 """A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
@@ -64,19 +67,21 @@ def kink_limits(loop: Loop) -> Floats:
 
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, limit = loop.scenario.clock.control, largest_period(loop)
-    if limit < SHORTEST:
-        lower = "the drives' lag or its gains" if loop.scenario.actuator.lag else "its gains"
+    drives = _drives(loop)
+    late = "".join(f"a {word} of {value:g} s and " for word, value in drives.items())
+    if limit == 0:
+        lower = f"the drives' {' and '.join(drives)} or its gains" if late else "its gains"
         yield Warning(
             PERIOD,
-            f"{loop.law} is unstable around the reference at these gains, whatever clock.control "
-            f"is (tried from {SHORTEST:g} s up): lower {lower}.",
+            f"{loop.law} is unstable around the reference with {late}these gains, whatever "
+            f"clock.control is (tried from {shortest_tried(loop):g} s up): lower {lower}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
         yield Warning(
             PERIOD,
             f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
-            f"{loop.law} is stable around the reference at these gains: choose "
+            f"{loop.law} is stable around the reference with {late}these gains: choose "
             f"{SAFE * limit:.2g} s or less, or lower the gains.",
             f"{loop.equations}, linearised and sampled",
         )
@@ -124,7 +129,22 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
 
 def largest_period(loop: Loop) -> float:
     """The same for a Loop that is at hand."""
-    return min(_supremum(_radius_at(loop, v_d)) for v_d in operating_points(loop.scenario))
+    shortest = shortest_tried(loop)
+    return min(
+        _supremum(_radius_at(loop, v_d), shortest) for v_d in operating_points(loop.scenario)
+    )
+
+
+def shortest_tried(loop: Loop) -> float:
+    """The shortest period that is tried [s]: so many commands may be under way, and no more."""
+    return max(SHORTEST, loop.scenario.actuator.delay / MOST_UNDER_WAY)
+
+
+def _drives(loop: Loop) -> dict[str, float]:
+    """How late the drives are [s], by word."""
+    actuator = loop.scenario.actuator
+    words = {"delay": actuator.delay, "lag": actuator.lag}
+    return {word: value for word, value in words.items() if value}
 
 
 def operating_points(scenario: Scenario) -> list[Floats]:
@@ -136,15 +156,37 @@ def operating_points(scenario: Scenario) -> list[Floats]:
 
 
 def closed_loop(loop: Loop, v_d: Floats, period: float) -> Floats:
-    """Matrix that takes the loop's state from one sample to the next."""
+    """Matrix that takes the loop's state from one sample to the next.
+
+    The state: error and velocity (5), the lag's force (2) if there is one, the law's memory, then
+    the forces that are under way with a delay, the latest first.
+    """
     rates, push = linear_plant(loop.scenario, tuple(v_d))
-    free, forced = zero_order_hold(rates, push, period)
-    gain = loop.feedback(v_d, period)
+    whole, part = divmod(loop.scenario.actuator.delay, period)
+    gain, sent = loop.feedback(v_d, period), int(whole) + bool(part)
     lag, memory = len(rates) - 5, gain.shape[1] - 5
     by_state, by_memory = gain[:, :5], gain[:, 5:]
     gains = np.hstack((by_state, np.zeros((len(gain), lag)), by_memory))
-    moved = np.hstack((free, np.zeros((len(free), memory)))) + forced @ gains[:2]
-    return np.vstack((moved, gains[2:]))
+    gains = np.hstack((gains, np.zeros((len(gain), 2 * sent))))
+    queue = np.eye(2 * (sent + 1), gains.shape[1], gains.shape[1] - 2 * sent)
+    forces = np.vstack((gains[:2], queue[: 2 * sent]))
+    free, now, before = _delayed_hold(rates, push, period, part)
+    moved = np.hstack((free, np.zeros((len(free), memory + 2 * sent))))
+    arriving = 2 * int(whole)
+    moved = moved + now @ forces[arriving : arriving + 2]
+    if part:
+        moved = moved + before @ forces[arriving + 2 : arriving + 4]
+    return np.vstack((moved, gains[2:], forces[: 2 * sent]))
+
+
+def _delayed_hold(
+    rates: Floats, push: Floats, period: float, part: float
+) -> tuple[Floats, Floats, Floats]:
+    """Over a period: free motion, by the force from ``part`` [s] on, and by the one before it."""
+    free, _ = zero_order_hold(rates, push, period)
+    rest, now = zero_order_hold(rates, push, period - part)
+    _, early = zero_order_hold(rates, push, part)
+    return free, now, rest @ early
 
 
 def zero_order_hold(rates: Floats, push: Floats, period: float) -> tuple[Floats, Floats]:
@@ -194,9 +236,9 @@ def _radius_at(loop: Loop, v_d: Floats) -> Callable[[float], float]:
     return lambda period: float(np.abs(np.linalg.eigvals(closed_loop(loop, v_d, period))).max())
 
 
-def _supremum(radius: Callable[[float], float]) -> float:
+def _supremum(radius: Callable[[float], float], shortest: float) -> float:
     """Largest period below which none that was tried has a spectral radius above 1."""
-    below, period = 0.0, SHORTEST
+    below, period = 0.0, shortest
     while radius(period) <= 1 + MARGIN:
         if period >= LONGEST:
             return math.inf

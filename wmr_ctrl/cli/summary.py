@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
-from wmr_ctrl.results import Run, summary
+from wmr_ctrl.results import Remark, Run, summary
 
 MISSING = "- (not reached)"
 Row = tuple[str, str, str]
@@ -16,17 +16,42 @@ def summary_text(run: Run) -> str:
     """What was run, how it ended, and its figures as a table."""
     guarded = ", guarded" if run.guard else ""
     head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
-    parts = (head, wrapped(run.explanation), table(_rows(run, summary(run))))
-    return "\n\n".join(parts)
+    remarks = [wrapped(f"- {item.key}: {item.text}", hang="  ") for item in _unsaid(run)]
+    said = ("\n".join((wrapped(run.explanation), *remarks)), table(_rows(run, summary(run))))
+    return "\n\n".join((head, *said))
+
+
+def _unsaid(run: Run) -> Iterator[Remark]:
+    """Remarks that are not the outcome's own sentence."""
+    return (item for item in run.remarks if item.key != run.outcome.value)
 
 
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    yield from _position(run, figures)
     yield from _errors(run, figures)
     yield from _velocities(run, figures)
+    if run.guard:
+        shares = figures["guard_share"] or (None, None)
+        named = zip(("thrust", "moment"), shares, strict=True)
+        for axis, share in named:
+            changed = MISSING if share is None else f"{100 * share:.3g} %"
+            yield f"guard changed the {axis}", changed, "of the samples"
     yield from _disturbance(run, figures)
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
+    change = _number(figures["torque_change_rms"], "N m")
+    yield "wheel torque, change", change, "RMS a sample, last half"
+
+
+def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
+    """The headline: how far the robot was from where it should have been."""
+    rms, tolerance = figures["position_rms"], run.settings.tolerance
+    yield "position error, RMS", _number(rms["all"], "m"), "whole run"
+    verdict = "" if tolerance is None else f", tolerance {tolerance:g} m: "
+    verdict += {None: "", True: "tracked", False: "NOT TRACKED"}[figures["tracked"]]
+    yield "position error, RMS", _number(rms["last_quarter"], "m"), f"last quarter{verdict}"
+    yield "position error, largest", _number(figures["position_max"], "m"), "last quarter"
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

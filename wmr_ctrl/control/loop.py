@@ -48,14 +48,19 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.references.evaluate import reference
 
-SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "samples")
-"""Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, 1."""
+SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples")
+"""Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same
+of the torque less the previous sample's, 1."""
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
 """What every run without a log watches: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
 CLOCK = ("control", "plant", "delay_steps", "v_u1_linear", "v_u1_angular")
-"""Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound."""
+"""Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound.
+Beyond v_u1 and NO_VIOLATION a step counts as a violation."""
 TRAVELLED = Signal("travel_mark", "m, rad", "way and orientation at the previous sample", 2)
+TORQUE_BEFORE = Signal("tau_before", "N.m", "torque commanded at the previous sample", 2)
+NO_VIOLATION = 1e-12
+"""Share of a limit by which a velocity may exceed it through rounding alone."""
 
 
 class LoopGraphs:
@@ -142,9 +147,14 @@ class LoopGraphs:
         mass, u1, period, dbar = (cast(Any, p.take(key)) for key in keys)  # symbols for floats
         most = admitted(dbar, stopping_force(mass, u1, period))
         sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
-        squares = torque[0] * torque[0] + torque[1] * torque[1]
+        squares = _squared(torque), _squared(torque - self._torque_before())
         beyond = [least[axis] > most[axis] for axis in (0, 1)]
-        return ca.vertcat(*sums, squares, 1, peak, known["clip_active"], least, *beyond)
+        return ca.vertcat(*sums, *squares, 1, peak, known["clip_active"], least, *beyond)
+
+    def _torque_before(self) -> ca.SX:
+        """Torques (2,) [N m] that were commanded at the previous sample, 0 before the first."""
+        named = {item.signal: item.sym for item in self.slow}
+        return named[TORQUE_BEFORE]
 
     @cached_property
     def clock(self) -> ca.SX:
@@ -167,6 +177,7 @@ class LoopGraphs:
         known |= rate.run(self.controller, shown)
         disturbances = rate.effects(EffectRole.DISTURBANCE)
         rate.disturb(disturbances)
+        rate.add((port(TORQUE_BEFORE),), rate.column(TORQUE))
         every = [*disturbances, *self.step.effects(EffectRole.DISTURBANCE)]
         self._pushed = pushes(every)
         desired = rate.column(REFERENCE[:3])
@@ -273,7 +284,12 @@ def clock_numbers(p: Parameters, late: ca.SX, streams: tuple[Stream, ...]) -> ca
     h = p.take("clock.plant")
     steps = ca.floor(late / h + 0.5)
     said = (item.said for item in streams)
-    return ca.vertcat(p.take("clock.control"), h, steps, p.take("limits.v_u1"), *said)
+    counted = p.take("limits.v_u1") * (1 + NO_VIOLATION)
+    return ca.vertcat(p.take("clock.control"), h, steps, counted, *said)
+
+
+def _squared(pair: ca.SX) -> ca.SX:
+    return pair[0] * pair[0] + pair[1] * pair[1]
 
 
 def _refuse_odometer(sensors: list[System]) -> None:

@@ -6,7 +6,7 @@ itself.  Numbers keep their scenario keys, so a graph's parameters can be filled
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TypeVar
 
@@ -64,7 +64,7 @@ class Setup:
     @property
     def assumptions(self) -> Assumptions:
         """What a guard assumes of the motion, be it on or off."""
-        return assumptions(self.scenario, self.guard)
+        return replace(assumptions(self.scenario, self.guard), void=self.bound.void)
 
     @cached_property
     def bound(self) -> Bound:

@@ -19,10 +19,19 @@ from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable
 from wmr_ctrl.results.io import check_suffix, load_run, runs_equal, save_run
 from wmr_ctrl.results.metrics import e_rms, ise, ise_over, summary, tau_peak, tau_rms
 from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor
+from wmr_ctrl.results.oscillation import Oscillation, oscillation
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.plain import json_safe
+from wmr_ctrl.results.remarks import Remark, remarks_on
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import Settings
+from wmr_ctrl.results.tracking import (
+    guard_share,
+    position_max,
+    position_rms,
+    torque_change_rms,
+    tracked,
+)
 from wmr_ctrl.results.windows import covered, span, window
 
 __all__ = [
@@ -34,7 +43,9 @@ __all__ = [
     "Fact",
     "FloatArray",
     "Monitor",
+    "Oscillation",
     "Outcome",
+    "Remark",
     "Rises",
     "Run",
     "Settings",
@@ -49,12 +60,17 @@ __all__ = [
     "distance",
     "e_rms",
     "first_beyond",
+    "guard_share",
     "ise",
     "ise_over",
     "json_safe",
     "largest_push",
     "load_run",
+    "oscillation",
     "outcome_of",
+    "position_max",
+    "position_rms",
+    "remarks_on",
     "rises",
     "runs_equal",
     "save_run",
@@ -63,6 +79,8 @@ __all__ = [
     "summary",
     "tau_peak",
     "tau_rms",
+    "torque_change_rms",
+    "tracked",
     "weight_norm",
     "window",
 ]

@@ -31,11 +31,13 @@ def admitted(dbar: Pair, largest: Pair) -> Pair:
 class Assumptions:
     """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
 
-    ``force`` stops the robot in one sample: the scale of what the monitor compares.
+    ``force`` stops the robot in one sample: the scale of what the monitor compares.  ``void``: what
+    the scenario has that no such bound covers, in sentences.
     """
 
     dbar: tuple[float, float]
     force: tuple[float, float]
+    void: str = ""
 
 
 def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:

@@ -6,10 +6,21 @@ each window that it does not cover to the end.
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from typing import Any
+
 import numpy as np
 
 from wmr_ctrl.results.plain import json_safe
 from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.results.tracking import (
+    guard_share,
+    position_max,
+    position_rms,
+    torque_change_rms,
+    torques,
+    tracked,
+)
 from wmr_ctrl.results.windows import span, window
 
 E_RMS_WINDOWS = ((30, 40), (40, 45), (70, 80))
@@ -83,6 +94,11 @@ def summary(run: Run) -> dict[str, object]:
         "engine": run.engine,
         "outcome": run.outcome.value,
         "ise": ise(run),
+        "position_rms": position_rms(run),
+        "position_max": position_max(run),
+        "tracked": tracked(run),
+        "guard_share": guard_share(run),
+        "torque_change_rms": torque_change_rms(run),
         "max_abs_v": run.monitor.max_abs_v,
         "violations": run.monitor.violations,
         "d_least": run.monitor.d_least,
@@ -90,6 +106,7 @@ def summary(run: Run) -> dict[str, object]:
         "tau_peak": tau_peak(run),
         "tau_rms": tau_rms(run),
         "e_rms": {f"{start}-{end}": e_rms(run, start, end) for start, end in E_RMS_WINDOWS},
+        "remarks": [asdict(item) for item in run.remarks],
         "provenance": {key: run.provenance.get(key) for key in PROVENANCE},
     }
     return {key: json_safe(value) for key, value in figures.items()}
@@ -97,4 +114,4 @@ def summary(run: Run) -> dict[str, object]:
 
 def _torques(run: Run, rows: slice | None) -> FloatArray:
     """Both wheels' commanded torques [N m], shape (rows, 2); empty where there is no window."""
-    return np.stack([run["tau_right"], run["tau_left"]], axis=1)[rows or slice(0, 0)]
+    return torques(run)[rows or slice(0, 0)]

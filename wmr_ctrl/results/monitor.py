@@ -22,7 +22,8 @@ class Monitor:
     """Extremes and events of a run, over t = 0 and every plant step.
 
     ``max_abs_v``: largest |v1| [m/s] and |omega| [rad/s]; ``violations``: number of plant steps
-    strictly beyond a limit; ``first_violation``: time [s] and axis of the first of them;
+    beyond a limit by more than rounding (1e-12 of it); ``first_violation``: time [s] and axis of
+    the first of them;
     ``stopped``: time [s] and axis that ended the run early, for ``stop_reason`` (empty if none);
     ``bounds_left``: time [s] and axis of the first motion that the guard's bounds do not admit,
     with the guard on or off.

@@ -40,8 +40,7 @@ class Outcome(StrEnum):
 
 _SENTENCES = {
     Outcome.COMPLETED: (
-        "The run completed and both velocities stayed within their limits ({extremes}); "
-        "nothing needs to be done."
+        "The run completed and both velocities stayed within their limits ({extremes})."
     ),
     Outcome.BOUNDS_LEFT: (
         "The run completed within its limits ({extremes}), but the {left} moved in a way that the "

@@ -6,7 +6,7 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from wmr_ctrl.results.monitor import Monitor
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.signals import REFERENCE, TIME, Signal
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.remarks import Remark
 
 __all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
 
@@ -85,15 +88,34 @@ class Run:
 
     @property
     def explanation(self) -> str:
-        """The outcome as a sentence: what, when, which axis, and the remedy."""
+        """The outcome as a sentence: what, when, which axis, and the remedy.
+
+        Nothing needs to be done only where there are no `remarks`.
+        """
         lost = self._lost_reference() if self.outcome is Outcome.NON_FINITE else None
         if lost is None:
-            return self.outcome.sentence(self.monitor, self.guard)
+            return self.outcome.sentence(self.monitor, self.guard) + self._judged()
         return (
             "The run ended early because the desired motion was no longer finite at "
             f"t = {lost:.6g} s; law and robot only followed it. Change the reference's numbers, or "
             "its graph."
         )
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What there is to say against the run, with keys and remedies; empty if all is well."""
+        from wmr_ctrl.results.remarks import remarks_on  # it reads Runs, and so stands above
+
+        return remarks_on(self)
+
+    def _judged(self) -> str:
+        """What a completed run's sentence ends with."""
+        from wmr_ctrl.results.remarks import in_short
+
+        if self.outcome is not Outcome.COMPLETED:
+            return ""
+        remarks = self.remarks
+        return f" But {in_short(remarks)}." if remarks else " Nothing needs to be done."
 
     def _lost_reference(self) -> float | None:
         """Time [s] of the first row whose reference is not finite; None where all are."""

@@ -18,7 +18,9 @@ class Settings:
     ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as asked for;
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s]; ``dbar``:
-    bound of the disturbance that the scenario states or implies [N, N m], None where not known.
+    bound of the disturbance that the scenario states or implies [N, N m], None where not known;
+    ``tolerance``: position error that counts as tracked [m], None where not known; ``void``: what
+    the scenario has that the guard's guarantee does not cover, in sentences.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -29,6 +31,8 @@ class Settings:
     split: float
     rms_from: float = 2.0
     dbar: tuple[float, float] | None = None
+    tolerance: float | None = None
+    void: str = ""
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):

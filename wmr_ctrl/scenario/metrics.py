@@ -1,4 +1,4 @@
-"""Windows of the figures that are drawn from a run."""
+"""Windows of the figures that are drawn from a run, and what counts as tracked."""
 
 from __future__ import annotations
 
@@ -10,7 +10,12 @@ from wmr_ctrl.fields.section import Section, quantity
 
 @dataclass(frozen=True, kw_only=True)
 class Metrics(Section):
-    """Where a run is split into before and after, and where the RMS of the torque begins."""
+    """Where a run is split into before and after, where the RMS of the torque begins, tolerance.
+
+    The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
+    doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
+    reference leaves.
+    """
 
     KEY: ClassVar[str] = "metrics"
 
@@ -19,4 +24,10 @@ class Metrics(Section):
     )
     rms_from: float = quantity(
         2.0, unit="s", doc="the torque's RMS is taken from here on", minimum=0
+    )
+    tolerance: float = quantity(
+        0.05,
+        unit="m",
+        doc="RMS of the position error over the last quarter that counts as tracked",
+        above=0,
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.results import Monitor, Settings
 from wmr_ctrl.results.metrics import E_RMS_WINDOWS
 from wmr_ctrl.results.monitor import STOP_REASONS
+from wmr_ctrl.results.tracking import last_half, last_quarter
 from wmr_ctrl.sim.memory import Memory
 from wmr_ctrl.sim.ready import Ready
 
@@ -21,15 +22,17 @@ SHAPES: Mapping[str, tuple[int, ...]] = {
     "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
     "e_rms": (len(E_RMS_WINDOWS), 3), "max_abs_v": (2,), "violations": (),
     "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
-    "samples": (), "tau_peak": (), "tau_rms": (), "final_state": (5,),
-    "d_least": (2,), "bounds_left": (), "bounds_axis": (), "clipped": (2,),
+    "samples": (), "tau_peak": (), "tau_rms": (), "torque_change_rms": (), "position_rms": (2,),
+    "final_state": (5,),
+    "d_least": (2,), "bounds_left": (), "bounds_axis": (), "guard_share": (2,),
 }  # fmt: skip
 """Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
 window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
-into STOP_REASONS); ``samples`` made; torques [N m]; ``final_state`` x, y [m], theta [rad],
+into STOP_REASONS); ``samples`` made; torques [N m]; ``position_rms`` over all and over the last
+quarter [m]; ``final_state`` x, y [m], theta [rad],
 v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
-the first motion that a guard's bounds do not admit; ``clipped``, share of samples in which the
+the first motion that a guard's bounds do not admit; ``guard_share``, share of samples in which the
 guard acted.  NaN where there was no such event or the run ended before its window
 did."""
 
@@ -43,10 +46,11 @@ class Runnable(Protocol):
 
 
 def windows_of(settings: Settings) -> list[tuple[int, int]]:
-    """Sample windows: all, before and after the split, the RMS of torque, the RMS of errors."""
+    """Sample windows: all, before and after the split, torque, last quarter and half, errors."""
     end, split = settings.samples, settings.index(settings.split)
     errors = [(settings.index(a), settings.index(b)) for a, b in E_RMS_WINDOWS]
-    return [(0, end), (0, split), (split, end), (settings.index(settings.rms_from), end), *errors]
+    late = (settings.index(settings.rms_from), end), last_quarter(settings), last_half(settings)
+    return [(0, end), (0, split), (split, end), *late, *errors]
 
 
 def empty_figures(count: int) -> Figures:
@@ -109,7 +113,7 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
         "d_least": np.where(ran, row("d_least1", "d_least2"), np.nan),
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
         "bounds_axis": np.where(left >= 0, row("left_axis"), np.nan),
-        "clipped": np.where(
+        "guard_share": np.where(
             ran, row("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
         ),
     }
@@ -121,7 +125,7 @@ def _from_sums(memory: Memory, settings: Settings) -> Figures:
     both = np.where(full, sums[:, 0] + sums[:, 1], np.nan) * settings.control
     position = np.where(full[0], sums[0, 0], np.nan) * settings.control
     with np.errstate(divide="ignore", invalid="ignore"):
-        counts = np.where(full, sums[:, 6], np.nan)
+        counts = np.where(full, sums[:, 7], np.nan)
         mean = sums / counts[:, None]
     return {
         "ise_total": both[0],
@@ -129,7 +133,9 @@ def _from_sums(memory: Memory, settings: Settings) -> Figures:
         "ise_after": both[2],
         "ise_position": position,
         "tau_rms": np.sqrt(mean[3, 5] / 2),
-        "e_rms": np.sqrt(np.moveaxis(mean[4:, 2:5], 2, 0)),
+        "torque_change_rms": np.sqrt(mean[5, 6] / 2),
+        "position_rms": np.sqrt(mean[[0, 4], 0].T),
+        "e_rms": np.sqrt(np.moveaxis(mean[6:, 2:5], 2, 0)),
     }
 
 

@@ -50,7 +50,7 @@ def finished(
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)
         monitor = replace(seen, bounds_left=left, d_least=least)
-        settings = replace(settings, dbar=bounds.dbar)
+        settings = replace(settings, dbar=bounds.dbar, void=bounds.void)
     return Run(
         scenario.name, law, guard, seed, engine, settings, signals, columns, monitor,
         outcome_of(monitor, guard), {**provenance(scenario), **facts},
@@ -59,10 +59,10 @@ def finished(
 
 def settings_of(scenario: Scenario) -> Settings:
     """Clocks, limits and windows of a scenario."""
-    clock = scenario.clock
+    clock, metrics = scenario.clock, scenario.metrics
     return Settings(
         clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
-        scenario.metrics.rms_from,
+        metrics.rms_from, tolerance=metrics.tolerance,
     )  # fmt: skip
 
 

@@ -23,7 +23,8 @@ from wmr_ctrl.sim.ready import Ready
 class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
-    Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str) and ``seed`` besides.
+    Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str), ``seed`` and
+    ``tracked`` (bool, the last quarter's position_rms against metrics.tolerance) besides.
     """
 
     figures: Mapping[str, NDArray[np.float64]]
@@ -77,7 +78,14 @@ def run_many(
         tasks.append(Task(known[scenario], int(seed), start))
     figures = run_tasks(tasks, jobs=jobs, progress=_later(progress))
     outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
-    return RunTable({**figures, "outcome": np.array(outcomes), "seed": np.array(seeds)})
+    allowed = np.array([task.loop.settings.tolerance for task in tasks], dtype=float)
+    figures["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
+    further = {
+        "outcome": np.array(outcomes),
+        "seed": np.array(seeds),
+        "tracked": figures["position_rms"][:, 1] <= allowed,
+    }
+    return RunTable({**figures, **further})
 
 
 PREPARING = 0.1

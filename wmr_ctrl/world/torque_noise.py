@@ -66,6 +66,13 @@ def acts(scenario: Scenario) -> bool:
     return scenario.section(TorqueNoise).std > 0
 
 
+_UNBOUNDED = (
+    "disturbance.truncate = inf: the torque noise is unbounded, and the guard counts on a bounded "
+    "one, of 3 std unless guard.dbar says otherwise, so it keeps the limit with that probability "
+    "only."
+)
+
+
 def bound(scenario: Scenario) -> Bound:
     """Both wheels at their largest, n std each: thrust 2 n std/r, moment l times that.
 
@@ -74,7 +81,7 @@ def bound(scenario: Scenario) -> Bound:
     section, robot = scenario.section(TorqueNoise), scenario.robot
     free = math.isinf(section.truncate)
     thrust = 2.0 * section.std * (SIGMAS if free else section.truncate) / robot.r
-    return Bound(dbar=(thrust, thrust * robot.l))
+    return Bound(dbar=(thrust, thrust * robot.l), void=_UNBOUNDED if free and thrust > 0 else "")
 
 
 TORQUE_NOISE_EFFECT = Effect(

@@ -9,6 +9,7 @@ from typing import TypedDict
 from wmr_ctrl.sim.oracle.plant import Pair, State
 
 _DIVERGED = 1e3  # m/s or rad/s
+_COUNTS = 1.0 + 1e-12  # less than this share of a limit beyond it is rounding
 
 
 class WatchedNumbers(TypedDict):
@@ -38,10 +39,11 @@ class Watch:
         if not all(map(math.isfinite, state)):
             return self._stop(t, 2 if math.isfinite(state[3]) else 1, "non-finite")
         self.max_abs_v = [max(a, b) for a, b in zip(self.max_abs_v, speed, strict=True)]
-        if speed[0] > self.v_u1[0] or speed[1] > self.v_u1[1]:
+        beyond = [v > u1 * _COUNTS for v, u1 in zip(speed, self.v_u1, strict=True)]
+        if any(beyond):
             self.violations += 1
             if self.first_violation is None:
-                self.first_violation = (t, 1 if speed[0] > self.v_u1[0] else 2)
+                self.first_violation = (t, 1 if beyond[0] else 2)
         if max(speed) >= _DIVERGED:
             return self._stop(t, 1 if speed[0] >= _DIVERGED else 2, "diverged")
         return False

@@ -1,0 +1,165 @@
+"""Remarks: each key where it belongs, with its numbers; and the figures that they rest on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate, simulate_many
+from wmr_ctrl.results import (
+    Monitor,
+    Run,
+    guard_share,
+    oscillation,
+    position_max,
+    position_rms,
+    torque_change_rms,
+    tracked,
+)
+from wmr_ctrl.signals import GUARD_DIAGNOSTICS
+
+MakeRun = Callable[..., Run]
+CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
+AT_100_MS = {"clock.control": 0.1}
+LATE = {**AT_100_MS, "actuator.delay": 0.05}
+
+
+def keys(run: Run) -> list[str]:
+    return [item.key for item in run.remarks]
+
+
+def remark(run: Run, key: str) -> str:
+    (text,) = (item.text for item in run.remarks if item.key == key)
+    return text
+
+
+def test_position_is_the_straight_distance(make_run: MakeRun) -> None:
+    away = np.where(np.arange(100) < 75, 0.0, 0.05)
+    run = make_run(x=0.6 * away, y_d=0.8 * away, theta=3.0)
+
+    assert position_rms(run) == pytest.approx({"all": 0.025, "last_quarter": 0.05})
+    assert position_max(run) == pytest.approx(0.05)
+
+
+def test_figures_of_a_run_that_ended_early_are_missing(make_run: MakeRun) -> None:
+    run = make_run(rows=90)
+
+    assert position_rms(run) == {"all": None, "last_quarter": None}
+    assert position_max(run) is torque_change_rms(run) is oscillation(run) is None
+
+
+def test_torque_change_is_counted_over_the_last_half(make_run: MakeRun) -> None:
+    """A saw of 2 N m from the middle on, on one wheel; the step into the half counts."""
+    swing = np.where(np.arange(100) < 50, 0.0, (-1.0) ** np.arange(100))
+    run = make_run(tau_right=swing)
+
+    assert torque_change_rms(run) == pytest.approx(np.sqrt((49 * 4 + 1) / 100))
+
+
+def test_guard_share_is_per_axis_and_zero_without_guard(make_run: MakeRun) -> None:
+    clipped = {"extra": (CLIP,), "clip_active": np.tile([[1.0, 0.0], [0.0, 0.0]], (50, 1))}
+
+    assert guard_share(make_run(**clipped, labels={"guard": True})) == (0.5, 0.0)
+    assert guard_share(make_run(**clipped)) == (0.0, 0.0)
+    assert guard_share(make_run(labels={"guard": True})) is None
+
+
+def test_nothing_needs_to_be_done_only_without_remarks() -> None:
+    fine = simulate("safe-simulation", "kanayama")
+    slow = simulate("safe-simulation", "kanayama", overrides={"metrics.tolerance": 1e-5})
+
+    assert fine.remarks == ()
+    assert fine.explanation.endswith("Nothing needs to be done.")
+    assert keys(slow) == ["not-tracked"]
+    assert slow.explanation.endswith("But it did not track.")
+    assert "metrics.tolerance is 1e-05 m" in remark(slow, "not-tracked")
+
+
+@pytest.mark.parametrize(
+    ("period", "delay"), [(0.1, 0.05), (0.05, 0.05), (0.02, 0.06), (0.01, 0.05)]
+)
+def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
+    late = {"clock.control": period, "actuator.delay": delay}
+    run = simulate("safe-simulation", "prox", overrides=late)
+
+    assert "oscillates" in keys(run)
+    assert "Nothing needs to be done" not in run.explanation
+
+
+@pytest.mark.parametrize("reference", ["circle", "lemniscate", "stop-and-go", "rounded-square"])
+@pytest.mark.parametrize("law", ["prox", "kanayama", "nn"])
+def test_noise_and_moving_references_are_no_oscillation(law: str, reference: str) -> None:
+    run = simulate("safe-simulation", law, overrides={"reference.kind": reference})
+
+    assert oscillation(run) is None
+
+
+@pytest.mark.parametrize("law", ["prox", "kanayama"])
+def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
+    assert oscillation(simulate("safe-simulation", law, overrides=AT_100_MS)) is None
+
+
+def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:
+    t = 0.01 * np.arange(800)
+    wave = 3.0 + np.sin(2 * np.pi * 5.0 * t)
+    found = oscillation(make_run(duration=8.0, tau_right=wave, tau_left=wave))
+
+    assert found is not None
+    assert found.frequency == pytest.approx(5.0, abs=0.05)
+    assert found.swing == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_guard_that_holds_back_is_told() -> None:
+    fast = {**AT_100_MS, "reference.kind": "line", "reference.speed": 0.9, "clock.duration": 40.0}
+    run = simulate("safe-simulation", "kanayama", overrides={**fast, "changes": []})
+
+    assert "guard-holds-back" in keys(run)
+    assert not tracked(run)
+
+
+def test_void_assumptions_are_told_with_the_guard_on_only() -> None:
+    tails = {"disturbance.truncate": float("inf")}
+    for cause in (tails, {"actuator.lag": 0.002}):
+        on, off = (
+            simulate("safe-simulation", "kanayama", guard=guard, overrides=cause)
+            for guard in (True, False)
+        )
+        assert "assumption-void" in keys(on)
+        assert next(iter(cause)) in remark(on, "assumption-void")
+        assert "assumption-void" not in keys(off)
+
+
+def test_what_the_outcome_says_is_a_remark_too(make_run: MakeRun) -> None:
+    beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
+
+    assert keys(make_run(monitor=beyond)) == ["limit-violated"]
+    assert keys(make_run(monitor=beyond, labels={"guard": True})) == [
+        "limit-violated",
+        "bounds-left",
+    ]
+
+
+@pytest.mark.parametrize("engine", ["native", "numpy"])
+@pytest.mark.parametrize(("share", "counted"), [(1e-13, False), (1e-9, True)])
+def test_rounding_is_no_violation(engine: str, share: float, counted: bool) -> None:
+    """A start beyond the limit by so much, and no other violation after it."""
+    start = {"initial.velocity": [1.0 + share, 0.0], "disturbance.std": 0.0}
+    short = {"clock.duration": 0.2, "changes": [], "guard.enabled": False}
+    run = simulate("safe-simulation", "kanayama", engine=engine, overrides={**start, **short})
+
+    assert run.monitor.max_abs_v[0] == 1.0 + share
+    assert (run.monitor.violations > 0) == counted
+
+
+@pytest.mark.parametrize("changed", [{}, LATE, {"actuator.lag": 0.02}])
+def test_tables_have_the_runs_figures(changed: dict[str, float]) -> None:
+    table = simulate_many("safe-simulation", "prox", range(3), changed)
+    for seed in range(3):
+        run = simulate("safe-simulation", "prox", seed=seed, overrides=changed)
+        rms = list(position_rms(run).values())
+        assert table["position_rms"][seed] == pytest.approx(rms, rel=1e-6)
+        assert table["torque_change_rms"][seed] == pytest.approx(torque_change_rms(run), rel=1e-6)
+        assert table["guard_share"][seed] == pytest.approx(guard_share(run), abs=2e-3)
+        assert table["tracked"][seed] == tracked(run)
