@@ -15,7 +15,7 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear import report_linear
 from wmr_ctrl.linear.loop import constant_speed
-from wmr_ctrl.scenario import Lemniscate
+from wmr_ctrl.scenario import Lemniscate, load_scenario
 
 KEYS = {
     "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",
@@ -117,3 +117,12 @@ def test_importing_the_package_does_not_load_python_control():
     code = "import sys, wmr_ctrl; sys.exit('control' in sys.modules)"
 
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_guard_that_no_long_period_admits_does_not_stop_the_report():
+    """Periods up to the stable limit are tried, and no guard could be met at the longest."""
+    report = report_linear(load_scenario("safe-simulation"), "kanayama")
+
+    assert report.max_sample_time > 0.243
+    assert report.max_sample_time_adaptive == pytest.approx(report.max_sample_time, rel=0.01)
+    assert report.one_step_safe_time is report.max_sample_time_kink is None

@@ -163,6 +163,7 @@ def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> Compi
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
         start_of(setup, program.loop.x0),
+        delay_steps_of(program.loop, first),
     )
 
 
@@ -209,17 +210,20 @@ def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
         LawLayout((), (), (), (), ()),
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
-        (
-            *setup.scenario.initial.pose,
-            *setup.scenario.initial.velocity,
-            *values(state)[len(PLANT_STATE) :],
-        ),
+        start_of(setup, values(state)),
+        delay_steps_of(loop, first),
     )
 
 
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
     """A setup's values of parameters, by their keys, flat and in order."""
     return tuple(number for item in parameters for number in setup.value(item.name))
+
+
+def delay_steps_of(loop: LoopGraphs | OutsideGraphs, parameters: tuple[float, ...]) -> int:
+    """Plant steps for which a command is under way, for the values of a loop's parameters."""
+    number = loop.delay_steps(parameters)
+    return round(float(number))
 
 
 def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:

@@ -21,7 +21,6 @@ from wmr_ctrl.fmi.bounds import clock_of, ranges_of
 from wmr_ctrl.fmi.model import Dependency, FmuModel
 from wmr_ctrl.fmi.variables import (
     TIME,
-    Role,
     Variable,
     input_rows,
     output_rows,
@@ -176,10 +175,3 @@ def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, 
     for row, column, constant in sorted(block.jacobian):
         columns[layout["W"] + row].append((layout["Z"] + column, constant))
     return tuple(Dependency(row, tuple(on)) for row, on in columns.items())
-
-
-def is_known(variable: Variable) -> bool:
-    """Whether outputs at a communication point may depend on it: time, inputs, states."""
-    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (
-        variable.role is Role.START and not variable.discrete
-    )

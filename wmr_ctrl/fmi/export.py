@@ -1,8 +1,13 @@
-"""Export: from a scenario to FMU files that need nothing else to run."""
+"""Export: from a scenario to FMU files that need nothing else to run.
+
+Some tools look for an Apple processor's library in FMI 2's folder darwin64; a universal one
+(several libraries in one file, each for its own processor) serves them and Intel alike.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import struct
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from wmr_ctrl import __version__
@@ -11,7 +16,6 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.fat import joined
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
@@ -144,3 +148,22 @@ def binaries(
 def _place(model: FmuModel, version: int, target: Target) -> str:
     folder = target.fmi2 if version == 2 else target.name
     return f"binaries/{folder}/{model.identifier}{target.suffix}"
+
+
+MAGIC = 0xCAFEBABE
+_ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
+
+
+def joined(libraries: Sequence[bytes]) -> bytes:
+    """One universal library of Mach-O libraries; a single one stays as it is."""
+    if len(libraries) == 1:
+        return libraries[0]
+    page = 1 << _ALIGNMENT
+    header, body, offset = struct.pack(">II", MAGIC, len(libraries)), b"", page
+    for library in libraries:
+        cpu, subtype = struct.unpack_from("<II", library, 4)
+        header += struct.pack(">IIIII", cpu, subtype, offset, len(library), _ALIGNMENT)
+        padded = library + b"\0" * (-len(library) % page)
+        body += padded
+        offset += len(padded)
+    return header + b"\0" * (page - len(header)) + body

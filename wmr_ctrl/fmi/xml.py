@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.model import FmuModel, Unknown, headed, initial_unknowns, outputs, rates
 from wmr_ctrl.fmi.notes import notes_of
 from wmr_ctrl.fmi.sources import Sources, row_size
-from wmr_ctrl.fmi.structure import Unknown, headed, initial_unknowns, outputs, rates
 from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.units import NamedUnit, units_of
 from wmr_ctrl.fmi.variables import Role, Variable

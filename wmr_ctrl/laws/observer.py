@@ -43,7 +43,7 @@ class Observer:
         share = -ca.expm1(-rate * sample.period)
         updated = f_hat.sym + share * (residual - f_hat.sym)
         self.force = ca.if_else(started.sym > 0, updated, f_hat.sym)
-        self.input = applied
+        self.input, self.started = applied, started.sym
         self.state = (f_hat, old, started)
         self.update = ca.vertcat(self.force, sample.v, 1)
         self.diagnostics = (Output(D_HAT, -self.force),)

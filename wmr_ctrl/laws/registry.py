@@ -15,7 +15,7 @@ from importlib.metadata import EntryPoint, entry_points
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.law import Law
 
-NAMES = ("pid", "smc", "mb", "nn", "prox")
+NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama")
 GROUP = "wmr_ctrl.laws"
 
 

@@ -82,7 +82,7 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     law adapts its gains to its period such that no period is too long.
     """
     loop = law_loop(scenario, law)
-    if not loop.uses("limits."):
+    if not loop.has_barrier:
         return None
     return for_own_period(scenario, law, lambda other: kink_limits(law_loop(other, law)))
 
@@ -102,13 +102,15 @@ def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Flo
 
 
 def at_period(scenario: Scenario, period: float) -> Scenario:
-    """The scenario with control period ``period`` [s], on a clock of its own."""
+    """The scenario with control period ``period`` [s], on a clock of its own, without guard."""
     drives = replace(scenario.actuator, delay=0.0)
     sensor = replace(scenario.sensor, pose_period=0.0)
     clock = Clock(control=period, plant=period, duration=100 * period)
+    off = replace(scenario.guard, enabled=False)  # at long periods no guard can keep its limits
     return replace(
-        scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=()
-    )
+        scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=(),
+        guard=off,
+    )  # fmt: skip
 
 
 SPEEDS = 400
@@ -118,10 +120,10 @@ def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) ->
     """Longest period (2) [s] after which no |v| < v_u1 has left the limit, v_c0 (2) held still.
 
     The worst v of each axis; v_c0 defaults to the start's.  Friction is taken as compensated.  None
-    for a law that does not know the limit, inf where no hold is too long.
+    for a law without a barrier, inf where no hold is too long.
     """
     loop = law_loop(scenario, law)
-    if not loop.uses("limits."):
+    if not loop.has_barrier:
         return None
     asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
 

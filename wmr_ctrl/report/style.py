@@ -44,8 +44,9 @@ _LOOKS = {
     "mb": Look("MB", "#1F77C9", "-", "D"),
     "nn": Look("NN", "#5B0E3B", "-", "o"),
     "prox": Look("prox", "#D6336C", DOTTED, "v"),
+    "kanayama": Look("Kanayama", "#6B7A1E", DASHED, "P"),
 }
-"""The paper's laws, from light to dark, so that they stay apart without colour; and ours."""
+"""The paper's laws, from light to dark, so that they stay apart without colour; ours; the peer."""
 
 _SPARE = (("#7F7F7F", DOTTED, "v"), ("#B0408F", DASHED, "P"), ("#4C4C9D", DASH_DOT, "X"))
 

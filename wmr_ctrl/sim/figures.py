@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from wmr_ctrl.sim.memory import Memory
 from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
-Figures = dict[str, NDArray[Any]]
+Figures = dict[str, NDArray[np.float64]]
 
 SHAPES: Mapping[str, tuple[int, ...]] = {
     "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
@@ -71,7 +71,7 @@ def monitors(memory: Memory, runs: Sequence[Runnable]) -> list[Monitor]:
     ]
 
 
-def monitor(one: Mapping[str, Any]) -> Monitor:
+def monitor(one: Mapping[str, NDArray[np.float64]]) -> Monitor:
     """What was watched in one run, from its figures by name."""
     first = None
     if one["violations"] > 0:

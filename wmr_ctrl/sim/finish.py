@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import operator
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from typing import SupportsIndex
 
 import numpy as np
 
 from wmr_ctrl import __version__
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import (
     Assumptions,
     Monitor,
@@ -82,3 +85,11 @@ def versions() -> dict[str, str]:
         "numpy": np.__version__,
         "machine": platform.machine(),
     }
+
+
+def check_seeds(seeds: Iterable[int]) -> None:
+    """Raise ArgumentError unless every seed is a whole number from 0 up, below 2^63."""
+    for seed in seeds:
+        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
+        if not (whole and 0 <= operator.index(seed) < 2**63):
+            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

@@ -23,7 +23,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
@@ -53,8 +52,8 @@ class MapRow:
 class PartMap:
     """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s]."""
 
-    inputs: Mapping[str, Any]
-    outputs: Mapping[str, Any]
+    inputs: Mapping[str, object]
+    outputs: Mapping[str, object]
     parameters: Mapping[str, str]
     start: Mapping[str, float]
     step: float | None
@@ -72,7 +71,7 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     return {part: _part(part, table) for part, table in raw.items()}
 
 
-def _part(part: str, table: Any) -> PartMap:
+def _part(part: str, table: object) -> PartMap:
     if not isinstance(table, dict):
         raise ArgumentError(f"{part} must be a table, written as [{part}].")
     for key in table:
@@ -88,7 +87,7 @@ def _part(part: str, table: Any) -> PartMap:
 
 
 def input_rows(
-    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
+    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
 ) -> list[MapRow]:
     """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables."""
     return [
@@ -98,7 +97,7 @@ def input_rows(
 
 
 def output_rows(
-    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
+    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
 ) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     return [
@@ -128,7 +127,7 @@ def identity(names: Sequence[str]) -> list[MapRow]:
 class _Side:
     """Units of their variables: as the entry states them, else as their FMU declares them."""
 
-    def __init__(self, declared: UnitOf, entry: Any) -> None:
+    def __init__(self, declared: UnitOf, entry: object) -> None:
         self.declared = declared
         self.stated = entry.get("unit") if isinstance(entry, dict) else None
 
@@ -150,7 +149,9 @@ def _ours(units: Mapping[str, str]) -> Units:
     return unit
 
 
-def _row(key: str, target: str, entry: Any, unit_of_target: Units, unit_of_source: Units) -> MapRow:
+def _row(
+    key: str, target: str, entry: object, unit_of_target: Units, unit_of_source: Units
+) -> MapRow:
     terms, offset, factor_unit = _entry(key, entry)
     wanted = unit_of_target(target, key)
     shares = []
@@ -161,7 +162,7 @@ def _row(key: str, target: str, entry: Any, unit_of_target: Units, unit_of_sourc
     return MapRow(target, tuple(shares), offset)
 
 
-def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, NamedUnit]:
+def _entry(key: str, entry: object) -> tuple[dict[str, float], float, NamedUnit]:
     """Terms, offset (in the target's unit) and the coefficients' unit."""
     if isinstance(entry, str):
         return {entry: 1.0}, 0.0, unit_of("1")

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from wmr_ctrl.sim.oracle.barrier import BarrierTerms
+from wmr_ctrl.sim.oracle.target import DesiredState
 
 Pair = tuple[float, float]
+Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +24,10 @@ class Sight:
     """Its rate [m/s2, rad/s2]."""
     barrier: tuple[BarrierTerms, BarrierTerms]
     """Barrier terms of both axes, on the clipped velocity."""
+    target: DesiredState
+    """The desired state."""
+    e: Triple
+    """Tracking error of the measured pose, Eq. (8) [m, m, rad]."""
     applied: Pair = (0.0, 0.0)
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
 

@@ -1,4 +1,4 @@
-"""Sampled-data barrier law and its observer, from their definitions."""
+"""Sampled-data barrier law, from its definition."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.resolvent import nearest
+from wmr_ctrl.sim.oracle.observer import ForceObserver
 
 
 class Prox:
@@ -18,16 +18,15 @@ class Prox:
         self.gains, self.limits = gains, scenario.limits
         self.T, self.bot = scenario.clock.control, scenario.believed
         self.smooth = gains["barrier"] == "smooth"
-        self.f_hat: Pair = (0.0, 0.0)
-        self.v_before: Pair | None = None
+        self.observer = ForceObserver(gains["wo"], scenario)
 
     def act(self, sight: Sight) -> Pair:
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
-        self._observe(sight)
-        drag = self._friction(sight.v[0])
+        force, moment = self.observer.look(sight)
+        drag = self.observer.friction(sight.v[0])
         return (
-            self.bot.m * self._acceleration(0, sight) + drag + self.f_hat[0],
-            self.bot.I * self._acceleration(1, sight) + self.f_hat[1],
+            self.bot.m * self._acceleration(0, sight) + drag + force,
+            self.bot.I * self._acceleration(1, sight) + moment,
         )
 
     def _acceleration(self, i: int, sight: Sight) -> float:
@@ -41,23 +40,29 @@ class Prox:
     def _near(self, i: int, c: float, k: float) -> float:
         return nearest(c, k, self.limits.v_u1[i], self.limits.v_u2[i], self.smooth)
 
-    def _friction(self, v1: float) -> float:
-        return self.bot.mu * self.bot.m * self.bot.g * math.tanh(v1 / self.bot.v_s)
-
-    def _observe(self, sight: Sight) -> None:
-        old, self.v_before = self.v_before, sight.v
-        if old is None:
-            return
-        right, left = sight.applied
-        force = ((right + left) / self.bot.r, self.bot.l * (right - left) / self.bot.r)
-        drag = (self._friction((sight.v[0] + old[0]) / 2.0), 0.0)
-        share = -math.expm1(-self.gains["wo"] * self.T)
-        first, second = (
-            f + share * (force[i] - mass * (sight.v[i] - old[i]) / self.T - drag[i] - f)
-            for i, (f, mass) in enumerate(zip(self.f_hat, (self.bot.m, self.bot.I), strict=True))
-        )
-        self.f_hat = (first, second)
-
     def memory(self) -> dict[str, Pair]:
         """The disturbance that the observer makes up for."""
-        return {"d_hat": (-self.f_hat[0], -self.f_hat[1])}
+        return self.observer.memory()
+
+
+def nearest(c: float, k: float, u1: float, u2: float, smooth: bool = False) -> float:
+    """The x that minimises (x - c)^2/2 + k f(x), |x| < u1 [m/s or rad/s]."""
+    return math.copysign(_right(abs(c), k, u1, u2, smooth), c)
+
+
+def _right(c: float, k: float, u1: float, u2: float, smooth: bool) -> float:
+    if c <= u2:
+        return c
+    delta = u1 - u2
+    if smooth:
+        d = _root(c - u1 + k / delta, k)
+        return u2 + (c - u2) / (1.0 + k / (d * delta))
+    if c <= u2 + k / delta:
+        return u2
+    return u1 - _root(c - u1, k)
+
+
+def _root(t: float, k: float) -> float:
+    """d > 0 with d (d + t) = k."""
+    r = math.hypot(t, 2.0 * math.sqrt(k))
+    return 2.0 * k / (t + r) if t >= 0.0 else (r - t) / 2.0

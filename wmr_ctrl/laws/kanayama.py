@@ -1,0 +1,98 @@
+"""Kinematic tracking with limited commands and computed torque (kanayama).
+
+Source: Kanayama, Kimura, Miyazaki and Noguchi, A stable tracking control method for an autonomous
+mobile robot (ICRA 1990), above a velocity loop as it is commonly built around it:
+
+    wanted   = (v1_d cos e3 + kx e1,  v2_d + v1_d (ky e2 + kt sin e3))
+    command  = last + cut(cut(wanted, share v_u1) - last, a_max T),  last: the previous command
+    F        = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1(v) + observer
+
+Differences from the paper: not in it, and not Eq. (7), whose angular gain does not fade with v1_d.
+No barrier and no theorem: it cuts the command a margin below the limit, and whatever overshoots
+the command overshoots the margin.  The first command starts from the measured velocity; the
+observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.
+Choose it to have something plain and good to compare with, or behind the guard.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import casadi as ca
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.law import Law, Traits
+from wmr_ctrl.laws.observer import Observer
+from wmr_ctrl.laws.sample import AXES, Sample
+from wmr_ctrl.model.system import System, port
+from wmr_ctrl.signals import Signal
+
+COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class KanayamaGains(Section):
+    """Gains of the kinematic law and of the velocity loop below it, per axis where two."""
+
+    KEY: ClassVar[str] = "gains.kanayama"
+
+    k: tuple[float, float, float] = quantity(
+        (4.0, 64.0, 16.0), unit="1/s, 1/m2, 1/m", doc="kx, ky, kt of the kinematic law", above=0.0
+    )
+    rate: tuple[float, float] = quantity(
+        (20.0, 10.0), unit="1/s", doc="bandwidth of the velocity loop", above=0.0
+    )
+    wo: float = quantity(
+        5.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
+    )
+    share: float = quantity(
+        0.95, unit="1", doc="share of limits.v_u1 that is commanded at most", above=0.0, maximum=1.0
+    )
+    a_max: tuple[float, float] = quantity(
+        (2.0, 6.0), unit="m/s2, rad/s2", doc="largest rate of the command", above=0.0
+    )
+
+
+def build(sample: Sample) -> System:
+    """F = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1 + observer."""
+    observer = Observer(sample, sample.gain("wo"), sample.friction_at)
+    last = port(COMMAND)
+    command = _limited(sample, ca.if_else(observer.started > 0, last.sym, sample.v))
+    pull = -ca.expm1(-sample.gain("rate") * sample.period) / sample.period
+    asked = sample.mass * (sample.v_d_dot + pull * (command - sample.v)) + sample.friction
+    return sample.system(
+        "kinematic tracking with limited commands (kanayama)",
+        asked + observer.force,
+        (last, *observer.state),
+        ca.vertcat(command, observer.update),
+        observer.diagnostics,
+        (observer.input,),
+    )
+
+
+def wanted_velocity(sample: Sample) -> ca.SX:
+    """Kanayama's velocity (2,) [m/s, rad/s], before any limit."""
+    kx, ky, kt = ca.vertsplit(sample.gain("k"))
+    (e1, e2, e3), (v1_d, v2_d) = ca.vertsplit(sample.e), ca.vertsplit(sample.v_d)
+    return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
+
+
+def _limited(sample: Sample, last: ca.SX) -> ca.SX:
+    """The command (2,) [m/s, rad/s] after ``last``: within share v_u1, a_max T away at most."""
+    top, most = sample.gain("share") * sample.u1, sample.gain("a_max") * sample.period
+    wanted = _cut(wanted_velocity(sample), top)
+    return last + _cut(wanted - last, most)
+
+
+def _cut(values: ca.SX, most: ca.SX) -> ca.SX:
+    return ca.vertcat(*(ca.fmax(-most[i], ca.fmin(most[i], values[i])) for i in AXES))
+
+
+LAW = Law(
+    "kanayama",
+    KanayamaGains,
+    build,
+    Traits(model=True, estimates=True),
+    __doc__ or "",
+)

@@ -1,0 +1,53 @@
+"""Kanayama's kinematic law above a velocity loop with observer, from their definitions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.law import Pair, Sight
+from wmr_ctrl.sim.oracle.observer import ForceObserver
+
+
+class Kanayama:
+    """F = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1(v) + f."""
+
+    def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
+        self.gains, self.T, self.bot = gains, scenario.clock.control, scenario.believed
+        self.tops = tuple(gains["share"] * u1 for u1 in scenario.limits.v_u1)
+        self.observer = ForceObserver(gains["wo"], scenario)
+        self.command: Pair | None = None
+
+    def act(self, sight: Sight) -> Pair:
+        """Generalised force (thrust [N], moment [N m]); observer and command move before it."""
+        force, moment = self.observer.look(sight)
+        wanted, last = self._wanted(sight), self.command or sight.v
+        self.command = (self._follow(0, wanted[0], last[0]), self._follow(1, wanted[1], last[1]))
+        drag = self.observer.friction(sight.v[0])
+        a1, a2 = (self._acceleration(i, sight) for i in (0, 1))
+        return self.bot.m * a1 + drag + force, self.bot.I * a2 + moment
+
+    def _wanted(self, sight: Sight) -> Pair:
+        (e1, e2, e3), target, (kx, ky, kt) = sight.e, sight.target, self.gains["k"]
+        return (
+            target.v1 * math.cos(e3) + kx * e1,
+            target.v2 + target.v1 * (ky * e2 + kt * math.sin(e3)),
+        )
+
+    def _follow(self, i: int, wanted: float, last: float) -> float:
+        """The command of one axis: to the wanted velocity, as far as both limits let it."""
+        inside = min(max(wanted, -self.tops[i]), self.tops[i])
+        most = self.gains["a_max"][i] * self.T
+        return last + min(max(inside - last, -most), most)
+
+    def _acceleration(self, i: int, sight: Sight) -> float:
+        assert self.command is not None
+        pull = -math.expm1(-self.gains["rate"][i] * self.T) / self.T
+        ahead = (sight.target.v1_dot, sight.target.v2_dot)[i]
+        return float(ahead + pull * (self.command[i] - sight.v[i]))
+
+    def memory(self) -> dict[str, Pair]:
+        """The disturbance that the observer makes up for."""
+        return self.observer.memory()
