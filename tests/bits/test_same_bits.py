@@ -23,7 +23,7 @@ from wmr_ctrl.sim.ready import Ready
 NATIVE = "-march=native"
 HERE_NOW = (
     Platform("gcc -O2", ("gcc", "-O2")),
-    Platform("gcc -O3 native", ("gcc", "-O3", NATIVE, *UNFUSED)),
+    Platform("gcc -O3 native", ("gcc", "-O3", NATIVE, UNFUSED)),
     Platform("clang -O3", ("clang", "-O3")),
     Platform("clang -O2 native", ("clang", "-O2", NATIVE)),
     Platform("zig -O3", (*ZIG, "-O3", "-mcpu=baseline")),

@@ -3,38 +3,36 @@
 from __future__ import annotations
 
 import ctypes as ct
+import re
 import shutil
 
 import numpy as np
 import pytest
 
+from tests.bits.cases import case
 from tests.bits.platforms import processor
 from wmr_ctrl.codegen.build import X86, Vectors, flags_of, vector_sets
 from wmr_ctrl.codegen.compiler import Toolchain
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.laws.registry import NAMES
 
 TEXT = """
 __attribute__((visibility("default")))
-void pairs(double *restrict o, const double *restrict a, const double *restrict b,
-           const double *restrict c, int n)
+void pair(double *restrict o, const double *restrict a, const double *restrict b,
+          const double *restrict c)
 {
-    for (int i = 0; i < n; ++i) {
-        o[2 * i] = a[2 * i] * b[2 * i] - c[2 * i];
-        o[2 * i + 1] = a[2 * i + 1] * b[2 * i + 1] + c[2 * i + 1];
-    }
+    o[0] = a[0] * b[0] - c[0];
+    o[1] = a[1] * b[1] + c[1];
 }
 """
 
 
 def assert_unfused(toolchain: Toolchain) -> None:
-    a, b, c = np.random.default_rng(1).normal(size=(3, 400))
-    out = np.zeros(400)
-    library = ct.CDLL(str(build_library({"pairs.c": TEXT}, toolchain, name="pairs")))
-    library.pairs(*(ct.c_void_p(item.ctypes.data) for item in (out, a, b, c)), 200)
-    product = a * b
-
-    assert (out[::2] == product[::2] - c[::2]).all()
-    assert (out[1::2] == product[1::2] + c[1::2]).all()
+    library = ct.CDLL(str(build_library({"pair.c": TEXT}, toolchain, name="pair")))
+    for a, b, c in np.random.default_rng(1).normal(size=(200, 3, 2)):
+        out, product = np.zeros(2), a * b
+        library.pair(*(ct.c_void_p(item.ctypes.data) for item in (out, a, b, c)))
+        assert out.tolist() == [product[0] - c[0], product[1] + c[1]]
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "zig cc"])
@@ -55,3 +53,13 @@ def test_builds_for_vectors(vectors: Vectors) -> None:
         pytest.skip(f"NOT RUN: this processor has no {vectors.name}")
 
     assert_unfused(toolchain.with_flags(*flags_of(vectors, toolchain)))
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_loops_take_one_number_after_the_other(law: str) -> None:
+    """So that no two stores of a loop stand side by side in memory."""
+    text = case(law, "everything").program.generated["kernels.c"]
+    places = set(re.findall(r"\[([^\]]*\bj\b[^\]]*)\]", text))
+
+    assert all(re.fullmatch(r"j( [+-] \d+)?", place) for place in places)
+    assert places or law != "nn"
