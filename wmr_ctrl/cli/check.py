@@ -110,7 +110,9 @@ def _nominal(run: Run) -> dict[str, Any]:
     return {key: figures[key] for key in keys}
 
 
-def _lines(scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs) -> list[str]:
+def _lines(
+    scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs
+) -> list[str]:
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
     shared = _shared(warned)

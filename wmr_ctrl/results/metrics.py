@@ -7,7 +7,6 @@ each window that it does not cover to the end.
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
