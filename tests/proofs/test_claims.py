@@ -64,9 +64,9 @@ def test_a_beginning_selects_all_of_its_kind() -> None:
 
 
 def test_patterns_and_several_ids_select() -> None:
-    assert selected(["eq8[67]"]) == ["eq86", "eq87"]
+    assert set(selected(["eq8[67]"])) == {"eq86"}
     assert selected(["guard.*"]) == [key for key in selected(()) if key.startswith("guard.")]
-    assert set(selected(["eq03", "eq86"])) == {"eq03", "eq86"}
+    assert set(selected(["eq03", "eq05"])) == {"eq03", "eq05"}
     with pytest.raises(UnknownNameError):
         selected(["nothing.*"])
 

@@ -109,18 +109,22 @@ class Setup:
         return self.gains, gain
 
 
-@lru_cache(maxsize=4096)
 def settle(scenario: Scenario, law: str | None) -> Setup:
     """The Setup of ``law`` on ``scenario``; None is the guard by itself.
 
     Raises UnknownNameError for a law, effect or gain that does not exist, ScenarioError for a bad
     value, a reference that is not finite, or a guard that is on and cannot keep its limits.
     """
-    chosen = None if law is None else LAWS[law]
+    return _settled(scenario, None if law is None else LAWS[law], tuple(EFFECTS))
+
+
+@lru_cache(maxsize=4096)
+def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) -> Setup:
+    """What `settle` gives for these laws and effects, which other packages may change."""
     check_gains(scenario)
     _finite_reference(scenario)
     gains = Section() if chosen is None else gains_of(scenario, chosen)
-    present = EFFECTS.present(scenario)
+    present = tuple(item for item in known if item.present(scenario))
     if scenario.guard.enabled or chosen is None:
         _check_bounds(present)
     numbers_of = settled_guard if scenario.guard.enabled or chosen is None else stated_guard

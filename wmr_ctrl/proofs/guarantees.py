@@ -6,7 +6,10 @@ Standard library only, as the page that shows it.
 from __future__ import annotations
 
 GUARANTEES: tuple[tuple[str, str], ...] = (
-    ("The guard always has a safe force", "guard.feasible"),
+    (
+        "The guard always has a safe force",
+        "guard.feasible guard.axes guard.promise guard.promise-late",
+    ),
     (
         "It keeps |v| <= u1 at every instant, for every disturbance, mass, friction and "
         "measurement error within the bounds",
@@ -58,6 +61,10 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "prox.implicit prox.decay convex",
     ),
     (
+        "Sampled-data law: with the model exact a period ends at v+",
+        "prox.force prox.force-angular",
+    ),
+    (
         "Sampled-data law: |w| falls by exp(-rho T/2); the paper's barrier keeps |v+| < v_u1",
         "prox.contracts prox.inside",
     ),
@@ -65,7 +72,11 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "Exact decay: one Newton step makes V1 fall and stays on its side of v_c1",
         "convex prox.newton-side prox.newton-side-angular prox.newton prox.newton-angular",
     ),
-    ("Observer: stable for M^ <= (4/3) M", "prox.jury prox.light-model"),
+    (
+        "Observer: the error of its estimate falls by exp(-wo T) in a sample",
+        "prox.observer prox.observer-angular",
+    ),
+    ("Observer: the loop is stable for M^ <= (4/3) M", "prox.jury prox.light-model"),
     (
         "Smooth barrier: where it aims, and 1 <= A/w <= 1 + 1/(u1 - m)^2",
         "smooth.v_c1 smooth.slope smooth.quotient prox.smooth-ratio",

@@ -125,6 +125,52 @@ LIMIT_CUTS = {"s": [Fraction(f"1e-{k}") for k in (120, 40, 12, 6, 4, 3, 2, 1)]}
 PAPER = "paper limits and gains, v_c0' = 0, |v| below the clip; mirrored for v_c0 < 0"
 
 
+def _gaps(axis: int, name: str) -> tuple[Claim, Claim]:
+    return (
+        Claim(
+            f"authority.links-{name}",
+            (9,),
+            OURS,
+            f"on the {name} axis each row's intervals join: the first begins at most bound/rho "
+            "beyond v_c1, each further one where the one before ends, the last ends at the clip",
+            "The table has no gap in v.",
+            PAPER,
+            _links,
+            Table(points=partial(link_points, axis)),
+        ),
+        Claim(
+            f"authority.rows-{name}",
+            (9,),
+            OURS,
+            f"on the {name} axis the rows' v_c0 rise from 0 to 20",
+            "The table has no gap in v_c0.",
+            "",
+            _rows_cover,
+            Table(points=partial(row_points, axis)),
+        ),
+    )
+
+
+def _near(axis: int, name: str) -> Claim:
+    return Claim(
+        f"authority.98-{name}",
+        (9,),
+        OURS,
+        f"on the {name} axis, between any two neighbouring rows, the lower bound "
+        "is at least 98 % of the upper one",
+        "The bound on the disturbance is known to two per cent for every |v_c0| <= 20.",
+        "V1/A falls with v_c0, so rows bracket what is between them",
+        _ratio,
+        Table(points=partial(ratio_points, axis)),
+        premises=(
+            "authority.falls",
+            f"authority.rows-{name}",
+            f"authority.lower-{name}",
+            f"authority.upper-{name}",
+        ),
+    )
+
+
 def _table(axis: int) -> tuple[Claim, ...]:
     name, unit = ("linear", "m/s^2") if axis == 0 else ("angular", "rad/s^2")
     return (
@@ -152,44 +198,8 @@ def _table(axis: int) -> tuple[Claim, ...]:
             Table(points=partial(high_points, axis)),
             premises=("authority.rises", f"authority.links-{name}", "P5"),
         ),
-        Claim(
-            f"authority.links-{name}",
-            (9,),
-            OURS,
-            f"on the {name} axis each row's intervals join: the first begins at most bound/rho "
-            "beyond v_c1, each further one where the one before ends, the last ends at the clip",
-            "The table has no gap in v.",
-            PAPER,
-            _links,
-            Table(points=partial(link_points, axis)),
-        ),
-        Claim(
-            f"authority.rows-{name}",
-            (9,),
-            OURS,
-            f"on the {name} axis the rows' v_c0 rise from 0 to 20",
-            "The table has no gap in v_c0.",
-            "",
-            _rows_cover,
-            Table(points=partial(row_points, axis)),
-        ),
-        Claim(
-            f"authority.98-{name}",
-            (9,),
-            OURS,
-            f"on the {name} axis, between any two neighbouring rows, the lower bound "
-            "is at least 98 % of the upper one",
-            "The bound on the disturbance is known to two per cent for every |v_c0| <= 20.",
-            "V1/A falls with v_c0, so rows bracket what is between them",
-            _ratio,
-            Table(points=partial(ratio_points, axis)),
-            premises=(
-                "authority.falls",
-                f"authority.rows-{name}",
-                f"authority.lower-{name}",
-                f"authority.upper-{name}",
-            ),
-        ),
+        *_gaps(axis, name),
+        _near(axis, name),
     )
 
 

@@ -8,16 +8,24 @@ from functools import partial
 
 import casadi as ca
 
+from wmr_ctrl.barrier.lyapunov import target_rate
 from wmr_ctrl.guard.bounds import ROUNDING
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
-from wmr_ctrl.laws.prox import next_velocity
+from wmr_ctrl.guard.monitor import least_push
+from wmr_ctrl.laws.prox import next_velocity, prox_step
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
+from wmr_ctrl.proofs.claims.common import (
+    OFF_EDGES,
+    VELOCITY_NAMES,
+    BarrierAxis,
+    LawGraph,
+)  # fmt: skip
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
+from wmr_ctrl.proofs.regions import target_cases
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import circle, line
@@ -60,6 +68,32 @@ def _observer(axis: int, flip: float) -> Statement:
     return Statement({**t, **free}, (goal,), (*positive, above(t["robot.l"]), moved), cuts)
 
 
+def _linear(flip: float) -> Statement:
+    """Where targets and mixture are below v_u2, the step is v+ = E (v - c) + c+."""
+    t = symbols("v c c_next E u1 u2", "E u1 u2")
+    shares, limits = (t["E"], 1 - t["E"]), (t["u1"], t["u2"])
+    end = prox_step(t["v"], t["c"], t["c_next"], shares, limits, False)
+    plain = t["E"] * (t["v"] - t["c"]) + t["c_next"]
+    small = [at_least(t["u2"], way * x) for way in (1, -1) for x in (t["c"], t["c_next"], plain)]
+    given = (
+        above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"]),
+        above(1e100, t["u2"]), *small,
+    )  # fmt: skip
+    return Statement(t, (equal(end, flip * plain),), given)
+
+
+def _sharp(flip: float) -> Statement:
+    """Exact measurement and mass, no friction: d_least is the push itself, either way."""
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old push way")
+    way = ca.if_else(t["way"] > 0, 1, -1)
+    y = t["old"] + b.period * (a["asked"] + way * t["push"]) / b.M_min
+    least = least_push(y, t["old"], a["asked"], b)
+    exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
+    ahead = (above(ca.fmin(way * y, way * t["old"])), at_least(t["push"]))
+    return Statement({**a.symbols, **t}, (equal(least, flip * t["push"]),), (*exact, *ahead))
+
+
 def _axes(flip: float) -> Statement:
     """Each axis of the guard sees its own force, velocity and bounds."""
     one, two = GuardAxis(), GuardAxis()
@@ -84,9 +118,9 @@ def _promise(late: bool, flip: float) -> Statement:
     b = a.bounds
     delay = 1 + b.alpha * a["delay"] if late else 1
     goals = (
-        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), (2 if flip > 0 else 2.01) * b.net * delay),
+        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), (2 if flip > 0 else 2.01) * a.net * delay),
         at_least(b.u1, 2 * b.nbar),
-        at_least(b.brake, b.net),
+        at_least(b.brake, a.net),
         at_least(1 + ROUNDING, b.alpha * b.period),
         at_least(b.M_max, b.M_min),
         above(b.u1, b.f_speed),
@@ -110,7 +144,26 @@ def _motion(kind: str, flip: float) -> Statement:
         equal(first[3], y[5]),
         equal(first[4], y[6]),
     )
+    if kind == "line":
+        ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
+        goals = (*goals, *ahead, equal(y[3], t["ref_speed"]))
     return Statement(t, goals)
+
+
+def _believed(flip: float) -> Statement:
+    """The masses that the claims about laws speak of are the believed m and I."""
+    law = LawGraph("mb")
+    mass, t = law.own(law.sample.mass), law.symbols
+    return Statement(t, (equal(mass[0], flip * t["model.m"]), equal(mass[1], t["model.I"])))
+
+
+def _target_rate(flip: float) -> Statement:
+    """v_c1' is the slope of Eq. (18) times v_c0'."""
+    a = BarrierAxis()
+    _, c, u1, u2 = a.all
+    t = {**a.symbols, **symbols("cdot")}
+    rate = target_rate(c, t["cdot"], u1, u2)
+    return Statement(t, (equal(rate, flip * ca.gradient(a.x, c) * t["cdot"]),))
 
 
 def _corrected(flip: float) -> Statement:
@@ -174,7 +227,7 @@ def _motion_claim(kind: str) -> Claim:
         f"{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, "
         "and the published rates are the derivatives of v1d and v2d",
         "The desired motion is one that the robot could make.",
-        "rates and radius > 0" + DIRECTION,
+        "rates and radius > 0" + (DIRECTION if kind == "circle" else ""),
         partial(_motion, kind), POSITIVE_RATES,
     )  # fmt: skip
 
@@ -192,6 +245,46 @@ CLAIMS = (
         "T > 0",
         _axes,
         SLOW,
+    ),
+    Claim(
+        "guard.monitor-sharp",
+        (),
+        OURS,
+        "d_least is the push of the sample, forwards and backwards",
+        "Where nothing is uncertain the monitor measures the disturbance.",
+        "nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
+        _sharp,
+        SLOW,
+    ),
+    Claim(
+        "prox.linear",
+        (),
+        OURS,
+        "paper's barrier: v+ = E (v - c) + c+ below the thresholds",
+        "Away from the limits the law closes the distance to a moving target by E in a sample.",
+        "0 < v_u2 < v_u1, 0 < E < 1; |c|, |c+| and the right side at most v_u2",
+        _linear,
+        SLOW,
+    ),
+    Claim(
+        "law.mass",
+        (4,),
+        OURS,
+        "the inertia that a law believes in is diag(model.m, model.I)",
+        "What the entries about laws call M.",
+        "any values",
+        _believed,
+        Ring(),
+    ),
+    Claim(
+        "eq18.rate",
+        (18, 23),
+        OURS,
+        "v_c1' = (d v_c1/d v_c0) v_c0'",
+        "How fast the target of the velocity moves.",
+        OFF_EDGES,
+        _target_rate,
+        Ring(target_cases(edges=False)),
     ),
     _promise_claim(False),
     _promise_claim(True),

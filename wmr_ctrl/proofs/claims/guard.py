@@ -58,9 +58,9 @@ def _outside(flip: float) -> Statement:
     """v > u1: the push left over is negative, and at least what the return needs."""
     a = GuardAxis()
     b, beyond = a.bounds, a["v"] - a["u1"]
-    spare = ca.fmin(b.brake, b.cap) - b.net
+    spare = ca.fmin(b.brake, b.cap) - a.net
     needed = ca.fmin(spare, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
-    left = a.force + b.net
+    left = a.force + a.net
     given = (*a.feasible(), *a.measured, above(beyond))
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given)
 
@@ -69,8 +69,8 @@ def _return_step(flip: float) -> Statement:
     """One sample from outside: v falls to u1, or by T (FB - net)/M with the true mass M."""
     a = GuardAxis()
     b, mass = a.bounds, a["mass"]
-    step = b.period * (ca.fmin(b.brake, b.cap) - b.net) / mass
-    end = a["v"] + b.period * (a.force + b.net) / mass
+    step = b.period * (ca.fmin(b.brake, b.cap) - a.net) / mass
+    end = a["v"] + b.period * (a.force + a.net) / mass
     goal = at_least(ca.fmax(a["u1"], a["v"] - (1 if flip > 0 else 1.01) * step), end)
     given = (*a.feasible(), *a.measured, *a.during, above(a["v"], a["u1"]))
     return Statement(a.symbols, (goal,), given)
@@ -80,7 +80,7 @@ def _no_overshoot(flip: float) -> Statement:
     """From above, even if friction stops the robot at once, -u1 is not passed in a sample."""
     a = GuardAxis()
     b = a.bounds
-    fallen = b.f_speed + a["t"] * ca.fmax(b.net - a.force, 0) / a["mass"]
+    fallen = b.f_speed + a["t"] * ca.fmax(a.net - a.force, 0) / a["mass"]
     limit = a["u1"] if flip > 0 else 0.99 * a["u1"]
     given = (*a.feasible(), *a.during, above(a["v"], a["u1"]), *a.measured)
     return Statement(a.symbols, (at_least(limit, fallen),), given)
@@ -112,7 +112,7 @@ def _graceful(flip: float) -> Statement:
     a = GuardAxis()
     b, extra = a.bounds, ca.SX.sym("extra")
     limit = b.u1 + (1 if flip > 0 else 0.99) * extra * b.period / b.M_min
-    brakes = (ca.fmin(b.brake, b.cap) - b.net) * b.M_min - b.M_max * extra
+    brakes = (ca.fmin(b.brake, b.cap) - a.net) * b.M_min - b.M_max * extra
     given = (
         *a.feasible(),
         *a.measured,

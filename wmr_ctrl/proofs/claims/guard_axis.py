@@ -33,6 +33,11 @@ class GuardAxis:
         return Bounds(**{name: self[name] for name in NUMBERS.split()})
 
     @property
+    def net(self) -> ca.SX:
+        """dbar - f_min, written down here: what the guard subtracts is to be compared with it."""
+        return self["dbar"] - self["f_min"]
+
+    @property
     def force(self) -> ca.SX:
         """What the guard lets through."""
         return clipped(self["asked"], self["y"], self.bounds)
@@ -45,8 +50,8 @@ class GuardAxis:
         reach = b.M_min * b.alpha * (b.u1 - b.f_speed)
         return (
             *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
-            at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * reach, 2 * b.net),
-            at_least(b.u1, 2 * b.nbar), at_least(b.brake, b.net),
+            at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * reach, 2 * self.net),
+            at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net),
         )  # fmt: skip
 
     @property
@@ -75,4 +80,4 @@ class GuardAxis:
         """Comparison bound of way * v at time t: max(v, f_speed) + t max(F + net, 0)/M."""
         b = self.bounds
         start = ca.fmax(way * self["v"], b.f_speed)
-        return start + self["t"] * ca.fmax(way * self.force + b.net + more, 0) / self["mass"]
+        return start + self["t"] * ca.fmax(way * self.force + self.net + more, 0) / self["mass"]

@@ -29,7 +29,7 @@ def _caps(flip: float) -> Statement:
 def _room(flip: float) -> Statement:
     a = LateAxis()
     b = a.bounds
-    added = at_least(a["delay"] * (a.largest + b.net) / b.M_min, a["ahead"] + a["back"])
+    added = at_least(a["delay"] * (a.largest + a.net) / b.M_min, a["ahead"] + a["back"])
     goal = a.room(a.coming, 1 if flip > 0 else 0.99)
     return Statement(a.symbols, (goal,), (*a.sound(), *a.moving, a.shared(), added))
 
@@ -60,7 +60,7 @@ def _invariant(way: int) -> Callable[[float], Statement]:
         a = LateAxis()
         b = a.bounds
         given = (
-            *a.sound(1 if flip > 0 else 1.01), at_least(b.braking, b.net), *a.measured, *a.during,
+            *a.sound(1 if flip > 0 else 1.01), at_least(b.braking, a.net), *a.measured, *a.during,
             *a.moving, *a.arrives(way), at_least(a["u1"], a["arrived"]), at_least(a.hi, a.lo),
         )  # fmt: skip
         return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.cuts)
@@ -71,8 +71,8 @@ def _invariant(way: int) -> Callable[[float], Statement]:
 def _outside(flip: float) -> Statement:
     a = LateAxis()
     b, beyond = a.bounds, a["arrived"] - a["u1"]
-    needed = ca.fmin(b.braking - b.net, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
-    left = a.force + b.net
+    needed = ca.fmin(b.braking - a.net, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
+    left = a.force + a.net
     given = (*a.sound(), *a.capped, *a.measured, *a.moving, *a.arrives(1), above(beyond))
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given, a.cuts)
 
@@ -80,8 +80,8 @@ def _outside(flip: float) -> Statement:
 def _return_step(flip: float) -> Statement:
     a = LateAxis()
     b, mass = a.bounds, a["mass"]
-    step = b.period * (b.braking - b.net) / mass
-    end = a["arrived"] + b.period * (a.force + b.net) / mass
+    step = b.period * (b.braking - a.net) / mass
+    end = a["arrived"] + b.period * (a.force + a.net) / mass
     goal = at_least(ca.fmax(a["u1"], a["arrived"] - (1 if flip > 0 else 1.01) * step), end)
     beyond = above(a["arrived"], a["u1"])
     given = (*a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.arrives(1), beyond)
@@ -96,7 +96,7 @@ def _graceful(flip: float) -> Statement:
     limit = b.u1 + (1 if flip > 0 else 0.99) * D * (b.period + a["delay"]) / b.M_min
     given = (
         *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.arrives(1, late),
-        at_least(D), at_least(b.braking - b.net, D), at_least(limit, a["arrived"]),
+        at_least(D), at_least(b.braking - a.net, D), at_least(limit, a["arrived"]),
     )  # fmt: skip
     return Statement(a.symbols, (at_least(limit, a.then(1, D)),), given, a.cuts)
 
@@ -131,9 +131,9 @@ def _longer(_: float) -> Statement:
     """The command under way acts 1 % longer than the guard counts: false."""
     a = LateAxis()
     b = a.bounds
-    reached = ca.fmax(a["v"], b.f_speed) + a["since"] * ca.fmax(a["sent"] + b.net, 0) / a["mass"]
+    reached = ca.fmax(a["v"], b.f_speed) + a["since"] * ca.fmax(a["sent"] + a.net, 0) / a["mass"]
     force = clipped(a["asked"], a["y"], b, a.one)
-    end = a["arrived"] + a["t"] * ca.fmax(force + b.net, 0) / a["mass"]
+    end = a["arrived"] + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
     time = 1.01 * a["periods"] * a["period"]
     given = (
         *a.sound(), *a.capped, *a.measured, *a.during, at_least(a["since"]), at_least(a["periods"]),
@@ -152,7 +152,7 @@ def _ignored(_: float) -> Statement:
         at_least(a["u1"], a["arrived"]), above(a["ahead"]),
     )  # fmt: skip
     force = clipped(a["asked"], a["y"], a.bounds)
-    end = a["arrived"] + a["t"] * ca.fmax(force + a.bounds.net, 0) / a["mass"]
+    end = a["arrived"] + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
     return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
 
 
@@ -160,7 +160,7 @@ def _uncapped(_: float) -> Statement:
     """One command under way that is as large as it may be without delay: lo <= hi is false."""
     a = LateAxis()
     b = a.bounds
-    most = b.M_min * b.alpha * (b.u1 - b.f_speed) - b.net
+    most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
     sent = (at_least(most, a["sent"]), at_least(most, -a["sent"]))
     whole = at_least(a["delay"], a["periods"] * a["period"])
     goal = at_least(ceiling(a["y"], b, a.one), floor(a["y"], b, a.one))
@@ -299,7 +299,14 @@ CLAIMS = (
         "the delay is constant and at most as stated, the commands before the first sample are 0, "
         "and max(|v|, f_speed) + delay max(net, 0)/M_min <= u1 at the start",
         verdict=HAND,
-        premises=("guard.lemma", "guard.delay.command", "guard.delay.upper", "guard.delay.lower"),
+        premises=(
+            "guard.lemma",
+            "guard.delay.command",
+            "guard.delay.command-angular",
+            "guard.delay.queue",
+            "guard.delay.upper",
+            "guard.delay.lower",
+        ),
         theme=THEME,
     ),
 )

@@ -86,30 +86,30 @@ class LateAxis(GuardAxis):
     def can_be_kept(self, pushed: float = 1) -> tuple[Relation, ...]:
         """The theorem's hypotheses; a factor above 1 relaxes the first."""
         b = self.bounds
-        need = 2 * b.net * (1 + b.alpha * self["delay"])
+        need = 2 * self.net * (1 + b.alpha * self["delay"])
         have = b.M_min * b.alpha * (b.u1 - b.f_speed)
-        return (*self.sound(), at_least(pushed * have, need), at_least(b.brake, b.net))
+        return (*self.sound(), at_least(pushed * have, need), at_least(b.brake, self.net))
 
     @property
     def capped(self) -> tuple[Relation, ...]:
         """What guard.delay.caps proves of the caps, but for their sum."""
         b = self.bounds
         return (
-            at_least(b.braking), at_least(b.braking, b.net), at_least(self.largest, b.braking),
+            at_least(b.braking), at_least(b.braking, self.net), at_least(self.largest, b.braking),
         )  # fmt: skip
 
     def shared(self, more: float = 1) -> Relation:
         """The caps' sum: both directions together keep what braking needs."""
         b = self.bounds
-        late = self["delay"] * (self.largest + b.net) / b.M_min
-        needed = ca.fmax(b.braking + b.net, 0) / (b.M_min * b.alpha)
+        late = self["delay"] * (self.largest + self.net) / b.M_min
+        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
         return at_least(b.u1 - b.f_speed, late + more * needed)
 
     def room(self, coming: UnderWay, more: float = 1) -> Relation:
         """M_min alpha (u1 - f_speed - ahead - back) >= max(brakes + net, 0)."""
         b = self.bounds
         left = b.M_min * b.alpha * (more * (b.u1 - b.f_speed) - coming.ahead - coming.back)
-        return at_least(left, ca.fmax(b.braking + b.net, 0))
+        return at_least(left, ca.fmax(b.braking + self.net, 0))
 
     @property
     def moving(self) -> tuple[Relation, ...]:
@@ -124,5 +124,5 @@ class LateAxis(GuardAxis):
 
     def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
         """Comparison bound t after the new command has started to act."""
-        push = ca.fmax(way * self.force + self.bounds.net + more, 0)
+        push = ca.fmax(way * self.force + self.net + more, 0)
         return self["arrived"] + self["t"] * push / self["mass"]

@@ -40,12 +40,12 @@ def _command(axis: int, flip: float) -> Statement:
     """One command of at most ``largest``: both sums together, and what it does to v, either way."""
     a = LateAxis(axis)
     b, time = a.bounds, a["periods"] * a["period"]
-    most = (1 if flip > 0 else 0.99) * time * (a.largest + b.net) / b.M_min
+    most = (1 if flip > 0 else 0.99) * time * (a.largest + a.net) / b.M_min
     goals = [at_least(most, a.one.ahead + a.one.back)]
     for way, coming in ((1, a.one.ahead), (-1, a.one.back)):
         start = ca.fmax(way * a["v"], b.f_speed)
         seen = ca.fmax(way * a["y"] + b.nbar, b.f_speed)
-        reached = start + a["since"] * ca.fmax(way * a["sent"] + b.net, 0) / a["mass"]
+        reached = start + a["since"] * ca.fmax(way * a["sent"] + a.net, 0) / a["mass"]
         goals.append(at_least(seen + coming, reached))
     sent = (at_least(a.largest, a["sent"]), at_least(a.largest, -a["sent"]))
     during = (at_least(a["since"]), at_least(time, a["since"]), at_least(a["periods"]))
