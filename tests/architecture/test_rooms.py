@@ -26,7 +26,7 @@ SNIFFED = {
     "wmr_ctrl.fields.files": "only some errors of the system have a text",
     "wmr_ctrl.fields.values": "arrays of any library give their numbers by tolist",
     "wmr_ctrl.proofs.claims.lyapunov_steps": "a value computed at the first look",
-    "wmr_ctrl.proofs.product": "it looks functions of the product up by the names in the ledger",
+    "wmr_ctrl.proofs.product": "walks values of any class to the part that a claim alters",
     "wmr_ctrl.results.files": "only some errors of the system have a number",
     "wmr_ctrl.results.io": "only some errors of the system have a text",
     "wmr_ctrl.sim.batch": "os.sched_getaffinity is on Linux only",

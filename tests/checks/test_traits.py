@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.laws.toys import PLAIN, install
+from tests.matrix import crossed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.cli.root import root
@@ -60,10 +61,10 @@ def test_the_plain_law_tracks_and_states_nothing() -> None:
     assert np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])[-1] < 0.2
 
 
-@pytest.mark.parametrize("guard", [False, True])
-@pytest.mark.parametrize("name", preset_names())
-@pytest.mark.parametrize("law", [*LAWS, "plain"])
-def test_no_warning_speaks_of_what_a_law_has_not(name: str, guard: bool, law: str) -> None:
+@pytest.mark.parametrize(
+    ("law", "name", "guard"), crossed(["plain", *LAWS], preset_names(), [False, True])
+)
+def test_no_warning_speaks_of_what_a_law_has_not(law: str, name: str, guard: bool) -> None:
     assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []
 
 
