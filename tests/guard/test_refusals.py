@@ -56,7 +56,9 @@ def test_the_remedy_of_the_message_is_accepted() -> None:
     step = 0.001 * int(period / 0.001)
     length = {"clock.control": step, "clock.duration": 100 * step, "changes": []}
     guard(
-        settle(scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None)
+        settle(
+            scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None
+        )
     )
 
 
