@@ -31,7 +31,7 @@ FULL = {
     "sensor.velocity_noise": [0.002, 0.004],
     "sensor.correction": 0.6,
     "actuator": {"tau_max": 6.0, "lag": 0.02, "delay": 0.003},
-    "guard": {"enabled": True, "f_min": [1.0, 0.1], "f_speed": [0.2, 0.3]},
+    "guard": {"enabled": True, "f_min": [1.0, 0.0], "f_speed": [0.2, 0.3]},
     "changes": [{"t": 0.1, "m": 60.0, "I": 6.0, "mu": 0.12}],
 }
 """Everything on, and so strong that every field matters within 0.3 s."""
@@ -52,7 +52,7 @@ OTHER: Mapping[str, Any] = {
     "actuator.delay": 0.013,
     "guard.M_min": [40.0, 4.0],
     "guard.M_max": [90.0, 9.0],
-    "guard.dbar": [15.0, 3.0],
+    "guard.dbar": [20.0, 5.0],
     "guard.nbar": [0.02, 0.01],
     "guard.alpha": 60.0,
     "guard.brake": [30.0, 9.0],

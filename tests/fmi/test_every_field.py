@@ -32,7 +32,14 @@ from wmr_ctrl.scenario import Scenario, override
 
 LAW = "mb"
 STATE = {"x", "y", "theta", "v1", "omega", "psi"}
-WITHOUT_EFFECT = {"name", "title", "metrics.split", "metrics.rms_from", "metrics.tolerance"}
+WITHOUT_EFFECT = {
+    "name",
+    "title",
+    "metrics.split",
+    "metrics.rms_from",
+    "metrics.tolerance",
+    "guard.trust",
+}
 """Fields that no run depends on."""
 BASE, LOOSER = based(FULL), based(LOOSE)
 

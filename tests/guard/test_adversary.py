@@ -46,7 +46,7 @@ def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period
 @pytest.mark.parametrize(("law", "period"), crossed(["pid", "smc"], PERIODS))
 def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> None:
     """|d| <= dbar + D gives |v| <= v_u1 + D T/M_min, and the adversary gets there."""
-    run = pushed(law, period, **{"guard.dbar": [40.0, 10.0]})
+    run = pushed(law, period, **{"guard.dbar": [40.0, 10.0], "guard.trust": True})
 
     excess = np.array([20.0, 5.0]) * period / LIGHT
     assert run.monitor.max_abs_v == pytest.approx(LIMITS + excess, abs=1e-9)

@@ -136,7 +136,12 @@ def test_back_inside_within_the_delay_and_the_stated_samples(law: str, delay: fl
 def test_bounds_broken_by_D_cost_D_times_period_and_delay() -> None:
     """|v| <= v_u1 + D (T + delay)/M_min; the adversary gets there."""
     excess = np.array([20.0, 5.0]) * (0.01 + 0.02) / LIGHT
-    changed = {"guard.dbar": [40.0, 10.0], "actuator.delay": 0.02, "clock.duration": 4.0}
+    changed = {
+        "guard.dbar": [40.0, 10.0],
+        "guard.trust": True,
+        "actuator.delay": 0.02,
+        "clock.duration": 4.0,
+    }
     run = simulate("paper-simulation-nominal", "smc", guard=True, overrides={**LIGHTEST, **changed})
 
     gap = np.array(run.monitor.max_abs_v) - LIMITS

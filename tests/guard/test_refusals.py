@@ -50,13 +50,15 @@ def test_five_newton_metres_are_refused_for_every_law_and_6_5_are_enough() -> No
 
 def test_the_remedy_of_the_message_is_accepted() -> None:
     with pytest.raises(ScenarioError) as refused:
-        guard(settle(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 1.0]}), None))
+        guard(settle(scenario_of("paper-simulation", {**ON, "guard.dbar": [3000.0, 15.0]}), None))
     period = float(re.search(r"clock\.control <= ([\d.]+) s", str(refused.value))[1])
 
     step = 0.001 * int(period / 0.001)
     length = {"clock.control": step, "clock.duration": 100 * step, "changes": []}
     guard(
-        settle(scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 1.0]}), None)
+        settle(
+            scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None
+        )
     )
 
 

@@ -37,7 +37,7 @@ def test_native_equals_numpy(law: str) -> None:
 
 @pytest.mark.parametrize("changed", [
     {"actuator.tau_max": 10.0, "guard.map": "rotation-first", "guard.alpha": 20.0},
-    {"guard.f_min": [5.0, 1.0], "guard.f_speed": [0.05, 0.05]},
+    {"guard.f_min": [5.0, 1.0], "guard.f_speed": [0.05, 0.05], "guard.trust": True},
     {"sensor.velocity_noise": [0.02, 0.03], "actuator.tau_max": 20.0},
     {"actuator.lag": 0.01, "actuator.delay": 0.004},
     {"actuator.lag": 0.02, "actuator.delay": 0.013},
@@ -82,7 +82,12 @@ def test_switch(law: str) -> None:
 
 def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path: Path) -> None:
     pushed = {"disturbance.push": [60.0, 15.0], "robot.mu": 0.0, "model.mu": 0.08}
-    too_small = {"guard.dbar": [20.0, 5.0], "disturbance.std": 0.0, "clock.duration": 5.0}
+    too_small = {
+        "guard.dbar": [20.0, 5.0],
+        "guard.trust": True,
+        "disturbance.std": 0.0,
+        "clock.duration": 5.0,
+    }
     run = simulate("safe-simulation", "prox", overrides={**pushed, **too_small, "changes": []})
 
     assert run.outcome == "bounds-left"
@@ -96,7 +101,7 @@ def test_monitor_notices_a_disturbance_beyond_dbar(tmp_path: Path) -> None:
 def test_monitor_notices_a_mass_below_m_min() -> None:
     drop = [{"t": 1.0, "m": 5.0, "I": 0.5, "mu": 0.0}]
     stated = {"guard.M_min": [45.0, 4.8], "guard.M_max": [71.5, 7.7], "guard.dbar": [60.0, 15.0]}
-    changed = {**stated, "changes": drop, "clock.duration": 5.0}
+    changed = {**stated, "guard.trust": True, "changes": drop, "clock.duration": 5.0}
 
     assert simulate("safe-simulation", "mb", overrides=changed).monitor.bounds_left
 

@@ -1,4 +1,4 @@
-"""What theory says before a run: sample time, preconditions, start, network, barrier.
+"""What theory says before a run: sample time, preconditions, start, network, barrier, bounds.
 
 `warnings_for` answers for one law on one scenario; nothing here simulates more than one control
 period, and nothing is ever refused.  A law is told only of what it has: of Eq. (7), of a theorem,
@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, wrong_model
+from wmr_ctrl.checks.contradictions import coarse_step, contradicted
 from wmr_ctrl.checks.guard_price import guard_price
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import network
@@ -30,6 +31,8 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     drives,
     noise,
     guard_price,
+    contradicted,
+    coarse_step,
 )
 """In the order in which they are told: what ends a run first comes first."""
 

@@ -13,6 +13,7 @@ from typing import TypeVar
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, settled_guard, stated_guard
+from wmr_ctrl.guard.contradictions import refuse_contradictions
 from wmr_ctrl.laws.law import Law, TorqueLimited
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
@@ -113,7 +114,8 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     """The Setup of ``law`` on ``scenario``; None is the guard by itself.
 
     Raises UnknownNameError for a law, effect or gain that does not exist, ScenarioError for a bad
-    value, a reference that is not finite, or a guard that is on and cannot keep its limits.
+    value, a reference that is not finite, or a guard that is on and cannot keep its limits or
+    counts on bounds that the scenario breaks.
     """
     return _settled(scenario, None if law is None else LAWS[law], tuple(EFFECTS))
 
@@ -130,6 +132,8 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     numbers_of = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
     guard = numbers_of(scenario, bound, limit)
+    if scenario.guard.enabled:
+        refuse_contradictions(scenario, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
 
 

@@ -80,9 +80,13 @@ def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
     return replace(stated, brake=given.brake or _derived_brake(scenario, stated, tau_max))
 
 
-def mass_range(scenario: Scenario, bound: Bound) -> tuple[Pair, Pair]:
-    """M_min and M_max of (m, I) over the robot and all its changes, widened by mass_margin."""
-    margin, robot = scenario.guard.mass_margin, scenario.robot
+def mass_range(scenario: Scenario, bound: Bound, margin: float | None = None) -> tuple[Pair, Pair]:
+    """M_min and M_max of (m, I) over the robot and all its changes, widened by ``margin``.
+
+    That is a share, guard.mass_margin by default.
+    """
+    margin = scenario.guard.mass_margin if margin is None else margin
+    robot = scenario.robot
     masses = [robot.m, *(change.m for change in scenario.changes if change.m is not None)]
     inertias = [robot.I, *(change.I for change in scenario.changes if change.I is not None)]
     low, high = 1.0 - margin, 1.0 + margin

@@ -17,12 +17,16 @@ class Guard(Section):
 
     What is left out follows from the rest of the scenario: masses from the robot and its changes,
     dbar from the noise, nbar from the sensor, alpha from the control period, brake from the torque
-    limit.  Whether the settings can be met is checked where the guard is built.
+    limit.  Whether the settings can be met is checked where the guard is built, and there a bound
+    that the scenario itself breaks is refused, unless ``trust`` says that it is meant.
     """
 
     KEY: ClassVar[str] = "guard"
 
     enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
+    trust: bool = quantity(
+        False, unit="1", doc="whether stated bounds count though the scenario breaks them"
+    )
     map: str = quantity(
         "linear-first",
         unit="1",

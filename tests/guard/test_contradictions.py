@@ -1,0 +1,86 @@
+"""Bounds that a scenario states and itself breaks: refused with the guard on, else told."""
+
+from __future__ import annotations
+
+import pytest
+
+from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.contradictions import contradictions
+from wmr_ctrl.scenario import load_scenario, preset_names
+
+FRICTION = 0.08 * 50 * 9.81
+BROKEN = [
+    ({"guard.dbar": [59.0, 15.0]}, "guard.dbar", ("59 N", "60 N")),
+    ({"guard.dbar": [60.0, 14.0]}, "guard.dbar", ("[2] = 14 N m", "15 N m")),
+    ({"guard.dbar": [70.0, 20.0], "disturbance.push": [20.0, 0.0]}, "guard.dbar", ("70 N", "80 N")),
+    ({"guard.dbar": [60.0, 15.0], "guard.d_model": [0.0, 2.0]}, "guard.dbar", ("17 N m",)),
+    ({"guard.M_min": [50.1, 5.0]}, "guard.M_min", ("50.1 kg", "50 kg")),
+    ({"guard.M_max": [60.0, 8.0]}, "guard.M_max", ("60 kg", "65 kg")),
+    ({"guard.nbar": [0.01, 0.0], "sensor.velocity_noise": [0.02, 0.0]}, "guard.nbar", ("0.02",)),
+    ({"guard.f_min": [FRICTION + 1, 0.0], "guard.f_speed": [0.2, 0.0]}, "guard.f_min", ("39.24",)),
+    ({"guard.f_min": [30.0, 0.0], "guard.f_speed": [0.001, 0.0]}, "guard.f_min", ("3.911 N",)),
+    ({"guard.f_min": [0.0, 1.0], "guard.f_speed": [0.0, 0.5]}, "guard.f_min", ("0 N m",)),
+]
+MET = [
+    {"guard.dbar": [60.0, 15.0]},
+    {"guard.M_min": [50.0, 5.4], "guard.M_max": [65.0, 7.0]},
+    {"guard.nbar": [0.02, 0.0], "sensor.velocity_noise": [0.02, 0.0]},
+    {"guard.f_min": [FRICTION, 0.0], "guard.f_speed": [0.2, 0.0]},
+]
+
+
+@pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
+def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers) -> None:
+    with pytest.raises(ScenarioError) as refused:
+        scenario_of("safe-simulation", changed)
+    trusted = scenario_of("safe-simulation", {**changed, "guard.trust": True})
+
+    assert str(refused.value).startswith(key)
+    assert "guard.trust = true" in str(refused.value)
+    assert [number for number in numbers if number not in str(refused.value)] == []
+    assert key in [item.key for item in warnings_for(settle(trusted, "kanayama"))]
+
+
+@pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
+def test_with_the_guard_off_it_is_told(changed, key, numbers) -> None:
+    off = scenario_of("safe-simulation", {**changed, "guard.enabled": False})
+    told = [item.sentence for item in warnings_for(settle(off, "prox")) if item.key == key]
+
+    assert any(all(number in text for number in numbers) for text in told), told
+
+
+@pytest.mark.parametrize("changed", MET)
+def test_a_bound_that_is_just_met_is_accepted(changed) -> None:
+    scenario = scenario_of("safe-simulation", changed)
+
+    assert list(contradictions(scenario, settle(scenario, None).bound)) == []
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_no_preset_contradicts_itself(name: str) -> None:
+    scenario = load_scenario(name)
+
+    assert list(contradictions(scenario, settle(scenario, "mb").bound)) == []
+
+
+def test_a_trusted_bound_that_is_broken_costs_the_guarantee() -> None:
+    pushed = {"disturbance.push": [60.0, 15.0], "disturbance.std": 0.0, "robot.mu": 0.0}
+    stated = {"guard.dbar": [20.0, 5.0], "guard.trust": True, "model.mu": 0.08, "changes": []}
+    run = simulate("safe-simulation", "prox", overrides={**pushed, **stated})
+
+    assert "bounds-left" in [item.key for item in run.remarks]
+
+
+@pytest.mark.parametrize(
+    ("step", "mu", "told"), [(0.001, 0.08, 0), (0.01, 0.08, 0), (0.01, 0.11, 1), (0.001, 1.1, 1)]
+)
+def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told) -> None:
+    changed = {"clock.plant": step, "robot.mu": mu, "changes": [], "clock.control": 0.01}
+    setup = settle(load_scenario("paper-simulation-nominal", changed), "kanayama")
+    found = [item for item in warnings_for(setup) if item.key == "clock.plant"]
+
+    assert len(found) == told
+    assert all(f"{step * mu * 981:.3g}" in item.sentence for item in found)

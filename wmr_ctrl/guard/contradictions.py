@@ -1,0 +1,124 @@
+"""What a scenario states about disturbances, masses, sensors and friction, and itself breaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import AXES, UNITS, mass_range
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound
+
+Pair = tuple[float, float]
+ROUNDING = 1e-9
+"""Share by which a stated bound may be missed without contradiction: decimals of a file."""
+MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """A stated bound that the scenario breaks: its key, and a sentence of both numbers."""
+
+    key: str
+    sentence: str
+
+
+def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
+    """Yield each bound that is stated and broken; ``bound`` is what the effects add up to.
+
+    What is left out is derived from the scenario and cannot contradict it.
+    """
+    yield from _disturbance(scenario, bound)
+    yield from _masses(scenario, bound)
+    yield from _sensor(scenario, bound)
+    yield from _friction(scenario)
+
+
+def refuse_contradictions(scenario: Scenario, bound: Bound) -> None:
+    """Raise ScenarioError for the first contradiction, unless guard.trust says she means it."""
+    if scenario.guard.trust:
+        return
+    for item in contradictions(scenario, bound):
+        raise ScenarioError(
+            f"{item.sentence} The guard would count on what this scenario breaks. If that is "
+            "meant, as in a trial of a broken bound, set guard.trust = true."
+        )
+
+
+def _disturbance(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
+    model, most = scenario.guard.d_model, bound.dbar
+    for i in AXES:
+        needed = most[i] + model[i]
+        if _below(scenario.guard.dbar, i, needed):
+            yield Contradiction(
+                "guard.dbar",
+                f"guard.dbar[{i + 1}] = {_of(scenario.guard.dbar, i):g} {UNITS[i]} is below the "
+                f"{needed:.6g} {UNITS[i]} that noise, push and guard.d_model of the scenario add "
+                f"up to. State at least {needed:.6g}, leave it out, or lower the disturbance.",
+            )
+
+
+def _masses(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
+    least, most = mass_range(scenario, bound, margin=0.0)
+    for i in AXES:
+        unit, low, high = MASS_UNITS[i], scenario.guard.M_min, scenario.guard.M_max
+        if low is not None and low[i] > least[i] * (1 + ROUNDING):
+            yield Contradiction(
+                "guard.M_min",
+                f"guard.M_min[{i + 1}] = {low[i]:g} {unit} excludes the robot or a change, which "
+                f"go down to {least[i]:.6g} {unit}. State at most that, or leave it out.",
+            )
+        if _below(high, i, most[i]):
+            yield Contradiction(
+                "guard.M_max",
+                f"guard.M_max[{i + 1}] = {_of(high, i):g} {unit} excludes the robot or a change, "
+                f"which go up to {most[i]:.6g} {unit}. State at least that, or leave it out.",
+            )
+
+
+def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
+    for i in AXES:
+        if _below(scenario.guard.nbar, i, bound.nbar[i]):
+            yield Contradiction(
+                "guard.nbar",
+                f"guard.nbar[{i + 1}] = {_of(scenario.guard.nbar, i):g} {SPEED_UNITS[i]} is below "
+                f"the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be wrong. "
+                "State at least that, leave it out, or measure better.",
+            )
+
+
+def _friction(scenario: Scenario) -> Iterator[Contradiction]:
+    there = sure_friction(scenario)
+    for i in AXES:
+        stated = scenario.guard.f_min[i]
+        if stated > there[i] * (1 + ROUNDING):
+            yield Contradiction(
+                "guard.f_min",
+                f"guard.f_min[{i + 1}] = {stated:g} {UNITS[i]} is above the {there[i]:.4g} "
+                f"{UNITS[i]} of friction that the scenario is sure to have from guard.f_speed"
+                f"[{i + 1}] = {scenario.guard.f_speed[i]:g} {SPEED_UNITS[i]} on. Lower it, or "
+                "raise guard.f_speed where that helps.",
+            )
+
+
+def sure_friction(scenario: Scenario) -> Pair:
+    """Least friction [N, N m] above guard.f_speed, over the run: the robot's turn has none."""
+    robot, least = scenario.robot, math.inf
+    m, mu = robot.m, robot.mu
+    for change in (None, *scenario.changes):
+        if change is not None:
+            m = m if change.m is None else change.m
+            mu = mu if change.mu is None else change.mu
+        least = min(least, m * mu * robot.g)
+    return least * math.tanh(scenario.guard.f_speed[0] / robot.v_s), 0.0
+
+
+def _below(stated: Pair | None, axis: int, needed: float) -> bool:
+    return stated is not None and stated[axis] < needed * (1 - ROUNDING)
+
+
+def _of(stated: Pair | None, axis: int) -> float:
+    assert stated is not None
+    return stated[axis]
