@@ -6,7 +6,8 @@ typedef void step_function(const double *in, double *state, double *out);
 typedef void kernel_function(const double *u, const double *x, const double *p, double *next,
                              double *y);
 
-typedef void update_function(const double *u, const double *x, const double *p, double *next);
+typedef void plant_function(const double *i, const double *u, const double *x, const double *p,
+                            const double *w, double *next);
 
 static double total(const double *values, int64_t count)
 {
@@ -46,12 +47,14 @@ double drive_kernel(kernel_function *step, int64_t n, const double *rows, int64_
     return sum;
 }
 
-/* The same for a system without outputs, such as one step of the plant. */
-double drive_update(update_function *step, int64_t n, const double *rows, int64_t count,
-                    int64_t width, double *x, double *next, const double *p)
+/* The same for a plant step, without random numbers: it takes the step's number, and has no
+ * outputs. */
+double drive_plant(plant_function *step, int64_t n, const double *rows, int64_t count,
+                   int64_t width, double *x, double *next, const double *p)
 {
     for (int64_t i = 0, row = 0; i < n; i++) {
-        step(rows + width * row, x, p, next);
+        const double index = (double)i;
+        step(&index, rows + width * row, x, p, x, next);
         double *const last = x;
         x = next;
         next = last;

@@ -48,11 +48,11 @@ def out_of_place(
     return run
 
 
-def update_only(step: Any, rows: Array, x: Array, p: Array) -> Callable[[int], float]:
-    """Return a loop of n calls ``step(u, x, p, next)`` from ``x``, x and next changing places."""
+def plant_only(step: Any, rows: Array, x: Array, p: Array) -> Callable[[int], float]:
+    """Return a loop of n plant steps ``step(i, u, x, p, w, next)`` from ``x``, without draws w."""
     rows = np.ascontiguousarray(rows)
     count, width = rows.shape
-    function, pointer = _driver().drive_update, ctypes.cast(step, ctypes.c_void_p)
+    function, pointer = _driver().drive_plant, ctypes.cast(step, ctypes.c_void_p)
 
     def run(n: int) -> float:
         one, other = np.array(x, dtype=np.float64), np.zeros_like(x, dtype=np.float64)
@@ -64,10 +64,10 @@ def update_only(step: Any, rows: Array, x: Array, p: Array) -> Callable[[int], f
 @cache
 def _driver() -> ctypes.CDLL:
     library = load([HERE / "drive.c"], "drive")
-    for name in ("drive", "drive_kernel", "drive_update"):
+    for name in ("drive", "drive_kernel", "drive_plant"):
         getattr(library, name).restype = ctypes.c_double
     ring = (ctypes.c_void_p, _N, _Vector, _N, _N)
     library.drive.argtypes = (*ring, _Vector, _Vector, _N)
-    library.drive_update.argtypes = (*ring, _Vector, _Vector, _Vector)
+    library.drive_plant.argtypes = (*ring, _Vector, _Vector, _Vector)
     library.drive_kernel.argtypes = (*ring, _Vector, _Vector, _Vector, _Vector, _N)
     return library

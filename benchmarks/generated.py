@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from wmr_ctrl.codegen.manifest import Kernels
-from wmr_ctrl.sim.batch_memory import VectorSet, vector_sets
-from wmr_ctrl.sim.structs import loop_struct
 
 from wmr_ctrl.api import compile_loop
 from wmr_ctrl.codegen.build import build_loop
-from wmr_ctrl.codegen.kernels import loop_systems
+from wmr_ctrl.compiled import CompiledLoop, elements
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import Setup as Settled
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import Task, run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
-from wmr_ctrl.sim.native import load, settings_of
+from wmr_ctrl.sim.memory import VectorSet, laid_out, load, vector_sets
 from wmr_ctrl.sim.ready import Ready
 
-from .drive import out_of_place, update_only
+from .drive import out_of_place, plant_only
 from .inputs import plant_torques, tracking_rows
 from .setup import Setup
 from .timing import Candidate
@@ -37,36 +35,42 @@ def scenario(control: float = 1e-2) -> Scenario:
 
 
 @cache
-def kernels(law: str, control: float = 1e-2) -> Kernels:
+def settled(law: str, control: float = 1e-2) -> Settled:
+    """That with a law."""
+    return settle(scenario(control), law)
+
+
+@cache
+def compiled(law: str, control: float = 1e-2) -> CompiledLoop:
     """The compiled loop of a law."""
-    return build_loop(scenario(control), law)
+    return build_loop(settled(law, control))
 
 
 def inputs_of(law: str) -> Array:
     """The ring of tracking inputs, with zeros for what a law is given beside (torque applied)."""
     rows = tracking_rows()
-    width = kernels(law).manifest["systems"]["controller"]["sizes"]["NU"]
+    width = len(elements(compiled(law).law.inputs))
     return np.pad(rows, ((0, 0), (0, width - rows.shape[1])))
 
 
 def step(law: str, steps: int) -> Candidate:
     """One control sample, in a loop in C, called through a pointer."""
-    role = kernels(law).manifest["systems"]["controller"]
-    entry = load(kernels(law).library).wmr_export_controller_step
-    x, p = np.array([*role["start"], 0.0]), np.array(role["parameter_values"])
+    numbers = compiled(law).law
+    entry = load(compiled(law).library).wmr_export_controller
+    x, p = np.array([*numbers.start, 0.0]), np.array(numbers.values)
     return Candidate(partial(out_of_place(entry, inputs_of(law), x, p, 2), steps), steps)
 
 
 def call_from_python(law: str, steps: int) -> Candidate:
     """One control sample called from Python, arrays and pointers kept."""
-    compiled = CompiledLaw(kernels(law))
-    compiled.u[:] = inputs_of(law)[0]
-    return Candidate(_repeated(compiled.step, steps), steps)
+    one = CompiledLaw(compiled(law))
+    one.u[:] = inputs_of(law)[0]
+    return Candidate(_repeated(one.step, steps), steps)
 
 
 def virtual_machine(law: str, steps: int) -> Candidate:
     """One control sample by CasADi's virtual machine, through ``Function.call``."""
-    item = loop_systems(scenario(), law).controller
+    item = watched_controller(settled(law))
     function = item.function("step", [item.update, item.y])
     given = [inputs_of(law)[0], np.array(item.x0), np.array(item.p0)]
     return Candidate(_repeated(lambda: function.call(given), steps), steps)
@@ -74,17 +78,9 @@ def virtual_machine(law: str, steps: int) -> Candidate:
 
 def closed_loop(law: str, control: float = 1e-3) -> Candidate:
     """80 s of closed loop in C, without a log; a step is one control sample."""
-    built = kernels(law, control)
-    library, settings, keep = (
-        load(built.library),
-        *settings_of(built.manifest, scenario(control), 0),
-    )
-    state = loop_struct(built.manifest["systems"])()
-
-    def run(kept: Any = keep) -> None:
-        library.wmr_run(ctypes.byref(settings), ctypes.byref(state), None)
-
-    return Candidate(run, scenario(control).clock.samples)
+    setup = settled(law, control)
+    loop = Ready(compiled(law, control), setup.scenario, law, setup.assumptions)
+    return Candidate(laid_out([Task(loop, 0)], []).run, scenario(control).clock.samples)
 
 
 def _repeated(function: Callable[[], object], steps: int) -> Callable[[], None]:
@@ -97,12 +93,11 @@ def _repeated(function: Callable[[], object], steps: int) -> Callable[[], None]:
 
 def plant_step(steps: int) -> Candidate:
     """One Runge-Kutta step of 1 ms, in a loop in C, under torques that keep it moving."""
-    role = kernels("mb").manifest["systems"]["plant"]
-    library = load(kernels("mb").library)
+    loop = compiled("mb")
     torques = np.pad(plant_torques(Setup(), scenario().clock.plant), ((0, 0), (0, 2)))
-    p = np.array(role["parameter_values"])
     start = np.array([0.0, 0.0, 0.0, 0.15, 0.1])
-    run = update_only(library.wmr_export_plant_step, torques, start, p)
+    entry = load(loop.library).wmr_export_step
+    run = plant_only(entry, torques, start, np.array(loop.parameters[0]))
     return Candidate(partial(run, steps), steps)
 
 
@@ -112,7 +107,7 @@ def batches(control: float = 1e-3) -> dict[str, Candidate]:
     ``nn_batch`` takes the best vector instructions of this processor.
     """
     loop = compile_loop(scenario(control), "nn")
-    sets = vector_sets(loop.kernels.library)
+    sets = vector_sets(loop.compiled.library)
     found = {f"nn_batch_{item.name}": _batch(loop, item) for item in sets}
     return {"nn_batch": next(iter(found.values())), **found}
 

@@ -10,19 +10,17 @@ True
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, SupportsIndex, Unpack, cast
+from typing import TYPE_CHECKING, Unpack, cast
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import finished, versions
+from wmr_ctrl.sim.finish import check_seeds, versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import (
@@ -35,8 +33,6 @@ if TYPE_CHECKING:
         SspOptions,
     )
     from wmr_ctrl.campaign import PhaseProgress
-    from wmr_ctrl.compiled import CompiledLoop
-    from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.linear import LinearReport
     from wmr_ctrl.proofs import Entry, Ledger
     from wmr_ctrl.report.reproduction import Facts, Verdicts
@@ -95,12 +91,14 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
+    from wmr_ctrl.engines import run_compiled, run_numpy
+
     chosen = scenario_of(scenario, overrides, guard)
-    _check_seeds([seed])
+    check_seeds([seed])
     if engine == "native":
-        return _simulate_native(chosen, law, seed)
+        return run_compiled(chosen, law, seed)
     if engine == "numpy":
-        return _simulate_numpy(chosen, law, seed, progress)
+        return run_numpy(chosen, law, seed, progress)
     raise UnknownNameError("engine", engine, ENGINES)
 
 
@@ -116,18 +114,18 @@ def simulate_runs(
 ) -> list[Run]:
     """One whole Run per seed, several robots at a time on each core.
 
-    The same bits for any number of ``jobs`` (threads; default: one per core) and any vector
-    instructions; `simulate` agrees to rounding.  `simulate_many` gives figures only, which takes no
+    The same bits as `simulate`, for any number of ``jobs`` (threads; default: one per core) and any
+    vector instructions.  `simulate_many` gives figures only, which takes no
     memory.  ``progress`` is called with the share that is done.  Errors as in `simulate`.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
-    from wmr_ctrl.sim.together import run_each
+    from wmr_ctrl.sim.many import run_each
 
     listed = list(seeds)
-    _check_seeds(listed)
+    check_seeds(listed)
     loop = compile_loop(scenario, law, overrides, guard)
     return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
@@ -152,16 +150,17 @@ def simulate_many(
     >>> table["violations"]
     array([0., 0., 0.])
     """
+    from wmr_ctrl.engines import ready_batch
     from wmr_ctrl.sim.many import run_many
 
     listed = list(seeds)
-    _check_seeds(listed)
+    check_seeds(listed)
     if progress:
         progress(0.0)
     rows = None if starts is None else [tuple(map(float, row)) for row in starts]
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
-    compiled = partial(_batch, law=law)
+    compiled = partial(ready_batch, law=law)
     return run_many(compiled, scenarios, listed, starts=rows, jobs=jobs, progress=progress)
 
 
@@ -187,7 +186,7 @@ def reproduce(
     from wmr_ctrl.report.reproduction import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
     from wmr_ctrl.sim.batch import check_jobs
-    from wmr_ctrl.sim.together import run_each
+    from wmr_ctrl.sim.many import run_each
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
@@ -205,7 +204,7 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
     from wmr_ctrl.proofs.staleness import stale_entries
     from wmr_ctrl.report.reproduction import Facts
-    from wmr_ctrl.sim.timing import seconds_of
+    from wmr_ctrl.sim.compiled_law import seconds_of
 
     return Facts(
         titles={row["name"]: row["title"] for row in law_table()},
@@ -246,9 +245,9 @@ def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
 
 
 def prove(
-    only: Iterable[str] = (), progress: Callable[[int, int, Entry], None] | None = None
+    only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
-    """Check the paper's equations by machine; ``progress(done, total, entry)`` after each."""
+    """Check the paper's equations by machine; ``progress(share, entry)`` after each."""
     from wmr_ctrl.proofs import prove as check_all
 
     return check_all(tuple(only), progress)
@@ -292,21 +291,9 @@ def compile_loop(
 
     For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
-    return _batch(scenario_of(scenario, overrides, guard), law)
+    from wmr_ctrl.engines import ready_batch
 
-
-def _batch(scenario: Scenario, law: str) -> Ready:
-    from wmr_ctrl.codegen.build import build_batch
-    from wmr_ctrl.control.setup import settle
-
-    setup = settle(scenario, law)
-    return _ready(setup, build_batch(setup))
-
-
-def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
-    from wmr_ctrl.sim.ready import Ready
-
-    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
+    return ready_batch(scenario_of(scenario, overrides, guard), law)
 
 
 def law_table() -> list[dict[str, str]]:
@@ -314,40 +301,3 @@ def law_table() -> list[dict[str, str]]:
     from wmr_ctrl.laws import LAWS
 
     return [{"name": name, "title": LAWS[name].title} for name in LAWS]
-
-
-def _simulate_native(scenario: Scenario, law: str, seed: int) -> Run:
-    from wmr_ctrl.codegen.build import build_loop
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.sim.native import run_native
-
-    setup = settle(scenario, law)
-    loop = _ready(setup, build_loop(setup))
-    columns, monitor = run_native(loop, seed)
-    logged = (loop.compiled.layout.columns, columns, monitor)
-    facts = {"kernel_hash": loop.compiled.digest}
-    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
-
-
-def _simulate_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None) -> Run:
-    from wmr_ctrl.control.controller import watched_controller
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.laws.sample import own_diagnostics
-    from wmr_ctrl.sim.oracle import simulate_oracle
-
-    setup = settle(scenario, law)
-    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
-    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
-    effects = [item.name for item in setup.effects]
-    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
-    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    logged = (signals, columns, Monitor(**numbers))
-    facts = {"kernel_hash": ""}
-    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
-
-
-def _check_seeds(seeds: Iterable[int]) -> None:
-    for seed in seeds:
-        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
-        if not (whole and 0 <= operator.index(seed) < 2**63):
-            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

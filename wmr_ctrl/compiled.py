@@ -40,8 +40,8 @@ class CompiledLoop:
     """A law's closed loop on a scenario: library, layout, and the numbers of this scenario.
 
     ``parameters`` has a row for each phase, which begins at plant step ``phase_start``; ``start``
-    is the whole state at t = 0.  ``digest`` is the hash of the sources; ``structure`` tells loops
-    that can run side by side from others.
+    is the whole state at t = 0; ``delay_steps`` is how many plant steps a command is under way.
+    ``digest`` is the hash of the sources; ``structure`` tells loops that can run side by side.
     """
 
     library: str
@@ -52,6 +52,7 @@ class CompiledLoop:
     parameters: tuple[tuple[float, ...], ...]
     phase_start: tuple[int, ...]
     start: tuple[float, ...]
+    delay_steps: int
 
 
 def elements(signals: Signals) -> tuple[str, ...]:

@@ -10,6 +10,13 @@ from tests.architecture.tree import Function, Module, functions, length, modules
 
 LONGEST_FUNCTION = 60
 LONGEST_FILE = 350
+FOLLOWS_FROM_A_VALUE = {
+    "wmr_ctrl.fields.section": {"quantity"},  # stands for a field of the type of its default
+    "wmr_ctrl.fields.values": {"clean", "default"},  # what a field's kind says, known at run time
+    "wmr_ctrl.fmi.cosim.slave": {"variable"},  # a value of FMPy, which has no types
+}
+NUMBERS_OF_ANY_KIND = {"proofs", "codegen"}
+"""Folders whose public signatures still say ``Any``."""
 
 
 def test_no_function_is_too_long():
@@ -37,10 +44,15 @@ def test_most_functions_take_a_few_lines():
 
 def test_modules_and_public_names_have_docstrings():
     def bare(module: Module) -> list[str]:
-        names = [node.name for node in public(module.tree) if not ast.get_docstring(node)]
+        told = (node for node in public(module.tree) if not is_overload(node))
+        names = [node.name for node in told if not ast.get_docstring(node)]
         return names if ast.get_docstring(module.tree) else ["the module itself", *names]
 
     assert offenders(bare) == {}
+
+
+def is_overload(node: Function | ast.ClassDef) -> bool:
+    return "overload" in map(ast.unparse, node.decorator_list)
 
 
 def test_functions_are_annotated():
@@ -60,11 +72,11 @@ def missing(function: Function) -> list[str]:
 
 
 def test_what_users_call_is_typed_to_the_end():
-    """No ``Any`` in the signatures and fields of the interface, campaigns, reports, linear."""
-    layers = {"api", "api_types", "campaign", "linear", "report"}
+    """No ``Any`` in public signatures and fields, but where a type follows from a value."""
 
-    def loose(module: Module) -> list[str]:
-        return [*untyped(module.tree)] if module.layer in layers else []
+    def loose(module: Module) -> set[str]:
+        names = set() if module.layer in NUMBERS_OF_ANY_KIND else {*untyped(module.tree)}
+        return names - FOLLOWS_FROM_A_VALUE.get(module.name, set())
 
     assert offenders(loose) == {}
 

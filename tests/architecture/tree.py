@@ -12,6 +12,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "wmr_ctrl"
+FOLDERS = (".ci", "analysis", "benchmarks", "docs", "fmu", "tests", "wmr_ctrl")
+AT_ROOT = ("CHANGELOG.md", "LICENSE", "README.md", "pyproject.toml")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -30,9 +32,15 @@ class Module:
         """The folder or file right below wmr_ctrl that it belongs to."""
         return layer_of(self.name)
 
-    def imports(self) -> Iterator[str]:
-        """Every imported module, wherever the statement stands; names count as modules if so."""
+    def imports(self, *, typing: bool = False) -> Iterator[str]:
+        """Every imported module, wherever the statement stands; names count as modules if so.
+
+        With ``typing`` also what only annotations need, under ``if TYPE_CHECKING:``.
+        """
+        unused = set() if typing else for_typing(self.tree)
         for node in ast.walk(self.tree):
+            if node in unused:
+                continue
             if isinstance(node, ast.Import):
                 yield from (alias.name for alias in node.names)
             elif isinstance(node, ast.ImportFrom):
@@ -65,9 +73,16 @@ def names_of_modules() -> frozenset[str]:
 
 
 def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
-    """Module to what ``check`` found wrong in it, for the modules where it found something."""
-    found = {module.name: list(check(module)) for module in modules()}
-    return {name: wrong for name, wrong in found.items() if wrong}
+    """Module to what ``check`` says is wrong in it, for the modules where there is something."""
+    faults = {module.name: list(check(module)) for module in modules()}
+    return {name: wrong for name, wrong in faults.items() if wrong}
+
+
+def for_typing(tree: ast.Module) -> set[ast.AST]:
+    """What stands under ``if TYPE_CHECKING:`` and never runs."""
+    guards = (node for node in ast.walk(tree) if isinstance(node, ast.If))
+    asked = (node for node in guards if ast.unparse(node.test).endswith("TYPE_CHECKING"))
+    return {inner for node in asked for line in node.body for inner in ast.walk(line)}
 
 
 def layer_of(name: str) -> str:
@@ -104,7 +119,7 @@ def length(function: Function) -> int:
 
 def text_files() -> Iterator[Path]:
     """Files that belong to the project and are text."""
-    for path in _project_files():
+    for path in project_files():
         try:
             path.read_text(encoding="utf-8")
         except (UnicodeDecodeError, OSError):
@@ -112,15 +127,22 @@ def text_files() -> Iterator[Path]:
         yield path
 
 
-def _project_files() -> list[Path]:
-    """What git would track; without git, what lies in the project's folders."""
-    if shutil.which("git") and (ROOT / ".git").exists():
-        command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-        return [ROOT / name for name in listed.stdout.split("\0") if name]
-    folders = (ROOT / name for name in (".ci", "analysis", "benchmarks", "docs", "fmu", "tests"))
-    found = [path for folder in (*folders, PACKAGE) for path in folder.rglob("*")]
-    return [path for path in (*found, *ROOT.glob("*.*")) if path.is_file()]
+def project_files(root: Path = ROOT) -> list[Path]:
+    """What git tracks, and what is new in the project's folders; without git all in these.
+
+    What users' commands write beside them (reports, FMUs, scenarios of their own) is not ours.
+    """
+    if shutil.which("git") and (root / ".git").exists():
+        listed = (("--cached",), ("--others", "--exclude-standard", "--", *FOLDERS))
+        return sorted({root / name for options in listed for name in _git(root, options)})
+    inside = (path for folder in FOLDERS for path in (root / folder).rglob("*"))
+    return [path for path in (*inside, *(root / name for name in AT_ROOT)) if path.is_file()]
+
+
+def _git(root: Path, options: tuple[str, ...]) -> list[str]:
+    command = ["git", "ls-files", "-z", *options]
+    done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
+    return [name for name in done.stdout.split("\0") if name]
 
 
 def _parsed(path: Path) -> Module:

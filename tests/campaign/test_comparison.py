@@ -23,8 +23,8 @@ from wmr_ctrl.campaign.comparison import (
     swept,
 )
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.sim.ready import Ready
-from wmr_ctrl.sim.together import run_each
 
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -136,23 +137,31 @@ def test_missing_library_is_built_anew_in_the_same_process():
     assert build_cached(SOURCES, compiler).exists()
 
 
-def test_two_processes_that_build_at_once_both_succeed(folder, tmp_path):
-    script = textwrap.dedent("""
+WITHOUT_LOCKS = "from contextlib import nullcontext; cache._alone = nullcontext"
+
+
+@pytest.mark.parametrize(("locks", "builders"), [(True, 1), (False, 2)])
+def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, locks, builders):
+    """The first builds and the others wait; without locks they all build, and one copy stays."""
+    script = textwrap.dedent(f"""
         import sys, time
         from pathlib import Path
+        from wmr_ctrl.codegen import cache
         from wmr_ctrl.codegen.cache import build_cached
+        {"" if locks else WITHOUT_LOCKS}
 
-        me, meeting = sys.argv[1], Path(sys.argv[2])
+        me, meeting, wanted = sys.argv[1], Path(sys.argv[2]), {builders}
 
         def compile_in(folder):
             (meeting / me).touch()
             until = time.monotonic() + 20
-            while len(list(meeting.iterdir())) < 2 and time.monotonic() < until:
+            while len(list(meeting.iterdir())) < wanted and time.monotonic() < until:
                 time.sleep(0.01)
+            time.sleep(0.2)
             (folder / "lib.so").write_text("made by " + me)
             return folder / "lib.so"
 
-        library = build_cached({"a.c": "int a;"}, compile_in)
+        library = build_cached({{"a.c": "int a;"}}, compile_in)
         print(library, library.read_text(), sep="|")
     """)
     meeting = tmp_path / "meeting"
@@ -166,13 +175,28 @@ def test_two_processes_that_build_at_once_both_succeed(folder, tmp_path):
     said = [process.communicate(timeout=60)[0].strip() for process in started]
 
     assert [process.returncode for process in started] == [0, 0]
-    assert len(list(meeting.iterdir())) == 2, "they did not overlap"
+    assert len(list(meeting.iterdir())) == builders
     assert said[0] == said[1]
     assert leftovers(folder) == []
     assert cache_info().entries == 1
 
 
-def test_other_process_that_was_first_wins():
+def test_a_builder_that_dies_lets_the_next_one_build(tmp_path):
+    script = textwrap.dedent("""
+        import os
+        from wmr_ctrl.codegen.cache import build_cached
+
+        build_cached({"a.c": "int a;", "inner/b.h": b"int b;"}, lambda folder: os._exit(3))
+    """)
+    died = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
+
+    assert died.returncode == 3
+    assert build_cached(SOURCES, Compiler()).read_bytes() == b"int a;int b;"
+
+
+def test_other_process_that_was_first_wins(monkeypatch):
+    monkeypatch.setattr(cache, "_alone", lambda entry: nullcontext())
+
     def beaten(folder: Path) -> Path:
         first.append(build_cached(SOURCES, Compiler()))
         (folder / "lib.so").write_bytes(b"mine")

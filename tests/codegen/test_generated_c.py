@@ -11,24 +11,30 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from wmr_ctrl.sim.structs import REALS
 
-from wmr_ctrl.codegen.build import build_loop, unity
+from wmr_ctrl.codegen.build import LOOP, build_loop, program_of, unity
 from wmr_ctrl.codegen.emit import definition, kernel
-from wmr_ctrl.codegen.kernels import loop_kernels, loop_systems
-from wmr_ctrl.codegen.source import sources
+from wmr_ctrl.codegen.kernels import loop_kernels
+from wmr_ctrl.compiled import elements
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.native import load
+from wmr_ctrl.sim.memory import REALS, load
+from wmr_ctrl.world.effect import Rate
 
 SCENARIO = load_scenario("paper-simulation")
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
-EDGE = (6.3, 5.8)
+
+
+def settled(law: str) -> Setup:
+    return settle(SCENARIO, law)
 
 
 def compiled(law: str, name: str) -> object:
     """Call of one exported kernel: arrays in, arrays out."""
-    entry = getattr(load(build_loop(SCENARIO, law).library), f"wmr_export_{name}")
+    entry = getattr(load(build_loop(settled(law)).library), f"wmr_export_{name}")
     entry.restype = None
 
     def call(inputs: list[np.ndarray], sizes: list[int]) -> list[np.ndarray]:
@@ -55,28 +61,47 @@ def admissible(draw: np.random.Generator, size: int) -> tuple[np.ndarray, np.nda
     )
 
 
+def assert_near(ours: list[np.ndarray], theirs: list[np.ndarray]) -> None:
+    for one, other in zip(ours, theirs, strict=True):
+        near = 1e-13 * (1 + abs(other).max(initial=0))
+        assert one == pytest.approx(other, rel=1e-13, abs=near)
+
+
 @every_law
 def test_c_equals_the_virtual_machine(law: str) -> None:
     """To 1e-13 per step, all regions, both signs, boundaries."""
-    item = loop_systems(SCENARIO, law).controller
-    machine = item.function("step", [item.update, item.y, item.d])
-    step, diagnose = compiled(law, "controller_step"), compiled(law, "controller_diagnostics")
+    item = watched_controller(settled(law))
+    machine, step = item.function("step", [item.update, item.y]), compiled(law, "controller")
     draw = np.random.default_rng(0)
     for _ in range(400):
         u, x = admissible(draw, len(item.x0))
         wanted = [part.full().ravel() for part in machine(u, x, item.p0)]
-        found = [*step([u, x, item.p0], [len(x), 2]), *diagnose([u, x, item.p0], [wanted[2].size])]
-        for ours, theirs in zip(found, wanted, strict=True):
-            assert ours == pytest.approx(
-                theirs, rel=1e-13, abs=1e-13 * (1 + abs(theirs).max(initial=0))
-            )
+        assert_near(step([u, x, item.p0], [len(x), 2]), wanted)
+
+
+@every_law
+def test_a_logged_sample_equals_the_virtual_machine(law: str) -> None:
+    """Reference, sensors, diagnostics and all, from such states."""
+    loop, p = program_of(settled(law)).loop, np.array(build_loop(settled(law)).parameters[0])
+    sample = next(item.function for item in loop_kernels(loop) if item.name == "sample_logged")
+    step, names = compiled(law, "sample_logged"), elements(loop.columns)
+    desired = [names.index(f"{name}_d") for name in ("x", "y", "theta")]
+    sizes = [sample.numel_out(k) for k in range(3)]
+    draw = np.random.default_rng(0)
+    for _ in range(200):
+        u, memory = admissible(draw, len(loop.x0) - 5)
+        k, w = float(draw.integers(8000)), draw.uniform(-1, 1, loop.draws(Rate.SAMPLE).numel())
+        at = sample(k, np.zeros(len(loop.x0)), p, w)[2].full().ravel()[desired]
+        x = np.concatenate([at + u[7:10] - u[:3], u[10:], memory])
+        wanted = [part.full().ravel() for part in sample(k, x, p, w)]
+        assert_near(step([np.array([k]), x, p, w], sizes), wanted)
 
 
 @every_law
 @pytest.mark.parametrize("hostile", [1e308, -1e308, 5e-324, -0.0, 1e150])
 def test_hostile_values_never_give_nan_where_the_law_is_defined(law: str, hostile: float) -> None:
     """Positions anywhere; the velocity stays inside the limit."""
-    item, step = loop_systems(SCENARIO, law).controller, compiled(law, "controller_step")
+    item, step = watched_controller(settled(law)), compiled(law, "controller")
     for at in (0, 1, 7, 8):
         u = np.array([0, 0, -math.pi / 2, 0.2, 0.1, 0, 0, 0, 0, -math.pi / 2, 0.3, -0.4])
         u[at] = hostile
@@ -86,13 +111,15 @@ def test_hostile_values_never_give_nan_where_the_law_is_defined(law: str, hostil
 
 
 def test_plant_step_equals_the_virtual_machine() -> None:
-    item = loop_systems(SCENARIO, "mb").plant
-    machine, step = item.function("step", [item.update]), compiled("mb", "plant_step")
+    item, h = plant(SCENARIO), SCENARIO.clock.plant
+    machine = item.function("step", [rk4_step(item, ca.SX(h))])
+    step, p = compiled("mb", "step"), np.array(build_loop(settled("mb")).parameters[0])
     draw = np.random.default_rng(0)
     for _ in range(200):
         u, x = draw.normal(size=4) * 20, draw.normal(size=5)
-        found = step([u, x, item.p0], [5])[0]
-        assert found == pytest.approx(machine(u, x, item.p0).full().ravel(), rel=1e-14, abs=1e-15)
+        shown = step([np.zeros(1), u, x, p, np.zeros(1)], [5])[0]
+        wanted = machine([*u, *[0.0] * (item.u.numel() - 4)], x, item.p0).full().ravel()
+        assert shown == pytest.approx(wanted, rel=1e-14, abs=1e-15)
 
 
 def test_every_operation_has_a_c_form_or_is_refused() -> None:
@@ -110,24 +137,18 @@ def test_choices_are_merged_and_nothing_unused_is_left() -> None:
     assert "!" not in text
 
 
+@pytest.mark.parametrize("lanes", [0, 4])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_sources_compile_without_a_warning(compiler: str, tmp_path: Path) -> None:
+def test_sources_compile_without_a_warning(compiler: str, lanes: int, tmp_path: Path) -> None:
     if not shutil.which(compiler):
-        pytest.skip(f"{compiler} is not on this machine")
-    systems = loop_systems(SCENARIO, "nn")
-    for name, text in unity(sources(systems.by_role(), loop_kernels(systems))).items():
+        pytest.skip(f"NOT RUN: {compiler} is not on this machine")
+    program = program_of(settled("nn"))
+    files = unity(program.generated_lanes, LOOP) if lanes else unity(program.generated)
+    for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    command = [
-        compiler,
-        "-std=c99",
-        "-O1",
-        "-Wall",
-        "-Wextra",
-        "-Wpedantic",
-        "-Werror",
-        "-c",
-        "library.c",
-    ]
+    unit = ["library.c", "-DWMR_SET=four", "-DWMR_LANES=4", "-mavx2"] if lanes else ["native.c"]
+    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    command = [compiler, "-std=c99", "-O1", *warnings, "-c", *unit]
 
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
@@ -136,27 +157,27 @@ def test_sources_compile_without_a_warning(compiler: str, tmp_path: Path) -> Non
 
 @every_law
 def test_loading_our_library_keeps_denormal_numbers(law: str) -> None:
-    load(build_loop(SCENARIO, law).library)
+    load(build_loop(settled(law)).library)
 
     assert np.float64(5e-324) / 2 * 2 in (0.0, 5e-324)
     assert float(np.float64(2.3e-308) / 8) > 0.0
 
 
 def test_numbers_are_parameters_so_scenarios_share_a_library() -> None:
-    first = build_loop(SCENARIO, "mb")
-    second = build_loop(
-        load_scenario("paper-simulation", {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}), "mb"
-    )
+    first = build_loop(settled("mb"))
+    changed = {"robot.m": 61.5, "gains.mb.rho": (9.0, 20.0)}
+    second = build_loop(settle(load_scenario("paper-simulation", changed), "mb"))
 
     assert first.library == second.library
-    assert first.manifest["systems"]["controller"] != second.manifest["systems"]["controller"]
+    assert first.law.values != second.law.values
+    assert first.parameters != second.parameters
 
 
 def test_only_marked_names_leave_the_library() -> None:
     if not shutil.which("nm"):
         pytest.skip("nm is not on this machine")
     listed = subprocess.run(
-        ["nm", "-D", "--defined-only", build_loop(SCENARIO, "mb").library],
+        ["nm", "-D", "--defined-only", build_loop(settled("mb")).library],
         capture_output=True,
         text=True,
         check=True,
@@ -169,7 +190,7 @@ def test_only_marked_names_leave_the_library() -> None:
 
 def test_noise_block_is_philox() -> None:
     """Integers to the bit against NumPy, whose block of counter c is ours of c + 1."""
-    library = load(build_loop(SCENARIO, "mb").library)
+    library = load(build_loop(settled("mb")).library)
     for seed in (0, 1, 77):
         key = np.random.SeedSequence(seed).generate_state(2, np.uint64)
         for counter in ((1, 0, 0, 0), (8000, 1, 0, 0), (2**63, 2, 5, 0)):

@@ -19,8 +19,7 @@ from fmpy.validation import validate_fmu
 
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.fmi.export import export_fmu
-from wmr_ctrl.fmi.fat import joined
+from wmr_ctrl.fmi.export import export_fmu, joined
 from wmr_ctrl.laws import LAWS
 
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import pytest
 
 from wmr_ctrl.errors import UnknownNameError
@@ -44,16 +49,89 @@ def test_committed_counterexamples_still_refute() -> None:
 def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
     seen = []
 
-    ledger = prove(QUICK, lambda done, total, entry: seen.append((done, total)), processes=1)
+    ledger = prove(QUICK, lambda share, entry: seen.append(share), processes=1)
 
     assert exit_code(ledger, load(), complete=False) == 0
-    assert seen[-1] == (len(ledger.entries), len(ledger.entries))
+    assert len(seen) == len(ledger.entries)
+    assert seen == sorted(seen)
+    assert seen[-1] == pytest.approx(1)
 
 
 def test_a_beginning_selects_all_of_its_kind() -> None:
     assert set(selected(["authority"])) >= {"authority.shape", "authority.limit"}
     with pytest.raises(UnknownNameError, match="eq25"):
         selected(["eq2x"])
+
+
+def test_patterns_and_several_ids_select() -> None:
+    assert selected(["eq8[67]"]) == ["eq86", "eq87"]
+    assert selected(["guard.*"]) == [key for key in selected(()) if key.startswith("guard.")]
+    assert set(selected(["eq03", "eq86"])) == {"eq03", "eq86"}
+    with pytest.raises(UnknownNameError):
+        selected(["nothing.*"])
+
+
+def test_what_is_asked_for_is_printed_in_full(capsys) -> None:
+    assert command.run_prove(["eq25"]) == 0
+
+    out = capsys.readouterr().out
+    assert "eq25: PROVED" in out
+    for word in ("claim:", "hypotheses:", "method:", "counterexample:", "functions:"):
+        assert word in out
+
+
+def test_workers_end_with_their_parent() -> None:
+    """A worker whose parent is killed, which cleans nothing up, is gone a moment later."""
+    code = (
+        "import os, sys, time; from multiprocessing import get_context;"
+        "from wmr_ctrl.proofs.runner import follow_parent;"
+        "pid = os.fork()\n"
+        "if pid == 0:\n"
+        "    follow_parent(os.getppid()); time.sleep(600)\n"
+        "print(pid, flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        worker = int(parent.stdout.readline())
+        time.sleep(1)
+        parent.terminate()
+    for _ in range(600):
+        if not is_running(worker):
+            return
+        time.sleep(0.1)
+    raise AssertionError("the worker is still there a minute later")
+
+
+def is_running(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def test_exported_obligations_are_smt_lib(tmp_path) -> None:
+    z3 = pytest.importorskip("z3")
+    command.run_export(tmp_path, ["guard.upper"])
+
+    assert "unsat" in (tmp_path / "README.md").read_text(encoding="utf-8")
+    names = {path.name for path in (tmp_path / "guard.upper").iterdir()}
+    assert {"goal-1.smt2", "domain-1.smt2", "hypotheses.smt2"} <= names
+    for path in (tmp_path / "guard.upper").iterdir():
+        solver = z3.Solver()
+        solver.from_file(str(path))
+        wanted = "sat" if path.name == "hypotheses.smt2" else "unsat"
+        assert str(solver.check()) == wanted, path.name
+
+
+def test_the_second_solver_agrees_where_it_is_installed() -> None:
+    pytest.importorskip("cvc5")
+    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
+    claim = next(claim for claim in all_claims() if claim.id == "guard.feasible")
+
+    assert second.confirmed_by(claim.statement(1.0)) == ("cvc5",)
 
 
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:

@@ -75,6 +75,12 @@ def test_cuts_and_numbers_are_put_in_after_the_graph_was_read() -> None:
     assert written(graph, graph.outputs[0]) == "mul(x, inv(sub(p, 2.0)))"
 
 
+def test_a_constant_is_never_cut() -> None:
+    graph = graph_of(T, [ca.if_else(X > 0, Y, 0)], {"friction": ca.SX(0)})
+
+    assert graph.input_names == ("x", "y")
+
+
 @pytest.mark.parametrize("law", sorted(LAWS))
 def test_a_law_is_proved_as_it_is_compiled(law) -> None:
     """Every value of the C function, by operation and operands, is in the graph that proofs see."""

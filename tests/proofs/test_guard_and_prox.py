@@ -8,6 +8,7 @@ from wmr_ctrl.proofs.check import check
 from wmr_ctrl.proofs.claim import Claim
 from wmr_ctrl.proofs.claims import (
     all_claims,
+    composition,
     gain,
     guard,
     guard_delay,
@@ -21,7 +22,7 @@ from wmr_ctrl.proofs.claims import (
 pytest.importorskip("z3")
 pytest.importorskip("flint")
 
-MODULES = (gain, guard, guard_delay, wheel_maps, resolvent, prox, newton, smooth)
+MODULES = (gain, guard, guard_delay, wheel_maps, resolvent, prox, newton, smooth, composition)
 CLAIMS = [c for module in MODULES for c in module.CLAIMS]
 LATE = {"guard.delay.longer", "guard.delay.ignored", "guard.delay.uncapped"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE}
@@ -37,7 +38,7 @@ def test_verdict(claim: Claim) -> None:
         assert entry.verdict == "REFUTED"
         assert entry.counterexample
     else:
-        assert entry.verdict == "PROVED"
+        assert entry.verdict == ("PROVED" if entry.functions else "LEMMA")
         assert entry.mutation_refuted
 
 
@@ -45,4 +46,4 @@ def test_what_a_claim_rests_on_exists() -> None:
     known = {claim.id for claim in all_claims()}
 
     assert len({claim.id for claim in CLAIMS}) == len(CLAIMS)
-    assert all(name in known for claim in CLAIMS for name in claim.uses)
+    assert all(name in known for claim in CLAIMS for name in claim.premises)

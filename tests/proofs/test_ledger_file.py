@@ -70,7 +70,7 @@ def test_every_identity_and_inequality_has_an_entry() -> None:
 
 def test_proved_entries_are_backed() -> None:
     for entry in load().entries:
-        if entry.verdict == "PROVED":
+        if entry.verdict in ("PROVED", "LEMMA"):
             assert entry.mutation_refuted, entry.id
             assert entry.satisfied_at is not None, entry.id
             assert entry.trusted, entry.id
@@ -79,11 +79,25 @@ def test_proved_entries_are_backed() -> None:
             assert entry.counterexample, entry.id
 
 
+def test_proved_entries_name_functions_and_lemmas_have_none() -> None:
+    for entry in load().entries:
+        if entry.verdict == "PROVED":
+            assert entry.functions, entry.id
+        if entry.verdict == "LEMMA":
+            assert not entry.functions, entry.id
+
+
+def test_no_proved_entry_survived_all_alterations() -> None:
+    survivors = [e.id for e in load().entries if e.alterations and not e.alterations["caught"]]
+
+    assert survivors == []
+
+
 def test_uses_name_entries_and_hand_entries_have_their_argument() -> None:
     known = load().by_id()
     lemmas = (ROOT / "docs" / "lemmas.md").read_text(encoding="utf-8")
     for entry in known.values():
-        assert set(entry.uses) <= set(known), entry.id
+        assert set(entry.premises) <= set(known), entry.id
         if entry.verdict == "HAND":
             assert f"## {entry.id}\n" in lemmas, entry.id
 
@@ -95,7 +109,7 @@ def test_guarantees_name_entries() -> None:
 
 
 def test_page_is_current() -> None:
-    assert (ROOT / "docs" / "proofs.md").read_text(encoding="utf-8") == page()
+    assert (ROOT / "docs" / "ledger.md").read_text(encoding="utf-8") == page()
 
 
 def test_page_marks_stale_entries() -> None:

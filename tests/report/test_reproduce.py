@@ -26,7 +26,7 @@ def made_up(monkeypatch, fake_simulate):
     """Made-up runs in place of the engine."""
     monkeypatch.setattr(api, "compile_loop", prepared(fake_simulate))
     monkeypatch.setattr(api, "_facts", lambda laws, quick: Facts())
-    monkeypatch.setattr("wmr_ctrl.sim.together.run_each", in_turn)
+    monkeypatch.setattr("wmr_ctrl.sim.many.run_each", in_turn)
 
 
 @pytest.mark.usefixtures("idle")

@@ -26,7 +26,9 @@ NASTY = [math.nan, math.inf, -math.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.
 LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 
 # The folder of a test is reused by all its examples, each of which writes its file anew.
-reusing_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+reusing_folder = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 short_reusing_folder = settings(reusing_folder, max_examples=50)
 
 

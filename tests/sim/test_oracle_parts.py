@@ -26,7 +26,7 @@ from wmr_ctrl.scenario import (
 from wmr_ctrl.sim.oracle import actuator, noise
 from wmr_ctrl.sim.oracle.plant import Plant, limited_force, plants, wheel_torques
 from wmr_ctrl.sim.oracle.references import reference_of
-from wmr_ctrl.sim.oracle.sensing import Sensor as OracleSensor
+from wmr_ctrl.sim.oracle.sensing import Sensors as OracleSensor
 
 # -- noise ----
 
@@ -70,7 +70,7 @@ def test_truncated_noise_redraws_only_what_is_beyond() -> None:
     assert 0 < inside.sum() < 500
     assert np.array_equal(held[inside], free[inside])
     assert np.abs(held).max() <= 1.5
-    assert np.abs(noise.torque_noise(key, 20, Disturbance(1.0, truncate=1e-9))).max() <= 1e-9
+    assert np.abs(noise.torque_noise(key, 20, Disturbance(std=1.0, truncate=1e-9))).max() <= 1e-9
 
 
 # -- references ----
@@ -159,7 +159,7 @@ def test_torque_limit_serves_the_thrust_first() -> None:
 
 
 def test_drive_delays_then_lags() -> None:
-    drive = actuator.Actuator(Actuator(delay=0.002, lag=0.01), 0.001)
+    drive = actuator.Drives(Actuator(delay=0.002, lag=0.01), 0.001)
     acting = [drive.advance((1.0, -2.0)) for _ in range(5)]
 
     keep = math.exp(-0.1)

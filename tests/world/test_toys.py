@@ -29,6 +29,7 @@ TOYS = {
     "sensor of the way": {"toy_encoder.step": 0.0005},
     "drive with state": {"toy_ramp.rate": 100.0},
     "drive behind a delay": {"toy_ramp.rate": 100.0, "actuator.delay": 0.007},
+    "delay of its own": {"toy_late.time": 0.023},
     "force on the body": {"toy_slope.angle": 0.03},
     "draws in each step": {"toy_gust.torque": 0.05},
     "reference with state": {"reference.kind": "toy-clothoid"},
@@ -146,6 +147,17 @@ def test_the_guard_counts_an_effect_by_its_bound():
     assert steep.dbar[0] == pytest.approx(plain.dbar[0] + pull)
     assert steep.dbar[1] == plain.dbar[1]
     assert steep.nbar == pytest.approx((0.0, 0.01))
+
+
+def test_the_guard_counts_a_delay_of_another_effect():
+    changes = {"toy_late.time": 0.02, "disturbance.truncate": 3.0, "clock.duration": 8.0}
+    run = simulate("far-start-drop", LAW, seed=1, guard=True, overrides=changes)
+    same = {**changes, "toy_late.time": 0.0, "actuator.delay": 0.02}
+    stated = simulate("far-start-drop", "pid", seed=1, guard=True, overrides=same)
+    other = simulate("far-start-drop", "pid", seed=1, guard=True, overrides=changes)
+
+    assert run.monitor.violations == 0
+    assert np.array_equal(stated["v1"], other["v1"])
 
 
 def test_the_guard_keeps_its_limit_on_the_slope():

@@ -264,3 +264,38 @@ def clothoid(scenario: Scenario) -> System:
 
 CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid)
 EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST)
+
+
+# A drive that is late by a number of its own: the loop's queue has room for it.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyLate(Section):
+    """How late it is."""
+
+    KEY: ClassVar[str] = "toy_late"
+
+    time: float = quantity(0.0, unit="s", doc="how long a torque takes to arrive", minimum=0)
+
+
+def late(scenario: Scenario) -> System:
+    """The torque that arrives."""
+    torque, p = ports(TORQUE), Parameters(scenario)
+    time = p.take("toy_late.time")
+    return System(
+        "toy_late", "late drive", torque, (), p.ports, ca.SX(0, 1),
+        tuple(Output(item.signal, item.sym) for item in torque),
+        period=scenario.clock.plant, transport=time,
+    )  # fmt: skip
+
+
+LATE = Effect(
+    name="toy late drive",
+    role=EffectRole.DRIVE,
+    section=ToyLate,
+    build=late,
+    acts=lambda scenario: scenario.section(ToyLate).time > 0,
+    bound=lambda scenario: Bound(delay=scenario.section(ToyLate).time),
+    rate=Rate.STEP,
+)
+EFFECTS = (*EFFECTS, LATE)

@@ -47,7 +47,7 @@ class Silent:
 
 
 class Simulate(Protocol):
-    """Runs many loops at a time, such as `wmr_ctrl.sim.together.run_each`."""
+    """Runs many loops at a time, such as `wmr_ctrl.sim.many.run_each`."""
 
     def __call__(
         self,

@@ -150,9 +150,9 @@ def _drives(loop: Loop) -> dict[str, float]:
 def operating_points(scenario: Scenario) -> list[Floats]:
     """Desired velocities (2) of some points of the reference, moved inside v_u2."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
-    found = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
+    speeds = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
     bound = INSIDE * np.array(scenario.limits.v_u2)
-    return list(np.unique(np.clip(found, -bound, bound).round(9), axis=0))
+    return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))
 
 
 def closed_loop(loop: Loop, v_d: Floats, period: float) -> Floats:

@@ -23,11 +23,11 @@ def bench(file: str | None) -> None:
     check_output(file, (".json",), "--json")
     api: Any = import_module("wmr_ctrl.api")
     with Progress("benchmarks") as progress:
-        found = api.bench(progress=progress)
+        measured = api.bench(progress=progress)
     if file:
         from wmr_ctrl.results import atomic_write
 
         with atomic_write(file, text=True) as stream:
-            stream.write(json_text(found) + "\n")
+            stream.write(json_text(measured) + "\n")
         say("wrote", file)
-    click.echo(found["text"])
+    click.echo(measured["text"])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
 
-    Found = Mapping[str, Sequence[Warning]]
+    Warned = Mapping[str, Sequence[Warning]]
     Runs = Mapping[str, Run]
 
 
@@ -51,13 +51,13 @@ def check(
     from wmr_ctrl.laws import LAWS
 
     case = load(scenario, assignments, guard)
-    found = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
-    periods = {law: largest_stable_period(case, law) for law in found}
-    runs = _runs(case, found)
+    warned = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
+    periods = {law: largest_stable_period(case, law) for law in warned}
+    runs = _runs(case, warned)
     if as_json:
-        print_json(_document(case, found, periods, runs))
+        print_json(_document(case, warned, periods, runs))
     else:
-        click.echo("\n".join(_lines(case, found, periods, runs)))
+        click.echo("\n".join(_lines(case, warned, periods, runs)))
 
 
 def _runs(scenario: Scenario, laws: Iterable[str]) -> dict[str, Run]:
@@ -72,31 +72,31 @@ def _runs(scenario: Scenario, laws: Iterable[str]) -> dict[str, Run]:
 
 
 def _document(
-    scenario: Scenario, found: Found, periods: Mapping[str, float], runs: Runs
+    scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs
 ) -> dict[str, Any]:
     laws = {
         law: {
             "largest_stable_period": periods[law],
             "warnings": [asdict(warning) for warning in warnings],
         }
-        for law, warnings in found.items()
+        for law, warnings in warned.items()
     }
     return {
         "scenario": scenario.name,
         "valid": True,
-        "warnings": list(_merged(found)),
+        "warnings": list(_merged(warned)),
         "nominal": {law: _nominal(run) for law, run in runs.items()},
         "max_period": dict(periods),
         "laws": laws,
     }
 
 
-def _merged(found: Found) -> Iterator[dict[str, str | None]]:
+def _merged(warned: Warned) -> Iterator[dict[str, str | None]]:
     """Every warning once: without a law where it concerns all of several."""
-    shared = _shared(found)
+    shared = _shared(warned)
     for warning in shared:
         yield {"key": warning.key, "law": None, "text": str(warning)}
-    for law, warnings in found.items():
+    for law, warnings in warned.items():
         for warning in warnings:
             if warning not in shared:
                 yield {"key": warning.key, "law": law, "text": str(warning)}
@@ -110,13 +110,15 @@ def _nominal(run: Run) -> dict[str, Any]:
     return {key: figures[key] for key in keys}
 
 
-def _lines(scenario: Scenario, found: Found, periods: Mapping[str, float], runs: Runs) -> list[str]:
+def _lines(
+    scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs
+) -> list[str]:
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
-    shared = _shared(found)
+    shared = _shared(warned)
     if shared:
         lines += ["", "all laws", *(_item(str(warning)) for warning in shared)]
-    for law, warnings in found.items():
+    for law, warnings in warned.items():
         own = [str(warning) for warning in warnings if warning not in shared]
         lines += ["", f"{law}, {_stable(periods[law])}", *_of_law(own, runs.get(law))]
     return lines
@@ -144,12 +146,12 @@ def _sight(run: Run) -> str:
     return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{held}"
 
 
-def _shared(found: Found) -> list[Warning]:
+def _shared(warned: Warned) -> list[Warning]:
     """Warnings that all of several laws get."""
-    if len(found) < 2:
+    if len(warned) < 2:
         return []
-    first = next(iter(found.values()))
-    return [item for item in first if all(item in warnings for warnings in found.values())]
+    first = next(iter(warned.values()))
+    return [item for item in first if all(item in warnings for warnings in warned.values())]
 
 
 def _item(text: str) -> str:

@@ -40,10 +40,10 @@ def compare(ctx: click.Context, run_a: str, run_b: str, tolerance: float, as_jso
     from wmr_ctrl.results import compare as compare_runs
     from wmr_ctrl.results import load_run
 
-    found = compare_runs(load_run(run_a), load_run(run_b), tolerance)
+    comparison = compare_runs(load_run(run_a), load_run(run_b), tolerance)
     if as_json:
-        print_json(asdict(found))
+        print_json(asdict(comparison))
     else:
-        click.echo(str(found))
-    if found.verdict not in ("equal", "agree"):
+        click.echo(str(comparison))
+    if comparison.verdict not in ("equal", "agree"):
         ctx.exit(DIFFERENCE)

@@ -6,7 +6,6 @@ import json
 import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import click
 
@@ -39,12 +38,12 @@ def wrapped(text: str, indent: str = "", hang: str = "") -> str:
     )
 
 
-def print_json(value: Any) -> None:
+def print_json(value: object) -> None:
     """Print one JSON document on stdout, with null for whatever is not a finite number."""
     click.echo(json_text(value))
 
 
-def json_text(value: Any) -> str:
+def json_text(value: object) -> str:
     """The same document as a text."""
     from wmr_ctrl.results import json_safe
 

@@ -63,10 +63,10 @@ def cosim(
     from wmr_ctrl.results import save_run
 
     check_output(out, RUNS, "--out")
-    settled = load(scenario, assignments)
-    with Progress(f"{law} on {settled.name}, as FMUs") as progress:
+    case = load(scenario, assignments)
+    with Progress(f"{law} on {case.name}, as FMUs") as progress:
         run = api.cosimulate(
-            settled, law, plant=plant, controller=controller, map_file=map_file, master=master,
+            case, law, plant=plant, controller=controller, map_file=map_file, master=master,
             seed=seed, progress=progress,
         )  # fmt: skip
     if out:

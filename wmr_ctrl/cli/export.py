@@ -43,6 +43,6 @@ def export(
     from wmr_ctrl import api
 
     check_folder(out, "--out")
-    settled = load(scenario, assignments)
-    for path in api.export_fmu(what, law=law, scenario=settled, fmi=fmi, target=target, out=out):
+    case = load(scenario, assignments)
+    for path in api.export_fmu(what, law=law, scenario=case, fmi=fmi, target=target, out=out):
         say("wrote", str(path))

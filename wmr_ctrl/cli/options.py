@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 SCENARIO = "paper-simulation"
+F = TypeVar("F", bound=Callable[..., object])
 
 
 def _remember_debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:
@@ -51,7 +52,9 @@ class Seed(click.ParamType):
 
     name = "seed"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+    def convert(
+        self, value: str | int, param: click.Parameter | None, ctx: click.Context | None
+    ) -> int:
         """The number, or click's refusal of anything else."""
         try:
             seed = int(value)
@@ -62,7 +65,7 @@ class Seed(click.ParamType):
         return seed
 
 
-def json_option(text: str = "Print one JSON document instead.") -> Any:
+def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:
     """The option ``--json`` with its own help text."""
     return click.option("--json", "as_json", is_flag=True, help=text)
 

@@ -12,25 +12,44 @@ from wmr_ctrl.cli.progress import Progress
 
 @click.command(
     short_help="Check the paper's equations by machine.",
-    epilog=examples("wmr-ctrl prove", "wmr-ctrl prove --only eq25.printed --json entry.json"),
+    epilog=examples(
+        "wmr-ctrl prove",
+        "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
+        "wmr-ctrl prove --export obligations",
+    ),
 )
-@click.option("--only", multiple=True, metavar="ID", help="Only this entry. May be repeated.")
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="ID",
+    help="Only this entry: an id, its beginning, or a pattern such as 'guard.*'. May be repeated; "
+    "what was checked is then printed in full.",
+)
 @click.option("--json", "file", metavar="FILE", help="Also write all entries to FILE (.json).")
+@click.option(
+    "--export",
+    "folder",
+    metavar="DIR",
+    help="Check nothing; write the obligations of the z3 entries to DIR as SMT-LIB 2.",
+)
 @debug_option
-def prove(only: tuple[str, ...], file: str | None) -> None:
+def prove(only: tuple[str, ...], file: str | None, folder: str | None) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
     Claims are about the very graphs that the C is made from. The exit code is 1 where a verdict
     differs from the committed one, and 3 where a proving package is missing, so that entries are
     NOT_CHECKED.
     """
-    from wmr_ctrl.proofs.command import run_prove
+    from wmr_ctrl.proofs.command import run_export, run_prove
 
+    if folder is not None:
+        run_export(Path(folder), only)
+        return
     check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
 
-        def told(done: int, total: int, _entry: object) -> None:
-            progress(done / total)
+        def tell(share: float, _entry: object) -> None:
+            progress(share)
 
-        code = run_prove(only, Path(file) if file else None, told)
+        code = run_prove(only, Path(file) if file else None, tell)
     raise click.exceptions.Exit(code)

@@ -65,7 +65,7 @@ class Root(click.Group):
             raise UnknownNameError("command", args[0], self.commands)
         return super().resolve_command(ctx, args)
 
-    def invoke(self, ctx: click.Context) -> Any:
+    def invoke(self, ctx: click.Context) -> object:
         """Run the command; a reader that went away (``| head``) ends it quietly."""
         try:
             result = super().invoke(ctx)

@@ -71,8 +71,8 @@ def run(
     diverges is a result like any other: the exit code is 0, and the outcome says so.
     """
     _check_outputs(out, plot, animate)
-    settled = load(scenario, assignments, guard)
-    finished = _simulated(settled, law, seed, engine)
+    case = load(scenario, assignments, guard)
+    finished = _simulated(case, law, seed, engine)
     _write(finished, out, plot, animate)
     show(finished, as_json)
 

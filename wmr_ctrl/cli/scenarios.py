@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from wmr_ctrl.cli.console import print_json, table
-from wmr_ctrl.cli.gains import gains_docs
 from wmr_ctrl.cli.options import debug_option, examples, json_option, load, set_option
 
 
@@ -55,3 +56,23 @@ def _print(name: str, as_json: bool, assignments: tuple[str, ...]) -> None:
         print_json({"name": scenario.name, **scenario_dict(scenario)})
     else:
         click.echo(to_toml(scenario, gains_docs=gains_docs()), nl=False)
+
+
+Docs = dict[str, dict[str, tuple[Any, str, str]]]
+
+
+def gains_docs() -> Docs:
+    """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
+    from wmr_ctrl.control.setup import KINEMATICS
+    from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.model.auxiliary import KinematicGains
+
+    tables: dict[str, type] = {KINEMATICS: KinematicGains}
+    tables |= {law: LAWS[law].gains for law in LAWS}
+    return {law: _documented(gains) for law, gains in tables.items()}
+
+
+def _documented(gains: type) -> dict[str, tuple[Any, str, str]]:
+    from wmr_ctrl.scenario import quantities
+
+    return {name: (what.default, what.unit, what.doc) for name, what in quantities(gains)}

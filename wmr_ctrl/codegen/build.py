@@ -38,9 +38,9 @@ from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.model.system import System, values
 from wmr_ctrl.signals import PLANT_STATE, Signal
 
-_LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
-NATIVE = ("native.c", *_LOOP)
-OUTSIDE = ("outside.c", *_LOOP[1:])
+LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
+NATIVE = ("native.c", *LOOP)
+OUTSIDE = ("outside.c", *LOOP[1:])
 _DISPATCH = "dispatch.c"
 
 
@@ -68,13 +68,13 @@ def build_loop(setup: Setup) -> CompiledLoop:
 
     Raises CompilerError without a working compiler.
     """
-    program = _program(setup)
+    program = program_of(setup)
     return _filled(program, setup, program.native, program.digest)
 
 
 def build_batch(setup: Setup) -> CompiledLoop:
     """The same for lanes of robots."""
-    program = _program(setup)
+    program = program_of(setup)
     return _filled(program, setup, program.lanes, program.lanes_digest)
 
 
@@ -119,10 +119,10 @@ class Program:
         """The library for lanes."""
         toolchain = find_toolchain()
         dispatch = (runtime_dir() / _DISPATCH).read_text(encoding="utf-8")
-        files = {**unity(self.generated_lanes, _LOOP), _DISPATCH: dispatch}
+        files = {**unity(self.generated_lanes, LOOP), _DISPATCH: dispatch}
         chosen = (BASELINE,) if toolchain.misaligns_vectors else vector_sets()
         units = [
-            Unit(item.name, _LOOP[0], tuple(flags_of(item, toolchain)), item is not BASELINE)
+            Unit(item.name, LOOP[0], tuple(flags_of(item, toolchain)), item is not BASELINE)
             for item in chosen
         ]
         return build_units(files, units, Unit("dispatch", _DISPATCH), toolchain, name="batch")
@@ -140,7 +140,7 @@ _PROGRAMS: dict[Hashable, Program] = {}
 _MOST_PROGRAMS = 256
 
 
-def _program(setup: Setup) -> Program:
+def program_of(setup: Setup) -> Program:
     """The program of a setup's structure, kept for the next setup that shares it."""
     structure = structure_of(setup)
     if structure not in _PROGRAMS:
@@ -163,6 +163,7 @@ def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> Compi
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
         start_of(setup, program.loop.x0),
+        delay_steps_of(program.loop, first),
     )
 
 
@@ -209,17 +210,20 @@ def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
         LawLayout((), (), (), (), ()),
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
-        (
-            *setup.scenario.initial.pose,
-            *setup.scenario.initial.velocity,
-            *values(state)[len(PLANT_STATE) :],
-        ),
+        start_of(setup, values(state)),
+        delay_steps_of(loop, first),
     )
 
 
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
     """A setup's values of parameters, by their keys, flat and in order."""
     return tuple(number for item in parameters for number in setup.value(item.name))
+
+
+def delay_steps_of(loop: LoopGraphs | OutsideGraphs, parameters: tuple[float, ...]) -> int:
+    """Plant steps for which a command is under way, for the values of a loop's parameters."""
+    number = loop.delay_steps(parameters)
+    return round(float(number))
 
 
 def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
@@ -256,6 +260,8 @@ def flags_of(vectors: Vectors, toolchain: Toolchain) -> Iterator[str]:
         yield f"-mcpu={vectors.target.replace('-', '_')}"
     elif vectors.target:
         yield f"-march={vectors.target}"
+    if vectors.target and toolchain.fuses_pairs:
+        yield "-fno-tree-vectorize"  # lanes are vectors already, and their scalars must not fuse
 
 
 def unity(generated: dict[str, str], files: tuple[str, ...] = NATIVE) -> dict[str, str | bytes]:

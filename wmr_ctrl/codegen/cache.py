@@ -1,15 +1,17 @@
 """Build cache on disk: one folder per library, named by the content that went into it.
 
 An entry is built in a folder of its own beside the others and then renamed, so a reader sees a
-whole entry or none: a compiler that fails or is killed leaves nothing behind, and of two
-processes that build the same entry at once the slower one throws its copy away.
+whole entry or none: a compiler that fails or is killed leaves nothing behind.  Of several processes
+or threads that ask for one entry the first builds it and the others wait; where a drive knows no
+locks they all build, and the slower ones throw their copies away.
 
-Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}`` and ``<cache>/zig/`` for the
-files that zig keeps for itself.
+Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/locks/<key>``, and
+``<cache>/zig/`` for the files that zig keeps for itself.
 """
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -19,7 +21,8 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,7 +79,8 @@ def build_cached(
     if present:
         return present
     entry = cache_dir() / "kernels" / name
-    return _intact(entry) or _build(entry, sources, compile_in)
+    with _alone(entry):
+        return _intact(entry) or _build(entry, sources, compile_in)
 
 
 def content_key(sources: Sources, key: Sequence[str] = ()) -> str:
@@ -101,7 +105,7 @@ def cache_info() -> CacheInfo:
 def clear_cache() -> CacheInfo:
     """Remove everything that the cache holds and return what was there."""
     info = cache_info()
-    for name in ("kernels", "text", "zig"):
+    for name in ("kernels", "locks", "text", "zig"):
         shutil.rmtree(info.folder / name, ignore_errors=True)
     _checked.clear()
     return info
@@ -141,6 +145,35 @@ def _intact(entry: Path) -> Path | None:
         return None
     _checked.add(known)
     return library
+
+
+@contextmanager
+def _alone(entry: Path) -> Iterator[None]:
+    """Wait until nobody else builds an entry.  A lock ends with the process that holds it."""
+    with ExitStack() as held:
+        try:
+            folder = entry.parent.parent / "locks"
+            folder.mkdir(parents=True, exist_ok=True)
+            _lock(held.enter_context((folder / entry.name).open("ab")).fileno())
+        except OSError:
+            pass  # no locks here, or no room for one: building says so if it must
+        yield
+
+
+def _lock(file: int) -> None:
+    """Lock an open file for this process alone; waits as long as it takes."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        while True:
+            try:
+                return msvcrt.locking(file, msvcrt.LK_LOCK, 1)  # gives up after ten seconds
+            except OSError as error:
+                if error.errno != errno.EDEADLK:
+                    raise
+    import fcntl
+
+    fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _sha256(path: Path) -> str:

@@ -33,6 +33,9 @@ _REMEDY = (
 )
 _FULL = re.compile("no space left|nospaceleft|disk quota exceeded", re.IGNORECASE)
 _VALUE_SAFE = ("-fno-fast-math", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+UNFUSED = ("-mno-fma", "-mno-fma4", "-mno-avx512f")
+"""Without these instructions GCC cannot fuse: from 12 on it makes one vfmaddsub of a product with a
+sum and a product with a difference side by side, whatever -ffp-contract says."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 
@@ -49,6 +52,12 @@ class Toolchain:
     def misaligns_vectors(self) -> bool:
         """Whether it is a GCC for Windows, which keeps wide vectors on a stack of 16 bytes."""
         return os.name == "nt" and not (is_zig(self.command) or "clang" in self.name)
+
+    @property
+    def fuses_pairs(self) -> bool:
+        """Whether it may be a GCC for x86, which fuses pairs of operations unasked."""
+        x86 = platform.machine().lower() in ("x86_64", "amd64")
+        return x86 and not (is_zig(self.command) or "clang" in f"{self.name} {self.version}")
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -68,7 +77,8 @@ class Toolchain:
         """
         kept = tuple(flag for flag in self.flags if flag != "-mcpu=baseline")
         mcpu = is_zig(self.command) or platform.machine().lower() in ("arm64", "aarch64")
-        return replace(self, flags=(*kept, "-mcpu=native" if mcpu else "-march=native"))
+        unfused = UNFUSED if self.fuses_pairs else ()
+        return replace(self, flags=(*kept, "-mcpu=native" if mcpu else "-march=native", *unfused))
 
 
 def is_zig(command: Sequence[str]) -> bool:

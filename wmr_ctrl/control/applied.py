@@ -77,11 +77,11 @@ class Applied:
         acting = self.acting[0].sym if self.acting else ca.SX.zeros(2)
         total = ca.SX.zeros(2)
         for wanted, count in pieces:
-            kept = self.decay**count
+            share = self.decay**count
             total = total + count * wanted
             if self.acting:
-                total = total + self.decay * (1 - kept) / (1 - self.decay) * (acting - wanted)
-            acting = wanted + kept * (acting - wanted)
+                total = total + self.decay * (1 - share) / (1 - self.decay) * (acting - wanted)
+            acting = wanted + share * (acting - wanted)
         return total / self.steps, acting
 
 

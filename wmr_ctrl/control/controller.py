@@ -7,7 +7,7 @@ import casadi as ca
 from wmr_ctrl.control.applied import Applied
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
-from wmr_ctrl.guard.monitor import Monitor
+from wmr_ctrl.guard.monitor import GuardMonitor
 from wmr_ctrl.guard.wheel_map import MAPS, linear_first
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.laws.sample import Sample
@@ -61,7 +61,7 @@ def guard(setup: Setup) -> System:
 
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, Monitor]:
+) -> tuple[ca.SX, GuardMonitor]:
     """Wheel torques (2,) [N m] of a guarded force, and what watches over the guard's bounds."""
     r, half_track, phi = _wheels(setup, p)
     both = bounds_of(p, applied.under_way)
@@ -74,7 +74,7 @@ def _guarded_torque(
 
 def _watched_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, Monitor]:
+) -> tuple[ca.SX, GuardMonitor]:
     """`_limited_torque`, and what watches over the bounds that a guard would use."""
     torque, both = _limited_torque(setup, p, asked), bounds_of(p, applied.under_way)
     return torque, _monitor(p, both, v, applied, _wheels(setup, p), ca.SX.zeros(2))
@@ -93,10 +93,10 @@ def _monitor(
     applied: Applied,
     wheels: tuple[ca.SX, ca.SX, ca.SX],
     active: ca.SX,
-) -> Monitor:
+) -> GuardMonitor:
     r, half_track, phi = wheels
     flags = (active, possible(p, both, phi, half_track))
-    return Monitor(both, v, applied.value, (r, half_track), flags)
+    return GuardMonitor(both, v, applied.value, (r, half_track), flags)
 
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -161,6 +161,11 @@ class LoopGraphs:
         """Numbers of CLOCK, then two for each stream."""
         return clock_numbers(self.parameters, self._late, self.streams)
 
+    @cached_property
+    def delay_steps(self) -> ca.Function:
+        """From the values of the parameters to the delay in plant steps."""
+        return delay_of(self.clock, self.parameters)
+
     def _compose_sample(self, sensors: list[System]) -> None:
         rate, known = self.sample, self.sample.known
         known[PSI.name] = known[POSE[2].name] + ca.pi / 2
@@ -238,6 +243,11 @@ class OutsideGraphs:
         self.parameters.take("limits.v_u1")
         self.clock = clock_numbers(self.parameters, late, self.streams)
 
+    @cached_property
+    def delay_steps(self) -> ca.Function:
+        """From the values of the parameters to the delay in plant steps."""
+        return delay_of(self.clock, self.parameters)
+
     @property
     def streams(self) -> tuple[Stream, ...]:
         """Random numbers of both rates."""
@@ -261,6 +271,12 @@ class OutsideGraphs:
     def draws(self, rate: Rate) -> ca.SX:
         """Random numbers of one rate."""
         return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
+
+
+def delay_of(clock: ca.SX, p: Parameters) -> ca.Function:
+    """From the values of the parameters to the delay in plant steps."""
+    symbols = stack(item.sym for item in p.ports)
+    return ca.Function("delay", [symbols], [clock[CLOCK.index("delay_steps")]])
 
 
 def clock_numbers(p: Parameters, late: ca.SX, streams: tuple[Stream, ...]) -> ca.SX:

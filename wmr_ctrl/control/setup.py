@@ -125,9 +125,9 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     present = EFFECTS.present(scenario)
     if scenario.guard.enabled or chosen is None:
         _check_bounds(present)
-    settled = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
+    numbers_of = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
-    guard = settled(scenario, bound, limit)
+    guard = numbers_of(scenario, bound, limit)
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)

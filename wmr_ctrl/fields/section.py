@@ -17,7 +17,7 @@ from typing import Any, ClassVar, TypeVar
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
-from wmr_ctrl.fields.values import Bounds, Quantity, kind_of
+from wmr_ctrl.fields.values import Quantity, Range, kind_of
 from wmr_ctrl.signals import Signal
 
 REQUIRED = dataclasses.MISSING
@@ -46,7 +46,7 @@ def quantity(
     overrules this (``"points"`` is a list of pairs of any length); ``size`` makes a field that may
     be left out a vector.  Bounds hold for every element, in ``unit``; ``infinite`` admits inf.
     """
-    bounds = Bounds(above, minimum, below, maximum, infinite)
+    bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
     what = Quantity(default, unit, doc, bounds, kind or _kind(default), elements, options)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}

@@ -16,7 +16,7 @@ LARGEST = 1e12
 
 
 @dataclass(frozen=True)
-class Bounds:
+class Range:
     """Range that every element of a quantity must keep; ``None`` means no bound on that side."""
 
     above: float | None = None
@@ -56,7 +56,7 @@ class Quantity:
     default: Any
     unit: str
     doc: str
-    bounds: Bounds
+    bounds: Range
     kind: str
     size: int = 0
     options: tuple[str, ...] = ()

@@ -18,10 +18,9 @@ from wmr_ctrl.codegen.block import (
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fmi.bounds import clock_of, ranges_of
-from wmr_ctrl.fmi.model import Dependency, Model
+from wmr_ctrl.fmi.model import Dependency, FmuModel
 from wmr_ctrl.fmi.variables import (
     TIME,
-    Role,
     Variable,
     input_rows,
     output_rows,
@@ -39,18 +38,18 @@ CHANGED = ("robot.m", "robot.I", "robot.mu")
 """The plant's parameters that may be changed while it runs, as the paper does at 40 s."""
 
 
-def plant_model(scenario: Scenario) -> Model:
+def plant_model(scenario: Scenario) -> FmuModel:
     """The robot: torques in, pose, velocity and heading out."""
     return _model("plant", "Wheeled robot, Eqs. (1)-(6)", scenario, plant_block(scenario), CHANGED)
 
 
-def law_model(setup: Setup) -> Model:
+def law_model(setup: Setup) -> FmuModel:
     """One control law: reference, pose and velocity in, torques and diagnostics out."""
     law = setup.control_law
     return _model(law.name, f"Control law: {law.title}", setup.scenario, law_block(setup))
 
 
-def guard_model(scenario: Scenario) -> Model:
+def guard_model(scenario: Scenario) -> FmuModel:
     """The velocity guard behind any law: asked force in, torques out.
 
     Its numbers must be possible, be it switched on in the scenario or not.
@@ -58,12 +57,12 @@ def guard_model(scenario: Scenario) -> Model:
     return _model("guard", "Velocity guard", scenario, guard_block(settle(scenario, None)))
 
 
-def reference_model(scenario: Scenario) -> Model:
+def reference_model(scenario: Scenario) -> FmuModel:
     """The desired trajectory."""
     return _model("reference", "Desired trajectory", scenario, reference_block(scenario))
 
 
-def parallel(model: Model) -> Model:
+def parallel(model: FmuModel) -> FmuModel:
     """The same model for masters that step all parts at once."""
     rows = (replace(v, start=1.0) if v.name == PARALLEL.name else v for v in model.variables)
     return replace(model, variables=tuple(rows))
@@ -80,7 +79,7 @@ def start_of_inputs(scenario: Scenario) -> dict[str, float]:
 
 def _model(
     what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()
-) -> Model:
+) -> FmuModel:
     system = block.system
     sections = _sections(scenario, block, tunable)
     rows = tuple(row for section in sections.values() for row in section)
@@ -90,7 +89,7 @@ def _model(
     layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
     if system.period:
         layout["AT_PARALLEL"] = next(i for i, row in enumerate(rows) if row.name == PARALLEL.name)
-    return Model(
+    return FmuModel(
         what,
         title,
         "sampled" if system.period else "continuous",
@@ -151,12 +150,12 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
     first_input = 0 if _follows_time(system) else 1
     parameters = 1 + count["U"]
     states = parameters + count["P"]
-    found = states + count["X"]
+    results = states + count["X"]
     continuous = system.period is None
     return {
-        "ROWS": found + count["rates"] + count["results"],
+        "ROWS": results + count["rates"] + count["results"],
         "Z": first_input,
-        "NZ": found - first_input,
+        "NZ": results - first_input,
         "U": first_input,
         "NU": count["U"],
         "P": parameters,
@@ -164,7 +163,7 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
         "X": states,
         "NX": count["X"],
         "NY": count["results"] - system.d.numel(),
-        "W": found,
+        "W": results,
         "NW": count["rates"] + count["results"],
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
         "HAS_ME": int(continuous or (_follows_time(system) and not count["X"])),
@@ -172,14 +171,7 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
 
 
 def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, ...]:
-    found: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
+    columns: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
     for row, column, constant in sorted(block.jacobian):
-        found[layout["W"] + row].append((layout["Z"] + column, constant))
-    return tuple(Dependency(row, tuple(on)) for row, on in found.items())
-
-
-def is_known(variable: Variable) -> bool:
-    """Whether outputs at a communication point may depend on it: time, inputs, states."""
-    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (
-        variable.role is Role.START and not variable.discrete
-    )
+        columns[layout["W"] + row].append((layout["Z"] + column, constant))
+    return tuple(Dependency(row, tuple(on)) for row, on in columns.items())

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
+from wmr_ctrl.codegen.build import delay_steps_of, numbers_of
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, clock_of, ranges_of
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, port, stack
@@ -28,10 +29,11 @@ SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
 
 
-def closed_loop_model(setup: Setup) -> Model:
+def closed_loop_model(setup: Setup) -> FmuModel:
     """Reference, sensors, law, drives, disturbances and plant of a setup in one model."""
     loop, scenario = LoopGraphs(setup), setup.scenario
-    ports, absent = _ports(setup, loop), _absent(setup)
+    ports = _ports(setup, loop)
+    absent = _absent(setup, {port.signal.name for port in ports})
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
     ranges |= _drives(scenario) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
     numbers = parameter_rows((*ports, *absent), ranges)
@@ -41,7 +43,7 @@ def closed_loop_model(setup: Setup) -> Model:
         *output_rows((VIOLATIONS,), discrete=True, integer=True),
     ]
     rows = (*parameters, *outputs)
-    return Model(
+    return FmuModel(
         "closed-loop",
         f"Closed loop: {setup.control_law.title}",
         "loop",
@@ -50,7 +52,7 @@ def closed_loop_model(setup: Setup) -> Model:
         loop_constants(loop),
         (*loop_kernels(loop), _plant_kernel(loop)),
         (),
-        _layout(rows, len(parameters), scenario),
+        _layout(rows, len(parameters), scenario, _delay_steps(setup, loop)),
         _tables(rows, loop, scenario),
         None,
         False,
@@ -67,7 +69,12 @@ def _ports(setup: Setup, loop: LoopGraphs) -> tuple[Port, ...]:
     return (*start.ports, *loop.parameters.ports)
 
 
-def _absent(setup: Setup) -> tuple[Port, ...]:
+def _delay_steps(setup: Setup, loop: LoopGraphs) -> int:
+    signals = tuple(item.signal for item in loop.parameters.ports)
+    return delay_steps_of(loop, numbers_of(setup, signals))
+
+
+def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
     """Numbers of effects that this loop does not have: parameters that cannot be changed."""
     ports: dict[str, Port] = {}
     for effect in EFFECTS:
@@ -78,7 +85,7 @@ def _absent(setup: Setup) -> tuple[Port, ...]:
             with suppress(KeyError):  # a text or a flag is no parameter
                 signal, value = number_of(section, name, key)
                 ports[key] = port(signal, value)
-    return tuple(ports.values())
+    return tuple(item for key, item in ports.items() if key not in known)
 
 
 def _plant_kernel(loop: LoopGraphs) -> Kernel:
@@ -116,7 +123,9 @@ def _changes(scenario: Scenario) -> Iterable[Variable]:
             )
 
 
-def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -> dict[str, int]:
+def _layout(
+    rows: tuple[Variable, ...], first_output: int, scenario: Scenario, delay_steps: int
+) -> dict[str, int]:
     at = {row.name: i for i, row in enumerate(rows)}
     return {
         "ROWS": len(rows),
@@ -133,7 +142,7 @@ def _layout(rows: tuple[Variable, ...], first_output: int, scenario: Scenario) -
         "CONTINUOUS_STATES": 0,
         "HAS_ME": 0,
         "CHANGES": len(scenario.changes),
-        "DELAY_MAX": round(scenario.actuator.delay / scenario.clock.plant),
+        "DELAY_MAX": delay_steps,
         "STARTS": len(PLANT_STATE),
         "AT_INITIAL": at["initial.pose[1]"],
         "AT_SEED": at["seed"],

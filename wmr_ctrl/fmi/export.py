@@ -1,8 +1,13 @@
-"""Export: from a scenario to FMU files that need nothing else to run."""
+"""Export: from a scenario to FMU files that need nothing else to run.
+
+Some tools look for an Apple processor's library in FMI 2's folder darwin64; a universal one
+(several libraries in one file, each for its own processor) serves them and Intel alike.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import struct
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from wmr_ctrl import __version__
@@ -11,8 +16,7 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.fat import joined
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
 from wmr_ctrl.fmi.sources import Sources, sources_of
@@ -81,7 +85,7 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
     return VERSIONS[str(fmi)]
 
 
-def model_of(what: str, law: str, scenario: Scenario) -> Model:
+def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
     if what == "plant":
         return plant_model(scenario)
@@ -97,7 +101,7 @@ def model_of(what: str, law: str, scenario: Scenario) -> Model:
 
 
 def write_fmu(
-    model: Model,
+    model: FmuModel,
     version: int,
     targets: tuple[Target, ...],
     path: Path,
@@ -116,7 +120,7 @@ def write_fmu(
     return write_archive(path, packed)
 
 
-def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
+def _texts(model: FmuModel, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
     """Every file but description and binaries."""
     if version == 3:
         yield "terminalsAndIcons/terminalsAndIcons.xml", xml.terminals(model)
@@ -130,7 +134,7 @@ def _texts(model: Model, sources: Sources, version: int) -> Iterator[tuple[str, 
 
 
 def binaries(
-    model: Model, sources: Sources, version: int, targets: tuple[Target, ...]
+    model: FmuModel, sources: Sources, version: int, targets: tuple[Target, ...]
 ) -> dict[str, bytes]:
     """Libraries by their place in the FMU."""
     built = {t.name: (t, compile_for(t, sources, model.identifier).read_bytes()) for t in targets}
@@ -141,6 +145,25 @@ def binaries(
     return packed
 
 
-def _place(model: Model, version: int, target: Target) -> str:
+def _place(model: FmuModel, version: int, target: Target) -> str:
     folder = target.fmi2 if version == 2 else target.name
     return f"binaries/{folder}/{model.identifier}{target.suffix}"
+
+
+MAGIC = 0xCAFEBABE
+_ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
+
+
+def joined(libraries: Sequence[bytes]) -> bytes:
+    """One universal library of Mach-O libraries; a single one stays as it is."""
+    if len(libraries) == 1:
+        return libraries[0]
+    page = 1 << _ALIGNMENT
+    header, body, offset = struct.pack(">II", MAGIC, len(libraries)), b"", page
+    for library in libraries:
+        cpu, subtype = struct.unpack_from("<II", library, 4)
+        header += struct.pack(">IIIII", cpu, subtype, offset, len(library), _ALIGNMENT)
+        padded = library + b"\0" * (-len(library) % page)
+        body += padded
+        offset += len(padded)
+    return header + b"\0" * (page - len(header)) + body

@@ -1,12 +1,13 @@
-"""Model: what goes into one FMU, from a scenario: table of variables, C sources, structure."""
+"""FmuModel: what goes into one FMU, from a scenario: variables, C sources, ModelStructure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from wmr_ctrl.codegen.emit import Kernel
-from wmr_ctrl.fmi.variables import Role, Variable
+from wmr_ctrl.fmi.variables import Role, Variable, is_known
 from wmr_ctrl.scenario import Scenario
 
 KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}
@@ -27,7 +28,7 @@ class Dependency:
 
 
 @dataclass(frozen=True)
-class Model:
+class FmuModel:
     """One FMU's content before any file is written.
 
     ``constants`` and ``layout``: names and numbers for the kernels and for the FMI layer;
@@ -68,3 +69,45 @@ class Model:
     def row(self, name: str) -> int:
         """Row of the variable called ``name``."""
         return next(i for i, item in enumerate(self.variables) if item.name == name)
+
+
+Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]
+"""Row of a calculated variable, and the rows that it depends on (True: linearly, constant)."""
+
+
+def outputs(model: FmuModel) -> list[Unknown]:
+    """Every output; in sampled models they depend on inputs, in continuous ones on states too."""
+    return [_entry(model, i, at_start=False) for i, v in enumerate(model.variables) if v.output]
+
+
+def rates(model: FmuModel) -> list[Unknown]:
+    """The rates of the continuous states."""
+    return [_entry(model, i, at_start=False) for i, v in enumerate(model.variables) if v.rate_of]
+
+
+def initial_unknowns(model: FmuModel) -> list[Unknown]:
+    """What is calculated in initialization mode, from inputs, parameters and start values."""
+    return [
+        _entry(model, i, at_start=True)
+        for i, v in enumerate(model.variables)
+        if v.role is Role.CALCULATED
+    ]
+
+
+def headed(model: FmuModel, on: Iterable[tuple[int, bool]], arrays: bool) -> list[tuple[int, bool]]:
+    """Dependencies with an array's head in place of its elements; constant if all of them are."""
+    heads: dict[int, bool] = {}
+    for row, constant in on:
+        variable = model.variables[row]
+        head = row - variable.index if arrays and variable.array else row
+        heads[head] = heads.get(head, True) and constant
+    return sorted(heads.items())
+
+
+def _entry(model: FmuModel, row: int, *, at_start: bool) -> Unknown:
+    if model.variables[row].role is Role.START:  # a state that is an output: itself
+        return row, [(row, True)]
+    if model.dependencies is None:
+        return row, None if at_start else []
+    on = next(item.on for item in model.dependencies if item.row == row)
+    return row, [(i, constant) for i, constant in on if at_start or is_known(model.variables[i])]

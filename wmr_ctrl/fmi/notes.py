@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 
 _COMMON = (
     "All quantities are in SI units. theta is 0 along +Y and the robot drives along "
@@ -35,6 +35,6 @@ _KIND = {
 }
 
 
-def notes_of(model: Model) -> tuple[str, ...]:
+def notes_of(model: FmuModel) -> tuple[str, ...]:
     """Paragraphs of the documentation page."""
     return (*_KIND[model.kind], *_COMMON)

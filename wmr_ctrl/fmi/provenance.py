@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.variables import Role
 
@@ -21,7 +21,7 @@ TORQUES = {"tau_right": 5.0, "tau_left": 4.5}
 """Constant torques [N m] that the plant's reference result is driven with."""
 
 
-def reference_result(model: Model, files: Mapping[str, bytes]) -> bytes:
+def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
     """CSV of two seconds of co-simulation with constant inputs: time, inputs and outputs."""
     from fmpy import simulate_fmu
 

@@ -14,7 +14,7 @@ from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.plain import plain_sources
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import sources as kernel_sources
-from wmr_ctrl.fmi.model import KINDS, RUNTIME, Model
+from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel
 from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.variables import Variable
 
@@ -47,7 +47,7 @@ class Sources:
         return [name for name in self.files if name.endswith(".c")]
 
 
-def sources_of(model: Model, version: int, *, arrays: bool = True) -> Sources:
+def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources:
     """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
     generated = kernel_sources(model.constants, model.kernels)
     files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
@@ -78,13 +78,13 @@ def _read(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def _token(model: Model, files: dict[str, str]) -> str:
+def _token(model: FmuModel, files: dict[str, str]) -> str:
     """A GUID made of the content: equal content, equal token, and nothing else."""
     text = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
     return f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(text.encode()).hexdigest())}}}"
 
 
-def _rows(model: Model, arrays: bool) -> list[dict[str, str]]:
+def _rows(model: FmuModel, arrays: bool) -> list[dict[str, str]]:
     return [
         {
             "name": v.name,
@@ -110,11 +110,11 @@ def _number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else f"{'-' if value < 0 else ''}DBL_MAX"
 
 
-def _tables(model: Model) -> list[dict[str, str]]:
+def _tables(model: FmuModel) -> list[dict[str, str]]:
     return [_table(model, name, rows) for name, rows in model.tables.items()]
 
 
-def _table(model: Model, name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
+def _table(model: FmuModel, name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
     """One constant array; an empty one still has an element, as C wants it."""
     bodies = ["{" + ", ".join(repr(number) for number in row or [0]) + "}" for row in rows]
     if name == "CHANGE_ROWS":

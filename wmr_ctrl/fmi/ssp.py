@@ -11,7 +11,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.templates import render
@@ -103,13 +103,13 @@ def _is_lost(effect: Effect, scenario: Scenario) -> bool:
     return effect.acts(scenario)
 
 
-def _fmu(model: Model, target: str) -> bytes:
+def _fmu(model: FmuModel, target: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{model.identifier}.fmu"
         return write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
 
 
-def _structure(models: dict[str, Model], scenario: Scenario) -> str:
+def _structure(models: dict[str, FmuModel], scenario: Scenario) -> str:
     ports = {name: list(_ports(model)) for name, model in models.items()}
     every = [port["unit"] for listed in ports.values() for port in listed]
     return render(
@@ -128,7 +128,7 @@ def _structure(models: dict[str, Model], scenario: Scenario) -> str:
     )
 
 
-def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any]:
+def _part(name: str, model: FmuModel, ports: list[dict[str, str]]) -> dict[str, Any]:
     return {
         "name": name,
         "source": f"resources/{model.identifier}.fmu",
@@ -137,7 +137,7 @@ def _part(name: str, model: Model, ports: list[dict[str, str]]) -> dict[str, Any
     }
 
 
-def _ports(model: Model) -> Iterator[dict[str, str]]:
+def _ports(model: FmuModel) -> Iterator[dict[str, str]]:
     for v in model.variables:
         if v.role is Role.INPUT or (v.output and not v.array):
             yield {
@@ -147,7 +147,7 @@ def _ports(model: Model) -> Iterator[dict[str, str]]:
             }
 
 
-def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
+def _outside(models: dict[str, FmuModel]) -> list[tuple[str, str]]:
     names = {v.name for model in models.values() for v in model.variables if v.output}
     return [
         *((name, "input") for name in DISTURBANCE),
@@ -155,11 +155,11 @@ def _outside(models: dict[str, Model]) -> list[tuple[str, str]]:
     ]
 
 
-def _unit_of(models: dict[str, Model], name: str) -> str:
+def _unit_of(models: dict[str, FmuModel], name: str) -> str:
     return next(v.unit for model in models.values() for v in model.variables if v.name == name)
 
 
-def _connections(models: dict[str, Model]) -> Iterator[list[tuple[str, str]]]:
+def _connections(models: dict[str, FmuModel]) -> Iterator[list[tuple[str, str]]]:
     """Each input to the output of its name; the applied torque is the controller's own."""
     owner = {v.name: part for part, model in models.items() for v in model.variables if v.output}
     renamed = dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True))
@@ -176,7 +176,7 @@ def _line(owner: dict[str, str], source: str, part: str, v: Variable) -> list[tu
     return [*start, ("startConnector", source), ("endElement", part), ("endConnector", v.name)]
 
 
-def _parameters(name: str, model: Model) -> str:
+def _parameters(name: str, model: FmuModel) -> str:
     listed = [v for v in model.variables if v.parameter and not v.integer]
     return render(
         "parameters.ssv",

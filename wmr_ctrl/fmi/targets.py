@@ -55,10 +55,10 @@ def targets_of(name: str) -> tuple[Target, ...]:
     if name == "all":
         return TARGETS
     wanted = host() if name == "host" else name
-    found = tuple(target for target in TARGETS if target.name == wanted)
-    if not found:
+    chosen = tuple(target for target in TARGETS if target.name == wanted)
+    if not chosen:
         raise UnknownNameError("target", wanted, ("host", "all", *(t.name for t in TARGETS)))
-    return found
+    return chosen
 
 
 HEAVY = {
@@ -123,8 +123,8 @@ def _zig(target: Target) -> Toolchain:
     command = (sys.executable, "-P", "-m", "ziglang", "cc")
     base = Toolchain(command, "zig cc", _zig_version(), default_flags(command))
     windows = target.suffix == ".dll"
-    kept = tuple(flag for flag in base.flags if not (windows and flag == "-fPIC"))
-    return replace(base, flags=(*kept, *_stripped(target), "-target", target.triple))
+    flags = tuple(flag for flag in base.flags if not (windows and flag == "-fPIC"))
+    return replace(base, flags=(*flags, *_stripped(target), "-target", target.triple))
 
 
 def _stripped(target: Target) -> Sequence[str]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from wmr_ctrl.codegen.resources import fmu_dir
 
 
-def render(name: str, **values: Any) -> str:
+def render(name: str, **values: object) -> str:
     """Text of the template ``name``; markup in XML and HTML is escaped."""
     return (
         _environment(name.endswith((".xml", ".html", ".ssd", ".ssv")))

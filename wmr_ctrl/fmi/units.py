@@ -32,7 +32,7 @@ _DISPLAY = {"rad": ("deg", 180 / math.pi), "rad/s": ("deg/s", 180 / math.pi)}
 
 
 @dataclass(frozen=True)
-class Unit:
+class NamedUnit:
     """A unit's name, its factor to SI, and its exponents of the base units."""
 
     name: str
@@ -44,13 +44,13 @@ class Unit:
         """Display unit and how many of it are one of this unit, or None."""
         return _DISPLAY.get(self.name)
 
-    def fits(self, other: Unit) -> bool:
+    def fits(self, other: NamedUnit) -> bool:
         """Whether both measure the same kind of quantity; angles count as numbers."""
         return _without_angle(self) == _without_angle(other)
 
 
 @cache
-def unit_of(name: str) -> Unit:
+def unit_of(name: str) -> NamedUnit:
     """Read a unit such as ``kg.m2/s``; raises ArgumentError for what is not one."""
     factor, exponents = 1.0, dict.fromkeys(BASE, 0)
     for place, group in enumerate(name.split("/")):
@@ -61,23 +61,23 @@ def unit_of(name: str) -> Unit:
             factor *= scale**power
             for key, exponent in base.items():
                 exponents[key] += exponent * power
-    return Unit(name, factor, {key: value for key, value in exponents.items() if value})
+    return NamedUnit(name, factor, {key: value for key, value in exponents.items() if value})
 
 
-def units_of(names: Iterable[str]) -> list[Unit]:
+def units_of(names: Iterable[str]) -> list[NamedUnit]:
     """The different units among ``names``, in the order of their names."""
     return [unit_of(name) for name in sorted(set(names))]
 
 
 def _part(text: str, whole: str) -> tuple[str, int]:
-    found = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", text)
-    if not found or found[1] not in _KNOWN:
+    match = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", text)
+    if not match or match[1] not in _KNOWN:
         raise ArgumentError(
             f"unit {whole!r} is not known: {text!r} is none of {', '.join(_KNOWN)}. Write it as in "
             "kg.m2/s, with whole exponents."
         )
-    return found[1], int(found[2] or 1)
+    return match[1], int(match[2] or 1)
 
 
-def _without_angle(unit: Unit) -> dict[str, int]:
+def _without_angle(unit: NamedUnit) -> dict[str, int]:
     return {key: value for key, value in unit.exponents.items() if key != "rad"}

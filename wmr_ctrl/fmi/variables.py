@@ -157,3 +157,10 @@ def _meaning(signal: Signal, i: int) -> str:
         if signal.size == 1
         else f"{signal.meaning}, element {i + 1} of {signal.size}"
     )
+
+
+def is_known(variable: Variable) -> bool:
+    """Whether outputs at a communication point may depend on it: time, inputs, states."""
+    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (
+        variable.role is Role.START and not variable.discrete
+    )

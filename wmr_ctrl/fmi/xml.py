@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel, Unknown, headed, initial_unknowns, outputs, rates
 from wmr_ctrl.fmi.notes import notes_of
 from wmr_ctrl.fmi.sources import Sources, row_size
-from wmr_ctrl.fmi.structure import Unknown, headed, initial_unknowns, outputs, rates
 from wmr_ctrl.fmi.templates import render
-from wmr_ctrl.fmi.units import Unit, units_of
+from wmr_ctrl.fmi.units import NamedUnit, units_of
 from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.signals import POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 
@@ -38,7 +37,7 @@ _CAUSALITY = {
 
 
 def description(
-    model: Model, sources: Sources, version: int, tool: str, *, arrays: bool = True
+    model: FmuModel, sources: Sources, version: int, tool: str, *, arrays: bool = True
 ) -> str:
     """Text of modelDescription.xml for FMI 2 or 3."""
     arrays = arrays and version == 3
@@ -66,25 +65,25 @@ def description(
     )
 
 
-def build_description(model: Model, sources: Sources) -> str:
+def build_description(model: FmuModel, sources: Sources) -> str:
     """Text of sources/buildDescription.xml, FMI 3."""
     return render(
         "buildDescription.xml", m={"identifier": model.identifier, "units": sources.units}
     )
 
 
-def terminals(model: Model) -> str:
+def terminals(model: FmuModel) -> str:
     """Text of terminalsAndIcons/terminalsAndIcons.xml, FMI 3."""
     ports = {v.name for v in model.variables if v.output or v.role is Role.INPUT}
-    found = [
+    listed = [
         {"name": name, "text": text, "members": [s.name for s in signals]}
         for name, text, signals in TERMINALS
         if all(s.name in ports for s in signals)
     ]
-    return render("terminalsAndIcons.xml", m={"terminals": found})
+    return render("terminalsAndIcons.xml", m={"terminals": listed})
 
 
-def documentation(model: Model, tool: str) -> str:
+def documentation(model: FmuModel, tool: str) -> str:
     """Text of documentation/index.html."""
     rows = [
         {
@@ -109,7 +108,7 @@ def documentation(model: Model, tool: str) -> str:
     )
 
 
-def _common(model: Model, sources: Sources, tool: str) -> dict[str, Any]:
+def _common(model: FmuModel, sources: Sources, tool: str) -> dict[str, Any]:
     return {
         "identifier": model.identifier,
         "token": sources.token,
@@ -124,13 +123,13 @@ def _common(model: Model, sources: Sources, tool: str) -> dict[str, Any]:
     }
 
 
-def _unit(unit: Unit) -> dict[str, Any]:
+def _unit(unit: NamedUnit) -> dict[str, Any]:
     base = [*unit.exponents.items(), *([] if unit.factor == 1 else [("factor", repr(unit.factor))])]
     display = [{"name": unit.display[0], "factor": repr(unit.display[1])}] if unit.display else []
     return {"name": unit.name, "base": base, "display": display}
 
 
-def _experiment(model: Model) -> Attributes:
+def _experiment(model: FmuModel) -> Attributes:
     duration = model.scenario.clock.duration
     return [
         ("startTime", "0"),
@@ -140,7 +139,7 @@ def _experiment(model: Model) -> Attributes:
     ]
 
 
-def _fmi2_interfaces(model: Model) -> list[dict[str, Any]]:
+def _fmi2_interfaces(model: FmuModel) -> list[dict[str, Any]]:
     derivative = [("providesDirectionalDerivative", CAN)] if model.graph else []
     common = [
         ("modelIdentifier", model.identifier),
@@ -155,7 +154,7 @@ def _fmi2_interfaces(model: Model) -> list[dict[str, Any]]:
     return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
 
 
-def _fmi3_interfaces(model: Model) -> list[dict[str, Any]]:
+def _fmi3_interfaces(model: FmuModel) -> list[dict[str, Any]]:
     derivative = (
         [("providesDirectionalDerivatives", CAN), ("providesAdjointDerivatives", CAN)]
         if model.graph
@@ -207,7 +206,7 @@ def _range(v: Variable) -> Attributes:
     ]
 
 
-def _typed(model: Model, v: Variable) -> Attributes:
+def _typed(model: FmuModel, v: Variable) -> Attributes:
     """Attributes that belong to the value: unit, display unit, range, nominal."""
     if v.integer:
         return _range(v)
@@ -221,7 +220,7 @@ def _typed(model: Model, v: Variable) -> Attributes:
     ]
 
 
-def _fmi2_variable(model: Model, row: int, v: Variable) -> dict[str, Any]:
+def _fmi2_variable(model: FmuModel, row: int, v: Variable) -> dict[str, Any]:
     scalar = [
         ("name", v.name),
         ("valueReference", str(row)),
@@ -237,7 +236,7 @@ def _fmi2_variable(model: Model, row: int, v: Variable) -> dict[str, Any]:
     return {"type": "Integer" if v.integer else "Real", "scalar": scalar, "typed": typed}
 
 
-def _fmi3_variable(model: Model, row: int, v: Variable, arrays: bool) -> dict[str, Any]:
+def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict[str, Any]:
     size = row_size(v, arrays)
     whole = bool(arrays and v.array)
     elements = model.variables[row : row + size]
@@ -277,18 +276,23 @@ FMI3 = (
 )
 
 
-def _structure(model: Model, dialect: tuple[str, int, Any], arrays: bool) -> list[dict[str, Any]]:
+def _structure(
+    model: FmuModel, dialect: tuple[str, int, Any], arrays: bool
+) -> list[dict[str, Any]]:
     """Sections with at least one entry; FMI 2 counts variables from 1, FMI 3 names references."""
     name, base, sections = dialect
     listed = ((title, list(find(model))) for title, find in sections)
     return [
-        {"name": title, "unknowns": [_unknown(model, item, name, base, arrays) for item in found]}
-        for title, found in listed
-        if found
+        {
+            "name": title,
+            "unknowns": [_unknown(model, item, name, base, arrays) for item in unknowns],
+        }
+        for title, unknowns in listed
+        if unknowns
     ]
 
 
-def _unknown(model: Model, unknown: Unknown, name: str, base: int, arrays: bool) -> Attributes:
+def _unknown(model: FmuModel, unknown: Unknown, name: str, base: int, arrays: bool) -> Attributes:
     row, on = unknown
     if on is None:
         return [(name, str(row + base))]

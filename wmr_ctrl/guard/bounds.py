@@ -58,11 +58,11 @@ def settled_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
     ``bound`` is what the effects add up to.  Raises ScenarioError where no force keeps the limit,
     with inequality, numbers and remedy.
     """
-    settled = stated_guard(scenario, bound, tau_max)
-    Guard.relate(settled)
-    _check(scenario, settled)
-    _check_brake(scenario, settled, tau_max)
-    return settled
+    complete = stated_guard(scenario, bound, tau_max)
+    Guard.relate(complete)
+    _check(scenario, complete)
+    _check_brake(scenario, complete, tau_max)
+    return complete
 
 
 def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:

@@ -29,7 +29,7 @@ OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previou
 STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")
 
 
-class Monitor:
+class GuardMonitor:
     """State, update and diagnostics that watching brings into a System."""
 
     def __init__(
@@ -48,10 +48,10 @@ class Monitor:
         force = wheel_to_force(*wheels, applied)
         least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]
         known = started.sym > 0
-        found = ca.vertcat(*(ca.if_else(known, item, 0) for item in least))
+        push = ca.vertcat(*(ca.if_else(known, item, 0) for item in least))
         self.state: tuple[Port, ...] = (old, started)
         self.update: ca.SX = ca.vertcat(v, 1)
-        values = (flags[0], found, flags[1])
+        values = (flags[0], push, flags[1])
         self.diagnostics: tuple[Output, ...] = tuple(
             Output(signal, value) for signal, value in zip(GUARD_DIAGNOSTICS, values, strict=True)
         )

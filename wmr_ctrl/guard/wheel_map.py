@@ -17,16 +17,16 @@ def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None
 
     The thrust leaves what the moment of the safe point (2,) needs.
     """
-    kept = phi if safe is None else phi - ca.fabs(safe[1]) / half_track
-    thrust = _clip(force[0], kept)
+    room = phi if safe is None else phi - ca.fabs(safe[1]) / half_track
+    thrust = _clip(force[0], room)
     moment = _clip(force[1], half_track * (phi - ca.fabs(thrust)))
     return ca.vertcat(thrust, moment)
 
 
 def rotation_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:
     """The same with the axes' order exchanged: the moment first, the thrust takes the rest."""
-    kept = phi if safe is None else phi - ca.fabs(safe[0])
-    moment = _clip(force[1], half_track * kept)
+    room = phi if safe is None else phi - ca.fabs(safe[0])
+    moment = _clip(force[1], half_track * room)
     thrust = _clip(force[0], phi - ca.fabs(moment) / half_track)
     return ca.vertcat(thrust, moment)
 

@@ -7,12 +7,13 @@ proximal map has one (`resolvent`).  With E = exp(-rho T/2), c = v_c0 and c+ = c
     F    = M1 (v+ - v)/T + F1(v) + observer
 
 Differences from the paper: not in it.  Law (9) divides V1 by its slope and loses its authority at
-the limit; this one follows the slope, so bounded disturbances leave V1 bounded.  V1 falls by at
-least exp(-rho T) in a sample for every control period, |v+| < v_u1 for every measured v, inside the
-limit or not.  The observer (wo = 0 switches it off) makes up for friction and mass that differ from
-the model.  The first samples ask for much torque, so the law brings a limit of its own, tau_max,
-which counts where it is below actuator.tau_max.  Choose it for slow control periods, for unknown
-friction, and behind the guard.
+the limit; this one follows the slope.  With the model exact, V1 at c+ falls by at least exp(-rho T)
+from v* to v+ for every control period: while the target is held, where v* = v, that is the decay of
+V1; a target that moves can raise it first.  Over the real numbers |v+| < v_u1 for every measured v,
+inside the limit or not (proved for the paper's barrier).  The observer (wo = 0 switches it off)
+makes up for friction and mass that differ from the model.  The first samples ask for much torque,
+so the law brings a limit of its own, tau_max, which counts where it is below actuator.tau_max.
+Choose it for slow control periods, for unknown friction, and behind the guard.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,9 +13,12 @@ from matplotlib.figure import Figure
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
+from wmr_ctrl.linear.point import learned_point
 from wmr_ctrl.linear.pull import pull_curve
-from wmr_ctrl.linear.report import LinearReport, learned_point
 from wmr_ctrl.linear.sampled import spectral_radius
+
+if TYPE_CHECKING:
+    from wmr_ctrl.linear.report import LinearReport
 
 _FORCES = ("thrust", "moment")
 INK, SECOND, LIMIT, MUTED = "#1F77C9", "#E69F00", "#c62828", "#6b6b6b"

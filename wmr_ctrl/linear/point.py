@@ -121,3 +121,13 @@ def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
         f"the loop has no resting point near its reference ({FORCE.name} and friction cannot "
         "balance there); linearise on the reference instead."
     )
+
+
+def learned_point(scenario: Scenario, law: str) -> Point | None:
+    """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
+    if not law_loop(scenario, law).traits.estimates:
+        return None
+    try:
+        return resting_point(scenario, law)
+    except ArgumentError:
+        return on_reference(scenario, law)

@@ -13,13 +13,11 @@ from numpy.typing import ArrayLike
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.sample_time import largest_stable_period
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable, radius
 from wmr_ctrl.linear.loop import closed_loop, constant_speed
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
-from wmr_ctrl.linear.point import Point, on_reference, resting_point
+from wmr_ctrl.linear.point import Point, learned_point, on_reference
 from wmr_ctrl.linear.sampled import kink_periods, largest_learning_period, one_step_period
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
@@ -104,7 +102,7 @@ class LinearReport:
             "model_errors": [asdict(item) for item in self.model_errors],
             "warnings": list(self.warnings),
         }
-        return dict(json_safe(content))
+        return {key: json_safe(item) for key, item in content.items()}
 
     def table(self) -> str:
         """The same as text: all figures, a line each, then the warnings."""
@@ -140,16 +138,6 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         model_errors=model_errors(scenario, law),
         warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
-
-
-def learned_point(scenario: Scenario, law: str) -> Point | None:
-    """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
-    if not law_loop(scenario, law).traits.estimates:
-        return None
-    try:
-        return resting_point(scenario, law)
-    except ArgumentError:
-        return on_reference(scenario, law)
 
 
 def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats | None:

@@ -196,8 +196,8 @@ def _without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
         if number in live:
             live.update(nodes[number].operands)
     new = {old: place for place, old in enumerate(sorted(live))}
-    kept = tuple(_renumbered(nodes[old], new) for old in sorted(live))
-    return Graph(kept, tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
+    used = tuple(_renumbered(nodes[old], new) for old in sorted(live))
+    return Graph(used, tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
 
 
 def _renumbered(node: Node, new: dict[int, int]) -> Node:

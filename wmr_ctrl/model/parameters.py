@@ -10,7 +10,7 @@ from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
 
 
-class Numbers(Protocol):
+class KeyedNumbers(Protocol):
     """Where numbers come from by key: a Scenario, or the Setup of a law on it."""
 
     def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
@@ -23,7 +23,7 @@ class Parameters:
     Value, unit and meaning come from the field that a key names, so each is written once.
     """
 
-    def __init__(self, numbers: Numbers, known: Iterable[Port] = ()) -> None:
+    def __init__(self, numbers: KeyedNumbers, known: Iterable[Port] = ()) -> None:
         """Start with the ports of another System's graph, so that both share their symbols."""
         self._numbers = numbers
         self._ports: dict[str, Port] = {port.signal.name: port for port in known}

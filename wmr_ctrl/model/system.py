@@ -79,7 +79,14 @@ class System:
                 raise ValueError(
                     f"{self.name}: {item.signal.name} has {item.expr.numel()} elements"
                 )
-        self.function("check", [self.update, self.y, self.d])  # no symbol is free
+        free = {str(item) for item in ca.symvar(ca.vertcat(self.update, self.y, self.d))}
+        owned = {str(item) for item in ca.symvar(ca.vertcat(self.u, self.x, self.p, self.w))}
+        if free - owned:
+            raise ValueError(
+                f"{self.name}: {', '.join(sorted(free - owned))} belongs to no port. Take a "
+                "parameter before `ports` of its Parameters is read."
+            )
+        self.function("check", [self.update, self.y, self.d])  # no symbol of another port either
 
     @property
     def u(self) -> ca.SX:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-POSITIVE, NONNEGATIVE, FREE = "> 0", ">= 0", "any"
+POSITIVE, NONNEGATIVE, NONZERO, FREE = "> 0", ">= 0", "!= 0", "any"
 _SAMPLES = (
     Fraction(1, 2),
     Fraction(3, 5),
@@ -37,7 +37,8 @@ class Case:
         fixed = dict(self.values(chart))
         point = {name: Fraction(fixed[name]) for name in names if name in fixed}
         for k, name in enumerate(n for n in names if n not in fixed):
-            sign = 1 if self.declared.get(name, FREE) != FREE or (k + shift) % 3 else -1
+            signed = self.declared.get(name, FREE) in (FREE, NONZERO)
+            sign = -1 if signed and not (k + shift) % 3 else 1
             point[name] = sign * _sample(3 * k + 5 * shift + 1)
         return point
 

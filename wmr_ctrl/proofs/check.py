@@ -9,8 +9,9 @@ from importlib.util import find_spec
 from time import perf_counter
 from typing import Any
 
+from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.claim import Claim
-from wmr_ctrl.proofs.finding import NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
+from wmr_ctrl.proofs.finding import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
 from wmr_ctrl.proofs.ledger import Entry
 from wmr_ctrl.proofs.methods.spec import Both, Method, Ring, named, needs, trusted
 
@@ -20,8 +21,12 @@ def missing(method: Method | None) -> tuple[str, ...]:
     return tuple(name for name in needs(method) if find_spec(name) is None) if method else ()
 
 
-def check(claim: Claim) -> Entry:
-    """The claim's entry; NOT_CHECKED where a package is missing."""
+def check(claim: Claim, known: Entry | None = None) -> Entry:
+    """The claim's entry; NOT_CHECKED where a package is missing.
+
+    ``known`` is an earlier entry: what it says of the product's functions, of alterations and of
+    other solvers counts as long as the graph is the same.
+    """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
     absent = missing(claim.method)
@@ -31,7 +36,11 @@ def check(claim: Claim) -> Entry:
     statement = claim.statement(1.0)
     finding = claim.method.decide(statement)
     mutated = _mutated(claim, claim.method) if finding.verdict == PROVED else None
-    verdict, reason = _guarded(finding, mutated)
+    seconds = round(perf_counter() - started, 2)
+    digest = statement.graph.digest
+    same = known if known is not None and known.graph_hash == digest else None
+    functions = same.functions if same and _was_examined(same) else functions_of(claim)
+    verdict, reason = _guarded(finding, mutated, functions)
     return _entry(
         claim,
         verdict,
@@ -39,9 +48,12 @@ def check(claim: Claim) -> Entry:
         trusted=trusted(claim.method),
         mutation_refuted=mutated,
         counterexample=_text(finding.point) if verdict == REFUTED else None,
-        satisfied_at=_text(finding.point) if verdict == PROVED else None,
-        seconds=round(perf_counter() - started, 2),
-        graph_hash=statement.graph.digest,
+        satisfied_at=_text(finding.point) if verdict in (PROVED, LEMMA) else None,
+        seconds=seconds,
+        graph_hash=digest,
+        functions=functions,
+        alterations=same.alterations if same else None,
+        confirmed_by=same.confirmed_by if same else (),
         evidence={**finding.evidence, **reason},
     )
 
@@ -82,15 +94,21 @@ def _quick(method: Method) -> Method:
     return replace(method, quick=True) if isinstance(method, Ring) else method
 
 
-def _guarded(finding: Finding, mutated: bool | None) -> tuple[str, dict[str, str]]:
-    """PROVED only with a refuted mutation and hypotheses that some point satisfies."""
+def _was_examined(entry: Entry) -> bool:
+    return bool(entry.functions) or entry.verdict == LEMMA
+
+
+def _guarded(
+    finding: Finding, mutated: bool | None, functions: tuple[str, ...]
+) -> tuple[str, dict[str, str]]:
+    """PROVED only of functions of the product, with a refuted mutation and possible hypotheses."""
     if finding.verdict != PROVED:
         return finding.verdict, {}
     if not mutated:
         return OPEN, {"held back": "the altered claim was not refuted"}
     if finding.point is None:
         return OPEN, {"held back": "no point was found that satisfies the hypotheses"}
-    return PROVED, {}
+    return (PROVED if functions else LEMMA), {}
 
 
 def _described(method: Method, finding: Finding) -> str:
@@ -114,6 +132,6 @@ def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:
         **found,
         meaning=claim.meaning,
         hypotheses=claim.hypotheses,
-        uses=claim.uses,
+        premises=claim.premises,
         theme=claim.theme,
     )

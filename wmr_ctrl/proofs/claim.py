@@ -17,8 +17,8 @@ class Claim:
 
     ``statement(s)`` builds the claim's relations from the product's graphs: with s = 1 as claimed,
     with s = -1 with one sign or constant altered (the mutation, which the same method must refute).
-    A claim without statement has its verdict given (HAND, OPEN or DEFINITION).  ``uses`` names the
-    entries that it rests on.
+    A claim without statement has its verdict given (HAND, OPEN or DEFINITION).  ``premises`` names
+    the entries that it rests on.
     """
 
     id: str
@@ -30,5 +30,5 @@ class Claim:
     statement: Callable[[float], Statement] | None = None
     method: Method | None = None
     verdict: str = ""
-    uses: tuple[str, ...] = ()
+    premises: tuple[str, ...] = ()
     theme: str = ""

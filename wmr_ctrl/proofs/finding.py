@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-PROVED, REFUTED, OPEN = "PROVED", "REFUTED", "OPEN"
+PROVED, REFUTED, LEMMA, OPEN = "PROVED", "REFUTED", "LEMMA", "OPEN"
 DEFINITION, HAND, NOT_CHECKED = "DEFINITION", "HAND", "NOT_CHECKED"
 
 

@@ -76,7 +76,8 @@ def graph_of(
 ) -> Graph:
     """Graph of scalar expressions in named scalar symbols, as the compiler is given it.
 
-    A cut replaces the node that computes its expression by an input of that name; ``numbers`` are
+    A cut replaces the node that computes its expression by an input of that name (a constant
+    stays: the same number may stand elsewhere for something else); ``numbers`` are
     values of inputs.  Both are put in after the graph was read, so what is left is the compiled
     text.  ValueError where an output still depends on a symbol that is not named.
     """
@@ -85,7 +86,8 @@ def graph_of(
     compiled, places = _compiled(given, (*outputs, *cut.values()))
     nodes = [_named(node, list(given)) for node in compiled.nodes]
     for name, place in zip(cut, places[len(outputs) :], strict=True):
-        nodes[place] = Node("input", name=name)
+        if nodes[place].op != "const":
+            nodes[place] = Node("input", name=name)
     known = numbers or {}
     nodes = [Node("const", value=known[n.name]) if n.name in known else n for n in nodes]
     graph = Graph(tuple(nodes), tuple(places[: len(outputs)]))

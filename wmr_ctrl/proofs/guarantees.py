@@ -14,7 +14,10 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
     ),
     ("From outside it never speeds up, and returns in time", "guard.outside guard.return"),
     ("Braking never overshoots the other limit", "guard.no-overshoot"),
-    ("No guard that intervenes less is safe", "guard.maximal"),
+    (
+        "No guard that intervenes less is safe (nbar = f_min = f_speed = 0, alpha = 1/T)",
+        "guard.maximal",
+    ),
     ("Beyond its conditions no guard works", "guard.necessary wheels.necessary"),
     ("A bound broken by D costs D T/M_min", "guard.graceful guard.monitor"),
     (
@@ -23,10 +26,15 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
     ),
     ("A clip of each wheel by itself does not", "wheels.per-wheel"),
     ("alpha T <= 1 is needed", "guard.too-fast"),
-    ("The limit holds for the doubles that C computes", "guard.rounding guard.delay.rounding"),
+    (
+        "What the guard keeps back is more than the rounding of its bound near the limit (not "
+        "closed: the text of the entries says what is left out)",
+        "guard.rounding guard.delay.rounding",
+    ),
     (
         "Behind drives with a delay there is always a safe force, too",
-        "guard.delay.caps guard.delay.command guard.delay.room guard.delay.feasible "
+        "guard.delay.caps guard.delay.command guard.delay.command-angular guard.delay.queue "
+        "guard.delay.room guard.delay.feasible "
         "guard.delay.largest guard.delay.anchor",
     ),
     (
@@ -45,10 +53,14 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "prox.fixed-point",
     ),
     (
-        "Sampled-data law: V1 falls by exp(-rho T) in a sample, for every T",
+        "Sampled-data law: V1 falls by exp(-rho T) from v* to v+, for every T; v* = v where the "
+        "target is held",
         "prox.implicit prox.decay convex",
     ),
-    ("Sampled-data law: |w| falls by exp(-rho T/2)", "prox.contracts prox.inside"),
+    (
+        "Sampled-data law: |w| falls by exp(-rho T/2); the paper's barrier keeps |v+| < v_u1",
+        "prox.contracts prox.inside",
+    ),
     (
         "Exact decay: one Newton step makes V1 fall and stays on its side of v_c1",
         "convex prox.newton-side prox.newton-side-angular prox.newton prox.newton-angular",
@@ -63,6 +75,6 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "gain.ceiling gain.ceiling-smooth gain.fades gain.closed gain.closed-smooth gain.cover "
         "gain.none gain.none-smooth gain.levels gain.meaning",
     ),
-    ("The gradient law has it", "prox.bounded-push convex"),
+    ("The gradient law has it while its target is held", "prox.bounded-push convex"),
 )
 """(what is guaranteed or denied, ids of its entries)."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 COMMITTED = Path(__file__).with_name("ledger.json")
-VERDICTS = ("PROVED", "REFUTED", "DEFINITION", "HAND", "OPEN", "NOT_CHECKED")
+VERDICTS = ("PROVED", "REFUTED", "LEMMA", "DEFINITION", "HAND", "OPEN", "NOT_CHECKED")
 PUBLIC_KEYS = (
     "id",
     "equations",
@@ -23,6 +23,10 @@ PUBLIC_KEYS = (
     "method",
     "trusted",
     "mutation_refuted",
+    "functions",
+    "premises",
+    "alterations",
+    "confirmed_by",
     "counterexample",
     "seconds",
     "graph_hash",
@@ -37,7 +41,10 @@ class Entry:
     ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given
     where the verdict is REFUTED.  ``mutation_refuted`` tells whether the same method refuted the
     altered claim, ``satisfied_at`` is a point that meets the hypotheses, ``graph_hash`` is empty
-    where no graph is behind the entry.
+    where no graph is behind the entry.  ``functions`` are those of the product that the graph
+    holds, as ``module:function``; ``alterations`` how many of them were altered, one at a time, and
+    after how many of these the entry was PROVED no longer.  ``premises`` are entries that the claim
+    rests on, ``confirmed_by`` further solvers that agree.
     """
 
     id: str
@@ -55,7 +62,10 @@ class Entry:
     hypotheses: str = ""
     evidence: Mapping[str, Any] = field(default_factory=dict)
     satisfied_at: Mapping[str, str] | None = None
-    uses: tuple[str, ...] = ()
+    premises: tuple[str, ...] = ()
+    functions: tuple[str, ...] = ()
+    alterations: Mapping[str, int] | None = None
+    confirmed_by: tuple[str, ...] = ()
     theme: str = ""
 
     def public(self) -> dict[str, Any]:
@@ -98,7 +108,7 @@ def load(path: Path = COMMITTED) -> Ledger:
 
 
 def _entry(row: Mapping[str, Any]) -> Entry:
-    lists = ("equations", "trusted", "uses")
+    lists = ("equations", "trusted", "premises", "functions", "confirmed_by")
     made: dict[str, Any] = {k: tuple(v) if k in lists else v for k, v in row.items()}
     return Entry(**made)
 

@@ -10,29 +10,12 @@ from wmr_ctrl.proofs.guarantees import GUARANTEES
 from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
 
 HEAD = """\
-# What is proved, and what is not
+# The ledger
 
-Every numbered equation of the paper, and what this project adds to it, as claims that a machine has
-checked - on the same expressions from which the C code is generated, not on a copy of the formulas.
-`wmr-ctrl prove` checks all of them again and compares with this page.
-
-| verdict | means |
-|---|---|
-| PROVED | shown for every value that the hypotheses allow; the altered claim was refuted (below) |
-| REFUTED | false: an exact point is given at which the hypotheses hold and the claim does not |
-| DEFINITION | nothing to prove: a name is given to something |
-| HAND | rests on an argument that a person made; it is in [lemmas.md](lemmas.md) |
-| OPEN | not shown |
-| NOT_CHECKED | a package that the method needs was not installed |
-
-Every PROVED entry passed two checks of the checker: the same method refuted the claim with one sign
-or constant altered, and a point that satisfies its hypotheses is on file.
-
-Methods: RING is exact algebra with rational coefficients, all parameters free, one region after the
-other (sympy); Z3 is the solver of that name on the same expressions; INTERVAL cuts a box into parts
-until interval arithmetic decides each (logarithms by flint), "rounding included" meaning that the
-intervals also hold what the compiled code computes in double precision; POINT evaluates at exact
-points. "trusted" names the packages whose correctness a verdict rests on.
+Every claim, with its verdict. `wmr-ctrl prove` checks all of them again and compares with this
+page, which is generated (`python -m wmr_ctrl.proofs.record`). [What is proved, and what is
+not](proofs.md) says what the verdicts and methods mean. `wmr-ctrl prove --only ID` prints one entry
+in full, with the functions of the product that its graph holds.
 """
 
 COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|---|---|"
@@ -43,7 +26,7 @@ def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     shown = ledger or load()
     marked = set(stale)
     parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
-    parts += ["## By guarantee\n", _guarantees(shown)]
+    parts += ["## By guarantee\n", _guarantees(shown), CHAINS, _chains(shown)]
     for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
         parts.append(
             f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n"
@@ -81,6 +64,34 @@ def _guarantees(ledger: Ledger) -> str:
     return f"What is not in the paper.\n\n| what | entries |\n|---|---|\n{rows}\n"
 
 
+CHAINS = """\
+### What each rests on
+
+From what is guaranteed down to what was PROVED of the product's functions, LEMMAs and arguments by
+HAND; what was shown above is not repeated.
+"""
+
+
+def _chains(ledger: Ledger) -> str:
+    known = ledger.by_id()
+    lines: list[str] = []
+    for what, ids in GUARANTEES:
+        lines.append(f"- {what}")
+        shown: set[str] = set()
+        for key in ids.split():
+            lines += _chain(known, key, 1, shown)
+    return "\n".join(lines) + "\n"
+
+
+def _chain(known: Mapping[str, Entry], key: str, depth: int, shown: set[str]) -> list[str]:
+    if key not in known or key in shown:
+        return []
+    shown.add(key)
+    line = f"{'  ' * depth}- {key} {known[key].verdict}"
+    rest = [_chain(known, premise, depth + 1, shown) for premise in known[key].premises]
+    return [line, *(item for part in rest for item in part)]
+
+
 def _row(entry: Entry, is_stale: bool) -> str:
     numbers = ", ".join(f"({n})" for n in entry.equations)
     claim = f"{entry.claim} [{entry.form}]" + (
@@ -98,11 +109,15 @@ def how(entry: Entry) -> str:
     if not entry.method:
         return _rests(entry).strip(" ;") or "-"
     trusted = f"; trusted: {', '.join(entry.trusted)}" if entry.trusted else ""
-    return f"{entry.method}{trusted}{_rests(entry)}"
+    return f"{entry.method}{trusted}{_second(entry)}{_rests(entry)}"
+
+
+def _second(entry: Entry) -> str:
+    return f"; confirmed by {', '.join(entry.confirmed_by)}" if entry.confirmed_by else ""
 
 
 def _rests(entry: Entry) -> str:
-    return f"; rests on {', '.join(entry.uses)}" if entry.uses else ""
+    return f"; rests on {', '.join(entry.premises)}" if entry.premises else ""
 
 
 def _counterexamples(ledger: Ledger) -> str:

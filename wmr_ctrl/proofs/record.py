@@ -1,18 +1,27 @@
 """Make the committed ledger and its page anew: ``python -m wmr_ctrl.proofs.record [ID ...]``.
 
-With ids only those entries are checked; the others stay as committed.
+``--words`` checks nothing; ``--examine`` alters the functions of the entries
+that were not tried so yet, and asks the second solver.
+
+With ids only those entries are checked; the others stay as committed, with the claims' words of
+today where their graph is the same.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+from wmr_ctrl.proofs.alterations import tried
+from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
+from wmr_ctrl.proofs.methods.second import confirmed_by, uses_z3
 from wmr_ctrl.proofs.page import page
 from wmr_ctrl.proofs.runner import prove, selected
 
-PAGE = Path(__file__).parents[2] / "docs" / "proofs.md"
+PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
 
 def record(ledger: Ledger) -> None:
@@ -24,13 +33,51 @@ def record(ledger: Ledger) -> None:
 def merged(new: Ledger, old: Ledger) -> Ledger:
     """Every claim's entry: the new one where there is one."""
     entries = {**old.by_id(), **new.by_id()}
-    return Ledger(tuple(entries[key] for key in selected(()) if key in entries))
+    claims = {claim.id: claim for claim in all_claims()}
+    known = [key for key in selected(()) if key in entries]
+    return Ledger(tuple(worded(entries[key], claims[key]) for key in known))
 
 
-def _show(done: int, total: int, entry: Entry) -> None:
-    sys.stderr.write(f"{done}/{total} {entry.id}: {entry.verdict}\n")
+def examined(entry: Entry) -> Entry:
+    """An entry with what altering its functions does, and with the solvers that agree."""
+    claim = next(claim for claim in all_claims() if claim.id == entry.id)
+    agree = confirmed_by(claim.statement(1.0)) if claim.statement and uses_z3(claim.method) else ()
+    alterations = tried(claim, entry.functions) if entry.verdict == "PROVED" else None
+    sys.stderr.write(f"{entry.id}: {alterations}, confirmed by {agree}\n")
+    return replace(entry, alterations=alterations, confirmed_by=agree)
+
+
+def _unexamined(asked: list[str]) -> list[Entry]:
+    known = load().by_id()
+    wanted = (known[key] for key in selected(asked) if key in known)
+    backed = (entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA"))
+    return [entry for entry in backed if entry.alterations is None]
+
+
+def worded(entry: Entry, claim: Claim) -> Entry:
+    """An entry with the words that its claim has now."""
+    return replace(
+        entry,
+        equations=claim.equations,
+        form=claim.form,
+        claim=claim.claim,
+        meaning=claim.meaning,
+        hypotheses=claim.hypotheses,
+        premises=claim.premises,
+        theme=claim.theme,
+    )
+
+
+def _show(share: float, entry: Entry) -> None:
+    sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
 
 
 if __name__ == "__main__":
-    checked = prove(sys.argv[1:], _show)
+    asked = [word for word in sys.argv[1:] if not word.startswith("--")]
+    if "--words" in sys.argv:
+        checked = Ledger(())
+    elif "--examine" in sys.argv:
+        checked = Ledger(tuple(map(examined, _unexamined(asked))))
+    else:
+        checked = prove(asked, _show)
     record(merged(checked, load() if COMMITTED.exists() else Ledger(())))

@@ -99,6 +99,17 @@ def all_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
     )
 
 
+def off_target_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+    """The open regions without v = v_c1, where A is 0."""
+    return tuple(
+        axis.case(t, s, order)
+        for t in TARGETS
+        for s in SIDES
+        for order in (("<", ">") if _shared(t, s) else ("",))
+        if (t, s) != ("zero", "zero")
+    )
+
+
 def smooth_cases(
     axis: Axis = Axis(), sides: Iterable[str] = SIDES + SIDE_EDGES
 ) -> tuple[Case, ...]:

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import os
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from fnmatch import fnmatchcase
+from functools import lru_cache
 from multiprocessing import get_context
 
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
 
 PROCESSES = 2
-Progress = Callable[[int, int, Entry], None]
+LEAST_COST = 0.1
+"""Seconds that an entry is taken to cost at least; what is new is taken to cost five of these."""
+GLOB = frozenset("*?[")
+Progress = Callable[[float, Entry], None]
 
 
 def prove(
     only: Iterable[str] = (), progress: Progress | None = None, processes: int = PROCESSES
 ) -> Ledger:
-    """Check the claims whose id is, or begins with, one of ``only`` (all by default).
+    """Check the claims that ``only`` names (all by default): ids, their beginnings, or globs.
 
-    ``progress(done, total, entry)`` is called after each.  UnknownNameError for an unknown id.
+    ``progress(share, entry)`` is called after each, with the share of the whole cost that is done.
+    UnknownNameError where something in ``only`` names no entry.
     """
     ids = selected(tuple(only))
-    found = {entry.id: entry for entry in _run(ids, progress, processes)}
-    return Ledger(tuple(found[key] for key in ids))
+    checked = {entry.id: entry for entry in _run(ids, progress, processes)}
+    return Ledger(tuple(checked[key] for key in ids))
 
 
 def selected(only: Sequence[str]) -> list[str]:
@@ -33,7 +42,11 @@ def selected(only: Sequence[str]) -> list[str]:
     for asked in only:
         if not any(_matches(key, asked) for key in known):
             raise UnknownNameError(
-                "entry", asked, known, "An entry's beginning up to a dot selects all of its kind."
+                "entry",
+                asked,
+                known,
+                "An entry's beginning up to a dot selects all of its kind, and so does a pattern "
+                "such as 'guard.*'.",
             )
     return [key for key in known if not only or any(_matches(key, asked) for asked in only)]
 
@@ -43,7 +56,13 @@ def check_id(key: str) -> Entry:
     from wmr_ctrl.proofs.check import check
     from wmr_ctrl.proofs.claims import all_claims
 
-    return check(next(claim for claim in all_claims() if claim.id == key))
+    claim = next(claim for claim in all_claims() if claim.id == key)
+    return check(claim, _committed().get(key))
+
+
+@lru_cache(maxsize=1)
+def _committed() -> dict[str, Entry]:
+    return load().by_id() if COMMITTED.exists() else {}
 
 
 def hashes() -> dict[str, str]:
@@ -55,28 +74,46 @@ def hashes() -> dict[str, str]:
 
 
 def _matches(key: str, asked: str) -> bool:
+    if GLOB & set(asked):
+        return fnmatchcase(key, asked)
     return key == asked or key.startswith(asked + ".")
 
 
 def _run(ids: Sequence[str], progress: Progress | None, processes: int) -> list[Entry]:
-    found: list[Entry] = []
-    for entry in _entries(_longest_first(ids), processes):
-        found.append(entry)
+    checked: list[Entry] = []
+    costs, done = _costs(ids), 0.0
+    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes):
+        checked.append(entry)
+        done += costs[entry.id]
         if progress:
-            progress(len(found), len(ids), entry)
-    return found
+            progress(done / sum(costs.values()), entry)
+    return checked
 
 
 def _entries(ids: Sequence[str], processes: int) -> Iterable[Entry]:
     if processes < 2 or len(ids) < 2:
         yield from map(check_id, ids)
         return
-    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+    context = get_context("spawn")
+    with ProcessPoolExecutor(processes, context, follow_parent, (os.getpid(),)) as pool:
         for future in as_completed([pool.submit(check_id, key) for key in ids]):
             yield future.result()
 
 
-def _longest_first(ids: Sequence[str]) -> list[str]:
-    """By the seconds of the committed ledger, so that both processes finish together."""
-    known = load().by_id() if COMMITTED.exists() else {}
-    return sorted(ids, key=lambda key: -known[key].seconds if key in known else 0.0)
+def follow_parent(parent: int) -> None:
+    """End this process when ``parent`` is gone, however it went: a solver would work on for it."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _costs(ids: Sequence[str]) -> Mapping[str, float]:
+    """Seconds by the committed ledger: the longest first, so that both processes end together."""
+    known = _committed()
+    return {
+        key: max(known[key].seconds, LEAST_COST) if key in known else 5 * LEAST_COST for key in ids
+    }

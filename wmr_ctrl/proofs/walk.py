@@ -13,6 +13,10 @@ from typing import Any, Protocol
 from wmr_ctrl.proofs.graph import LOGICAL, Graph
 
 
+class UndecidedError(ArithmeticError):
+    """A condition or a domain that a method cannot settle: what rests on it stays open."""
+
+
 class Arithmetic(Protocol):
     """What a method of proof brings."""
 
@@ -32,7 +36,7 @@ class Arithmetic(Protocol):
         """Truth of ``and``, ``or`` or ``not``."""
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """Value of a choice whose condition is no plain bool."""
+        """Value of a choice whose condition is a term, not a plain bool."""
 
     def number(self, condition: Any) -> Any:
         """A truth value used as the number 1 or 0."""
@@ -46,6 +50,7 @@ class Walk:
     ) -> None:
         self.graph, self.arithmetic, self.ask = graph, arithmetic, ask
         self.values: dict[int, Any] = {}
+        self.truths: dict[int, Any] = {}
 
     def outputs(self) -> list[Any]:
         """Values of all outputs."""
@@ -70,7 +75,7 @@ class Walk:
         node = self.graph.nodes[k]
         if node.op != "choose" or node.args[0] not in self.values:
             return node.args[:1] if node.op == "choose" else node.args
-        truth = self.values[node.args[0]]
+        truth = self.truth(node.args[0])
         return node.args if not isinstance(truth, bool) else (node.args[1 if truth else 2],)
 
     def _compute(self, k: int) -> Any:
@@ -85,14 +90,23 @@ class Walk:
             left, right = (self._numeric(arg) for arg in node.args)
             return self.arithmetic.compare(node.op, left, right, self.ask)
         if node.op in LOGICAL:
-            return self.arithmetic.logic(node.op, [self.values[arg] for arg in node.args])
+            return self.arithmetic.logic(node.op, [self.truth(arg) for arg in node.args])
         return self.arithmetic.apply(node.op, [self._numeric(arg) for arg in node.args])
 
     def _choose(self, args: tuple[int, ...]) -> Any:
-        truth = self.values[args[0]]
+        truth = self.truth(args[0])
         if isinstance(truth, bool):
             return self._numeric(args[1 if truth else 2])
         return self.arithmetic.merge(truth, self._numeric(args[1]), self._numeric(args[2]))
+
+    def truth(self, k: int) -> Any:
+        """A condition; a number counts as true where it is not 0, as in C."""
+        if self.graph.nodes[k].op in LOGICAL:
+            return self.values[k]
+        if k not in self.truths:
+            zero = self.arithmetic.constant(0.0)
+            self.truths[k] = self.arithmetic.compare("ne", self.values[k], zero, self.ask)
+        return self.truths[k]
 
     def _numeric(self, k: int) -> Any:
         value = self.values[k]
@@ -104,7 +118,7 @@ def paths(
 ) -> Iterator[tuple[dict[Hashable, bool], Any]]:
     """Results of ``run(ask)`` on every way through the undecided conditions.
 
-    RuntimeError where there are more than ``limit`` ways.
+    UndecidedError where there are more than ``limit`` ways.
     """
     pending: list[dict[Hashable, bool]] = [{}]
     done = 0
@@ -119,5 +133,5 @@ def paths(
 
         done += 1
         if done > limit:
-            raise RuntimeError(f"more than {limit} ways through undecided conditions")
+            raise UndecidedError(f"more than {limit} ways through undecided conditions")
         yield taken, run(ask)

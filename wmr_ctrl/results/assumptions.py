@@ -53,8 +53,8 @@ def largest_push(columns: Mapping[str, NDArray[np.float64]]) -> tuple[float, flo
 
     Rows that are not a number are passed over.
     """
-    found = columns.get("d_least", np.empty((0, 2)))
-    if np.isnan(found).all(axis=0).any():
+    least = columns.get("d_least", np.empty((0, 2)))
+    if np.isnan(least).all(axis=0).any():
         return None
-    force, moment = np.fmax.reduce(found, axis=0).tolist()
+    force, moment = np.fmax.reduce(least, axis=0).tolist()
     return force, moment

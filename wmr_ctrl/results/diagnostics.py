@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.windows import covered, span
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import FloatArray, Run
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ import errno
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Literal, overload
 
 from wmr_ctrl.errors import ResultFileError
 
@@ -43,12 +43,28 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
             scratch.unlink()
 
 
-@contextmanager
-def atomic_write(path: str | os.PathLike[str], *, text: bool = False) -> Iterator[IO[Any]]:
+@overload
+def atomic_write(
+    path: str | os.PathLike[str], *, text: Literal[True]
+) -> AbstractContextManager[IO[str]]: ...
+
+
+@overload
+def atomic_write(path: str | os.PathLike[str]) -> AbstractContextManager[IO[bytes]]: ...
+
+
+def atomic_write(
+    path: str | os.PathLike[str], *, text: bool = False
+) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
     """An open file that becomes ``path`` when all went well: bytes, or UTF-8 if ``text``.
 
     Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
     """
+    return _opened(path, text)
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str], text: bool) -> Iterator[IO[Any]]:
     how: dict[str, Any] = {"mode": "wb"}
     if text:
         how = {"mode": "w", "encoding": "utf-8", "newline": "\n"}

@@ -18,7 +18,7 @@ _FORMAT = "wmr_ctrl run, version 1"
 _LABELS = ("scenario", "law", "guard", "seed", "engine")
 
 
-def metadata_of(run: Run) -> dict[str, Any]:
+def metadata_of(run: Run) -> dict[str, object]:
     """All of a run but its columns, in values that JSON can hold without loss.
 
     Floats that JSON cannot name stand as the texts "inf", "-inf" and "nan".
@@ -40,7 +40,7 @@ def metadata_text(run: Run) -> str:
     return json.dumps(metadata_of(run), indent=2, allow_nan=False)
 
 
-def parsed(text: str | bytes) -> dict[str, Any]:
+def parsed(text: str | bytes) -> dict[str, object]:
     """The JSON object that a file holds; raises ValueError unless this release can read it."""
     metadata = json.loads(text)
     if not isinstance(metadata, dict) or metadata.get("format") != _FORMAT:
@@ -48,28 +48,30 @@ def parsed(text: str | bytes) -> dict[str, Any]:
     return metadata
 
 
-def signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
+def signals_in(metadata: Mapping[str, object]) -> tuple[Signal, ...]:
     """The signals that the file says it has, in order."""
-    return tuple(Signal(**entry) for entry in metadata["signals"])
+    entries: Any = metadata["signals"]
+    return tuple(Signal(**entry) for entry in entries)
 
 
-def run_from(metadata: Mapping[str, Any], columns: Mapping[str, FloatArray]) -> Run:
+def run_from(metadata: Mapping[str, object], columns: Mapping[str, FloatArray]) -> Run:
     """The run that a file holds; raises ValueError where rows are missing, or as Run does."""
+    stored: Mapping[str, Any] = metadata
     run = Run(
-        **{name: metadata[name] for name in _LABELS},
-        settings=Settings(**metadata["settings"]),
+        **{name: stored[name] for name in _LABELS},
+        settings=Settings(**stored["settings"]),
         signals=signals_in(metadata),
         columns=columns,
-        monitor=Monitor(**metadata["monitor"]),
-        outcome=Outcome(metadata["outcome"]),
-        provenance=metadata["provenance"],
+        monitor=Monitor(**stored["monitor"]),
+        outcome=Outcome(stored["outcome"]),
+        provenance=stored["provenance"],
     )
     if run.rows != metadata["rows"]:
         raise ValueError(f"it holds {run.rows} of {metadata['rows']} rows")
     return run
 
 
-def _encoded(value: Any) -> Any:
+def _encoded(value: object) -> object:
     if isinstance(value, dict):
         return {key: _encoded(item) for key, item in value.items()}
     if isinstance(value, tuple):

@@ -7,7 +7,6 @@ each window that it does not cover to the end.
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -80,7 +79,7 @@ def tau_rms(run: Run, start: float | None = None, end: float | None = None) -> f
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def summary(run: Run) -> dict[str, Any]:
+def summary(run: Run) -> dict[str, object]:
     """The run's identity, outcome and figures, as ``wmr-ctrl run --json`` prints them.
 
     Plain Python values only; None stands for a window that the run did not cover and for a number

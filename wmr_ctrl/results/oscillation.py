@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.tracking import last_half, rows_of, torques
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import FloatArray, Run
 
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""

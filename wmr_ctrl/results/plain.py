@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 
-def json_safe(value: Any) -> Any:
+def json_safe(value: object) -> object:
     """``value`` in plain dicts, lists, texts and numbers; null (None) for inf and NaN.
 
     NumPy scalars and arrays become numbers and lists.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.results.oscillation import oscillation
 from wmr_ctrl.results.outcomes import Outcome
-from wmr_ctrl.results.run import Run
 from wmr_ctrl.results.tracking import (
     guard_share,
     last_quarter,
@@ -15,6 +15,9 @@ from wmr_ctrl.results.tracking import (
     position_rms,
     tracked,
 )
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import Run
 
 HELD_BACK = 0.1
 """Share of the last quarter's samples from which the guard holds a run back."""

@@ -176,11 +176,11 @@ def _check_labels(run: Run) -> None:
             raise ArgumentError(f"run.{name} = {getattr(run, name)!r} must be a text.")
     if not isinstance(run.guard, bool):
         raise ArgumentError(f"run.guard = {run.guard!r} must be True or False.")
-    found = outcome_of(run.monitor, run.guard)
-    if run.outcome != found:
+    outcome = outcome_of(run.monitor, run.guard)
+    if run.outcome != outcome:
         raise ArgumentError(
             f"run.outcome = {run.outcome.value!r} does not fit what the monitor saw, which is "
-            f"{found.value!r}. Use outcome_of(monitor, guard)."
+            f"{outcome.value!r}. Use outcome_of(monitor, guard)."
         )
 
 

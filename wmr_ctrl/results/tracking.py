@@ -5,12 +5,16 @@ A figure of the last quarter or half is None for a run that did not last to its 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from wmr_ctrl.results.diagnostics import distance
-from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.results.windows import covered
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import FloatArray, Run
 
 Pair = tuple[float, float]
 

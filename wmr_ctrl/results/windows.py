@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from wmr_ctrl.results.run import Run
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import Run
 
 
 def window(run: Run, start: float, end: float) -> slice | None:

@@ -11,10 +11,10 @@ from wmr_ctrl.scenario.raw import section_dict
 from wmr_ctrl.scenario.scenario import section_defaults
 from wmr_ctrl.world.references import REFERENCES, Waypoints
 
-Raw = dict[str, Any]
+Raw = dict[str, object]
 
 
-def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> Raw:
+def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
     """Return ``base`` with ``over`` put on top: tables key by key, everything else as a whole.
 
     Another ``reference.kind`` replaces the whole reference.  A shorter ``clock.duration`` drops
@@ -40,12 +40,12 @@ def _over(base: Mapping[str, Any], over: Mapping[str, Any]) -> Raw:
     return result
 
 
-def _table(raw: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def _table(raw: Mapping[str, object], key: str) -> Mapping[str, object]:
     table = raw.get(key)
     return table if isinstance(table, Mapping) else {}
 
 
-def _kind(raw: Mapping[str, Any], default: object = "circle") -> object:
+def _kind(raw: Mapping[str, object], default: object = "circle") -> object:
     return _table(raw, "reference").get("kind", default)
 
 
@@ -62,7 +62,7 @@ def _late(change: object, duration: Real) -> bool:
     return isinstance(time, Real) and time >= duration
 
 
-def with_defaults(raw: Mapping[str, Any]) -> Raw:
+def with_defaults(raw: Mapping[str, object]) -> Raw:
     """Return ``raw`` with every field that has a default filled in, so that each can be indexed."""
     defaults: Raw = {key: section_dict(part) for key, part in section_defaults().items()}
     kind = REFERENCES.get(str(_kind(raw)))

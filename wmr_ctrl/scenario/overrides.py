@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import show
@@ -24,7 +23,7 @@ Step = str | int
 _PART = re.compile(r"([A-Za-z0-9_-]+)((?:\[[0-9]{1,6}\])*)")
 
 
-def override(scenario: Scenario, overrides: Mapping[str, Any]) -> Scenario:
+def override(scenario: Scenario, overrides: Mapping[str, object]) -> Scenario:
     """Return the scenario with the fields of ``overrides`` replaced, checked again.
 
     Keys are paths such as ``"robot.m"`` or ``"changes[1].mu"``; values are TOML text or plain
@@ -44,19 +43,19 @@ def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
     return pairs
 
 
-def parse_value(text: str) -> Any:
+def parse_value(text: str) -> object:
     """Return the value of an override's text: TOML, or a bare comma list, or a bare word."""
     text = text.strip()
-    found = _toml_value(text)
-    if found is not None:
-        return found[0]
+    item = _toml_value(text)
+    if item is not None:
+        return item[0]
     if "," in text and not text.startswith(("[", "{", '"', "'")):
         items = text.removesuffix(",").split(",")
         return [parse_value(item) for item in items]
     return text
 
 
-def _toml_value(text: str) -> tuple[Any] | None:
+def _toml_value(text: str) -> tuple[object] | None:
     try:
         table = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
@@ -64,7 +63,7 @@ def _toml_value(text: str) -> tuple[Any] | None:
     return (table["value"],) if set(table) == {"value"} else None
 
 
-def apply(raw: Mapping[str, Any], overrides: Mapping[str, Any]) -> Raw:
+def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     """Return a copy of ``raw`` with the overrides put on it.
 
     Another ``reference.kind`` starts from that kind's defaults; a shorter ``clock.duration``
@@ -83,7 +82,7 @@ def apply(raw: Mapping[str, Any], overrides: Mapping[str, Any]) -> Raw:
     return result
 
 
-def _with_kind(raw: Raw, values: dict[str, Any]) -> Raw:
+def _with_kind(raw: Raw, values: dict[str, object]) -> Raw:
     reference = raw.get("reference")
     table = dict(reference) if isinstance(reference, Mapping) else {}
     kind = values.get("reference.kind")
@@ -114,16 +113,16 @@ def parse_key(key: str) -> list[Step]:
     return steps
 
 
-def _assign(raw: Raw, steps: list[Step], value: Any, key: str) -> None:
-    place: Any = raw
+def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
+    place: object = raw
     for step, following in pairwise(steps):
         place = _enter(place, step, following, key)
     _set(place, steps[-1], value, key)
 
 
-def _enter(place: Any, step: Step, following: Step, key: str) -> Any:
+def _enter(place: object, step: Step, following: Step, key: str) -> object:
     """Go one step down; a missing table is made, and so is the element after a list's last."""
-    fresh: Any = {} if isinstance(following, str) else []
+    fresh: object = {} if isinstance(following, str) else []
     if isinstance(step, str) and isinstance(place, dict):
         return place.setdefault(step, fresh)
     if isinstance(step, int) and isinstance(place, list):
@@ -134,7 +133,7 @@ def _enter(place: Any, step: Step, following: Step, key: str) -> Any:
     raise _no_place(place, step, key)
 
 
-def _set(place: Any, step: Step, value: Any, key: str) -> None:
+def _set(place: object, step: Step, value: object, key: str) -> None:
     """Put the value in; a table may also be put after a list's last element."""
     if isinstance(step, int) and isinstance(place, list):
         if step == len(place) and isinstance(value, Mapping):
@@ -149,7 +148,7 @@ def _set(place: Any, step: Step, value: Any, key: str) -> None:
         raise _no_place(place, step, key)
 
 
-def _no_place(place: Any, step: Step, key: str) -> ScenarioError:
+def _no_place(place: object, step: Step, key: str) -> ScenarioError:
     if isinstance(step, str):
         return ScenarioError(f"{key} does not exist: {step} has nothing to stand in.")
     size = len(place) if isinstance(place, list) else 0

@@ -20,8 +20,8 @@ def _folder() -> Traversable:
 def preset_names() -> tuple[str, ...]:
     """Return the names of all presets, those of the paper first."""
     names = [item.name.removesuffix(SUFFIX) for item in _folder().iterdir()]
-    found = [name for name in names if (_folder() / (name + SUFFIX)).is_file()]
-    return tuple(sorted(found, key=lambda name: (not name.startswith("paper"), name)))
+    presets = [name for name in names if (_folder() / (name + SUFFIX)).is_file()]
+    return tuple(sorted(presets, key=lambda name: (not name.startswith("paper"), name)))
 
 
 def preset_text(name: str) -> str:

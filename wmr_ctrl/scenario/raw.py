@@ -16,7 +16,7 @@ from wmr_ctrl.world.references import REFERENCES, Reference
 OTHER_KEYS = ("title", "gains", "reference", "changes")
 
 
-def from_dict(raw: Mapping[str, Any], name: str = "unnamed") -> Scenario:
+def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
     """Return the scenario of a raw dictionary; keys that are left out take their defaults.
 
     Raises ScenarioError (UnknownKeyError for a key), the message starting with the key's path.
@@ -27,12 +27,13 @@ def from_dict(raw: Mapping[str, Any], name: str = "unnamed") -> Scenario:
     for key in raw:
         if key not in known and key not in OTHER_KEYS:
             raise UnknownKeyError(str(key), [*known, *OTHER_KEYS])
+    values: Mapping[str, Any] = raw
     parts: dict[str, Any] = {key: build(known[key], raw[key]) for key in known if key in raw}
     effects = {key: parts.pop(key) for key in list(parts) if key not in SECTIONS}
     return Scenario(
         name=name,
-        title=raw.get("title", ""),
-        gains=raw.get("gains", {}),
+        title=values.get("title", ""),
+        gains=values.get("gains", {}),
         reference=_reference(raw.get("reference", {})),
         changes=_changes(raw.get("changes", [])),
         effects=effects,
@@ -58,13 +59,13 @@ def _changes(raw: object) -> tuple[Change, ...]:
     return tuple(build(Change, item, f"changes[{i}]") for i, item in enumerate(items, start=1))
 
 
-def scenario_dict(scenario: Scenario) -> dict[str, Any]:
+def scenario_dict(scenario: Scenario) -> dict[str, object]:
     """Return all of a scenario but its name, as plain values; fields left out are missing.
 
     ``from_dict(scenario_dict(s), s.name) == s`` for every scenario.
     """
     kind = {"kind": scenario.reference_kind.name}
-    raw: dict[str, Any] = {"title": scenario.title}
+    raw: dict[str, object] = {"title": scenario.title}
     raw |= {key: section_dict(getattr(scenario, key)) for key in SECTIONS}
     raw |= {key: section_dict(part) for key, part in scenario.effects.items()}
     raw["gains"] = {
@@ -76,7 +77,7 @@ def scenario_dict(scenario: Scenario) -> dict[str, Any]:
     return raw
 
 
-def section_dict(section: Section) -> dict[str, Any]:
+def section_dict(section: Section) -> dict[str, object]:
     """Return a section's fields that have a value, arrays as lists."""
     return {key: _plain(value) for key, value in vars(section).items() if value is not None}
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.frozen import Frozen
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, number_of, numbers_in
+from wmr_ctrl.fields.values import Quantity, Range, as_list
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import Clock
-from wmr_ctrl.scenario.gains import Gains, clean_gains
 from wmr_ctrl.scenario.guard import Guard
 from wmr_ctrl.scenario.initial import Initial
 from wmr_ctrl.scenario.limits import Limits
@@ -23,6 +24,43 @@ from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Disturbance, Sensor
+
+Gain: TypeAlias = float | bool | str | tuple[float, ...]
+Gains: TypeAlias = Mapping[str, Mapping[str, Gain]]
+
+_NUMBER = Quantity(None, "", "a gain", Range(), "number")
+
+
+def clean_gains(raw: object) -> Gains:
+    """Return gains with numbers as floats and arrays as tuples of floats, hashable.
+
+    Raises ScenarioError for anything that is not a table of tables of numbers, arrays of
+    numbers, texts or flags.
+    """
+    if not isinstance(raw, Mapping):
+        raise ScenarioError(f"gains = {show(raw)} must be a table of laws, as in [gains.mb].")
+    return Frozen((str(law), _law(gains, f"gains.{law}")) for law, gains in raw.items())
+
+
+def _law(gains: object, path: str) -> Mapping[str, Gain]:
+    if not isinstance(gains, Mapping):
+        raise ScenarioError(f"{path} = {show(gains)} must be a table of gains, as in [{path}].")
+    return Frozen((str(name), _gain(value, f"{path}.{name}")) for name, value in gains.items())
+
+
+def _gain(value: object, path: str) -> Gain:
+    if isinstance(value, (bool, str)):
+        return value
+    items = as_list(value)
+    if items is not None:
+        return tuple(_number(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
+    return _number(value, path)
+
+
+def _number(value: object, path: str) -> float:
+    number: float = _NUMBER.clean(value, path)
+    return number
+
 
 S = TypeVar("S", bound=Section)
 

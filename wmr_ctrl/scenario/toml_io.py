@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.files import decode, read_text
@@ -21,7 +20,7 @@ from wmr_ctrl.scenario.scenario import Scenario
 
 
 def load_scenario(
-    name_or_path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None
+    name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
 ) -> Scenario:
     """Return a preset, or the scenario of a TOML file, with ``overrides`` put on it.
 

@@ -27,7 +27,7 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
     ``gains_docs`` tells the laws' gains: those that the scenario does not name are then printed
     too, at their defaults, so that the text holds every gain of a run.
     """
-    raw = scenario_dict(scenario)
+    raw: dict[str, Any] = scenario_dict(scenario)
     document = tomlkit.document()
     document.add("title", tomlkit.item(scenario.title))
     rest = [key for key in raw if key not in (*ORDER, "title", "changes")]

@@ -124,7 +124,7 @@ def _structure(task: Task) -> tuple[object, ...]:
     compiled, scenario = task.loop.compiled, task.loop.scenario
     windows = (task.loop.settings.split, task.loop.settings.rms_from)
     alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
-    return (*alike, scenario.clock, scenario.actuator.delay, windows)
+    return (*alike, scenario.clock, compiled.delay_steps, windows)
 
 
 def _vectors(task: Task) -> VectorSet:

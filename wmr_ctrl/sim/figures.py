@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from wmr_ctrl.sim.memory import Memory
 from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
-Figures = dict[str, NDArray[Any]]
+Figures = dict[str, NDArray[np.float64]]
 
 SHAPES: Mapping[str, tuple[int, ...]] = {
     "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
@@ -61,21 +61,21 @@ def empty_figures(count: int) -> Figures:
 def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Runnable]) -> None:
     """Write a batch's figures where its runs stand."""
     settings = runs[0].loop.settings
-    found = _from_findings(memory, settings) | _from_sums(memory, settings)
-    for name, values in found.items():
+    columns = _from_findings(memory, settings) | _from_sums(memory, settings)
+    for name, values in columns.items():
         figures[name][list(places)] = values
 
 
 def monitors(memory: Memory, runs: Sequence[Runnable]) -> list[Monitor]:
     """What was watched in each run of a batch."""
-    found = _from_findings(memory, runs[0].loop.settings)
+    columns = _from_findings(memory, runs[0].loop.settings)
     return [
-        monitor({name: values[lane] for name, values in found.items()})
+        monitor({name: values[lane] for name, values in columns.items()})
         for lane, _ in enumerate(runs)
     ]
 
 
-def monitor(one: Mapping[str, Any]) -> Monitor:
+def monitor(one: Mapping[str, NDArray[np.float64]]) -> Monitor:
     """What was watched in one run, from its figures by name."""
     first = None
     if one["violations"] > 0:
@@ -95,26 +95,26 @@ def monitor(one: Mapping[str, Any]) -> Monitor:
 
 
 def _from_findings(memory: Memory, settings: Settings) -> Figures:
-    found = memory.row
-    step, left = settings.plant, found("left_sample")
-    violated, ended, samples = found("violations") > 0, found("stop") > 0, found("samples")
-    made = (samples > 0)[:, None]
+    row = memory.row
+    step, left = settings.plant, row("left_sample")
+    violated, ended, samples = row("violations") > 0, row("stop") > 0, row("samples")
+    ran = (samples > 0)[:, None]
     return {
         "final_state": memory.final,
-        "max_abs_v": found("max_v1", "max_omega"),
-        "violations": found("violations"),
-        "first_violation": np.where(violated, found("first_step") * step, np.nan),
-        "first_axis": np.where(violated, found("first_axis"), np.nan),
-        "stop": found("stop"),
-        "stopped": np.where(ended, found("stop_step") * step, np.nan),
-        "stop_axis": np.where(ended, found("stop_axis"), np.nan),
+        "max_abs_v": row("max_v1", "max_omega"),
+        "violations": row("violations"),
+        "first_violation": np.where(violated, row("first_step") * step, np.nan),
+        "first_axis": np.where(violated, row("first_axis"), np.nan),
+        "stop": row("stop"),
+        "stopped": np.where(ended, row("stop_step") * step, np.nan),
+        "stop_axis": np.where(ended, row("stop_axis"), np.nan),
         "samples": samples,
-        "tau_peak": np.where(samples > 0, found("torque"), np.nan),
-        "d_least": np.where(made, found("d_least1", "d_least2"), np.nan),
+        "tau_peak": np.where(samples > 0, row("torque"), np.nan),
+        "d_least": np.where(ran, row("d_least1", "d_least2"), np.nan),
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
-        "bounds_axis": np.where(left >= 0, found("left_axis"), np.nan),
+        "bounds_axis": np.where(left >= 0, row("left_axis"), np.nan),
         "guard_share": np.where(
-            made, found("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
+            ran, row("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
         ),
     }
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import operator
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from typing import SupportsIndex
 
 import numpy as np
 
 from wmr_ctrl import __version__
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import (
     Assumptions,
     Monitor,
@@ -23,7 +26,7 @@ from wmr_ctrl.results import (
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
-Found = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
+Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
 
@@ -32,7 +35,7 @@ def finished(
     law: str,
     seed: int,
     engine: str,
-    found: Found,
+    log: Log,
     facts: Mapping[str, str],
     bounds: Assumptions | None = None,
 ) -> Run:
@@ -42,7 +45,7 @@ def finished(
     [N, N m]; with them the monitor tells the first motion that contradicts them, and how near the
     least disturbance came.
     """
-    signals, columns, seen = found
+    signals, columns, seen = log
     monitor, settings, guard = seen, settings_of(scenario), scenario.guard.enabled
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)
@@ -82,3 +85,11 @@ def versions() -> dict[str, str]:
         "numpy": np.__version__,
         "machine": platform.machine(),
     }
+
+
+def check_seeds(seeds: Iterable[int]) -> None:
+    """Raise ArgumentError unless every seed is a whole number from 0 up, below 2^63."""
+    for seed in seeds:
+        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
+        if not (whole and 0 <= operator.index(seed) < 2**63):
+            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")

@@ -1,33 +1,35 @@
-"""Many runs as one table of arrays: seeds, scenarios or starts side by side."""
+"""Many runs side by side: as one table of arrays, or each a whole Run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import outcome_of
+from wmr_ctrl.results import Monitor, Run, outcome_of
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.batch import Progress, Task, run_tasks
+from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
 from wmr_ctrl.sim.figures import SHAPES, Figures, monitor
+from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
 
 
 @dataclass(frozen=True)
-class RunTable(Mapping[str, NDArray[Any]]):
+class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
     Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str), ``seed`` and
     ``tracked`` (bool, the last quarter's position_rms against metrics.tolerance) besides.
     """
 
-    figures: Mapping[str, NDArray[Any]]
+    figures: Mapping[str, NDArray[np.float64]]
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.figures[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -127,3 +129,32 @@ def _check(
         )
     if starts is not None and (len(starts) != count or any(len(row) != 5 for row in starts)):
         raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
+
+
+T = TypeVar("T")
+
+
+def run_each(
+    runs: Sequence[tuple[Ready, int]],
+    then: Callable[[int, Run], T],
+    jobs: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> list[T]:
+    """What ``then`` makes of the place and the Run of each pair (law, seed), in their order.
+
+    Several robots run at a time on each of ``jobs`` threads (default: one per core), in which
+    ``then`` is called too; results do not depend on the number.  ``progress`` is called with the
+    share done.  Ctrl-C ends all threads within a sample.  Raises CompilerError.
+    """
+    tasks = [Task(item, seed) for item, seed in runs]
+
+    def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
+        item, seed = runs[place]
+        signals = item.compiled.layout.columns
+        logged = (signals, split_columns(signals, rows), watched)
+        facts = {"kernel_hash": item.compiled.digest}
+        return then(
+            place, finished(item.scenario, item.law, seed, "lanes", logged, facts, item.bounds)
+        )
+
+    return run_logged(tasks, pass_on, jobs=jobs, progress=progress)

@@ -188,14 +188,13 @@ def laid_out(
     compiled, clock = loop.compiled, loop.scenario.clock
     chosen = vector_set(compiled.library, runs[0].vectors)
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
-    delay = round(loop.scenario.actuator.delay / clock.plant)
     arrays: dict[str, Numbers] = {
         "parameters": _columns([_parameters(run.loop.compiled) for run in padded]),
         "start": _columns([_start(run) for run in padded]),
         "phase_start": np.array(compiled.phase_start, dtype=np.int64),
         "window": np.array(windows, dtype=np.int64).reshape(-1, 2),
         "key": np.array([noise_key(run.seed) for run in padded], dtype=np.uint64),
-        "queue": aligned(max(2 * delay, 1), chosen.lanes),
+        "queue": aligned(max(2 * compiled.delay_steps, 1), chosen.lanes),
         "sums": aligned(len(windows), chosen.sums, chosen.lanes),
     }
     settings = LoopSettings(

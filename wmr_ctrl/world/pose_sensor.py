@@ -67,10 +67,10 @@ def build(scenario: Scenario) -> System:
     error = draw(NUMBERS, UNIFORM, width > 0)
     true = stack(item.sym for item in pose)
     measured = true + ca.vertcat(width * error.port.sym, 0)
-    predicted = _reckoned(estimate.sym, old.sym, T)
+    predicted = reckoned(estimate.sym, old.sym, T)
     share = _share(sample.sym, ca.fmax(1, ca.floor(every / T + 0.5)), correction)
     perfect = ca.logic_and(ca.logic_and(every == 0, width == 0), correction == 1)
-    seen = ca.if_else(perfect, true, predicted + share * (measured - predicted))
+    seen = ca.if_else(perfect, true, corrected(predicted, measured, share))
     return System(
         "pose_sensor",
         "dead reckoning with pose correction",
@@ -84,7 +84,13 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def _reckoned(q: ca.SX, v: ca.SX, T: ca.SX) -> ca.SX:
+def corrected(predicted: ca.SX, measured: ca.SX, share: ca.SX) -> ca.SX:
+    """Pose (3,) after a share of the difference between measurement and prediction."""
+    return predicted + share * (measured - predicted)
+
+
+def reckoned(q: ca.SX, v: ca.SX, T: ca.SX) -> ca.SX:
+    """Pose (3,) after a period T [s] at velocity v (2,) by Euler, the angle first."""
     theta = q[2] + T * v[1]
     step = T * v[0]
     return ca.vertcat(q[0] - step * ca.sin(theta), q[1] + step * ca.cos(theta), theta)

@@ -9,7 +9,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.wiring import pushes
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.parts import STATE, Part
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.provenance import GRAPH
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole
@@ -20,7 +20,7 @@ _NEAR = 1e-6
 """How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
 
 
-def check_structure(path: str | Path, model: Model) -> None:
+def check_structure(path: str | Path, model: FmuModel) -> None:
     """Raise ArgumentError unless the FMU is ``model`` but for its numbers.
 
     An FMU of ours carries the graph that it was made from; numbers are set before a run, but

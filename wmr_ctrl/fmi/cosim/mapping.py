@@ -23,20 +23,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fmi.units import Unit, unit_of
+from wmr_ctrl.fmi.units import NamedUnit, unit_of
 
 UnitOf = Callable[[str], str | None]
-Units = Callable[[str, str], Unit]
+Units = Callable[[str, str], NamedUnit]
 """From a name, and the key of the row that needs it, to its unit."""
 _KEYS = {"terms", "offset", "unit", "coefficient_unit"}
 _SECTIONS = {"inputs", "outputs", "parameters", "start", "step"}
 
 
 @dataclass(frozen=True)
-class Row:
+class MapRow:
     """target = sum of coefficient * source + offset, all in the units of their owners."""
 
     target: str
@@ -53,8 +52,8 @@ class Row:
 class PartMap:
     """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s]."""
 
-    inputs: Mapping[str, Any]
-    outputs: Mapping[str, Any]
+    inputs: Mapping[str, object]
+    outputs: Mapping[str, object]
     parameters: Mapping[str, str]
     start: Mapping[str, float]
     step: float | None
@@ -72,7 +71,7 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     return {part: _part(part, table) for part, table in raw.items()}
 
 
-def _part(part: str, table: Any) -> PartMap:
+def _part(part: str, table: object) -> PartMap:
     if not isinstance(table, dict):
         raise ArgumentError(f"{part} must be a table, written as [{part}].")
     for key in table:
@@ -88,8 +87,8 @@ def _part(part: str, table: Any) -> PartMap:
 
 
 def input_rows(
-    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
-) -> list[Row]:
+    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
+) -> list[MapRow]:
     """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables."""
     return [
         _row(f"{part}.inputs.{name}", name, entry, _Side(theirs, entry), _ours(ours))
@@ -98,8 +97,8 @@ def input_rows(
 
 
 def output_rows(
-    raw: Mapping[str, Any], ours: Mapping[str, str], theirs: UnitOf, part: str
-) -> list[Row]:
+    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
+) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     return [
         _row(f"{part}.outputs.{name}", name, entry, _ours(ours), _Side(theirs, entry))
@@ -108,7 +107,7 @@ def output_rows(
 
 
 def compiled(
-    rows: Sequence[Row], sources: Sequence[str]
+    rows: Sequence[MapRow], sources: Sequence[str]
 ) -> Callable[[Sequence[float]], Sequence[float]]:
     """A function from the values of ``sources`` to those of the rows' targets."""
     place = {name: i for i, name in enumerate(sources)}
@@ -120,19 +119,19 @@ def compiled(
     ]
 
 
-def identity(names: Sequence[str]) -> list[Row]:
+def identity(names: Sequence[str]) -> list[MapRow]:
     """Rows of an FMU that has our names and units."""
-    return [Row(name, ((name, 1.0),)) for name in names]
+    return [MapRow(name, ((name, 1.0),)) for name in names]
 
 
 class _Side:
     """Units of their variables: as the entry states them, else as their FMU declares them."""
 
-    def __init__(self, declared: UnitOf, entry: Any) -> None:
+    def __init__(self, declared: UnitOf, entry: object) -> None:
         self.declared = declared
         self.stated = entry.get("unit") if isinstance(entry, dict) else None
 
-    def __call__(self, name: str, key: str) -> Unit:
+    def __call__(self, name: str, key: str) -> NamedUnit:
         unit = self.stated or self.declared(name)
         if unit is None:
             raise ArgumentError(
@@ -142,7 +141,7 @@ class _Side:
 
 
 def _ours(units: Mapping[str, str]) -> Units:
-    def unit(name: str, key: str) -> Unit:
+    def unit(name: str, key: str) -> NamedUnit:
         if name not in units:
             raise UnknownNameError(f"quantity of ours (in {key})", name, units)
         return unit_of(units[name])
@@ -150,18 +149,20 @@ def _ours(units: Mapping[str, str]) -> Units:
     return unit
 
 
-def _row(key: str, target: str, entry: Any, unit_of_target: Units, unit_of_source: Units) -> Row:
+def _row(
+    key: str, target: str, entry: object, unit_of_target: Units, unit_of_source: Units
+) -> MapRow:
     terms, offset, factor_unit = _entry(key, entry)
     wanted = unit_of_target(target, key)
-    found = []
+    shares = []
     for name, factor in terms.items():
         given = unit_of_source(name, key)
         _check(key, wanted, given, factor_unit, name)
-        found.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
-    return Row(target, tuple(found), offset)
+        shares.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
+    return MapRow(target, tuple(shares), offset)
 
 
-def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, Unit]:
+def _entry(key: str, entry: object) -> tuple[dict[str, float], float, NamedUnit]:
     """Terms, offset (in the target's unit) and the coefficients' unit."""
     if isinstance(entry, str):
         return {entry: 1.0}, 0.0, unit_of("1")
@@ -178,13 +179,13 @@ def _entry(key: str, entry: Any) -> tuple[dict[str, float], float, Unit]:
     return terms, float(entry.get("offset", 0.0)), unit_of(entry.get("coefficient_unit", "1"))
 
 
-def _check(key: str, wanted: Unit, given: Unit, factor: Unit, name: str) -> None:
+def _check(key: str, wanted: NamedUnit, given: NamedUnit, factor: NamedUnit, name: str) -> None:
     """The source's kind times the coefficient's must be the target's."""
     keys = {*given.exponents, *factor.exponents}
     product = {k: given.exponents.get(k, 0) + factor.exponents.get(k, 0) for k in keys}
-    if not Unit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
-        told = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
+    if not NamedUnit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
+        unit = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
         raise ArgumentError(
-            f"{key}: {name} in {given.name} does not give {wanted.name}{told}. Give the "
+            f"{key}: {name} in {given.name} does not give {wanted.name}{unit}. Give the "
             "coefficient's unit as coefficient_unit, or map another variable."
         )

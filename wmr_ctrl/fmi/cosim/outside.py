@@ -54,7 +54,6 @@ class Outside:
         self._findings = compiled.layout.findings
         self.columns = graphs.columns
         self.steady = graphs.steady
-        delay = round(setup.scenario.actuator.delay / setup.scenario.clock.plant)
         self._step = setup.scenario.clock.plant
         self._arrays: dict[str, Numbers] = {
             "parameters": np.array([number for row in compiled.parameters for number in row]),
@@ -62,7 +61,7 @@ class Outside:
             "phase_start": np.array(compiled.phase_start, dtype=np.int64),
             "window": np.zeros(2, dtype=np.int64),
             "key": np.array(noise_key(seed), dtype=np.uint64),
-            "queue": aligned(max(2 * delay, 1)),
+            "queue": aligned(max(2 * compiled.delay_steps, 1)),
             "sums": aligned(1),
         }
         pointers = {name: pointer_to(array) for name, array in self._arrays.items()}

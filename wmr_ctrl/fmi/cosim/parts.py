@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fmi.cosim.mapping import PartMap, Row, compiled, identity, input_rows, output_rows
+from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, compiled, identity, input_rows, output_rows
 from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
@@ -46,8 +46,8 @@ class Part:
     def __init__(
         self,
         slave: Slave,
-        inputs: Sequence[Row],
-        outputs: Sequence[Row],
+        inputs: Sequence[MapRow],
+        outputs: Sequence[MapRow],
         sources: Sequence[str],
         step: float | None = None,
         *,
@@ -149,9 +149,9 @@ def limiter() -> ca.Function:
         ca.SX.sym(n, k) for n, k in (("tau", 2), ("r", 1), ("l", 1), ("m", 1))
     )
     force = wheel_to_force(r, half_track, torque)
-    kept = linear_first(force, 2 * most / r, half_track)
-    outside = ca.logic_or(kept[0] != force[0], kept[1] != force[1])
-    limited = ca.if_else(outside, force_to_wheel(r, half_track, kept), torque)
+    within = linear_first(force, 2 * most / r, half_track)
+    outside = ca.logic_or(within[0] != force[0], within[1] != force[1])
+    limited = ca.if_else(outside, force_to_wheel(r, half_track, within), torque)
     return ca.Function("limited", [torque, r, half_track, most], [limited])
 
 
@@ -162,33 +162,33 @@ def limited_torque(torque: tuple[float, float], scenario: Scenario) -> Sequence[
     return np.asarray(limited).ravel().tolist()
 
 
-def _without_ready(rows: Sequence[Row], robot: Robot) -> list[Row]:
+def _without_ready(rows: Sequence[MapRow], robot: Robot) -> list[MapRow]:
     """theta from psi, v1 and omega from the wheels' speeds, where these are mapped."""
-    found = {row.target: row for row in rows}
-    if "psi" in found:
-        psi = found.pop("psi")
-        found["theta"] = Row("theta", psi.terms, psi.offset - math.pi / 2)
-    if {"w_right", "w_left"} <= found.keys():
-        right, left = found.pop("w_right"), found.pop("w_left")
-        found["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
-        found["omega"] = _combined(
+    by_target = {row.target: row for row in rows}
+    if "psi" in by_target:
+        psi = by_target.pop("psi")
+        by_target["theta"] = MapRow("theta", psi.terms, psi.offset - math.pi / 2)
+    if {"w_right", "w_left"} <= by_target.keys():
+        right, left = by_target.pop("w_right"), by_target.pop("w_left")
+        by_target["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
+        by_target["omega"] = _combined(
             "omega", {right: robot.r / (2 * robot.l), left: -robot.r / (2 * robot.l)}
         )
-    return list(found.values())
+    return list(by_target.values())
 
 
-def _combined(target: str, parts: Mapping[Row, float]) -> Row:
+def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:
     terms = tuple(
         (name, share * factor) for row, share in parts.items() for name, factor in row.terms
     )
-    return Row(target, terms, sum(share * row.offset for row, share in parts.items()))
+    return MapRow(target, terms, sum(share * row.offset for row, share in parts.items()))
 
 
-def _sorted(rows: Sequence[Row], order: Sequence[str]) -> list[Row]:
+def _sorted(rows: Sequence[MapRow], order: Sequence[str]) -> list[MapRow]:
     return [next(row for row in rows if row.target == name) for name in order]
 
 
-def _complete(rows: Sequence[Row], wanted: Sequence[str], part: str) -> None:
+def _complete(rows: Sequence[MapRow], wanted: Sequence[str], part: str) -> None:
     missing = sorted(set(wanted) - {row.target for row in rows})
     if missing:
         raise ArgumentError(

@@ -28,7 +28,7 @@ from wmr_ctrl.fmi.cosim.parts import (
 )
 from wmr_ctrl.fmi.cosim.slave import FmuError, Slave
 from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
-from wmr_ctrl.fmi.model import Model
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws.sample import own_diagnostics
@@ -105,7 +105,7 @@ def _slaves(
     return slaves
 
 
-def _model(setup: Setup, name: str, *, at_once: bool) -> Model:
+def _model(setup: Setup, name: str, *, at_once: bool) -> FmuModel:
     what = setup.name if name == "controller" else name
     model = model_of(what, setup.name, setup.scenario)
     return parallel(model) if at_once else model
@@ -144,7 +144,7 @@ def _run(
     return _result(setup, system, loop, parts.controller, seed, facts, failure)
 
 
-def _starts(model: Model, slave: Slave) -> dict[str, float]:
+def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
     """The scenario's numbers for an FMU of ours that may come from another scenario."""
     check_structure(slave.path, model)
     return {

@@ -164,10 +164,10 @@ class Slave:
             raise self._failure("doStep, which it ended early")
 
     def _failure(self, what: str, error: Exception | None = None) -> FmuError:
-        told = str(error) if error is not None else "; ".join(self.messages[-1:])
+        reason = str(error) if error is not None else "; ".join(self.messages[-1:])
         return FmuError(
             f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}"
-            f"{': ' if told else ''}{told}"
+            f"{': ' if reason else ''}{reason}"
         )
 
     def end(self) -> None:

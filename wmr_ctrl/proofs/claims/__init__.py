@@ -31,6 +31,7 @@ THEMES = (
     ("prox", "The sampled-data law"),
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
+    ("composition", "How the parts are put together"),
     ("hand", "Arguments by hand, assumptions, open ends"),
 )
 DEFINITIONS = "Definitions"

@@ -174,7 +174,7 @@ CLAIMS = (
         ALL_LIMITS,
         _minimum,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "eq17-18.slope",
@@ -287,6 +287,6 @@ CLAIMS = (
         ALL_LIMITS,
         _lower_bound,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
 )

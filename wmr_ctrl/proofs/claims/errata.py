@@ -171,7 +171,7 @@ CLAIMS = (
         "V1i >= 0, rho_i >= 0, V1i' = -rho_i V1i",
         _slower_rate,
         Z3(),
-        uses=("eq30.law", "eq30.law-angular"),
+        premises=("eq30.law", "eq30.law-angular"),
     ),
     Claim(
         "eq86.forgetting",

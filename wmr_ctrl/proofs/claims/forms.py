@@ -160,6 +160,6 @@ CLAIMS = (
         "0 < |y| < 0.05, coefficients as the doubles that they are",
         _series_slope,
         Ring((_within(1), _within(-1))),
-        uses=("lemma.integration",),
+        premises=("lemma.integration",),
     ),
 )

@@ -39,7 +39,7 @@ CLAIMS = (
         ALL_LIMITS,
         steps.ceiling,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "gain.ceiling-smooth",
@@ -51,7 +51,7 @@ CLAIMS = (
         "every 0 < v_u2 < v < v_u1, any v_c0" + NO_SERIES,
         steps.ceiling_smooth,
         Ring(AHEAD, CLOSED_FORM, log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "gain.fades",
@@ -64,7 +64,7 @@ CLAIMS = (
         f"every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}",
         steps.fades,
         Ring((steps.near_limit(1), steps.near_limit(-1)), log_lemma=True),
-        uses=("gain.cover", "lemma.log"),
+        premises=("gain.cover", "lemma.log"),
     ),
     Claim(
         "gain.closed",
@@ -75,7 +75,7 @@ CLAIMS = (
         "every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
         partial(steps.closed, Axis),
         Ring(tuple(map(steps.charted, TARGETS + TARGET_EDGES))),
-        uses=("gain.cover",),
+        premises=("gain.cover",),
     ),
     Claim(
         "gain.closed-smooth",
@@ -86,7 +86,7 @@ CLAIMS = (
         "every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
         partial(steps.closed, SmoothAxis),
         Ring(tuple(map(steps.charted, SMOOTH_TARGETS))),
-        uses=("gain.cover",),
+        premises=("gain.cover",),
     ),
     Claim(
         "gain.cover",
@@ -108,7 +108,7 @@ CLAIMS = (
         f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
         partial(steps.outward, "paper"),
         Z3(),
-        uses=("gain.fades", "gain.ceiling", "gain.closed", "forms.quotient"),
+        premises=("gain.fades", "gain.ceiling", "gain.closed", "forms.quotient"),
     ),
     Claim(
         "gain.none-smooth",
@@ -119,7 +119,7 @@ CLAIMS = (
         f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
         partial(steps.outward, "smooth"),
         Z3(),
-        uses=("gain.fades", "gain.ceiling-smooth", "gain.closed-smooth", "smooth.quotient"),
+        premises=("gain.fades", "gain.ceiling-smooth", "gain.closed-smooth", "smooth.quotient"),
     ),
     Claim(
         "gain.levels",
@@ -132,7 +132,7 @@ CLAIMS = (
         "paper limits and gains",
         steps.levels,
         Table(points=steps.held_back),
-        uses=("authority.lower-linear", "authority.lower-angular"),
+        premises=("authority.lower-linear", "authority.lower-angular"),
     ),
     Claim(
         "gain.meaning",
@@ -144,6 +144,6 @@ CLAIMS = (
         "limits; the gradient law has such a bound (prox.bounded-push).",
         "v_c0 held, model exact",
         verdict=HAND,
-        uses=("gain.none", "gain.none-smooth", "lemma.comparison"),
+        premises=("gain.none", "gain.none-smooth", "lemma.comparison"),
     ),
 )

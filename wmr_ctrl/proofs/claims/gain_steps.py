@@ -13,7 +13,7 @@ from wmr_ctrl.barrier.smooth import smooth_barrier
 from wmr_ctrl.barrier.stable import Axis
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
-from wmr_ctrl.proofs.claims.authority import AXES, Numbers
+from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
 from wmr_ctrl.proofs.claims.common import BarrierAxis, LawGraph
 from wmr_ctrl.proofs.claims.sampled import SETTINGS
 from wmr_ctrl.proofs.methods.spec import Point

@@ -134,14 +134,17 @@ def _anchor(flip: float) -> Statement:
 
 
 def _not_blamed(flip: float) -> Statement:
-    """A sample that ran ahead: d_least is at most the mean disturbance that pushed it."""
+    """A sample that ran ahead, either way: d_least is at most the disturbance that pushed it."""
     a = GuardAxis()
-    b, t = a.bounds, symbols("old push drag e_new e_old")
-    mean = (a["asked"] + t["push"] - flip * t["drag"]) / a["mass"]
+    b, t = a.bounds, symbols("old push drag e_new e_old way")
+    way = ca.if_else(t["way"] > 0, 1, -1)
+    mean = (a["asked"] + way * (t["push"] - flip * t["drag"])) / a["mass"]
     new = t["old"] + b.period * mean
     y, before = new + t["e_new"], t["old"] + t["e_old"]
-    errors = [at_least(b.nbar, way * t[name]) for way in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (above(ca.fmin(y, before), b.nbar), at_least(t["drag"]), at_least(t["push"]))
+    errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
+    ahead = (
+        above(ca.fmin(way * y, way * before), b.nbar), at_least(t["drag"]), at_least(t["push"]),
+    )  # fmt: skip
     least = least_push(y, before, a["asked"], b)
     given = (*a.feasible(), *a.during, *errors, *ahead)
     return Statement({**a.symbols, **t}, (at_least(t["push"], least),), given)
@@ -293,9 +296,10 @@ CLAIMS = (
         "guard.monitor",
         (),
         OURS,
-        "d_least <= mean disturbance of the sample, driving forwards",
+        "d_least <= mean disturbance of the sample, driving forwards or backwards",
         "The monitor accuses the bounds only where they are wrong.",
-        f"{ALL}: {FEASIBLE}; both measured velocities above nbar, friction >= 0",
+        f"{ALL}: {FEASIBLE}; both measured velocities beyond nbar on the same side, friction "
+        "against the motion",
         _not_blamed,
         SLOW,
         theme=THEME,
@@ -304,11 +308,13 @@ CLAIMS = (
         "guard.rounding",
         (),
         OURS,
-        "with rounding errors, v + T (F + dbar - f_min)/M_min <= u1 for a guard that aims "
-        "at u1 (1 - 2^-44)",
-        "The limit holds for the doubles that the generated C computes.",
-        "scaled to u1 = M_min alpha = 1; at most 6 and 2 roundings of 2^-53 before and after the "
-        "last difference",
+        "with relative errors, v + T (F + dbar - f_min)/M_min <= u1 for F = hi of a guard that "
+        "aims at u1 (1 - 2^-44), from v <= u1 (1 - 2^-44)",
+        "What the guard keeps back is more than hi's own rounding near the limit. It does not "
+        "close the induction: a speed between u1 (1 - 2^-44) and u1, the branch that brakes and "
+        "the conversion to torques are not in it.",
+        "scaled to u1 = M_min alpha = 1; 0 <= v, net <= 1/2; at most 6 and 2 roundings of 2^-53 "
+        "before and after the last difference",
         _rounding,
         SLOW,
         theme=THEME,

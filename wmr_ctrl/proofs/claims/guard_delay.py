@@ -14,16 +14,9 @@ import casadi as ca
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
+from wmr_ctrl.proofs.claims.guard_queue import CAPS, COMMANDS, FEASIBLE, THEME, late_claim
 from wmr_ctrl.proofs.finding import HAND
-from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols
-
-THEME = "guard"
-FEASIBLE = (
-    "2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), net = dbar - f_min, 2 nbar <= u1, "
-    "brake >= net, alpha T <= 1; every other number free"
-)
-CAPS = "0 <= brakes, net <= brakes <= largest (guard.delay.caps)"
 
 
 def _caps(flip: float) -> Statement:
@@ -31,20 +24,6 @@ def _caps(flip: float) -> Statement:
     b = a.bounds
     goals = (*a.capped, a.shared(1 if flip > 0 else 1.01))
     return Statement(a.symbols, goals, (*a.can_be_kept(), at_least(b.M_max)))
-
-
-def _command(flip: float) -> Statement:
-    """One command of at most ``largest``: both sums together, and what it does to v."""
-    a = LateAxis()
-    b, time = a.bounds, a["periods"] * a["period"]
-    most = (1 if flip > 0 else 0.99) * time * (a.largest + b.net) / b.M_min
-    start, seen = ca.fmax(a["v"], b.f_speed), ca.fmax(a["y"] + b.nbar, b.f_speed)
-    reached = start + a["since"] * ca.fmax(a["sent"] + b.net, 0) / a["mass"]
-    goals = (at_least(most, a.one.ahead + a.one.back), at_least(seen + a.one.ahead, reached))
-    sent = (at_least(a.largest, a["sent"]), at_least(a.largest, -a["sent"]))
-    during = (at_least(a["since"]), at_least(time, a["since"]), at_least(a["periods"]))
-    given = (*a.sound(), *a.capped, *a.measured, *a.during, *sent, *during)
-    return Statement(a.symbols, goals, given)
 
 
 def _room(flip: float) -> Statement:
@@ -189,22 +168,8 @@ def _uncapped(_: float) -> Statement:
     return Statement(a.symbols, (goal,), given)
 
 
-def _claim(
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    uses: tuple[str, ...] = (),
-) -> Claim:
-    key = f"guard.delay.{name}"
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, Z3(timeout=60), "", uses, THEME
-    )
-
-
 CLAIMS = (
-    _claim(
+    late_claim(
         "caps",
         "brakes = min(brake, cap): 0 <= brakes, net <= brakes <= largest, and delay (largest + net)"
         "/M_min + max(brakes + net, 0)/(M_min alpha) <= u1 - f_speed",
@@ -212,16 +177,8 @@ CLAIMS = (
         FEASIBLE,
         _caps,
     ),
-    _claim(
-        "command",
-        "max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for each command under way, and "
-        "v at most the guard's count as long as it acts",
-        "What a command on its way can do is what the guard counts, also if it acts for a shorter "
-        "time.",
-        f"|F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {CAPS}",
-        _command,
-    ),
-    _claim(
+    *COMMANDS,
+    late_claim(
         "room",
         "M_min alpha (u1 - f_speed - ahead - back) >= max(brakes + net, 0)",
         "What is under way never takes the room that braking needs.",
@@ -229,7 +186,7 @@ CLAIMS = (
         _room,
         ("guard.delay.caps", "guard.delay.command"),
     ),
-    _claim(
+    late_claim(
         "feasible",
         "lo(y) <= hi(y) for every y, whatever is under way",
         "There is always a safe force: nothing has to be checked while it runs.",
@@ -237,7 +194,7 @@ CLAIMS = (
         _not_empty,
         ("guard.delay.room",),
     ),
-    _claim(
+    late_claim(
         "largest",
         "|F| <= largest",
         "Commands stay as small as those before them were assumed to be.",
@@ -245,7 +202,7 @@ CLAIMS = (
         _largest,
         ("guard.delay.caps",),
     ),
-    _claim(
+    late_claim(
         "anchor",
         "|clip(0, lo, hi)| <= brakes",
         "The force of least effort is within the brake cap: the wheel maps keep the box.",
@@ -253,7 +210,7 @@ CLAIMS = (
         _anchor,
         ("guard.delay.caps",),
     ),
-    _claim(
+    late_claim(
         "upper",
         "v <= u1 where the new command starts to act: v <= u1 as long as it acts",
         "Inside stays inside, forwards.",
@@ -261,7 +218,7 @@ CLAIMS = (
         _invariant(1),
         ("guard.delay.feasible",),
     ),
-    _claim(
+    late_claim(
         "lower",
         "the same for -v, whatever v is in the other direction",
         "Nor backwards, also while the robot is braked from outside.",
@@ -269,7 +226,7 @@ CLAIMS = (
         _invariant(-1),
         ("guard.delay.feasible",),
     ),
-    _claim(
+    late_claim(
         "outside",
         "v > u1 where the new command starts to act: F + net <= -min(brakes - net, M_max (v - "
         "u1)/T)",
@@ -278,7 +235,7 @@ CLAIMS = (
         f"|y - v| <= nbar; {CAPS}",
         _outside,
     ),
-    _claim(
+    late_claim(
         "return",
         "v > u1 where it starts to act: a sample later v <= max(u1, v - T (brakes - net)/M)",
         "Back inside after the delay and ceil((v - u1) M/(T (brakes - net))) samples, v being the "
@@ -286,14 +243,14 @@ CLAIMS = (
         f"|y - v| <= nbar, M_min <= M <= M_max; {CAPS}",
         _return_step,
     ),
-    _claim(
+    late_claim(
         "graceful",
         "|d| <= dbar + D keeps |v| <= u1 + D (T + delay)/M_min",
         "A bound that is broken by D costs a known excess, no more.",
         f"|y - v| <= nbar; brakes - net >= D; {CAPS}",
         _graceful,
     ),
-    _claim(
+    late_claim(
         "necessary",
         "2 dbar (T + delay) > M_min u1 and F + dbar <= 0: (T + delay) (dbar - F)/M_min > u1",
         "Beyond this bound no guard at all can keep the limit: friction may stop the robot just "
@@ -301,30 +258,31 @@ CLAIMS = (
         "u1, T, delay, M_min, dbar > 0",
         _necessary,
     ),
-    _claim(
+    late_claim(
         "rounding",
-        "with rounding errors, v <= u1 for a guard that aims at u1 (1 - (1 + n) 2^-44), n commands "
-        "under way",
-        "The limit holds for the doubles that the generated C computes.",
+        "with relative errors, v <= u1 for F = hi of a guard that aims at u1 (1 - (1 + n) 2^-44), "
+        "n commands under way, from where it sees room",
+        "What the guard keeps back is more than hi's own rounding near the limit; as without delay "
+        "this does not close the induction.",
         "scaled to u1 = M_min alpha = 1; at most 8 + 4 n, 6 and 2 roundings of 2^-53 in the speed "
         "that is counted, before and after the last difference; n <= 1e5",
         _rounding,
     ),
-    _claim(
+    late_claim(
         "longer",
         "guard.delay.upper, with a delay that is 1 % longer than stated",
         "False: the delay may be stated too long, not too short.",
         "one command under way",
         _longer,
     ),
-    _claim(
+    late_claim(
         "ignored",
         "guard.delay.upper, for the guard that knows of no delay",
         "False: what is under way has to be counted.",
         "ahead > 0",
         _ignored,
     ),
-    _claim(
+    late_claim(
         "uncapped",
         "guard.delay.feasible, with |F_j| <= M_min alpha (u1 - f_speed) - net",
         "False: without the smaller cap a state can be reached that has no safe force.",
@@ -341,7 +299,7 @@ CLAIMS = (
         "the delay is constant and at most as stated, the commands before the first sample are 0, "
         "and max(|v|, f_speed) + delay max(net, 0)/M_min <= u1 at the start",
         verdict=HAND,
-        uses=("guard.lemma", "guard.delay.command", "guard.delay.upper", "guard.delay.lower"),
+        premises=("guard.lemma", "guard.delay.command", "guard.delay.upper", "guard.delay.lower"),
         theme=THEME,
     ),
 )

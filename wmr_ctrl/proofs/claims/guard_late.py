@@ -12,15 +12,18 @@ from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
-LATE = "delay ahead back arrived sent periods since extra"
+LATE = "delay ahead back arrived sent other periods since extra"
 
 
 @dataclass(frozen=True)
 class LateAxis(GuardAxis):
     """One axis behind a delay: any number of commands under way, by what they add up to.
 
-    ``arrived`` bounds v (or -v) at the instant at which the new command starts to act.
+    ``arrived`` bounds v (or -v) at the instant at which the new command starts to act; ``place`` is
+    the axis among the two that a command has.
     """
+
+    place: int = 0
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
@@ -41,8 +44,9 @@ class LateAxis(GuardAxis):
     @cached_property
     def one(self) -> UnderWay:
         """What is under way where it is a single command ``sent`` for some ``periods``."""
-        pair = ca.vertcat(self["sent"], 0)
-        return under_way([(pair, self["periods"])], 0, self.bounds)
+        pair = [self["other"], self["other"]]
+        pair[self.place] = self["sent"]
+        return under_way([(ca.vertcat(*pair), self["periods"])], self.place, self.bounds)
 
     @cached_property
     def largest(self) -> ca.SX:

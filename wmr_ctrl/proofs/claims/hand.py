@@ -10,16 +10,16 @@ def _hand(
     equations: tuple[int, ...],
     claim: str,
     meaning: str,
-    uses: tuple[str, ...] = (),
+    premises: tuple[str, ...] = (),
     form: str = OURS,
 ) -> Claim:
-    return Claim(key, equations, form, claim, meaning, verdict="HAND", uses=uses)
+    return Claim(key, equations, form, claim, meaning, verdict="HAND", premises=premises)
 
 
 def _open(
-    key: str, equations: tuple[int, ...], claim: str, meaning: str, uses: tuple[str, ...] = ()
+    key: str, equations: tuple[int, ...], claim: str, meaning: str, premises: tuple[str, ...] = ()
 ) -> Claim:
-    return Claim(key, equations, PRINTED, claim, meaning, verdict="OPEN", uses=uses)
+    return Claim(key, equations, PRINTED, claim, meaning, verdict="OPEN", premises=premises)
 
 
 CLAIMS = (

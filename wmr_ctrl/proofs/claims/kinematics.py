@@ -133,6 +133,7 @@ def _target_rate(flip: float) -> Statement:
 
 
 MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIVE}, dict),)
+DECLARED = (Case("all", declared=dict.fromkeys(("m", "I", "r", "l"), POSITIVE)),)
 ROBOT = (Case("all", declared={f"robot.{n}": POSITIVE for n in ("m", "I", "r", "l", "v_s")}),)
 
 CLAIMS = (
@@ -184,9 +185,10 @@ CLAIMS = (
         "H' times (1), with q' = H v and no Coriolis matrix, is M1 v' + F1 = B1 tau; "
         "the constraint force is gone",
         "Two equations of motion are enough; the wheels' side forces are not needed.",
-        ANY + "; C(q, q') = 0: centre of mass on the axle's midpoint",
+        "any pose and velocity; m, I, r, l > 0; C(q, q') = 0: centre of mass on the axle's "
+        "midpoint",
         _projection,
-        Ring(),
+        Ring(DECLARED),
     ),
     Claim(
         "eq04.reduced",
@@ -194,7 +196,7 @@ CLAIMS = (
         PRINTED,
         "M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0)",
         "Thrust and turning do not disturb each other.",
-        ANY,
+        "any pose and velocity, m, I, r, l > 0",
         _reduced,
         Ring(MASSES),
     ),
@@ -204,7 +206,7 @@ CLAIMS = (
         OURS,
         "the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v",
         "What is simulated is what the theorems speak about.",
-        ANY,
+        "any pose and velocity; m, I, r, l, v_s > 0",
         _plant,
         Ring(ROBOT),
     ),
@@ -216,7 +218,7 @@ CLAIMS = (
         "The wheels produce exactly the thrust and moment that a law asks for.",
         "r, l > 0",
         _wheels,
-        Ring(),
+        Ring(DECLARED),
     ),
     Claim(
         "eq33-35",

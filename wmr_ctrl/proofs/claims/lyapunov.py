@@ -8,13 +8,13 @@ from wmr_ctrl.proofs.claims import lyapunov_steps as steps
 from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES
 from wmr_ctrl.proofs.claims.pairs import law_cases, paired_cases
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
-from wmr_ctrl.proofs.regions import Axis, open_cases, target_cases
+from wmr_ctrl.proofs.regions import Axis, off_target_cases, open_cases, target_cases
 
 ONE, TWO = Axis("1"), Axis("2")
 OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(ONE, TWO), spare=12)
 TARGETS7 = Ring(target_cases(edges=False))
 LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
-NONZERO = tuple(c for c in open_cases() if c.label != "v_c0 zero, v zero")
+NONZERO = off_target_cases()
 NOMINAL = OFF_EDGES + "; model exact, no disturbance, |v| below the clip" + NO_SERIES
 KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
 R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
@@ -197,6 +197,6 @@ CLAIMS = (
         "The steps.decay of the theorem is right in spite of the corner.",
         "model exact, no disturbance, one rho for both axes (else the slower one bounds V1)",
         verdict="HAND",
-        uses=("eq29", "lemma.almost-everywhere"),
+        premises=("eq29", "lemma.almost-everywhere"),
     ),
 )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from wmr_ctrl.laws import nn
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case, at
+from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims import network_steps as steps
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
@@ -15,10 +17,10 @@ GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")}
 }
 VECTORS = {f"{name}{j}": FREE for j in range(1, NODES + 1) for name in ("S", "X", "E")}
 SOLVED = {
-    "A": FREE,
+    "A": NONZERO,
     "mass": POSITIVE,
     "cdot": FREE,
-    "y": FREE,
+    "y": NONZERO,
     "n": FREE,
     "p": NONNEGATIVE,
     **VECTORS,
@@ -26,11 +28,12 @@ SOLVED = {
 FREE_CASES = (
     Case(
         "A != 0",
-        dict.fromkeys(("A", "V", "w"), FREE),
+        {"A": NONZERO, "V": FREE, "w": FREE},
         steps.free_chart,
         {"mass": POSITIVE, **GAINS},
     ),
 )
+OFF_CASES = (replace(FREE_CASES[0], numbers={"A": NONZERO, "V": FREE, "w": NONZERO}),)
 BOTH_CASES = (
     *FREE_CASES,
     Case(
@@ -50,6 +53,7 @@ DECAY_CASES = (
 ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
 OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
 ONE = Ring(FREE_CASES, spare=0)
+OFF = Ring(OFF_CASES, spare=0)
 TWO = Ring(BOTH_CASES, spare=0)
 BOUND = Ring(BOUND_CASES, spare=0)
 FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
@@ -160,7 +164,7 @@ CLAIMS = (
         "What the network cannot represent remains as eps2.",
         OFF_TARGET,
         steps.with_target,
-        ONE,
+        OFF,
     ),
     Claim(
         "eq71",
@@ -170,7 +174,7 @@ CLAIMS = (
         "Learning cancels the unknown part; only the forgetting term and eps2 remain.",
         OFF_TARGET,
         steps.with_adaptation,
-        ONE,
+        OFF,
     ),
     Claim(
         "eq72",
@@ -202,7 +206,7 @@ CLAIMS = (
         OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
         steps.printed_step,
         BOUND,
-        uses=("eq81",),
+        premises=("eq81",),
     ),
     Claim(
         "eq84-85",
@@ -215,7 +219,7 @@ CLAIMS = (
         + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
         steps.decay,
         Ring(DECAY_CASES, spare=0),
-        uses=("eq81",),
+        premises=("eq81",),
     ),
     Claim(
         "eq86",
@@ -239,6 +243,6 @@ CLAIMS = (
         "|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
         steps.end_bound,
         Z3(),
-        uses=("eq81",),
+        premises=("eq81",),
     ),
 )

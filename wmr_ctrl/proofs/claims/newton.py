@@ -163,7 +163,7 @@ def _step_claims(axis: int) -> tuple[Claim, Claim]:
             f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
             partial(_side, axis),
             Z3(),
-            uses=("P5",),
+            premises=("P5",),
         ),
         Claim(
             f"prox.newton{of}",
@@ -176,7 +176,14 @@ def _step_claims(axis: int) -> tuple[Claim, Claim]:
             f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
             partial(_falls, axis),
             Z3(),
-            uses=(f"prox.newton-side{of}", "convex", "forms.quotient", "P3", "eq78", "eq18.inside"),
+            premises=(
+                f"prox.newton-side{of}",
+                "convex",
+                "forms.quotient",
+                "P3",
+                "eq78",
+                "eq18.inside",
+            ),
         ),
     )
 
@@ -192,7 +199,7 @@ CLAIMS = (
         "every 0 < v_u2 < v_u1, |v| and |y| < v_u1, any v_c0",
         _above_tangent,
         Ring(tuple(_pairs()), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     *_step_claims(0),
     *_step_claims(1),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from wmr_ctrl.proofs.case import Case
+from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.regions import Axis, open_cases
 
 
@@ -52,4 +52,5 @@ def law_cases(cases: Iterable[Case], axis: int) -> tuple[Case, ...]:
     """Cases of one axis under the names of a law's ports."""
     k = axis + 1
     names = {"v": ("v1", "omega")[axis], "u1": f"limits.v_u1[{k}]", "u2": f"limits.v_u2[{k}]"}
-    return tuple(renamed(case, names) for case in cases)
+    masses = dict.fromkeys(("model.m", "model.I", "robot.v_s"), POSITIVE)
+    return tuple(renamed(case, names, masses) for case in cases)

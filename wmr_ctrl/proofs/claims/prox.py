@@ -2,7 +2,8 @@
 
 The law is v+ = X_(1-E)(E (v + X_1(c+) - X_1(c)) + (1-E) c+).  That X_k is the proximal map of the
 barrier is shown on the graph, for both forms of the barrier; what follows for any convex barrier is
-shown for the map's defining property.
+algebra about the map's defining property, a LEMMA: nothing of it reads `prox_step` but
+`prox.inside`.
 """
 
 from __future__ import annotations
@@ -122,15 +123,16 @@ CLAIMS = (
         "any E, x, c",
         _fixed_point,
         SLOW,
-        uses=("prox.optimal",),
+        premises=("prox.optimal",),
         theme=THEME,
     ),
     Claim(
         "prox.inside",
         (),
         OURS,
-        "|v+| < v_u1 for every v, c, c+",
-        "The law never aims beyond the limit, wherever the robot is.",
+        "paper's barrier: |v+| < v_u1 for every v, c, c+, over the real numbers",
+        "The law never aims beyond the limit, wherever the robot is. In doubles v+ can round to "
+        "v_u1 itself (from |c+| of about 1e17 on).",
         "0 < v_u2 < v_u1, 0 < E < 1",
         _inside,
         SLOW,
@@ -140,12 +142,13 @@ CLAIMS = (
         "prox.contracts",
         (),
         OURS,
-        "|w+| <= E |w|, w = v - v_c1",
-        "The distance to the target shrinks by E in every sample, however long the sample is.",
+        "|w+| <= E |w|, w = v - v_c1 before (at c) and after (at c+)",
+        "The distance to the target, which may move, shrinks by E in every sample, however long "
+        "the sample is.",
         "0 < E <= 1, X_(1-E) not expansive, fixed point at v_c1",
         _contracts,
         SLOW,
-        uses=("prox.not-expansive", "prox.fixed-point"),
+        premises=("prox.not-expansive", "prox.fixed-point"),
         theme=THEME,
     ),
     Claim(
@@ -157,20 +160,21 @@ CLAIMS = (
         "optimality of X_(1-E)",
         _step_is_implicit,
         SLOW,
-        uses=("prox.optimal",),
+        premises=("prox.optimal",),
         theme=THEME,
     ),
     Claim(
         "prox.decay",
         (),
         OURS,
-        "V1(v+) <= exp(-rho T) V1(v*)",
-        "V1 decays by its rate for every control period.",
+        "V1(v+; c+) <= exp(-rho T) V1(v*; c+)",
+        "With the target held (v* = v) V1 falls by its rate in a sample, whatever the period. A "
+        "target that moves can raise V1 from v to v*, which nothing here bounds.",
         "V1 - v^2/2 convex, A in dV1: at v* and, for V1(v+) <= A^2/2, at v_c1; 1 + tau = 1/E = "
-        "exp(rho T/2)",
+        "exp(rho T/2); model exact",
         _decay,
         SLOW,
-        uses=("prox.implicit", "convex", "prox.monotone-smooth"),
+        premises=("prox.implicit", "convex", "prox.monotone-smooth"),
         theme=THEME,
     ),
     Claim(
@@ -178,11 +182,12 @@ CLAIMS = (
         (),
         OURS,
         "V1' <= -(rho/2) V1 + d^2/(rho M^2) in the limit of short samples",
-        "A bounded disturbance leaves V1 bounded, hence the velocity inside: it has authority.",
-        "A^2 >= 2 V1: V1 - v^2/2 convex, at v_c1",
+        "Target held and the period short, a bounded disturbance leaves V1 bounded, hence the "
+        "velocity inside: the law has authority.",
+        "A^2 >= 2 V1: V1 - v^2/2 convex, at v_c1; v_c0 held, T -> 0",
         _bounded_push,
         SLOW,
-        uses=("convex", "prox.monotone-smooth"),
+        premises=("convex", "prox.monotone-smooth"),
         theme=THEME,
     ),
     Claim(
@@ -206,7 +211,7 @@ CLAIMS = (
         "0 < a, L < 1",
         _light_model,
         SLOW,
-        uses=("prox.jury",),
+        premises=("prox.jury",),
         theme=THEME,
     ),
 )

@@ -142,7 +142,7 @@ CLAIMS = (
         "x + k a = c with monotone a",
         _not_expansive,
         SLOW,
-        uses=("prox.optimal", "prox.monotone"),
+        premises=("prox.optimal", "prox.monotone"),
         theme=THEME,
     ),
 )

@@ -1,4 +1,4 @@
-"""Ours: the velocity limits under a held command, rounding of the compiled law included.
+"""Ours: the velocity limits under a held command, rounding of the law's compiled text included.
 
 One control period T: v(next) = v + T (F/M - F1/M + d), with the model-based law's own force F (its
 clip of v included), mass exact, d constant over the period, |d| <= D, |v_c0| <= C, |v_c0'| <= R.
@@ -108,14 +108,14 @@ def _claim(s: Held) -> Claim:
         (9,),
         OURS,
         _said(s),
-        "The compiled controller, with every rounding error it can make, keeps the limit "
+        "The law's compiled text, with every rounding error that it can make, keeps the limit "
         "from one sample to the next under the stated disturbance.",
         "paper limits and gains; mass exact, friction compensated; doubles; log of the C library "
-        "right to 2^-51 "
-        "(tested); no underflow",
+        "right to 2^-51 (tested); no underflow; the force acts as computed: its conversion to "
+        "wheel torques is not in the graph",
         s.statement,
         s.method,
-        uses=("assumption.libm", "lemma.sampling"),
+        premises=("assumption.libm", "lemma.sampling"),
     )
 
 

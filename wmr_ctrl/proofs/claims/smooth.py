@@ -67,7 +67,7 @@ CLAIMS = (
         ALL_LIMITS + FINITE,
         _target,
         Ring(EVERY),
-        uses=("prox.optimal-smooth", "cover.smooth-targets", "cover.beyond"),
+        premises=("prox.optimal-smooth", "cover.smooth-targets", "cover.beyond"),
     ),
     Claim(
         "smooth.slope",
@@ -75,10 +75,11 @@ CLAIMS = (
         OURS,
         "smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i",
         "What the laws divide by is the slope of the barrier function.",
-        "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2" + NO_SERIES,
+        "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
+        "and v = v_c0 = 0 left out" + NO_SERIES,
         _slope,
         Ring(OPEN, CLOSED_FORM),
-        uses=("cover.smooth-targets", "cover.beyond"),
+        premises=("cover.smooth-targets", "cover.beyond"),
     ),
     Claim(
         "smooth.quotient",
@@ -89,7 +90,7 @@ CLAIMS = (
         ALL_LIMITS + NO_SERIES,
         _quotient,
         Ring(EVERY, CLOSED_FORM),
-        uses=("cover.smooth-targets", "cover.beyond"),
+        premises=("cover.smooth-targets", "cover.beyond"),
     ),
     Claim(
         "prox.smooth-ratio",
@@ -100,6 +101,6 @@ CLAIMS = (
         ALL_LIMITS + FINITE,
         _ratio,
         Ring(EVERY),
-        uses=("smooth.slope", "cover.smooth-targets", "cover.beyond"),
+        premises=("smooth.slope", "cover.smooth-targets", "cover.beyond"),
     ),
 )

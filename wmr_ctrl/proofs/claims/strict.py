@@ -10,7 +10,7 @@ from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
-from wmr_ctrl.proofs.case import at
+from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims.common import BarrierAxis
 from wmr_ctrl.proofs.claims.tracking import Tracking
@@ -221,7 +221,7 @@ CLAIMS = (
         NEAR,
         _exponential,
         Z3(points=RATES),
-        uses=("strict.falls", "strict.bounds"),
+        premises=("strict.falls", "strict.bounds"),
     ),
     Claim(
         "strict.region",
@@ -250,9 +250,9 @@ CLAIMS = (
         "for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, "
         "p2 = v2d + k2 v1d e2",
         "",
-        "k2 != 0",
+        "k2 > 0",
         _saturated_rate,
-        Ring(),
+        Ring((Case("any", declared={"k2": POSITIVE}),)),
     ),
     Claim(
         "level.argument", (7,), OURS, "v_c0 = p + (k1 e1, k3 sin e3)", "", "any", _argument, Ring()
@@ -280,7 +280,7 @@ CLAIMS = (
         "saturated.",
         "level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside",
         verdict="HAND",
-        uses=("level.pull", "level.rate", "level.argument", "level.inside"),
+        premises=("level.pull", "level.rate", "level.argument", "level.inside"),
     ),
     Claim(
         "level.start",

@@ -127,7 +127,7 @@ CLAIMS = (
         ALL_LIMITS,
         _bregman,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "P1.prox",
@@ -140,7 +140,7 @@ CLAIMS = (
         ALL_LIMITS,
         _subgradient,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "P2",
@@ -161,7 +161,7 @@ CLAIMS = (
         ALL_LIMITS,
         _three_points,
         Ring(all_cases(), log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "P4",
@@ -194,7 +194,7 @@ CLAIMS = (
         ALL_LIMITS + NO_SERIES,
         _quotient_range,
         Ring(all_cases(), CLOSED_FORM, log_lemma=True),
-        uses=("lemma.log",),
+        premises=("lemma.log",),
     ),
     Claim(
         "P6",
@@ -226,6 +226,6 @@ CLAIMS = (
         "P4 and P5 for the inner values",
         _bounded_command,
         Z3(),
-        uses=("P4", "P5"),
+        premises=("P4", "P5"),
     ),
 )

@@ -23,7 +23,7 @@ CLAIMS = (
         "l > 5, k2 > 0; 1 - cos t <= t^2/2",
         steps.start,
         Z3(points=(SIDE_POINT,)),
-        uses=("lemma.sine",),
+        premises=("lemma.sine",),
     ),
     Claim(
         "eq40.printed",
@@ -43,7 +43,7 @@ CLAIMS = (
         "",
         "V2 differentiable along the motion",
         verdict="HAND",
-        uses=("lemma.integration",),
+        premises=("lemma.integration",),
     ),
     Claim(
         "eq42.rate",
@@ -114,7 +114,7 @@ CLAIMS = (
         "|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
         steps.angle_grows,
         Z3(points=(PUSHED,)),
-        uses=("lemma.integration",),
+        premises=("lemma.integration",),
     ),
     Claim(
         "eq47",
@@ -126,7 +126,7 @@ CLAIMS = (
         "T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l",
         steps.angle_bound,
         Z3(),
-        uses=("eq43", "eq46"),
+        premises=("eq43", "eq46"),
     ),
     Claim(
         "eq48",
@@ -137,7 +137,7 @@ CLAIMS = (
         "|sin t| <= |t|",
         steps.side_rate,
         Z3(),
-        uses=("lemma.sine", "lemma.integration"),
+        premises=("lemma.sine", "lemma.integration"),
     ),
     Claim(
         "eq49",
@@ -148,7 +148,7 @@ CLAIMS = (
         FIVE,
         steps.side_stays,
         Z3(),
-        uses=("eq44", "eq47", "eq48"),
+        premises=("eq44", "eq47", "eq48"),
     ),
     Claim(
         "eq50",
@@ -159,7 +159,7 @@ CLAIMS = (
         "e2 > 0.8 |e2(t0)|, |z2| < k3 |e2(t0)|/l",
         steps.angle_falls,
         Z3(),
-        uses=("eq49",),
+        premises=("eq49",),
     ),
     Claim(
         "eq51.printed",
@@ -179,9 +179,16 @@ CLAIMS = (
         CORRECTED,
         "the share in (51) is 1 + 11 v1dmax/v1dmin + k3/5",
         "What (47) gives.",
-        "any",
+        "l, k2, k3, v1dmin, v1dmax, E > 0",
         steps.share,
-        Ring(),
+        Ring(
+            (
+                Case(
+                    "any",
+                    declared=dict.fromkeys(["l", "k2", "k3", "v1dmin", "v1dmax", "E"], POSITIVE),
+                ),
+            )
+        ),
     ),
     Claim(
         "eq51",
@@ -192,7 +199,7 @@ CLAIMS = (
         "fourth and sixth condition on l, the latter corrected",
         steps.angle_speed,
         Z3(),
-        uses=("eq47", "eq50"),
+        premises=("eq47", "eq50"),
     ),
     Claim(
         "eq52",
@@ -203,7 +210,7 @@ CLAIMS = (
         "(39)",
         steps.rise,
         Z3(points=(at(e1=1, e2=0, e3=1, z1=0, z2=0, k1=1, k2=1, k3=1, eps1=1),)),
-        uses=("eq39",),
+        premises=("eq39",),
     ),
     Claim(
         "eq53-54",
@@ -215,7 +222,7 @@ CLAIMS = (
         "|e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0",
         steps.angle_end,
         Z3(),
-        uses=("eq51",),
+        premises=("eq51",),
     ),
     Claim(
         "eq55.printed",
@@ -234,10 +241,10 @@ CLAIMS = (
         "the same where |sin e3| >= (7/11)|e3|, which holds for |e3| <= pi/2; that needs "
         "4 x < pi/2",
         "The step needs an angle below a quarter turn and a velocity error half as large.",
-        "|e3| <= pi/2, x < pi/8; |sin t| >= (2/pi)|t| > (7/11)|t|",
+        "|e3| <= pi/2, x < pi/8, k1 > 0; |sin t| >= (2/pi)|t| > (7/11)|t|",
         lambda s: steps.fast_fall(s, True),
         Z3(points=steps.BARELY_PAST),
-        uses=("lemma.sine",),
+        premises=("lemma.sine",),
     ),
     Claim(
         "eq56",

@@ -220,7 +220,7 @@ def fast_fall(flip: float, repaired: bool) -> Statement:
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
     root, eps1, x = (names[n] for n in ("root", "eps1", "x"))
     given: Sequence[Relation] = (
-        *positive(k2, k3, eps1, root),
+        *positive(t.k[0], k2, k3, eps1, root),
         equal(root**2 * k3, k2 * eps1),
         equal(x, root + ca.fabs(z2) / (2 * k3)),
         above(-4 * x, flip * e3),

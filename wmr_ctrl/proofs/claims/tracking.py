@@ -260,6 +260,6 @@ CLAIMS = (
         "Within a quarter turn the argument is right.",
         "x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
         verdict="HAND",
-        uses=("eq39.threshold", "lemma.sine"),
+        premises=("eq39.threshold", "lemma.sine"),
     ),
 )

@@ -13,7 +13,7 @@ from wmr_ctrl.proofs.methods.point import judge
 from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Ball
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import Walk, paths
+from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
 
 Box = dict[str, tuple[float, float]]
 WAYS = 64
@@ -55,7 +55,7 @@ def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
 
     try:
         return all(result for _, result in paths(run, WAYS))
-    except RuntimeError:
+    except UndecidedError:
         return False
 
 

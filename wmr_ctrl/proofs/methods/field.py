@@ -14,7 +14,8 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.fields import field
 
-from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE
+from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE
+from wmr_ctrl.proofs.walk import UndecidedError
 
 MOST_TERMS = 60
 """Longer polynomials are not factored: their coefficients tell the sign, or nothing does."""
@@ -45,7 +46,7 @@ class Algebra:
         if key not in self.atoms:
             index = len(self.domains)
             if index >= len(self.generators):
-                raise RuntimeError("more atoms than the field has room for")
+                raise UndecidedError("more atoms than the field has room for")
             self.domains.append(domain)
             self.atoms[key] = self.generators[index]
             self.arguments[index] = key
@@ -100,9 +101,9 @@ class Algebra:
     def _monomial(self, monomial: tuple[int, ...]) -> str | None:
         kind = POSITIVE
         for power, domain in zip(monomial, self.domains, strict=False):
-            if power and domain == FREE and power % 2:
+            if power % 2 and domain in (FREE, NONZERO):
                 return None
-            if power and domain != POSITIVE:
+            if power and domain not in (POSITIVE, NONZERO):
                 kind = NONNEGATIVE
         return kind
 
@@ -116,6 +117,23 @@ class Algebra:
             return None
         flipped = top[0] != bottom[0]
         return ("-" if flipped else "+") + top[1:]
+
+    def never_zero(self, element: Any) -> bool:
+        """Whether no factor of an element can be 0."""
+        element = self.reduced(element)
+        if self.sign(element) in ("+", "-"):
+            return True
+        if not element.numer or len(element.numer) > MOST_TERMS:
+            return False
+        return all(
+            factor in self._nonzero or self.polynomial_sign(factor) in ("+", "-")
+            for factor, _ in element.numer.factor_list()[1]
+        )
+
+    @property
+    def _nonzero(self) -> list[Any]:
+        pairs = zip(self.generators, self.domains, strict=False)
+        return [generator.numer for generator, domain in pairs if domain == NONZERO]
 
     def _factored_sign(self, poly: Any) -> str | None:
         direct = self.polynomial_sign(poly)

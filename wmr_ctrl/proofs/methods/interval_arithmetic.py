@@ -10,6 +10,7 @@ from flint import arb
 
 from wmr_ctrl.proofs.methods import interval as iv
 from wmr_ctrl.proofs.methods.interval import Interval
+from wmr_ctrl.proofs.walk import UndecidedError
 
 
 class EmptyWayError(Exception):
@@ -44,7 +45,7 @@ class IntervalArithmetic:
         if any(arg is None for arg in args):
             return None
         given = [self._now(arg) for arg in args]
-        found = _OPERATIONS[op](*given)
+        found = _operation(op)(*given)
         if found is None or not (isfinite(found.lo) and isfinite(found.hi)):
             return None
         if not found.key:
@@ -54,7 +55,7 @@ class IntervalArithmetic:
     def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
         """Truth of a comparison; where it is open, both ways are taken, each narrowed."""
         if left is None or right is None:
-            return ask((op, id(left), id(right)))
+            raise UndecidedError("a comparison of what may be undefined")
         a, b = self._now(left), self._now(right)
         known = _decided(op, a, b)
         if known is not None:
@@ -69,8 +70,8 @@ class IntervalArithmetic:
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """A number as a condition."""
-        return yes if condition.lo > 0 else no
+        """Never: conditions are decided, or both ways are taken."""
+        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: bool) -> Interval:
         """1 or 0."""
@@ -146,6 +147,12 @@ def _times(a: Interval, b: Interval) -> Interval:
 
 def _square(a: Interval) -> Interval:
     return iv.multiply(iv.magnitude(a), iv.magnitude(a))
+
+
+def _operation(op: str) -> Callable[..., Interval | None]:
+    if op not in _OPERATIONS:
+        raise UndecidedError(f"no enclosure of {op} is known")
+    return _OPERATIONS[op]
 
 
 _OPERATIONS: dict[str, Callable[..., Interval | None]] = {

@@ -14,13 +14,9 @@ from flint import arb, ctx, fmpq
 
 from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import Walk
+from wmr_ctrl.proofs.walk import UndecidedError, Walk
 
 BITS = 300
-
-
-class UndecidedError(ArithmeticError):
-    """A comparison whose sides cannot be told apart, or an operation outside its domain."""
 
 
 class Pi:
@@ -112,7 +108,10 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
 
 def certainly(statement: Statement, point: Mapping[str, Any]) -> bool:
     """Whether hypotheses and goals all certainly hold at ``point``."""
-    values = evaluate(statement, point)
+    try:
+        values = evaluate(statement, point)
+    except (UndecidedError, ZeroDivisionError):
+        return False
     kinds = (*statement.goal_kinds, *statement.given_kinds)
     return all(_certain(kind, value, False) for kind, value in zip(kinds, values, strict=True))
 
@@ -214,7 +213,7 @@ def _in_balls(op: str, args: list[Any]) -> Any:
         "pow": lambda a, b: a**b,
     }
     if op not in table:
-        raise NotImplementedError(f"operation {op} has no exact evaluation")
+        raise UndecidedError(f"operation {op} has no exact evaluation")
     found = table[op](*args)
     if isinstance(found, arb) and not found.is_finite():
         raise UndecidedError(f"{op} outside its domain")

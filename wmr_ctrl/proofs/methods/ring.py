@@ -13,7 +13,7 @@ from wmr_ctrl.proofs.methods.point import judge
 from wmr_ctrl.proofs.methods.ring_arithmetic import RingArithmetic
 from wmr_ctrl.proofs.methods.spec import Point, Ring
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import Walk, paths
+from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
 
 SAMPLES = 8
 
@@ -43,7 +43,10 @@ def _proved(statement: Statement, method: Ring, case: Case) -> bool:
         shared.ask = ask
         return _all_hold(statement, shared, ask, method.log_lemma)
 
-    return all(result for _, result in paths(run))
+    try:
+        return all(result for _, result in paths(run))
+    except UndecidedError:
+        return False
 
 
 def _all_hold(

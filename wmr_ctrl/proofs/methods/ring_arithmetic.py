@@ -8,6 +8,7 @@ from typing import Any
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.methods.field import Algebra
+from wmr_ctrl.proofs.walk import UndecidedError
 
 HUGE = 1e100
 """A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""
@@ -25,6 +26,7 @@ class RingArithmetic:
         self.inputs = {**{n: self.algebra.by_name[n] for n in names}, **case.values(chart)}
         self.fixed = fixed
         self.ask: Callable[[Hashable], bool] = lambda _: True
+        self.nonzero: set[Any] = set()
 
     def constant(self, value: float) -> Any:
         """The double, exactly."""
@@ -44,18 +46,26 @@ class RingArithmetic:
         if any(arg is None for arg in args):
             return None
         if op in ("div", "inv"):
-            below = self.algebra.reduced(args[-1])
-            return None if not below else (args[0] / below if op == "div" else 1 / below)
+            below = self._nonzero(self.algebra.reduced(args[-1]))
+            return args[0] / below if op == "div" else 1 / below
+        if op not in _OPERATIONS:
+            raise UndecidedError(f"no exact algebra of {op} is known")
         return _OPERATIONS[op](self, *args)
+
+    def _nonzero(self, below: Any) -> Any:
+        """A denominator; UndecidedError where it may be 0 in this case."""
+        if below not in self.nonzero and not self.algebra.never_zero(below):
+            raise UndecidedError("a denominator that may be 0")
+        return below
 
     def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
         """Truth by the sign of right - left."""
         if left is None or right is None:
-            return ask((op, left, right))
+            raise UndecidedError("a comparison of what may be undefined")
         gap = self.algebra.reduced(right - left)
         known = _TRUTH[op].get(self.algebra.sign(gap) or "?")
         if known is None:
-            known = self._stated(op, right)
+            known = self._stated(op, left, right)
         return self._asked(op, gap, ask) if known is None else known
 
     def _asked(self, op: str, gap: Any, ask: Callable[[Hashable], bool]) -> bool:
@@ -64,11 +74,13 @@ class RingArithmetic:
             return ask(("zero", gap)) == (op == "eq")
         return ask(("above", gap)) if op == "lt" else not ask(("above", -gap))
 
-    def _stated(self, op: str, right: Any) -> bool | None:
+    def _stated(self, op: str, left: Any, right: Any) -> bool | None:
+        """Of ``left < constant`` by hypothesis; where it is false, ``left`` is at least that."""
         if op != "lt" or not right.numer.is_ground or not right.denom.is_ground:
             return None
         for value, truth in self.fixed.items():
             if right == self.algebra.number(value):
+                self.nonzero |= {left, -left} if not truth and value > 0 else set()
                 return truth
         return None
 
@@ -77,8 +89,8 @@ class RingArithmetic:
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """A number used as a condition: decided where it is 0 or 1."""
-        return yes if condition == 1 else no
+        """Never: conditions are decided, or both ways are taken."""
+        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: bool) -> Any:
         """1 or 0."""
@@ -118,12 +130,16 @@ class RingArithmetic:
         top, bottom = _polynomial_root(value.numer), _polynomial_root(value.denom)
         if top is not None and bottom is not None:
             return self.magnitude(self.algebra.field(top) / self.algebra.field(bottom))
+        if self.algebra.sign(value) not in ("+", "+0", "0"):
+            raise UndecidedError("a root of what may be negative")
         atom = self.algebra.atom("sqrt", value, NONNEGATIVE)
         self.algebra.relate(atom, value)
         return atom
 
     def logarithm(self, value: Any) -> Any:
         """log as a sum over the factors of its argument, each an atom."""
+        if self.algebra.sign(value) != "+":
+            raise UndecidedError("a logarithm of what may not be positive")
         total = self.algebra.number(0)
         for poly, side in ((value.numer, 1), (value.denom, -1)):
             content, factors = poly.factor_list()

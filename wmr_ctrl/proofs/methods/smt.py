@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2
 from typing import Any
@@ -11,11 +12,12 @@ import z3
 
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
 from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
+from wmr_ctrl.proofs.methods.domain import violations
 from wmr_ctrl.proofs.methods.point import judge
 from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import Walk
+from wmr_ctrl.proofs.walk import UndecidedError, Walk
 
 
 class TermArithmetic:
@@ -38,9 +40,10 @@ class TermArithmetic:
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Term of an operation."""
-        if op in _OPERATIONS:
-            return _OPERATIONS[op](*args)
-        return getattr(self, f"_{op}")(*args)
+        call = _OPERATIONS.get(op) or getattr(self, f"_{op}", None)
+        if call is None:
+            raise UndecidedError(f"no term for {op} is known")
+        return call(*args)
 
     def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> Any:
         """Term of a comparison."""
@@ -120,28 +123,73 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
     "fmax": lambda a, b: z3.If(a >= b, a, b),
-    "constpow": lambda a, b: a**b,
+    "constpow": lambda a, b: _power(a, b),
 }
 
 
+def _power(a: Any, b: Any) -> Any:
+    """A whole power as a product: SMT-LIB has no other."""
+    times = b.numerator_as_long() if b.denominator_as_long() == 1 else -1
+    if times < 1:
+        raise UndecidedError(f"no term for the power {b} is known")
+    product = a
+    for _ in range(times - 1):
+        product = product * a
+    return product
+
+
 def decide(statement: Statement, method: Z3) -> Finding:
-    """PROVED if no goal can fail and the hypotheses can be met; REFUTED by an exact point."""
-    arithmetic = TermArithmetic()
-    values = Walk(statement.graph, arithmetic, lambda _: False).outputs()
-    goals = len(statement.goals)
-    given = [_relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
-    base = given + arithmetic.facts
-    answers = [
-        _ask(base, z3.Not(_relation(k, v)), method)
-        for k, v in zip(statement.goal_kinds, values, strict=False)
-    ]
-    evidence = {"queries": goals, "z3": " ".join(sorted({str(answer) for answer, _ in answers}))}
+    """PROVED if no goal can fail or be undefined and the hypotheses can be met.
+
+    REFUTED by an exact point.
+    """
+    try:
+        problem = posed(statement)
+    except UndecidedError as error:
+        return Finding(OPEN, {"not posed": str(error)})
+    answers = [_ask(problem.base, wrong, method) for wrong in problem.wrong]
+    evidence = {
+        "queries": len(answers),
+        "z3": " ".join(sorted({str(answer) for answer, _ in answers})),
+    }
     if all(answer == z3.unsat for answer, _ in answers):
-        return _unless_vacuous(statement, arithmetic, base, method, evidence)
+        return _unless_undefined(statement, problem, method, evidence)
     models = [model for _, model in answers if model is not None]
-    tried = [*method.points, *(p for m in models for p in _points(statement, arithmetic, m))]
+    tried = [*method.points, *(p for m in models for p in _points(statement, problem.terms, m))]
     point = first_violation(statement, tried)
     return Finding(OPEN if point is None else REFUTED, evidence, point)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A statement as terms: what is known, and what would be wrong with each goal or operation."""
+
+    terms: TermArithmetic
+    base: list[Any]
+    wrong: list[Any]
+    undefined: list[Any]
+
+
+def posed(statement: Statement) -> Problem:
+    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable."""
+    terms = TermArithmetic()
+    walk = Walk(statement.graph, terms, lambda _: False)
+    values = walk.outputs()
+    goals = len(statement.goals)
+    given = [_relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
+    wrong = [z3.Not(_relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
+    undefined = list(violations(walk, goals))
+    return Problem(terms, given + terms.facts, wrong, undefined)
+
+
+def _unless_undefined(
+    statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
+) -> Finding:
+    answers = {str(_ask(problem.base, outside, method)[0]) for outside in problem.undefined}
+    found = {**evidence, "domains": len(problem.undefined)}
+    if answers <= {"unsat"}:
+        return _unless_vacuous(statement, problem.terms, problem.base, method, found)
+    return Finding(OPEN, {**found, "undefined": " ".join(sorted(answers))})
 
 
 def _unless_vacuous(

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from wmr_ctrl.scenario import Actuator as ActuatorSettings
+from wmr_ctrl.scenario import Actuator
 from wmr_ctrl.sim.oracle.plant import Pair
 
 
-class Actuator:
+class Drives:
     """Turns the commanded torques into those that act, one plant step at a time."""
 
-    def __init__(self, settings: ActuatorSettings, dt: float) -> None:
+    def __init__(self, settings: Actuator, dt: float) -> None:
         steps = round(settings.delay / dt)
         self.waiting: deque[Pair] = deque([(0.0, 0.0)] * steps)
         self.keep = math.exp(-dt / settings.lag) if settings.lag > 0.0 else 0.0

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from wmr_ctrl.sim.oracle.target import Target
+from wmr_ctrl.sim.oracle.target import DesiredState
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
 
 
-def tracking_error(target: Target, pose: Sequence[float]) -> Triple:
+def tracking_error(target: DesiredState, pose: Sequence[float]) -> Triple:
     """Eq. (8): error ahead [m], to the left [m] and in angle [rad] of the pose (x, y, theta)."""
     x, y, theta = pose
     dx, dy = target.x - x, target.y - y
@@ -19,7 +19,7 @@ def tracking_error(target: Target, pose: Sequence[float]) -> Triple:
     return -s * dx + c * dy, -c * dx - s * dy, target.theta - theta
 
 
-def auxiliary_velocity(e: Triple, target: Target, k: Sequence[float]) -> Pair:
+def auxiliary_velocity(e: Triple, target: DesiredState, k: Sequence[float]) -> Pair:
     """Eq. (7): v_c0 [m/s, rad/s] for the gains k1, k2, k3."""
     v1d, v2d = target.v1, target.v2
     return (
@@ -28,7 +28,7 @@ def auxiliary_velocity(e: Triple, target: Target, k: Sequence[float]) -> Pair:
     )
 
 
-def auxiliary_rate(e: Triple, v: Pair, target: Target, k: Sequence[float]) -> Pair:
+def auxiliary_rate(e: Triple, v: Pair, target: DesiredState, k: Sequence[float]) -> Pair:
     """Time derivative of Eq. (7) along Eqs. (33)-(35) [m/s2, rad/s2], v the measured velocity."""
     v1d, v2d = target.v1, target.v2
     s, c = math.sin(e[2]), math.cos(e[2])

@@ -22,7 +22,7 @@ _NEAR = 1e-9  # distance from the border of R2 and R3 below which the side is de
 
 
 @dataclass(frozen=True, slots=True)
-class Barrier:
+class BarrierTerms:
     """Values of one axis; speeds in the axis' unit (m/s or rad/s)."""
 
     v_c1: float
@@ -42,18 +42,18 @@ def clip(v: float, limit: float) -> float:
     return min(max(v, -limit), limit)
 
 
-def barrier(v: float, c: float, u1: float, u2: float) -> Barrier:
+def barrier(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
     mirrored = c < 0.0
     result = _barrier_right(-v if mirrored else v, abs(c), u1, u2)
     return _mirror(result) if mirrored else result
 
 
-def _mirror(b: Barrier) -> Barrier:
-    return Barrier(-b.v_c1, -b.gap, b.V1, -b.V1_by_A, b.q)
+def _mirror(b: BarrierTerms) -> BarrierTerms:
+    return BarrierTerms(-b.v_c1, -b.gap, b.V1, -b.V1_by_A, b.q)
 
 
-def _barrier_right(v: float, c: float, u1: float, u2: float) -> Barrier:
+def _barrier_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     if c <= u2:
         return _region1(v, c, u1, u2)
     excess = _excess(c, u1, u2)
@@ -103,43 +103,43 @@ def _psi(y: float, rest: float) -> float:
     return (-log - y) / (y * y)
 
 
-def _region1(v: float, c: float, u1: float, u2: float) -> Barrier:
+def _region1(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     w = v - c
     if abs(v) <= u2:
-        return Barrier(c, w, 0.5 * w * w, 0.5 * w, 1.0)
+        return BarrierTerms(c, w, 0.5 * w * w, 0.5 * w, 1.0)
     V1 = 0.5 * w * w + _f(v, u1, u2)
     A = w + math.copysign(_slope(v, u1, u2), v)
-    return Barrier(c, w, V1, V1 / A, w / A)
+    return BarrierTerms(c, w, V1, V1 / A, w / A)
 
 
-def _region2_below(v: float, c: float, u1: float, u2: float) -> Barrier:
+def _region2_below(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     n, a = u2 - v, c - u2
     V1 = 0.5 * n * n + a * n + _f(v, u1, u2)
     A = n + a + _slope(v, u1, u2)
-    return Barrier(u2, -n, V1, -V1 / A, n / A)
+    return BarrierTerms(u2, -n, V1, -V1 / A, n / A)
 
 
-def _region2_above(v: float, b: float, u1: float, u2: float) -> Barrier:
+def _region2_above(v: float, b: float, u1: float, u2: float) -> BarrierTerms:
     """``b`` = u2 + 1/delta - c, the slope of V1 just above u2."""
     delta, w, rest = u1 - u2, v - u2, u1 - v
     psi = _psi(w / delta, rest / delta)
     A = b + w * (1.0 + 1.0 / (delta * rest))
     V1 = w * (b + w * (0.5 + psi / (delta * delta)))
-    return Barrier(u2, w, V1, V1 / A, w / A)
+    return BarrierTerms(u2, w, V1, V1 / A, w / A)
 
 
-def _region3_above(v: float, d: float, u1: float) -> Barrier:
+def _region3_above(v: float, d: float, u1: float) -> BarrierTerms:
     rest = u1 - v
     w = d - rest
     half = 0.5 + _psi(w / d, rest / d) / (d * d)
     slope = 1.0 + 1.0 / (d * rest)
-    return Barrier(u1 - d, w, w * w * half, w * half / slope, 1.0 / slope)
+    return BarrierTerms(u1 - d, w, w * w * half, w * half / slope, 1.0 / slope)
 
 
-def _region3_below(v: float, d: float, p: float, u1: float, u2: float) -> Barrier:
+def _region3_below(v: float, d: float, p: float, u1: float, u2: float) -> BarrierTerms:
     """``p`` = v_c1 - u2."""
     m = u2 - v
     n, y = p + m, -p / d
     V1 = 0.5 * n * n + m / d + y * y * _psi(y, 1.0 - y) + _f(v, u1, u2)
     A = n + 1.0 / d + _slope(v, u1, u2)
-    return Barrier(u1 - d, -n, V1, -V1 / A, n / A)
+    return BarrierTerms(u1 - d, -n, V1, -V1 / A, n / A)

@@ -12,7 +12,7 @@ _SHRINK = 2.0**-44
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class GuardedAxis:
     """Numbers of one axis: limit, masses, bounds of disturbance and measurement, friction floor.
 
     ``aim`` is the limit less what rounding may cost, more with every command under way.
@@ -43,9 +43,9 @@ class Axis:
         if delay == 0.0:
             return math.inf
         push = self.dbar - self.f_min
-        kept = self.aim - self.f_speed
-        kept -= max(brake + push, 0.0) / (self.M_min * alpha)
-        return self.M_min * kept / delay - push
+        room = self.aim - self.f_speed
+        room -= max(brake + push, 0.0) / (self.M_min * alpha)
+        return self.M_min * room / delay - push
 
     def rise(self, force: float, time: float) -> float:
         """Most that v can gain while ``force`` acts for ``time``."""
@@ -151,7 +151,7 @@ class VelocityGuard:
         return first, second
 
 
-def least_push(axis: Axis, old: float, new: float, force: float, T: float) -> float:
+def least_push(axis: GuardedAxis, old: float, new: float, force: float, T: float) -> float:
     """Smallest disturbance that explains the step from ``old`` to ``new`` under ``force``."""
     if max(old, new) < -axis.nbar:
         return least_push(axis, -old, -new, -force, T)
@@ -166,7 +166,7 @@ def on_their_way(scenario: Scenario) -> int:
     return math.ceil(scenario.actuator.delay / scenario.clock.control - 1e-9)
 
 
-def axes_of(scenario: Scenario) -> tuple[Axis, Axis]:
+def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
     """Both axes' numbers, derived from the robot where the scenario leaves them out."""
     g, bot, noise = scenario.guard, scenario.robot, scenario.disturbance
     masses = [[bot.m], [bot.I]]
@@ -181,7 +181,9 @@ def axes_of(scenario: Scenario) -> tuple[Axis, Axis]:
     dbar, nbar = g.dbar or push, g.nbar or scenario.sensor.velocity_noise
     u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + on_their_way(scenario))
     first, second = (
-        Axis(u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i], u1[i] * aimed)
+        GuardedAxis(
+            u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i], u1[i] * aimed
+        )
         for i in (0, 1)
     )
     return first, second

@@ -8,7 +8,7 @@ from typing import Any
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.observer import Observer
+from wmr_ctrl.sim.oracle.observer import ForceObserver
 
 
 class Kanayama:
@@ -17,7 +17,7 @@ class Kanayama:
     def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
         self.gains, self.T, self.bot = gains, scenario.clock.control, scenario.believed
         self.tops = tuple(gains["share"] * u1 for u1 in scenario.limits.v_u1)
-        self.observer = Observer(gains["wo"], scenario)
+        self.observer = ForceObserver(gains["wo"], scenario)
         self.command: Pair | None = None
 
     def act(self, sight: Sight) -> Pair:

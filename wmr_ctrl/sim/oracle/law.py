@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from wmr_ctrl.sim.oracle.barrier import Barrier
-from wmr_ctrl.sim.oracle.target import Target
+from wmr_ctrl.sim.oracle.barrier import BarrierTerms
+from wmr_ctrl.sim.oracle.target import DesiredState
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -22,9 +22,9 @@ class Sight:
     """Auxiliary velocity, Eq. (7) [m/s, rad/s]."""
     v_c0_dot: Pair
     """Its rate [m/s2, rad/s2]."""
-    barrier: tuple[Barrier, Barrier]
+    barrier: tuple[BarrierTerms, BarrierTerms]
     """Barrier terms of both axes, on the clipped velocity."""
-    target: Target
+    target: DesiredState
     """The desired state."""
     e: Triple
     """Tracking error of the measured pose, Eq. (8) [m, m, rad]."""
@@ -32,7 +32,7 @@ class Sight:
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
 
 
-class Law(Protocol):
+class LawTwin(Protocol):
     """A control law with its memory."""
 
     def act(self, sight: Sight) -> Pair:

@@ -10,21 +10,26 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.actuator import Actuator
+from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.sim.oracle.actuator import Drives
 from wmr_ctrl.sim.oracle.arrays import FloatArray
 from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
 from wmr_ctrl.sim.oracle.guard import VelocityGuard
-from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.laws import build_law
-from wmr_ctrl.sim.oracle.monitor import Watch
+from wmr_ctrl.sim.oracle.kanayama import Kanayama
+from wmr_ctrl.sim.oracle.law import LawTwin, Pair, Sight
+from wmr_ctrl.sim.oracle.mb import ModelBased
+from wmr_ctrl.sim.oracle.monitor import Watch, WatchedNumbers
+from wmr_ctrl.sim.oracle.nn import NeuralNetwork
 from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
+from wmr_ctrl.sim.oracle.pid import Pid
 from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torques
-from wmr_ctrl.sim.oracle.recorder import Recorder
+from wmr_ctrl.sim.oracle.prox import Prox
 from wmr_ctrl.sim.oracle.references import reference_of
-from wmr_ctrl.sim.oracle.sensing import Sensor
+from wmr_ctrl.sim.oracle.sensing import Sensors
+from wmr_ctrl.sim.oracle.smc import Smc
 from wmr_ctrl.sim.oracle.smooth import smooth_barrier
-from wmr_ctrl.sim.oracle.target import Target
+from wmr_ctrl.sim.oracle.target import DesiredState
 
 _ROWS_PER_REPORT = 100
 TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "delay", "lag"})
@@ -34,12 +39,12 @@ TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "del
 def simulate_oracle(
     scenario: Scenario,
     law: str,
-    gains: Mapping[str, Any],
-    kinematics: Mapping[str, Any],
+    gains: Mapping[str, object],
+    kinematics: Mapping[str, object],
     seed: int,
     progress: Callable[[float], None] | None = None,
     effects: Iterable[str] = (),
-) -> tuple[dict[str, FloatArray], dict[str, Any]]:
+) -> tuple[dict[str, FloatArray], WatchedNumbers]:
     """One run of ``law`` in ``scenario``.
 
     ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7); ``progress`` is
@@ -76,8 +81,8 @@ class _Loop:
         self.scenario, self.clock, self.k = scenario, clock, kinematics["k"]
         self.law = build_law(law, gains, scenario)
         self.reference = reference_of(scenario.reference)
-        self.sensor = Sensor(scenario.sensor, clock, key)
-        self.actuator = Actuator(scenario.actuator, clock.plant)
+        self.sensor = Sensors(scenario.sensor, clock, key)
+        self.actuator = Drives(scenario.actuator, clock.plant)
         self.applied: Pair = (0.0, 0.0)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
@@ -130,11 +135,11 @@ class _Loop:
         self.guard.watch(sight.v, sight.applied)
         return limited_force(asked, self.tau_max, self.scenario.robot)
 
-    def _memory(self) -> dict[str, Any]:
+    def _memory(self) -> dict[str, object]:
         """Further columns: the law's, then the monitor's."""
         return {**self.law.memory(), **self.guard.seen}
 
-    def _look(self, k: int, target: Target) -> Sight:
+    def _look(self, k: int, target: DesiredState) -> Sight:
         pose, v = self.sensor.look(k, self.state)
         e = tracking_error(target, pose)
         v_c0 = auxiliary_velocity(e, target, self.k)
@@ -160,8 +165,8 @@ class _Loop:
         return acting
 
     def _row(
-        self, k: int, target: Target, sight: Sight, torque: Pair, noise: Pair
-    ) -> dict[str, Any]:
+        self, k: int, target: DesiredState, sight: Sight, torque: Pair, noise: Pair
+    ) -> dict[str, object]:
         """The log's row: state at t_k, torques over the step, memory after the law acted."""
         x, y, theta, v1, omega = self.state
         row = {"t": k * self.clock.control, "x": x, "y": y, "theta": theta, "v1": v1}
@@ -171,7 +176,7 @@ class _Loop:
         row |= {"noise_right": noise[0], "noise_left": noise[1]}
         return row | self._diagnostics(target, sight) | self._memory()
 
-    def _diagnostics(self, target: Target, sight: Sight) -> dict[str, Any]:
+    def _diagnostics(self, target: DesiredState, sight: Sight) -> dict[str, object]:
         """Error of the true pose; margin and the rest as the law saw them."""
         speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier
@@ -188,3 +193,49 @@ class _Loop:
 def _mean(pairs: list[Pair]) -> Pair:
     count = max(1, len(pairs))
     return sum(pair[0] for pair in pairs) / count, sum(pair[1] for pair in pairs) / count
+
+
+class Recorder:
+    """Collects rows of values by column name."""
+
+    def __init__(self, further: Mapping[str, object]) -> None:
+        self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
+        self.sizes.update(
+            {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
+        )
+        self.rows: dict[str, list[object]] = {name: [] for name in self.sizes}
+
+    def write(self, row: Mapping[str, object]) -> None:
+        """Append one row, which must name every column and nothing else."""
+        if row.keys() != self.rows.keys():
+            raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
+        for name, value in row.items():
+            self.rows[name].append(value)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Arrays (N,), or (N, size) for vectors, also when there is no row."""
+        return {
+            name: np.array(self.rows[name], dtype=float).reshape(-1 if size == 1 else (-1, size))
+            for name, size in self.sizes.items()
+        }
+
+
+LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
+    "pid": Pid,
+    "smc": Smc,
+    "mb": ModelBased,
+    "nn": NeuralNetwork,
+    "prox": Prox,
+    "kanayama": Kanayama,
+}
+
+
+def build_law(name: str, gains: Mapping[str, object], scenario: Scenario) -> LawTwin:
+    """The twin of law ``name`` with its resolved gains; ArgumentError if it has none."""
+    if name not in LAW_TWINS:
+        known = ", ".join(LAW_TWINS)
+        raise ArgumentError(
+            f"the numpy engine knows only the laws {known}, and was asked for {name!r}; "
+            "the native engine serves any law (engine native)."
+        )
+    return LAW_TWINS[name](gains, scenario)

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TypedDict
 
 from wmr_ctrl.sim.oracle.plant import Pair, State
 
 _DIVERGED = 1e3  # m/s or rad/s
 _COUNTS = 1.0 + 1e-12  # less than this share of a limit beyond it is rounding
+
+
+class WatchedNumbers(TypedDict):
+    """Largest |v1| [m/s] and |omega| [rad/s], steps beyond a limit, first of them, how it ended."""
+
+    max_abs_v: Pair
+    violations: int
+    first_violation: tuple[float, int] | None
+    stopped: tuple[float, int] | None
+    stop_reason: str
 
 
 @dataclass
@@ -42,7 +52,7 @@ class Watch:
         self.stopped, self.stop_reason = (t, axis), reason
         return True
 
-    def numbers(self) -> dict[str, Any]:
+    def numbers(self) -> WatchedNumbers:
         """The monitor's numbers by name, as plain Python values."""
         return {
             "max_abs_v": (self.max_abs_v[0], self.max_abs_v[1]),

@@ -10,7 +10,7 @@ import numpy as np
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.arrays import FloatArray
-from wmr_ctrl.sim.oracle.barrier import Barrier
+from wmr_ctrl.sim.oracle.barrier import BarrierTerms
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
@@ -41,7 +41,7 @@ class NeuralNetwork:
         S: FloatArray = np.exp(-squares / self.gains["eta"] ** 2)
         return S
 
-    def _regressor(self, b: Barrier) -> float:
+    def _regressor(self, b: BarrierTerms) -> float:
         """q, or A/(v - v_c1) = 1/q, capped."""
         if self.gains.get("regressor") == "q":
             return b.q

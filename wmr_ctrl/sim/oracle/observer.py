@@ -8,7 +8,7 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
-class Observer:
+class ForceObserver:
     """f_k = f_(k-1) + (1 - exp(-wo T)) (F_applied - M dv/T - F1(middle) - f_(k-1))."""
 
     def __init__(self, wo: float, scenario: Scenario) -> None:

@@ -8,8 +8,7 @@ from typing import Any
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.observer import Observer
-from wmr_ctrl.sim.oracle.resolvent import nearest
+from wmr_ctrl.sim.oracle.observer import ForceObserver
 
 
 class Prox:
@@ -19,7 +18,7 @@ class Prox:
         self.gains, self.limits = gains, scenario.limits
         self.T, self.bot = scenario.clock.control, scenario.believed
         self.smooth = gains["barrier"] == "smooth"
-        self.observer = Observer(gains["wo"], scenario)
+        self.observer = ForceObserver(gains["wo"], scenario)
 
     def act(self, sight: Sight) -> Pair:
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
@@ -44,3 +43,26 @@ class Prox:
     def memory(self) -> dict[str, Pair]:
         """The disturbance that the observer makes up for."""
         return self.observer.memory()
+
+
+def nearest(c: float, k: float, u1: float, u2: float, smooth: bool = False) -> float:
+    """The x that minimises (x - c)^2/2 + k f(x), |x| < u1 [m/s or rad/s]."""
+    return math.copysign(_right(abs(c), k, u1, u2, smooth), c)
+
+
+def _right(c: float, k: float, u1: float, u2: float, smooth: bool) -> float:
+    if c <= u2:
+        return c
+    delta = u1 - u2
+    if smooth:
+        d = _root(c - u1 + k / delta, k)
+        return u2 + (c - u2) / (1.0 + k / (d * delta))
+    if c <= u2 + k / delta:
+        return u2
+    return u1 - _root(c - u1, k)
+
+
+def _root(t: float, k: float) -> float:
+    """d > 0 with d (d + t) = k."""
+    r = math.hypot(t, 2.0 * math.sqrt(k))
+    return 2.0 * k / (t + r) if t >= 0.0 else (r - t) / 2.0

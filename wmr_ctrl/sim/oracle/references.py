@@ -6,6 +6,7 @@ Angles follow the project's convention: 0 along +Y, forward = (-sin theta, cos t
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable
 
 from wmr_ctrl.errors import ArgumentError
@@ -18,12 +19,12 @@ from wmr_ctrl.scenario import (
     Waypoints,
 )
 from wmr_ctrl.scenario import Reference as Kind
-from wmr_ctrl.sim.oracle.splined import splined
-from wmr_ctrl.sim.oracle.target import Target, target_on
+from wmr_ctrl.sim.oracle.target import DesiredState, Pair, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
+from wmr_ctrl.world.references.spline import SplinePath
 from wmr_ctrl.world.references.waypoints import waypoint_path
 
-Reference = Callable[[float], Target]
+Reference = Callable[[float], DesiredState]
 
 
 def reference_of(kind: Kind) -> Reference:
@@ -46,32 +47,32 @@ def reference_of(kind: Kind) -> Reference:
     )
 
 
-def circle(kind: Circle, t: float) -> Target:
+def circle(kind: Circle, t: float) -> DesiredState:
     """Counter-clockwise from the origin, centre (0, R), at the angular rate ``rate``."""
     R, w = kind.radius, kind.rate
     x, y = R * math.sin(w * t), R - R * math.cos(w * t)
-    return Target(x, y, w * t - math.pi / 2.0, R * w, w, 0.0, 0.0)
+    return DesiredState(x, y, w * t - math.pi / 2.0, R * w, w, 0.0, 0.0)
 
 
-def line(kind: Line, t: float) -> Target:
+def line(kind: Line, t: float) -> DesiredState:
     """From ``origin`` straight ahead at ``speed``."""
     s = kind.speed * t
     x = kind.origin[0] - s * math.sin(kind.heading)
     y = kind.origin[1] + s * math.cos(kind.heading)
-    return Target(x, y, kind.heading, kind.speed, 0.0, 0.0, 0.0)
+    return DesiredState(x, y, kind.heading, kind.speed, 0.0, 0.0, 0.0)
 
 
-def stop_and_go(kind: StopAndGo, t: float) -> Target:
+def stop_and_go(kind: StopAndGo, t: float) -> DesiredState:
     """The circle at the speed (speed/2) (1 - cos(2 pi t/period)), which is 0 once a period."""
     R, w = kind.radius, 2.0 * math.pi / kind.period
     half = kind.speed / 2.0
     arc = half * (t - math.sin(w * t) / w) / R
     v1, v1_dot = half * (1.0 - math.cos(w * t)), half * w * math.sin(w * t)
     x, y = R * math.sin(arc), R - R * math.cos(arc)
-    return Target(x, y, arc - math.pi / 2.0, v1, v1 / R, v1_dot, v1_dot / R)
+    return DesiredState(x, y, arc - math.pi / 2.0, v1, v1 / R, v1_dot, v1_dot / R)
 
 
-def lemniscate(kind: Lemniscate, t: float) -> Target:
+def lemniscate(kind: Lemniscate, t: float) -> DesiredState:
     """Gerono's figure of eight, x = a sin p, y = a sin p cos p with p = rate t."""
     a, w = kind.size, kind.rate
     s, c = math.sin(w * t), math.cos(w * t)
@@ -82,3 +83,47 @@ def lemniscate(kind: Lemniscate, t: float) -> Target:
     rate2 = (-a * w**2 * s, -2.0 * a * w**2 * s2)
     rate3 = (-a * w**3 * c, -4.0 * a * w**3 * c2)
     return target_on((a * s, a * s * c), theta, rate, rate2, rate3)
+
+
+def splined(path: SplinePath) -> Callable[[float], DesiredState]:
+    """The function of time t [s] that follows a spline path."""
+    return lambda t: along(path, t)
+
+
+def along(path: SplinePath, t: float) -> DesiredState:
+    """A closed path is repeated; an open one goes on straight ahead after its end."""
+    if path.closed:
+        lap = math.floor(t / path.duration)
+        return _on_path(path, t - lap * path.duration, lap * path.turn)
+    return _on_path(path, t, 0.0) if t <= path.duration else _beyond(path, t - path.duration)
+
+
+def _on_path(path: SplinePath, t: float, turned: float) -> DesiredState:
+    """Target at time ``t`` of the first lap, its orientation increased by ``turned``."""
+    knots = path.knots
+    i = min(max(bisect_right(knots, t) - 1, 0), len(knots) - 2)
+    length = float(knots[i + 1] - knots[i])
+    s = (t - float(knots[i])) / length
+    place, rate, rate2, rate3 = (_derivative(path, i, s, n, length) for n in range(4))
+    middle = float(path.headings[i])
+    theta = math.atan2(rate[1], rate[0]) - math.pi / 2.0
+    theta = middle + math.remainder(theta - middle, 2.0 * math.pi)  # the branch of the segment
+    return target_on(place, theta + turned, rate, rate2, rate3)
+
+
+def _derivative(path: SplinePath, i: int, s: float, order: int, length: float) -> Pair:
+    """Derivative by time of segment ``i`` at its local parameter ``s``."""
+    x = y = 0.0
+    for power in range(path.coefficients.shape[1] - 1, order - 1, -1):
+        factor = math.perm(power, order)
+        x = x * s + factor * float(path.coefficients[i, power, 0])
+        y = y * s + factor * float(path.coefficients[i, power, 1])
+    return x / length**order, y / length**order
+
+
+def _beyond(path: SplinePath, late: float) -> DesiredState:
+    """Straight on at the last velocity, ``late`` seconds after the end of an open path."""
+    end = _on_path(path, path.duration, 0.0)
+    x = end.x - late * end.v1 * math.sin(end.theta)
+    y = end.y + late * end.v1 * math.cos(end.theta)
+    return DesiredState(x, y, end.theta, end.v1, 0.0, 0.0, 0.0)

@@ -6,18 +6,17 @@ import math
 
 import numpy as np
 
-from wmr_ctrl.scenario import Clock
-from wmr_ctrl.scenario import Sensor as SensorSettings
+from wmr_ctrl.scenario import Clock, Sensor
 from wmr_ctrl.sim.oracle.arrays import Words
 from wmr_ctrl.sim.oracle.auxiliary import Pair, Triple
 from wmr_ctrl.sim.oracle.noise import POSE, VELOCITY, symmetric
 from wmr_ctrl.sim.oracle.plant import State
 
 
-class Sensor:
+class Sensors:
     """Measures one state per control sample, in order."""
 
-    def __init__(self, settings: SensorSettings, clock: Clock, key: Words) -> None:
+    def __init__(self, settings: Sensor, clock: Clock, key: Words) -> None:
         self.settings = settings
         self.period = clock.control
         self.every = max(1, round(settings.pose_period / clock.control))

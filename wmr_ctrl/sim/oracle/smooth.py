@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import math
 
-from wmr_ctrl.sim.oracle.barrier import Barrier, _distance, _mirror, _psi, _region3_above
+from wmr_ctrl.sim.oracle.barrier import BarrierTerms, _distance, _mirror, _psi, _region3_above
 
 
-def smooth_barrier(v: float, c: float, u1: float, u2: float) -> Barrier:
+def smooth_barrier(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
     mirrored = c < 0.0
     result = _smooth_right(-v if mirrored else v, abs(c), u1, u2)
     return _mirror(result) if mirrored else result
 
 
-def _smooth_right(v: float, c: float, u1: float, u2: float) -> Barrier:
+def _smooth_right(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     if c <= u2:
         return _free_target(v, c, u1, u2)
     delta = u1 - u2
@@ -27,22 +27,22 @@ def _smooth_right(v: float, c: float, u1: float, u2: float) -> Barrier:
     return _bound_target(v, d, (c - u2) / (1.0 + 1.0 / (d * delta)), u1, u2)
 
 
-def _free_target(v: float, c: float, u1: float, u2: float) -> Barrier:
+def _free_target(v: float, c: float, u1: float, u2: float) -> BarrierTerms:
     w = v - c
     if abs(v) <= u2:
-        return Barrier(c, w, 0.5 * w * w, 0.5 * w, 1.0)
+        return BarrierTerms(c, w, 0.5 * w * w, 0.5 * w, 1.0)
     V1 = 0.5 * w * w + _f(v, u1, u2)
     A = w + math.copysign(_slope(v, u1, u2), v)
-    return Barrier(c, w, V1, V1 / A, w / A)
+    return BarrierTerms(c, w, V1, V1 / A, w / A)
 
 
-def _bound_target(v: float, d: float, p: float, u1: float, u2: float) -> Barrier:
+def _bound_target(v: float, d: float, p: float, u1: float, u2: float) -> BarrierTerms:
     """v up to u2, the target ``p`` above u2 and ``d`` below u1."""
     m, y, a = u2 - v, -p / d, p / (d * (u1 - u2))
     n = p + m
     V1 = 0.5 * n * n + m * a + y * y * _psi(y, 1.0 - y) + _f(v, u1, u2)
     A = n + a + _slope(v, u1, u2)
-    return Barrier(u2 + p, -n, V1, -V1 / A, n / A)
+    return BarrierTerms(u2 + p, -n, V1, -V1 / A, n / A)
 
 
 def _f(v: float, u1: float, u2: float) -> float:

@@ -11,7 +11,7 @@ Pair = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class DesiredState:
     """Desired state in the order of ``signals.REFERENCE`` [m, m, rad, m/s, rad/s, m/s2, rad/s2]."""
 
     x: float
@@ -28,7 +28,7 @@ class Target:
         return dict(zip(names, astuple(self), strict=True))
 
 
-def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -> Target:
+def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -> DesiredState:
     """Target on a path that is driven forwards, from its first three derivatives by time.
 
     ``theta`` is the orientation of ``rate``; v2 is the rate at which that direction turns.
@@ -38,4 +38,4 @@ def target_on(place: Pair, theta: float, rate: Pair, rate2: Pair, rate3: Pair) -
     v1_dot = (x1 * x2 + y1 * y2) / v1
     v2 = (x1 * y2 - y1 * x2) / (v1 * v1)
     v2_dot = (x1 * y3 - y1 * x3) / (v1 * v1) - 2.0 * v2 * v1_dot / v1
-    return Target(place[0], place[1], theta, v1, v2, v1_dot, v2_dot)
+    return DesiredState(place[0], place[1], theta, v1, v2, v1_dot, v2_dot)

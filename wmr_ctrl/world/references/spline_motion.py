@@ -79,11 +79,11 @@ def _derivatives(tau: ca.SX, row: tuple[ca.SX, ...]) -> list[ca.SX]:
     """Position and its first three derivatives by time, each (2, 1)."""
     start, length, *coefficients = row[:4]
     s = (tau - start) / length
-    found = []
+    rates = []
     for order in range(4):
-        found.append(ca.vertcat(*(_horner(c, s) for c in coefficients)) / length**order)
+        rates.append(ca.vertcat(*(_horner(c, s) for c in coefficients)) / length**order)
         coefficients = [c[1:] * ca.DM(range(1, c.numel())) for c in coefficients]
-    return found
+    return rates
 
 
 def _horner(coefficients: ca.SX, s: ca.SX) -> ca.SX:

@@ -1,0 +1,86 @@
+"""Alter the product, one function at a time, and see whether the ledger notices.
+
+``python -m tests.alterations [WORD ...]`` alters each function that a PROVED entry names (only
+those whose name holds one of the words): its result is scaled or negated for every caller, and the
+entries that name it are checked, the quickest first, until one is PROVED no longer.  Then come the
+alterations of single signs and constants in the source (`tests.proofs.test_alterations`).
+Prints one line each; the exit code is 1 where one survives that is not known to change nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
+from wmr_ctrl.proofs.alterations import is_caught
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.ledger import Entry, load
+from wmr_ctrl.proofs.product import CHANGES
+
+WITNESSES = 8
+"""Entries that are asked about one alteration."""
+TRIED = ("* 9/8", "* -1")
+EQUIVALENT: dict[tuple[str, str], str] = {}
+"""(function, change) of alterations that nothing could notice, with the reason."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One alteration, and the entry that noticed it; empty where none did."""
+
+    what: str
+    change: str
+    noticed_by: str
+
+    @property
+    def survived(self) -> bool:
+        """Whether nothing noticed it, although something should have."""
+        return not self.noticed_by and (self.what, self.change) not in EQUIVALENT
+
+
+def naming() -> dict[str, list[Entry]]:
+    """PROVED entries by the functions that they name, the quickest first."""
+    found: dict[str, list[Entry]] = {}
+    for entry in sorted(load().entries, key=lambda entry: entry.seconds):
+        for name in entry.functions if entry.verdict == "PROVED" else ():
+            found.setdefault(name, []).append(entry)
+    return found
+
+
+def of_graphs(words: list[str]) -> Iterator[Outcome]:
+    """Alterations of functions' results."""
+    claims = {claim.id: claim for claim in all_claims()}
+    for name, entries in naming().items():
+        if words and not any(word in name for word in words):
+            continue
+        for change in TRIED:
+            asked = (claims[entry.id] for entry in entries[:WITNESSES])
+            first = next((c.id for c in asked if is_caught(c, name, CHANGES[change])), "")
+            yield Outcome(name, change, first)
+
+
+def of_source(words: list[str]) -> Iterator[Outcome]:
+    """Alterations of single signs and constants."""
+    for function, old, new, ids in ALTERATIONS:
+        name = f"{function.__module__}:{function.__qualname__}"
+        if not words or any(word in name for word in words):
+            yield Outcome(name, f"{old} -> {new}", changes_a_verdict(function, old, new, ids))
+
+
+def main(words: list[str]) -> int:
+    """Print every outcome and their number; 1 where one survived."""
+    outcomes = []
+    for outcome in (*of_graphs(words), *of_source(words)):
+        outcomes.append(outcome)
+        noticed = outcome.noticed_by or EQUIVALENT.get((outcome.what, outcome.change), "SURVIVED")
+        sys.stdout.write(f"{outcome.what} [{outcome.change}]: {noticed}\n")
+        sys.stdout.flush()
+    survivors = [outcome for outcome in outcomes if outcome.survived]
+    sys.stdout.write(f"{len(outcomes)} alterations, {len(survivors)} survived\n")
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

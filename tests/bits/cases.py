@@ -1,0 +1,146 @@
+"""What is run on every platform: cases of a law, their numbers, and the bits that they leave."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.codegen.build import Program, build_loop, program_of
+from wmr_ctrl.compiled import CompiledLoop, elements
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.sim.batch import Task
+from wmr_ctrl.sim.figures import windows_of
+from wmr_ctrl.sim.memory import Memory, laid_out, noise_key
+from wmr_ctrl.sim.ready import Ready
+
+SEED = 5
+WIDEST = 8
+"""Robots of the widest vector."""
+EFFECTS: Mapping[str, object] = {
+    "disturbance": {"std": 1.0, "truncate": 2.0, "push": [3.0, 0.5]},
+    "sensor.pose_period": 0.05,
+    "sensor.pose_noise": 0.004,
+    "sensor.velocity_noise": [0.002, 0.004],
+    "sensor.correction": 0.6,
+    "actuator": {"lag": 0.02, "delay": 0.003},
+}
+GUARD: Mapping[str, object] = {
+    "guard.enabled": True,
+    "guard.alpha": 5.0,
+    "initial.velocity": [0.99, -1.45],
+}
+"""So that it acts on every law."""
+CASES: Mapping[str, Mapping[str, object]] = {
+    "plain": {}, "guarded": GUARD, "effects": EFFECTS, "everything": {**EFFECTS, **GUARD},
+}  # fmt: skip
+"""Changes of paper-simulation: 80 s with noise, and other masses from 40 s on."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A law's loop as one of CASES has it, compiled for one robot."""
+
+    name: str
+    setup: Setup
+    compiled: CompiledLoop
+
+    @property
+    def program(self) -> Program:
+        """Its C text."""
+        return program_of(self.setup)
+
+    @property
+    def loop(self) -> Ready:
+        """Ready to run."""
+        setup = self.setup
+        return Ready(self.compiled, setup.scenario, setup.name, setup.assumptions)
+
+    @property
+    def windows(self) -> list[tuple[int, int]]:
+        """Windows of the sums."""
+        return windows_of(self.loop.settings)
+
+    def bits(self) -> bytes:
+        """What case.c shows, from our library: rows, findings, state; findings, state, sums."""
+        task = Task(self.loop, SEED)
+        logged, watched = laid_out([task], [], log=True), laid_out([task], self.windows)
+        logged.run()
+        watched.run()
+        shown = (logged.logged(0).tobytes(), left(logged), left(watched))
+        return b"".join((*shown, watched.sums.tobytes()))
+
+
+@functools.cache
+def case(law: str, name: str) -> Case:
+    """One of CASES."""
+    setup = settle(load_scenario("paper-simulation", CASES[name]), law)
+    return Case(name, setup, build_loop(setup))
+
+
+@functools.cache
+def bits_of(law: str, name: str) -> bytes:
+    """Those of a case."""
+    return case(law, name).bits()
+
+
+def left(memory: Memory) -> bytes:
+    """Findings and state of the first lane."""
+    return memory.findings[:, 0].tobytes() + memory.state[:, 0].tobytes()
+
+
+def numbers(one: Case) -> str:
+    """numbers.h of a case."""
+    compiled, clock, delay = one.compiled, one.setup.scenario.clock, one.setup.scenario.actuator
+    keys = ", ".join(f"{{{a}u, {b}u}}" for a, b in (noise_key(SEED + k) for k in range(WIDEST)))
+    return "\n".join((
+        f"#define WMR_SET {one.name}",
+        "#include <math.h>",
+        "#include <stdint.h>",
+        f"#define SAMPLES {clock.samples}",
+        f"#define PHASES {len(compiled.phase_start)}",
+        f"#define WINDOWS {len(one.windows)}",
+        f"#define DELAY {round(delay.delay / clock.plant)}",
+        f"static const uint64_t KEYS[][2] = {{{keys}}};",
+        f"static const int64_t PHASE_START[] = {{{listed(compiled.phase_start)}}};",
+        f"static const int64_t WINDOW[] = {{{listed([n for w in one.windows for n in w])}}};",
+        f"static const double START[] = {{{listed(compiled.start)}}};",
+        f"static const double PARAMETERS[] = {{{listed(sum(compiled.parameters, ()))}}};",
+        "",
+    ))  # fmt: skip
+
+
+def listed(values: Sequence[float]) -> str:
+    """Numbers as C spells their very bits."""
+    return ", ".join(map(_spelled, values))
+
+
+def _spelled(value: float) -> str:
+    if isinstance(value, int):
+        return str(value)
+    return value.hex() if math.isfinite(value) else "-INFINITY" if value < 0 else "INFINITY"
+
+
+def different(law: str, name: str, shown: bytes) -> str:
+    """Where bits differ from those of a case: first row and columns; nothing where they do not."""
+    wanted = bits_of(law, name)
+    if shown == wanted:
+        return ""
+    if len(shown) != len(wanted):
+        return f"{law}, {name}: {len(shown)} bytes for {len(wanted)}"
+    return f"{law}, {name}: {'; '.join(_places(case(law, name), wanted, shown))}"
+
+
+def _places(one: Case, wanted: bytes, shown: bytes) -> Iterator[str]:
+    columns = elements(one.compiled.layout.columns)
+    pairs = zip(*(np.frombuffer(item, dtype="<u8") for item in (wanted, shown)), strict=True)
+    places = [place for place, (a, b) in enumerate(pairs) if a != b]
+    row = places[0] // len(columns)
+    for place in places:
+        if place // len(columns) == row:
+            yield f"row {row} {columns[place % len(columns)]}"
+    yield f"{len(places)} numbers in all"

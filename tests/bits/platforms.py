@@ -1,0 +1,127 @@
+"""Build the cases of a law for a platform, and run them there."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.bits.cases import bits_of, case, different, numbers
+from wmr_ctrl.codegen.build import LOOP, unity
+from wmr_ctrl.codegen.cache_folder import cache_dir
+
+HERE = Path(__file__).parent
+FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
+INSTRUCTIONS = {"-march=x86-64-v3": "avx2", "-march=x86-64-v4": "avx512dq"}
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A compiler's command with flags, robots in a vector (0: one by itself), what runs it.
+
+    ``runner``: names of a program; with ``script`` that is its first argument.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    lanes: int = 0
+    runner: tuple[str, ...] = ()
+    script: Path | None = None
+    suffix: str = ""
+
+
+def where(*names: str) -> str:
+    """The first of these programs that is there."""
+    path = next((path for path in map(shutil.which, names) if path), None)
+    if path is None:
+        pytest.skip(f"NOT RUN: {names[0]} is not on this machine")
+    return path
+
+
+def check_tools(platform: Platform) -> list[str]:
+    """What runs a program of the platform; skips where something is missing."""
+    if platform.command[: len(ZIG)] != ZIG:
+        where(platform.command[0])
+    elif importlib.util.find_spec("ziglang") is None:
+        pytest.skip("NOT RUN: ziglang is not there")
+    for flag, name in INSTRUCTIONS.items():
+        if flag in platform.command and name not in processor():
+            pytest.skip(f"NOT RUN: this processor has no {name}")
+    runner = [where(*platform.runner)] if platform.runner else []
+    return [*runner, *([str(platform.script)] if platform.script else [])]
+
+
+def processor() -> set[str]:
+    """Names of this processor's instructions, as Linux tells them."""
+    path = Path("/proc/cpuinfo")
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return {word for line in text.splitlines() if line.startswith("flags") for word in line.split()}
+
+
+def differences(platform: Platform, law: str, names: Iterable[str], folder: Path) -> list[str]:
+    """Where a platform's bits differ from those of our library here."""
+    runner, listed = check_tools(platform), tuple(names)
+    shown = ran([*runner, str(built(platform, law, listed, folder))], folder)
+    texts, at = [], 0
+    for name in listed:
+        size = len(bits_of(law, name))
+        texts.append(different(law, name, shown[at : at + size]))
+        at += size
+    return [text for text in texts if text] + [f"{law}: more bytes"] * (at != len(shown))
+
+
+def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> Path:
+    """The program of a law's cases; every case has a folder of its own there."""
+    listed = tuple(names)
+    units = [written(platform.lanes, law, name, folder / name) for name in listed]
+    cases = " ".join(f"X({name})" for name in listed)
+    (folder / "cases.h").write_text(f"#define CASES(X) {cases}\n", encoding="utf-8")
+    out = folder / f"cases{platform.suffix}"
+    command = [
+        *platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}",
+        str(HERE / "main.c"), *map(str, units), "-lm", "-o", str(out),
+    ]  # fmt: skip
+    zig = str(cache_dir() / "zig")
+    own = {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig}
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, **own}
+    )
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+def written(lanes: int, law: str, name: str, folder: Path) -> Path:
+    """The unit of a case, with all that it includes beside it."""
+    one = case(law, name)
+    text = one.program.generated_lanes if lanes else one.program.generated
+    unit = folder / "case.c"
+    folder.mkdir(parents=True)
+    for file, content in {**unity(text, LOOP), "numbers.h": numbers(one)}.items():
+        (folder / file).write_text(str(content), encoding="utf-8")
+    unit.write_text((HERE / "case.c").read_text(encoding="utf-8"), encoding="utf-8")
+    return unit
+
+
+def ran(command: list[str], folder: Path) -> bytes:
+    """What a program writes; a file takes it, since not every platform can wait for a pipe."""
+    out = folder / "bits"
+    own = {
+        "WINEDEBUG": "-all",
+        "HOME": str(folder.parent),
+        "WINEPREFIX": str(folder.parent / "wine"),
+    }
+    with out.open("wb") as file:
+        done = subprocess.run(
+            command, stdout=file, stderr=subprocess.PIPE, check=False, timeout=300,
+            env={**os.environ, **own},
+        )  # fmt: skip
+    assert done.returncode == 0, done.stderr.decode(errors="replace")
+    return out.read_bytes()

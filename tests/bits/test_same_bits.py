@@ -1,0 +1,112 @@
+"""All columns of all laws have the same bits on every platform, at every width, in every engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from tests.bits.cases import CASES, SEED, bits_of, case, different
+from tests.bits.platforms import HERE, ZIG, Platform, check_tools, differences
+from wmr_ctrl.codegen.build import build_batch, vector_sets
+from wmr_ctrl.codegen.compiler import UNFUSED
+from wmr_ctrl.compiled import elements
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import Monitor
+from wmr_ctrl.sim.batch import Task, run_logged
+from wmr_ctrl.sim.memory import vector_sets as usable
+from wmr_ctrl.sim.native import run_native
+from wmr_ctrl.sim.ready import Ready
+
+NATIVE = "-march=native"
+HERE_NOW = (
+    Platform("gcc -O2", ("gcc", "-O2")),
+    Platform("gcc -O3 native", ("gcc", "-O3", NATIVE, *UNFUSED)),
+    Platform("clang -O3", ("clang", "-O3")),
+    Platform("clang -O2 native", ("clang", "-O2", NATIVE)),
+    Platform("zig -O3", (*ZIG, "-O3", "-mcpu=baseline")),
+    Platform("zig -O2 native", (*ZIG, "-O2", "-mcpu=native")),
+    Platform("gcc 2 lanes", ("gcc", "-O2"), 2),
+    Platform("clang 4 lanes", ("clang", "-O2", "-march=x86-64-v3"), 4),
+    Platform("clang 8 lanes", ("clang", "-O3", "-march=x86-64-v4"), 8),
+)
+ARM = (*ZIG, "-target", "aarch64-linux-musl", "-O2")
+QEMU = ("qemu-aarch64", "qemu-aarch64-static")
+WINDOWS = (*ZIG, "-target", "x86_64-windows-gnu", "-O2")
+WINE = ("wine64", "/usr/lib/wine/wine64")
+WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
+NODE = ("node", "nodejs")
+ELSEWHERE = (
+    Platform("aarch64", ARM, 0, QEMU),
+    Platform("aarch64 2 lanes", ARM, 2, QEMU),
+    Platform("windows", WINDOWS, 0, WINE, suffix=".exe"),
+    Platform("wasm", WASM, 0, NODE, HERE / "run.mjs"),
+    Platform("wasm 2 lanes", (*WASM, "-msimd128"), 2, NODE, HERE / "run.mjs"),
+)
+QUICK = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[6])
+
+
+def named(platforms: tuple[Platform, ...]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("platform", platforms, ids=[item.name for item in platforms])
+
+
+@named(QUICK)
+def test_compilers_and_lanes_agree(platform: Platform, tmp_path: Path) -> None:
+    assert differences(platform, "mb", ["everything"], tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", NAMES)
+def test_cases_differ_and_the_guard_acts_in_its_own(law: str) -> None:
+    assert len({bits_of(law, name) for name in CASES}) == len(CASES)
+    for name in ("guarded", "everything"):
+        columns, _ = run_native(case(law, name).loop, SEED)
+        assert columns["clip_active"].any()
+
+
+@pytest.mark.slow
+@named(HERE_NOW + ELSEWHERE)
+def test_platforms_agree(platform: Platform, tmp_path: Path) -> None:
+    """Every law, without and with the guard, without and with every effect, over 80 s."""
+    check_tools(platform)
+
+    def one(law: str) -> list[str]:
+        return differences(platform, law, CASES, tmp_path / law)
+
+    with ThreadPoolExecutor(2) as pool:
+        assert [text for texts in pool.map(one, NAMES) for text in texts] == []
+
+
+@pytest.mark.parametrize(
+    "law", [pytest.param(n, marks=[pytest.mark.slow] * (n != "mb")) for n in NAMES]
+)
+@pytest.mark.parametrize("vectors", [item.name for item in vector_sets()])
+def test_lanes_of_our_library_are_single_runs(law: str, vectors: str) -> None:
+    """Each lane has a seed of its own."""
+    one = case(law, "everything")
+    loop = Ready(build_batch(one.setup), one.setup.scenario, law, one.setup.assumptions)
+    width = {item.name: item.lanes for item in usable(loop.compiled.library)}.get(vectors)
+    if width is None:
+        pytest.skip(f"NOT RUN: this processor or compiler has no {vectors}")
+    seeds = [SEED + k for k in range(width)]
+    together = rows_of(Task(loop, seed, vectors=vectors) for seed in seeds)
+    alone = rows_of(Task(one.loop, seed) for seed in seeds)
+
+    assert together == alone
+    assert bits_of(law, "everything").startswith(together[0][0])
+
+
+def rows_of(tasks: Iterable[Task]) -> list[tuple[bytes, Monitor]]:
+    """Bits of the log, and what was watched, of each."""
+    return run_logged(list(tasks), lambda _, rows, watched: (rows.tobytes(), watched))
+
+
+def test_a_single_bit_is_seen_and_placed() -> None:
+    bits = bytearray(bits_of("mb", "plain"))
+    row = 8 * len(elements(case("mb", "plain").compiled.layout.columns))
+    bits[3 * row + 8] ^= 1
+
+    assert "row 3" in different("mb", "plain", bytes(bits))
+    assert different("mb", "plain", bytes(bits[:-8])).endswith(f"for {len(bits)}")

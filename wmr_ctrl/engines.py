@@ -1,0 +1,56 @@
+"""Engines: from a checked scenario and a law to a Run, compiled or by NumPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from wmr_ctrl.codegen.build import build_batch, build_loop
+from wmr_ctrl.compiled import CompiledLoop
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.native import run_native
+from wmr_ctrl.sim.oracle import simulate_oracle
+from wmr_ctrl.sim.ready import Ready
+
+
+def ready_batch(scenario: Scenario, law: str) -> Ready:
+    """The closed loop of a law, compiled for many runs at a time.  Raises as `settle` does."""
+    setup = settle(scenario, law)
+    return _ready(setup, build_batch(setup))
+
+
+def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
+    """One run of the loop that is compiled for one robot."""
+    setup = settle(scenario, law)
+    loop = _ready(setup, build_loop(setup))
+    columns, monitor = run_native(loop, seed)
+    logged = (loop.compiled.layout.columns, columns, monitor)
+    facts = {"kernel_hash": loop.compiled.digest}
+    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
+
+
+def run_numpy(
+    scenario: Scenario, law: str, seed: int, progress: Callable[[float], None] | None = None
+) -> Run:
+    """One run by NumPy: slow, and without a compiler.
+
+    Raises ArgumentError for a law, reference or effect that has no twin there.
+    """
+    setup = settle(scenario, law)
+    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
+    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
+    effects = [item.name for item in setup.effects]
+    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
+    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
+    logged = (signals, columns, Monitor(**numbers))
+    facts = {"kernel_hash": ""}
+    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
+
+
+def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
+    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)

@@ -1,0 +1,173 @@
+"""The table behind the authority entries: where it looks is chosen in doubles, what it says is not.
+
+Each row and each link is checked exactly, and so is that they join and reach both ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from itertools import pairwise
+from math import log, sqrt
+
+from wmr_ctrl.proofs.methods.spec import Point
+
+LARGEST_TARGET = 20.0
+STEP, ROOM = 0.008, 0.008
+"""Relative steps of d_max from row to row, and of the upper bound above the maximum."""
+CLIP = 1e-6
+"""limits.clip of the paper's presets: barrier quantities see no velocity nearer to the limit."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """At v_c0 = c: the velocity of the maximum of rho V1/A, a bound below it and one above."""
+
+    c: float
+    v: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The same function in plain doubles, only to choose where to look; the checks are exact."""
+
+    u1: float
+    u2: float
+    rho: float
+
+    def target(self, c: float) -> float:
+        """v_c1 for c >= 0."""
+        if c <= self.u2 + 1 / (self.u1 - self.u2):
+            return min(c, self.u2)
+        return (c + self.u1 - sqrt((c - self.u1) ** 2 + 4)) / 2
+
+    def f(self, v: float) -> float:
+        """f of Eq. (15)."""
+        return -log((self.u1 - v) / (self.u1 - self.u2)) if v > self.u2 else 0.0
+
+    def value(self, v: float, c: float) -> float:
+        """V1i."""
+        x = self.target(c)
+        return 0.5 * (v - c) ** 2 + self.f(v) - 0.5 * (x - c) ** 2 - self.f(x)
+
+    def slope(self, v: float, c: float) -> float:
+        """A_i."""
+        return v - c + (1 / (self.u1 - v) if v > self.u2 else 0.0)
+
+    def resisted(self, v: float, c: float) -> float:
+        """rho V1/A."""
+        return self.rho * self.value(v, c) / self.slope(v, c)
+
+    def best(self, c: float) -> float:
+        """Velocity of the largest rho V1/A: the end of the plain range, or the top beyond v_u2."""
+        low, high = max(self.target(c), self.u2) + 1e-9, self.u1 - 1e-9
+        for _ in range(100):
+            third = (high - low) / 3
+            a, b = low + third, high - third
+            low, high = (a, high) if self.resisted(a, c) < self.resisted(b, c) else (low, b)
+        ahead = 0.5 * (low + high)
+        plain = self.u2 if self.target(c) < self.u2 else ahead
+        return plain if self.resisted(plain, c) >= self.resisted(ahead, c) else ahead
+
+    def rows(self) -> list[Row]:
+        """From c = 0 to the largest target, in steps that lower the maximum by STEP."""
+        c, found = 0.0, []
+        while True:
+            v = self.best(c)
+            top = self.resisted(v, c)
+            found.append(Row(c, v, top * (1 - 1e-4), top * (1 + ROOM)))
+            if c >= LARGEST_TARGET:
+                return found
+            c = min(LARGEST_TARGET, self._next(c, top * (1 - STEP)))
+
+    def _next(self, c: float, wanted: float) -> float:
+        low, high = c, c + 4.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (
+                (middle, high)
+                if self.resisted(self.best(middle), middle) > wanted
+                else (low, middle)
+            )
+        return low
+
+    def steps(self, row: Row) -> Iterator[tuple[float, float]]:
+        """Pairs a < b with rho V1(b)/A(a) <= high, from v_c1 + high/rho to the clip."""
+        end = self.u1 - CLIP
+        a = (self.target(row.c) + row.high / self.rho) * (1 - 1e-12)  # not beyond, in doubles
+        while a < end:
+            b = self._reach(a, row, end)
+            yield a, b
+            a = b
+
+    def _reach(self, a: float, row: Row, end: float) -> float:
+        wanted = row.high * (1 - 1e-9) / self.rho * self.slope(a, row.c)
+        low, high = a, end
+        if self.value(end, row.c) <= wanted:
+            return end
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.value(middle, row.c) <= wanted else (low, middle)
+        return low
+
+
+@lru_cache(maxsize=2)
+def rows(axis: int) -> tuple[Row, ...]:
+    """The table of one axis; chosen in doubles, so it does not depend on any graph."""
+    return tuple(AXES[axis].rows())
+
+
+AXES = (Numbers(1.0, 0.8, 15.0), Numbers(1.5, 1.3, 57.6))
+
+
+def _exact(**values: float) -> Point:
+    return {name: Fraction(value) for name, value in values.items()}
+
+
+def low_points(axis: int) -> list[Point]:
+    """One point per row."""
+    n = AXES[axis]
+    return [_exact(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in rows(axis)]
+
+
+def high_points(axis: int) -> list[Point]:
+    """The chain of intervals of every row."""
+    n = AXES[axis]
+    return [
+        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
+        for r in rows(axis)
+        for a, b in n.steps(r)
+    ]
+
+
+def ratio_points(axis: int) -> list[Point]:
+    """Neighbouring rows."""
+    table = rows(axis)
+    return [_exact(high=a.high, low=b.low) for a, b in pairwise(table)]
+
+
+def link_points(axis: int) -> list[Point]:
+    """Of every row its links, each with the end of the one before; ``first`` and ``last`` are 1."""
+    n, points = AXES[axis], list[Point]()
+    for r in rows(axis):
+        links = list(n.steps(r))
+        for k, (a, b) in enumerate(links):
+            place = {"first": float(k == 0), "last": float(k == len(links) - 1)}
+            before = links[k - 1][1] if k else 0.0
+            fixed = {"c": r.c, "u1": n.u1, "u2": n.u2, "rho": n.rho, "high": r.high}
+            points.append(_exact(v=a, b=b, before=before, **place, **fixed))
+    return points
+
+
+def row_points(axis: int) -> list[Point]:
+    """Every row's v_c0 with the one before; ``first`` and ``last`` are 1 at the ends."""
+    table = [row.c for row in rows(axis)]
+    last = len(table) - 1
+    return [
+        _exact(c=c, before=table[max(k - 1, 0)], first=float(k == 0), last=float(k == last))
+        for k, c in enumerate(table)
+    ]

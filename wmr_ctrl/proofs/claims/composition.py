@@ -1,0 +1,210 @@
+"""How parts are put together: the sampled-data law's whole force, its observer, the guard's axes
+and what its flag promises, desired motions, dead reckoning.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import casadi as ca
+
+from wmr_ctrl.guard.bounds import ROUNDING
+from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
+from wmr_ctrl.laws.prox import next_velocity
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.proofs.case import POSITIVE, Case
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis
+from wmr_ctrl.proofs.claims.guard_late import LateAxis
+from wmr_ctrl.proofs.methods.spec import Z3, Ring
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.world.pose_sensor import corrected, reckoned
+from wmr_ctrl.world.references import circle, line
+
+
+def _prox_force(axis: int, flip: float) -> Statement:
+    """v + T (F - F1 - f)/M = v+ on the law's graph."""
+    law = LawGraph("prox")
+    t, period = law.symbols, law.symbols["clock.control"]
+    mass = law.own(law.sample.mass)[axis]
+    cuts = {
+        "next": law.own(next_velocity(law.sample, axis)),
+        "friction": law.own(law.sample.friction)[axis],
+        "f": law.system.update[axis],
+    }
+    free = symbols("next f")
+    pushed = law.force[axis] - cuts["friction"] - flip * free["f"]
+    end = t[VELOCITY_NAMES[axis]] + period * pushed / mass
+    given = (above(period), above(mass))
+    return Statement({**t, **free}, (equal(end, free["next"]),), given, cuts)
+
+
+def _observer(axis: int, flip: float) -> Statement:
+    """M (v - v_old)/T = F - F1 + d: f + d falls by exp(-wo T) in a sample."""
+    law, k = LawGraph("prox"), axis + 1
+    t, period = law.symbols, law.symbols["clock.control"]
+    mass, v = law.own(law.sample.mass)[axis], law.own(law.sample.v)
+    old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
+    applied = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
+    force = wheel_to_force(t["robot.r"], t["robot.l"], applied)[axis]
+    free = symbols("fall d")
+    cuts = {
+        "fall": ca.expm1(-t["gains.prox.wo"] * period),
+        "drag": law.own(law.sample.friction_at(0.5 * (v + old)))[axis],
+    }
+    moved = equal(mass * (v[axis] - old[axis]), period * (force - cuts["drag"] + free["d"]))
+    left = (1 + flip * free["fall"]) * (t[f"f_hat[{k}]"] + free["d"])
+    goal = equal(law.system.update[axis] + free["d"], left)
+    positive = (above(period), above(mass), above(t["started"]), above(t["robot.r"]))
+    return Statement({**t, **free}, (goal,), (*positive, above(t["robot.l"]), moved), cuts)
+
+
+def _axes(flip: float) -> Statement:
+    """Each axis of the guard sees its own force, velocity and bounds."""
+    one, two = GuardAxis(), GuardAxis()
+    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
+    both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
+    result = guarded(ca.vertcat(one["asked"], two["asked"]), ca.vertcat(one["y"], two["y"]), both)
+    goals = [
+        goal
+        for i, a in enumerate((one, two))
+        for goal in (
+            equal(result.force[i], clipped(flip * a["asked"], a["y"], a.bounds)),
+            equal(result.safe[i], clipped(ca.SX(0), a["y"], a.bounds)),
+        )
+    ]
+    positive = tuple(above(a["period"]) for a in (one, two))
+    return Statement(table, tuple(goals), positive)
+
+
+def _promise(late: bool, flip: float) -> Statement:
+    """feasible = 1 gives what the theorems assume, but for alpha T <= 1 + 2^-44."""
+    a = LateAxis() if late else GuardAxis()
+    b = a.bounds
+    delay = 1 + b.alpha * a["delay"] if late else 1
+    goals = (
+        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), (2 if flip > 0 else 2.01) * b.net * delay),
+        at_least(b.u1, 2 * b.nbar),
+        at_least(b.brake, b.net),
+        at_least(1 + ROUNDING, b.alpha * b.period),
+        at_least(b.M_max, b.M_min),
+        above(b.u1, b.f_speed),
+    )
+    return Statement(a.symbols, goals, (above(feasible(b)),))
+
+
+def _motion(kind: str, flip: float) -> Statement:
+    """Speed, turning rate and their rates are those of the positions."""
+    names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
+    t = symbols(names, names.removeprefix("t "))
+    given = {**t, "ref_origin": ca.vertcat(t["x0"], t["y0"])} if kind == "line" else t
+    y = {"circle": circle, "line": line}[kind].trajectory(t["t"], given)
+    first = ca.jacobian(y, t["t"])
+    second = ca.jacobian(first, t["t"])
+    turned = first[0] * second[1] - first[1] * second[0]
+    goals: tuple[Relation, ...] = (
+        equal(first[0] ** 2 + first[1] ** 2, flip * y[3] ** 2 + (1 - flip)),
+        equal(turned, y[3] ** 2 * y[4]),
+        equal(first[2], y[4]),
+        equal(first[3], y[5]),
+        equal(first[4], y[6]),
+    )
+    return Statement(t, goals)
+
+
+def _corrected(flip: float) -> Statement:
+    """A whole correction takes the measured pose; none moves by the old velocity."""
+    names = "x y theta v omega x_m y_m theta_m period gain"
+    t = symbols(names, names)
+    pose, old = (ca.vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
+    measured, period, gain = ca.vertcat(t["x_m"], t["y_m"], t["theta_m"]), t["period"], t["gain"]
+    theta = pose[2] + period * old[1]
+    moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
+    estimate = corrected(reckoned(pose, old, period), measured, gain)
+    goals = tuple(
+        equal(estimate[i], gain * flip * measured[i] + (1 - gain) * moved[i]) for i in range(3)
+    )
+    return Statement(t, goals)
+
+
+SLOW = Z3(timeout=60)
+DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
+POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
+DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
+
+
+def _axis_claims(axis: int) -> tuple[Claim, Claim]:
+    of, where = (("", "linear"), ("-angular", "angular"))[axis]
+    return (
+        Claim(
+            f"prox.force{of}", (), OURS,
+            f"on the sampled-data law's graph v + T (F - F1 - f)/M = v+, {where} axis",
+            "With the model exact the law's force leads to the velocity that it aims at in one "
+            "period; f is what the observer adds.",
+            "T, M > 0; F1 and v+ whatever they are",
+            partial(_prox_force, axis), SLOW, premises=("prox.inside",),
+        ),
+        Claim(
+            f"prox.observer{of}", (), OURS,
+            f"on the law's graph f + d falls by exp(-wo T) in a sample, {where} axis",
+            "A constant disturbance is made up for at the rate wo.",
+            "after the first sample; M (v - v_old)/T = F_applied - F1 + d with the believed M and "
+            "F1 at the middle velocity, d constant",
+            partial(_observer, axis), SLOW,
+        ),
+    )  # fmt: skip
+
+
+def _promise_claim(late: bool) -> Claim:
+    return Claim(
+        "guard.promise-late" if late else "guard.promise", (), OURS,
+        "feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, "
+        "brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1 + 2^-44",
+        "The published flag stands for the theorem's hypotheses, signs aside and alpha T to "
+        "rounding.",
+        "behind a delay" if late else "without delay (delay = 0 in the claim)",
+        partial(_promise, late), SLOW,
+    )  # fmt: skip
+
+
+def _motion_claim(kind: str) -> Claim:
+    return Claim(
+        f"reference.{kind}", (), OURS,
+        f"{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, "
+        "and the published rates are the derivatives of v1d and v2d",
+        "The desired motion is one that the robot could make.",
+        "rates and radius > 0" + DIRECTION,
+        partial(_motion, kind), POSITIVE_RATES,
+    )  # fmt: skip
+
+
+CLAIMS = (
+    *_axis_claims(0),
+    *_axis_claims(1),
+    Claim(
+        "guard.axes",
+        (),
+        OURS,
+        "guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point "
+        "likewise, i = 1, 2",
+        "What is shown of one axis holds for each of the two.",
+        "T > 0",
+        _axes,
+        SLOW,
+    ),
+    _promise_claim(False),
+    _promise_claim(True),
+    _motion_claim("circle"),
+    _motion_claim("line"),
+    Claim(
+        "estimator.pose",
+        (),
+        OURS,
+        "estimate = gain measured + (1 - gain) (old estimate moved by the old velocity)",
+        "Dead reckoning: a whole correction takes the sensor's pose, none keeps moving.",
+        "any values",
+        _corrected,
+        Ring(),
+    ),
+)

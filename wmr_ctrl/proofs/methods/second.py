@@ -1,0 +1,86 @@
+"""A second solver: what z3 closes, as SMT-LIB 2 text, checked again by cvc5."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+import z3
+
+from wmr_ctrl.proofs.methods.smt import Problem, posed
+from wmr_ctrl.proofs.methods.spec import Z3, Both, Method
+from wmr_ctrl.proofs.statement import Statement
+
+NAME = "cvc5"
+PATIENCE = 10.0
+"""Seconds for one obligation."""
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """One query: a name, its text in SMT-LIB 2, and the answer that the claim needs."""
+
+    name: str
+    text: str
+    wanted: str
+
+
+def obligations(statement: Statement) -> Iterator[Obligation]:
+    """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable."""
+    problem = posed(statement)
+    for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
+        for number, term in enumerate(terms, 1):
+            yield Obligation(f"{kind}-{number}", _text(problem, term), "unsat")
+    yield Obligation("hypotheses", _text(problem, z3.BoolVal(True)), "sat")
+
+
+def _text(problem: Problem, term: Any) -> str:
+    solver = z3.Solver()
+    solver.add(*problem.base, term)
+    return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
+
+
+def uses_z3(method: Method | None) -> bool:
+    """Whether a verdict of this method rests on z3."""
+    return isinstance(method, Z3) or (
+        isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
+    )
+
+
+def confirmed_by(statement: Statement, patience: float = PATIENCE) -> tuple[str, ...]:
+    """``("cvc5",)`` where it finds every goal and every domain unsatisfiable, too, else nothing."""
+    if find_spec(NAME) is None:
+        return ()
+    wanted = (item for item in obligations(statement) if item.wanted == "unsat")
+    return (NAME,) if all(answer(item.text, patience) == "unsat" for item in wanted) else ()
+
+
+def answer(text: str, patience: float = PATIENCE) -> str:
+    """What cvc5 says to a file: sat, unsat or unknown; in a process of its own, which can be ended.
+
+    It does not always keep to its own limit of time.
+    """
+    command = [sys.executable, "-c", _ASK, str(int(1000 * patience))]
+    try:
+        done = subprocess.run(
+            command, input=text, capture_output=True, text=True, timeout=patience + 5, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return "unknown"
+    return done.stdout.strip() or "unknown"
+
+
+_ASK = """
+import sys, cvc5
+solver = cvc5.Solver(cvc5.TermManager())
+solver.setOption("tlimit-per", sys.argv[1])
+parser = cvc5.InputParser(solver)
+parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, sys.stdin.read(), "obligation")
+symbols = parser.getSymbolManager()
+while not (command := parser.nextCommand()).isNull():
+    sys.stdout.write(command.invoke(solver, symbols))
+"""
