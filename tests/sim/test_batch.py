@@ -141,6 +141,7 @@ def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
         "disturbance.push": [150.0, 20.0],
         "guard.enabled": guard,
         "guard.dbar": [70.0, 15.0],
+        "guard.trust": True,
         "guard.M_min": [45.0, 4.9],
         "guard.M_max": [72.0, 7.7],
     }
