@@ -170,7 +170,8 @@ def test_condition_is_the_necessary_one() -> None:
     """With alpha = 1/T it is 2 dbar (T + delay) <= M_min v_u1: accepted at the edge, not beyond."""
     edge = 45.0 / (2 * 0.05)
     for factor, possible in ((1 - 1e-9, True), (1 + 1e-9, False)):
-        changed = {**ON, "guard.dbar": [factor * edge, 1.0], "actuator.delay": 0.04}
+        stated = {"guard.dbar": [factor * edge, 1.0], "guard.trust": True}
+        changed = {**ON, **stated, "actuator.delay": 0.04}
         scenario = load_scenario("paper-simulation", changed)
         if possible:
             assert settle(scenario, None).guard.brake[0] >= edge * factor

@@ -21,7 +21,7 @@ from wmr_ctrl.world.effect import Bound
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 OFF = {"guard.enabled": False, "clock.duration": 5.0, "changes": []}
 PUSHED = {"disturbance.push": [150.0, 40.0], "disturbance.std": 0.0, "robot.mu": 0.0,
-          "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0}  # fmt: skip
+          "guard.dbar": [60.0, 15.0], "guard.mass_margin": 0.0, "guard.trust": True}  # fmt: skip
 
 
 def disturbance(run: Run) -> np.ndarray:
