@@ -56,8 +56,10 @@ OTHER: Mapping[str, Any] = {
     "guard.nbar": [0.02, 0.01],
     "guard.alpha": 60.0,
     "guard.brake": [30.0, 9.0],
+    "guard.f_min": [1.17, 0.0],
     "guard.f_speed": [0.28, 0.7],
     "gains.nn.ratio_cap": 1.01,
+    "gains.kanayama.k": [0.1, 0.7, 0.2],
     "metrics.split": 0.1,
     "reference.points": [*POINTS, [2.5, 3.0]],
 }
