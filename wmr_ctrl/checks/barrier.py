@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cache
 
-import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Floats, Loop
 from wmr_ctrl.checks.sample_time import operating_points
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
-from wmr_ctrl.model.dynamics import friction
-from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.world.friction import Phase, drag, phases
 
 GRID = 200
 NOTABLE = 0.01
 """Velocity error [m/s] from which it is worth a line."""
-
-
-@dataclass(frozen=True)
-class Phase:
-    """The robot's friction from time ``t`` [s] on."""
-
-    t: float
-    m: float
-    mu: float
 
 
 def pushed_through(loop: Loop) -> Iterator[Warning]:
@@ -53,28 +40,6 @@ def largest_pull(loop: Loop, phase: Phase) -> Floats:
     speeds = sign * (u1 - (u1 - u2) * np.linspace(0, 1, GRID + 1)[1:] ** 2)
     net = loop.force_towards(speeds, loop.start.v_c0) - drag(loop.scenario.robot, phase, speeds)
     return np.asarray((-sign * net).max(axis=1))
-
-
-def phases(scenario: Scenario) -> Iterator[Phase]:
-    """Yield the robot's friction at the start and from each change on."""
-    phase = Phase(0.0, scenario.robot.m, scenario.robot.mu)
-    yield phase
-    for change in scenario.changes:
-        mass = phase.m if change.m is None else change.m
-        phase = Phase(change.t, mass, phase.mu if change.mu is None else change.mu)
-        yield phase
-
-
-def drag(robot: Robot, phase: Phase, v: Floats) -> Floats:
-    """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N)."""
-    numbers = (phase.mu, phase.m, robot.g, robot.v_s)
-    return np.asarray(_friction()(ca.DM(numbers), v))
-
-
-@cache
-def _friction() -> ca.Function:
-    p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
-    return ca.Function("friction", [p, v], [friction(p[0], p[1], p[2], p[3], v)])
 
 
 def _approach(loop: Loop) -> float:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmr_ctrl.checks.barrier import phases
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.guard.contradictions import contradictions
+from wmr_ctrl.world.friction import phases
 
 COARSE, UNSTABLE = 1.0, 2.785
 """Plant step times slope of the friction: what is coarse for RK4, and what makes it diverge."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmr_ctrl.checks.barrier import phases
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
 from wmr_ctrl.guard.bounds import early_speed, usable_speed
+from wmr_ctrl.world.friction import phases
 from wmr_ctrl.world.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmr_ctrl.checks.barrier import largest_pull, phases
+from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.world.friction import phases
 from wmr_ctrl.world.references import reference_bounds
 
 STANDSTILL = 1e-9

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
+from wmr_ctrl.checks.supremum import SHORTEST, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -29,14 +30,8 @@ from wmr_ctrl.world.references import sample
 SAFE = 0.5
 """Share of a stability limit that the remedies propose."""
 
-SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
-"""Periods that are tried [s], and the factor from one to the next."""
-
 MOST_UNDER_WAY = 40
 """Commands that the shortest period that is tried leaves under way in a delay."""
-
-MARGIN = 1e-9
-"""A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
 
 POINTS = 9
 INSIDE = 0.99
@@ -130,9 +125,7 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
 def largest_period(loop: Loop) -> float:
     """The same for a Loop that is at hand."""
     shortest = shortest_tried(loop)
-    return min(
-        _supremum(_radius_at(loop, v_d), shortest) for v_d in operating_points(loop.scenario)
-    )
+    return min(supremum(_radius_at(loop, v_d), shortest) for v_d in operating_points(loop.scenario))
 
 
 def shortest_tried(loop: Loop) -> float:
@@ -234,23 +227,6 @@ def _behind_lag(rates: Floats, push: Floats, lag: float) -> tuple[Floats, Floats
 
 def _radius_at(loop: Loop, v_d: Floats) -> Callable[[float], float]:
     return lambda period: float(np.abs(np.linalg.eigvals(closed_loop(loop, v_d, period))).max())
-
-
-def _supremum(radius: Callable[[float], float], shortest: float) -> float:
-    """Largest period below which none that was tried has a spectral radius above 1."""
-    below, period = 0.0, shortest
-    while radius(period) <= 1 + MARGIN:
-        if period >= LONGEST:
-            return math.inf
-        below, period = period, period * RATIO
-    return _bisected(radius, below, period) if below else 0.0
-
-
-def _bisected(radius: Callable[[float], float], below: float, above: float) -> float:
-    while above - below > 1e-7 * above:
-        middle = (below + above) / 2
-        below, above = (middle, above) if radius(middle) <= 1 + MARGIN else (below, middle)
-    return below
 
 
 def first_speeds(loop: Loop) -> Floats:

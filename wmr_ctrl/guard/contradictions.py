@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +9,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import AXES, UNITS, mass_range
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.friction import drag, phases
 
 Pair = tuple[float, float]
 ROUNDING = 1e-9
@@ -105,14 +105,9 @@ def _friction(scenario: Scenario) -> Iterator[Contradiction]:
 
 def sure_friction(scenario: Scenario) -> Pair:
     """Least friction [N, N m] above guard.f_speed, over the run: the robot's turn has none."""
-    robot, least = scenario.robot, math.inf
-    m, mu = robot.m, robot.mu
-    for change in (None, *scenario.changes):
-        if change is not None:
-            m = m if change.m is None else change.m
-            mu = mu if change.mu is None else change.mu
-        least = min(least, m * mu * robot.g)
-    return least * math.tanh(scenario.guard.f_speed[0] / robot.v_s), 0.0
+    slowest = (scenario.guard.f_speed[0], 0.0)
+    least = min(drag(scenario.robot, phase, slowest)[0].item() for phase in phases(scenario))
+    return least, 0.0
 
 
 def _below(stated: Pair | None, axis: int, needed: float) -> bool:

@@ -17,12 +17,12 @@ import control as ct
 import numpy as np
 
 from wmr_ctrl.checks.network import largest_square, square_bound
+from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats, radius
 from wmr_ctrl.linear.loop import hold
-from wmr_ctrl.linear.sampled import supremum
 from wmr_ctrl.scenario import Scenario
 
 LAW = "nn"

@@ -5,7 +5,7 @@ Beside it the numerical helpers that the other files share.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 import control as ct
@@ -26,14 +26,6 @@ def element_names(signals: Iterable[Signal]) -> list[str]:
 def column(value: ArrayLike) -> Floats:
     """A CasADi column as a flat array."""
     return np.asarray(value, dtype=float).ravel()
-
-
-def bisect(holds: Callable[[float], bool], below: float, above: float, rtol: float = 1e-9) -> float:
-    """Largest x in [below, above] with ``holds(x)``: true at ``below``, false at ``above``."""
-    while above - below > rtol * abs(above):
-        middle = (below + above) / 2
-        below, above = (middle, above) if holds(middle) else (below, middle)
-    return below
 
 
 MARGINAL = 1e-7

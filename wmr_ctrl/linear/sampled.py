@@ -14,16 +14,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.sample_time import LONGEST, SHORTEST, kink_limits
+from wmr_ctrl.checks.sample_time import kink_limits
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
+from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.linear.blocks import PERIOD, law_loop
-from wmr_ctrl.linear.linearise import Floats, bisect, radius
+from wmr_ctrl.linear.linearise import Floats, radius
 from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.linear.pull import pull_of
 from wmr_ctrl.scenario import Clock, Metrics, Scenario
-
-MARGIN, RATIO = 1e-9, 1.15
 
 
 def spectral_radius(
@@ -58,21 +57,6 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
     period up to 10 s is stable.
     """
     return supremum(radius_of(scenario, law, point, "learning"))
-
-
-def supremum(
-    of: Callable[[float], float],
-    shortest: float = SHORTEST,
-    ratio: float = RATIO,
-    rtol: float = 1e-7,
-) -> float:
-    """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
-    below, period = 0.0, shortest
-    while of(period) <= 1 + MARGIN:
-        if period >= LONGEST:
-            return math.inf
-        below, period = period, period * ratio
-    return bisect(lambda t: of(t) <= 1 + MARGIN, below, period, rtol) if below else 0.0
 
 
 def kink_periods(scenario: Scenario, law: str) -> Floats | None:

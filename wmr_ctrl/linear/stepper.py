@@ -16,6 +16,7 @@ import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.supremum import bisect
 from wmr_ctrl.linear.blocks import (
     by_port,
     error_law,
@@ -25,7 +26,7 @@ from wmr_ctrl.linear.blocks import (
     with_period,
     with_values,
 )
-from wmr_ctrl.linear.linearise import Floats, bisect
+from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop
 from wmr_ctrl.linear.point import Point, on_reference, resting_point
 from wmr_ctrl.model.plant import rk4_step

@@ -1,0 +1,50 @@
+"""The robot's friction over a run, in numbers from the graph of Eq. (4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.model.dynamics import friction
+from wmr_ctrl.symbolic import ca
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Robot, Scenario
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """The robot's friction from time ``t`` [s] on."""
+
+    t: float
+    m: float
+    mu: float
+
+
+def phases(scenario: Scenario) -> Iterator[Phase]:
+    """Yield the robot's friction at the start and from each change on."""
+    phase = Phase(0.0, scenario.robot.m, scenario.robot.mu)
+    yield phase
+    for change in scenario.changes:
+        mass = phase.m if change.m is None else change.m
+        phase = Phase(change.t, mass, phase.mu if change.mu is None else change.mu)
+        yield phase
+
+
+def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
+    """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
+    numbers = (phase.mu, phase.m, robot.g, robot.v_s)
+    return np.asarray(_friction()(ca.DM(numbers), np.asarray(v)))
+
+
+@cache
+def _friction() -> ca.Function:
+    p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
+    return ca.Function("friction", [p, v], [friction(p[0], p[1], p[2], p[3], v)])
