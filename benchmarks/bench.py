@@ -49,6 +49,7 @@ RATIOS = (
     Ratio("closed_loop_mb_vs_hand_c", "mb_loop", "mb_loop_hand", "<= 0.80"),
     Ratio("closed_loop_numpy_vs_native", "nn_loop_numpy", "nn_loop", ""),
     Ratio("closed_loop_numba_vs_native", "nn_loop_numba", "nn_loop", ""),
+    Ratio("closed_loop_nn_sensors_vs_exact", "nn_robot", "nn_robot_exact", "<= 1.3"),
     Ratio("batch_nn_per_core_vs_scalar_hand_c", "nn_loop_hand", "nn_batch", ">= 4 (AVX-512)"),
     Ratio("batch_nn_avx512_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx512", ">= 4"),
     Ratio("batch_nn_avx2_vs_scalar_hand_c", "nn_loop_hand", "nn_batch_avx2", ">= 2.6"),
@@ -136,6 +137,8 @@ def loops() -> dict[str, Candidate]:
         **{f"{law}_loop": generated.closed_loop(law, CONTROL) for law in ("mb", "nn")},
         "nn_loop_numpy": Candidate(partial(closed_loop, "nn", setup, short), short.samples),
         **numba_peer.loop_candidates(setup, case),
+        "nn_robot": generated.robot({}),
+        "nn_robot_exact": generated.robot(generated.EXACT),
         **generated.batches(CONTROL),
     }
 

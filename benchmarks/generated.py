@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 
 import numpy as np
@@ -14,6 +14,7 @@ from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.engines import ready_of
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import Task, run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
@@ -79,8 +80,25 @@ def virtual_machine(law: str, steps: int) -> Candidate:
 def closed_loop(law: str, control: float = 1e-3) -> Candidate:
     """80 s of closed loop in C, without a log; a step is one control sample."""
     setup = settled(law, control)
-    loop = Ready(compiled(law, control), setup.scenario, law, setup.assumptions)
+    loop = ready_of(compiled(law, control), setup)
     return Candidate(laid_out([Task(loop, 0)], []).run, scenario(control).clock.samples)
+
+
+EXACT: Mapping[str, object] = {
+    "encoder.counts": None,
+    "gyro.enabled": False,
+    "sensor.pose_period": 0.0,
+    "sensor.pose_noise": 0.0,
+    "sensor.correction": 1.0,
+}
+"""What takes all sensors' errors out of the preset robot-10ms."""
+
+
+def robot(changes: Mapping[str, object]) -> Candidate:
+    """80 s of the guarded NN loop of robot-10ms with some changes; a step is one control sample."""
+    setup = settle(load_scenario("robot-10ms", changes), "nn")
+    loop = ready_of(build_loop(setup), setup)
+    return Candidate(laid_out([Task(loop, 0)], []).run, setup.scenario.clock.samples)
 
 
 def _repeated(function: Callable[[], object], steps: int) -> Callable[[], None]:

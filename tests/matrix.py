@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import product
 
 import pytest
@@ -23,6 +23,11 @@ def crossed(*axes: Sequence[object]) -> list[object]:
         pytest.param(*case, marks=() if usual(case) else pytest.mark.slow)
         for case in product(*axes)
     ]
+
+
+def quick(names: Iterable[str], *shown: str) -> list[object]:
+    """The names for parametrize; those that are not shown are slow."""
+    return [pytest.param(n, marks=() if n in shown else pytest.mark.slow) for n in names]
 
 
 def versioned(whats: Sequence[str], shown: str = "nn") -> list[object]:

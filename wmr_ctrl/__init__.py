@@ -20,13 +20,16 @@ if TYPE_CHECKING:
         cosimulate,
         export_fmu,
         linearize,
+        load_run,
         load_scenario,
         prove,
         reproduce,
         simulate,
         simulate_many,
         simulate_runs,
+        study,
     )
+    from wmr_ctrl.tuning import tune
 
 __version__ = "0.1.0"
 
@@ -37,20 +40,24 @@ __all__ = [
     "cosimulate",
     "export_fmu",
     "linearize",
+    "load_run",
     "load_scenario",
     "prove",
     "reproduce",
     "simulate",
     "simulate_many",
     "simulate_runs",
+    "study",
+    "tune",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name from `wmr_ctrl.api`, once."""
+    """Load a public name from `wmr_ctrl.api` or `wmr_ctrl.tuning`, once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module("wmr_ctrl.api"), name)
+    home = "wmr_ctrl.tuning" if name == "tune" else "wmr_ctrl.api"
+    value = getattr(import_module(home), name)
     globals()[name] = value
     return value
 

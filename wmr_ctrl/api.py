@@ -15,12 +15,14 @@ from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack, cast
+from typing import TYPE_CHECKING, Unpack
 
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Run
+from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.sim.finish import check_seeds, versions
+from wmr_ctrl.studies import study as study
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import (
@@ -30,7 +32,6 @@ if TYPE_CHECKING:
         Measurements,
         Overrides,
         Progress,
-        SspOptions,
     )
     from wmr_ctrl.campaign import PhaseProgress
     from wmr_ctrl.linear import LinearReport
@@ -40,7 +41,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.sim.many import RunTable
     from wmr_ctrl.sim.ready import Ready
 
-ENGINES = ("native", "numpy")
+ENGINES = ("native", "numpy", "fmu")
+PLANTS = ("ode", "mujoco")
 
 
 def scenario_of(
@@ -74,14 +76,18 @@ def simulate(
     *,
     seed: int = 0,
     engine: str = "native",
+    plant: str = "ode",
     guard: bool | None = None,
     overrides: Overrides | None = None,
     progress: Progress | None = None,
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
 
-    ``engine`` is "native" (compiled C) or "numpy" (slow, needs no compiler); ``guard`` switches the
-    velocity guard on or off (None: as the scenario says).  Leaving the velocity limit, diverging
+    ``engine`` is "native" (compiled C), "numpy" (slow, needs no compiler) or "fmu" (our own FMUs of
+    reference, controller and plant, coupled in order); ``plant`` is "ode" (the paper's plane model)
+    or "mujoco" (a rigid body on tyres, [body] of the scenario: extra physics, engine native);
+    ``guard`` switches the velocity guard on or off (None: as the scenario says).  Leaving the
+    velocity limit, diverging
     or turning non-finite is the Run's outcome, never an exception.  Raises UnknownNameError,
     ScenarioError, ArgumentError (seed) or CompilerError.
 
@@ -91,15 +97,33 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    from wmr_ctrl.engines import run_compiled, run_numpy
+    from wmr_ctrl.engines import ready_plantless, run_compiled, run_numpy
 
     chosen = scenario_of(scenario, overrides, guard)
     check_seeds([seed])
+    _check_plant(plant, engine)
+    if plant == "mujoco":
+        from wmr_ctrl.physics.run import run_rigid
+
+        return run_rigid(ready_plantless(chosen, law), seed, progress)
     if engine == "native":
         return run_compiled(chosen, law, seed)
     if engine == "numpy":
         return run_numpy(chosen, law, seed, progress)
+    if engine == "fmu":
+        return cosimulate(chosen, law, seed=seed, progress=progress)
     raise UnknownNameError("engine", engine, ENGINES)
+
+
+def _check_plant(plant: str, engine: str = "native") -> None:
+    """Raise unless there is such a plant, and this engine runs it."""
+    if plant not in PLANTS:
+        raise UnknownNameError("plant", plant, PLANTS)
+    if plant != "ode" and engine != "native":
+        raise ArgumentError(
+            f"the plant {plant!r} runs beside compiled laws only, and the engine asked for is "
+            f"{engine!r}. Take the engine native, or the plant ode."
+        )
 
 
 def simulate_runs(
@@ -107,6 +131,7 @@ def simulate_runs(
     law: str = "nn",
     seeds: Iterable[int] = range(20),
     *,
+    plant: str = "ode",
     guard: bool | None = None,
     overrides: Overrides | None = None,
     jobs: int | None = None,
@@ -114,9 +139,10 @@ def simulate_runs(
 ) -> list[Run]:
     """One whole Run per seed, several robots at a time on each core.
 
-    The same bits as `simulate`, for any number of ``jobs`` (threads; default: one per core) and any
-    vector instructions.  `simulate_many` gives figures only, which takes no
-    memory.  ``progress`` is called with the share that is done.  Errors as in `simulate`.
+    The same bits as `simulate`, for any number of ``jobs`` (threads, or processes for the ``plant``
+    "mujoco"; default: one per core) and any vector instructions.  `simulate_many` gives figures
+    only, which takes no memory.  ``progress`` is called with the share that is done.  Errors as in
+    `simulate`.
 
     >>> runs = simulate_runs("paper-simulation", "mb", range(3), overrides={"clock.duration": 5.0})
     >>> [run.monitor.violations for run in runs]
@@ -126,6 +152,13 @@ def simulate_runs(
 
     listed = list(seeds)
     check_seeds(listed)
+    _check_plant(plant)
+    if plant == "mujoco":
+        from wmr_ctrl.engines import ready_plantless
+        from wmr_ctrl.physics.run import run_rigid_each
+
+        apart = ready_plantless(scenario_of(scenario, overrides, guard), law)
+        return run_rigid_each([(apart, seed) for seed in listed], jobs, progress)
     loop = compile_loop(scenario, law, overrides, guard)
     return run_each([(loop, seed) for seed in listed], lambda _, run: run, jobs, progress)
 
@@ -215,21 +248,22 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
 
 
 def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
-    """Write FMUs (or ``what = "ssp"``: the SSP package); returns the files' paths.
+    """Write FMUs, or what else other tools read; returns the files' paths.
 
-    Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.
+    Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.  ``what`` =
+    "ssp" is the SSP package, which also takes somebody else's ``plant`` and ``controller`` with a
+    ``map_file``, and ``delay_known``; "modelica" the package WheeledRobot.mo, which has every law
+    and reads scenario and out; "simulink" the kit of ``law``.
     """
-    if what == "ssp":
-        from wmr_ctrl.fmi.ssp import export_ssp
+    from wmr_ctrl.outputs import write_output
 
-        return export_ssp(**cast("SspOptions", options))
-    from wmr_ctrl.fmi.export import export_fmu as write_fmus
-
-    return write_fmus(what, **options)
+    return write_output(what, options)
 
 
 def cosimulate(
-    scenario: str | Path | Scenario, law: str = "nn", **options: Unpack[CosimulationOptions]
+    scenario: str | Path | Scenario,
+    law: str | None = None,
+    **options: Unpack[CosimulationOptions],
 ) -> Run:
     """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.fmi.cosim`."""
     from wmr_ctrl.fmi.cosim import cosimulate as run_fmus

@@ -15,8 +15,8 @@ Overrides: TypeAlias = Mapping[str, object]
 """Values of a scenario's fields by key path, such as ``{"clock.control": 0.02}``."""
 
 
-class SspOptions(TypedDict, total=False):
-    """What `export_fmu` may be given for an SSP, as in `wmr_ctrl.fmi.ssp.export_ssp`."""
+class CommonOptions(TypedDict, total=False):
+    """What `export_fmu` may be given for FMUs and for an SSP."""
 
     law: str
     scenario: str | Path | Scenario
@@ -26,10 +26,23 @@ class SspOptions(TypedDict, total=False):
     progress: Callable[[str], None] | None
 
 
-class ExportOptions(SspOptions, total=False):
+class SspOptions(CommonOptions, total=False):
+    """What `export_fmu` may be given for an SSP, as in `wmr_ctrl.fmi.ssp.export_ssp`."""
+
+    plant: str | Path | None
+    controller: str | Path | None
+    map_file: str | Path | None
+    delay_known: bool
+
+
+class FmuOptions(CommonOptions, total=False):
     """What `export_fmu` may be given for FMUs, as in `wmr_ctrl.fmi.export.export_fmu`."""
 
     arrays: bool
+
+
+class ExportOptions(SspOptions, FmuOptions, total=False):
+    """What `export_fmu` may be given for one or another output."""
 
 
 class CosimulationOptions(TypedDict, total=False):
@@ -39,6 +52,7 @@ class CosimulationOptions(TypedDict, total=False):
     controller: str | Path | None
     map_file: str | Path | None
     master: str
+    delay_known: bool
     seed: int
     fmi: int
     progress: Progress | None

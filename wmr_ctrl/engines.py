@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from wmr_ctrl.codegen.build import build_batch, build_loop
+from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, settle
@@ -21,17 +21,23 @@ from wmr_ctrl.sim.ready import Ready
 def ready_batch(scenario: Scenario, law: str) -> Ready:
     """The closed loop of a law, compiled for many runs at a time.  Raises as `settle` does."""
     setup = settle(scenario, law)
-    return _ready(setup, build_batch(setup))
+    return ready_of(build_batch(setup), setup)
 
 
 def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
     """One run of the loop that is compiled for one robot."""
     setup = settle(scenario, law)
-    loop = _ready(setup, build_loop(setup))
+    loop = ready_of(build_loop(setup), setup)
     columns, monitor = run_native(loop, seed)
     logged = (loop.compiled.layout.columns, columns, monitor)
     facts = {"kernel_hash": loop.compiled.digest}
     return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
+
+
+def ready_plantless(scenario: Scenario, law: str) -> Ready:
+    """The loop of a law for one robot, compiled without its plant.  Raises as `settle` does."""
+    setup = settle(scenario, law)
+    return ready_of(build_plantless(setup), setup)
 
 
 def run_numpy(
@@ -45,12 +51,15 @@ def run_numpy(
     own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
     gains, kinematics = vars(setup.gains), vars(setup.kinematics)
     effects = [item.name for item in setup.effects]
-    columns, numbers = simulate_oracle(scenario, law, gains, kinematics, seed, progress, effects)
+    columns, numbers = simulate_oracle(
+        setup.scenario, law, gains, kinematics, seed, progress, effects
+    )
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
     logged = (signals, columns, Monitor(**numbers))
     facts = {"kernel_hash": ""}
     return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
 
 
-def _ready(setup: Setup, compiled: CompiledLoop) -> Ready:
+def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:
+    """What was compiled from a setup, with that setup's scenario, law and assumptions."""
     return Ready(compiled, setup.scenario, setup.name, setup.assumptions)

@@ -36,6 +36,10 @@ class Signal:
         return parts if len(parts) == self.size else parts[:1] * self.size
 
 
+LARGEST = 1e12
+"""What no input or parameter may exceed in size, in the SI unit of each: up to here every law's
+force and memory stay finite.  Stands for `unlimited` too."""
+
 TIME = Signal("t", "s", "time")
 
 PLANT_STATE = (
@@ -60,6 +64,7 @@ MEASURED_VELOCITY = (
 )
 """What a law is given in the place of pose and velocity."""
 SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
+STEP = Signal("step", "1", "number of the plant step, from 0")
 TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
 PATH = Signal("path", "m", "way since the start, backwards counted negative")
 
@@ -110,6 +115,15 @@ GUARD_DIAGNOSTICS = (
 )
 """What a guarded controller publishes beside its law's diagnostics."""
 D_HAT = Signal("d_hat", "N, N.m", "disturbance as the observer estimates it", 2)
+
+WHEEL_SPEED = Signal("wheel_speed", "rad/s", "speed of the wheels (right, left)", 2)
+SLIP = Signal("slip", "m/s", "tread over ground (right, left), positive on a wheel that spins", 2)
+TILT = Signal("tilt", "rad", "angle between the robot's axis and the ground's normal")
+TIP_MARGIN = Signal(
+    "tip_margin", "1", "distance of the load's centre from the edge of the support, 1 over the axle"
+)
+RIGID = (WHEEL_SPEED, SLIP, TILT, TIP_MARGIN)
+"""What the log of a rigid body has after the columns that every plant has."""
 
 LOG_HEAD = (
     TIME,

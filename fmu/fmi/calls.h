@@ -18,7 +18,7 @@ typedef struct {
 /* The instance behind a handle if `call` is legal now; else NULL, and the importer was told. */
 static inline wmr_instance *wmr_legal(void *handle, const wmr_call *call)
 {
-    wmr_instance *s = handle;
+    wmr_instance *s = (wmr_instance *)handle;
     if (!wmr_is_instance(s)) {
         return NULL;
     }

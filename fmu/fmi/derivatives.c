@@ -56,13 +56,14 @@ static wmr_status check_rows(wmr_instance *s, const uint32_t *refs, size_t count
     return WMR_OK;
 }
 
-/* Values at which the model is linearised: those of now, with the memory of the last sample. */
+/* Values at which the model is linearised: those of now, and of a model with inputs the memory that
+   its last sample started from. */
 static const double *point(wmr_instance *s)
 {
     double *known = s->scratch.known;
     memcpy(known, s->state.values + WMR_Z, WMR_NZ * sizeof(double));
 #if WMR_KIND == WMR_SAMPLED
-    if (s->state.memory.count > 0) {
+    if (WMR_NU > 0 && s->state.memory.count > 0) {
         memcpy(known + (WMR_X - WMR_Z), s->state.memory.used, WMR_NX * sizeof(double));
     }
 #endif

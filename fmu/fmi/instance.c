@@ -71,7 +71,7 @@ static void start_values(wmr_state *state)
 
 wmr_instance *wmr_create(const char *name, wmr_interface interface)
 {
-    wmr_instance *s = calloc(1, sizeof *s);
+    wmr_instance *s = (wmr_instance *)calloc(1, sizeof *s);
     if (!s) {
         return NULL;
     }
@@ -122,9 +122,9 @@ wmr_status wmr_setup(wmr_instance *s, double start, int has_stop, double stop, i
     return WMR_OK;
 }
 
-static int outputs_finite(const wmr_instance *s)
+static int finite_from(const wmr_instance *s, size_t first)
 {
-    for (size_t i = 0; i < WMR_ROWS; ++i) {
+    for (size_t i = first; i < WMR_ROWS; ++i) {
         if (!isfinite(s->state.values[i])) {
             return 0;
         }
@@ -141,7 +141,7 @@ wmr_status wmr_leave_init(wmr_instance *s)
     }
     s->state.stale = 1;
     wmr_refresh(s);
-    if (!outputs_finite(s)) {
+    if (!finite_from(s, 0)) {
         return wmr_say(s, WMR_ERROR,
                        "the outputs at the start are not finite: start values and "
                        "parameters do not fit one another.");
@@ -188,36 +188,29 @@ static wmr_status check_step(wmr_instance *s, double t, double h)
     return WMR_OK;
 }
 
-static wmr_status step_back(wmr_instance *s, const double *states)
+/* States and what was computed from them stand side by side. */
+enum { RESULTS = WMR_ROWS - WMR_X };
+
+static wmr_status step_back(wmr_instance *s, const double *results)
 {
-    memcpy(s->state.values + WMR_X, states, WMR_NX * sizeof(double));
+    memcpy(s->state.values + WMR_X, results, RESULTS * sizeof(double));
     s->state.stale = 1;
     return wmr_say(s, WMR_DISCARD,
-                   "the states are no longer finite; the step was taken back. Ask for a "
-                   "shorter one.");
-}
-
-static int states_finite(const wmr_instance *s)
-{
-    for (int i = 0; i < WMR_NX; ++i) {
-        if (!isfinite(s->state.values[WMR_X + i])) {
-            return 0;
-        }
-    }
-    return 1;
+                   "states or outputs are no longer finite; the step was taken back. Ask for a "
+                   "shorter one, or for smaller values.");
 }
 
 wmr_status wmr_do_step(wmr_instance *s, double t, double h)
 {
-    double before[WMR_NX + 1];
+    double before[RESULTS + 1];
     const wmr_memory memory = s->state.memory;
     const wmr_status status = check_step(s, t, h);
     if (status != WMR_OK) {
         return status;
     }
-    memcpy(before, s->state.values + WMR_X, WMR_NX * sizeof(double));
+    memcpy(before, s->state.values + WMR_X, RESULTS * sizeof(double));
     const double reached = kind_advance(s, t, h);
-    if (!states_finite(s)) {
+    if (!s->state.finished && !finite_from(s, WMR_X)) {
         s->state.memory = memory;
         return step_back(s, before);
     }

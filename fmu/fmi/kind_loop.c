@@ -98,9 +98,9 @@ static void publish_monitor(struct wmr_instance *s)
 }
 
 /* Pose, velocity and psi at the control instant that was reached. */
-static void publish_plant(struct wmr_instance *s, const double *state)
+static void publish_plant(struct wmr_instance *s)
 {
-    wmr_plant(state, s->state.values + WMR_Y);
+    wmr_plant(wmr_loop_state(&s->state.memory.loop), s->state.values + WMR_Y);
 }
 
 static void publish(struct wmr_instance *s)
@@ -128,13 +128,13 @@ double kind_advance(struct wmr_instance *s, double t, double h)
         if (next > end + slack) {
             break;
         }
-        publish_plant(s, s->state.memory.loop.state);
+        publish_plant(s);
         if (s->pause && next < end - slack && s->pause(s, next)) {
             return next;
         }
     }
     if (sample_time(s, s->state.memory.count) <= end + slack) {
-        publish_plant(s, s->state.memory.loop.state);
+        publish_plant(s);
     }
     return end;
 }

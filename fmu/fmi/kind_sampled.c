@@ -1,8 +1,7 @@
 /* Sampled models: evaluated at the start of each of their periods with the inputs of that moment,
    held until the next.  Before the first step, outputs are those of sample 0 with the inputs so
    far, and no memory moves.  With clock.parallel = 1 sample 0 keeps the inputs of initialisation.
-   A model without inputs follows the time where the importer integrates, and with clock.parallel.
- */
+   A model without inputs gives its values at the time that was reached. */
 #include <math.h>
 #include <string.h>
 
@@ -33,9 +32,15 @@ static double sample_time(const struct wmr_instance *s)
     return s->state.start_time + (double)s->state.memory.count * s->state.values[WMR_AT_PERIOD];
 }
 
-static int parallel(const struct wmr_instance *s)
+/* Whether sample 0 is to keep the inputs of initialisation. */
+static int keeps_first(const struct wmr_instance *s)
 {
-    return s->state.values[WMR_AT_PARALLEL] > 0.5;
+#ifdef WMR_AT_PARALLEL
+    return s->state.memory.count == 0 && s->state.values[WMR_AT_PARALLEL] > 0.5;
+#else
+    (void)s;
+    return 0;
+#endif
 }
 
 /* Outputs and diagnostics from inputs, memory and parameters; `next` takes the next memory. */
@@ -48,9 +53,8 @@ static void evaluate(struct wmr_instance *s, const double *inputs, double *next)
 static void sample(struct wmr_instance *s, double t)
 {
     double *values = s->state.values, next[WMR_NX + 1];
-    const int kept = WMR_NU && s->state.memory.count == 0 && parallel(s);
     values[0] = t;
-    evaluate(s, kept ? s->state.memory.first : values + WMR_U, next);
+    evaluate(s, keeps_first(s) ? s->state.memory.first : values + WMR_U, next);
     memcpy(s->state.memory.used, values + WMR_X, WMR_NX * sizeof(double));
     memcpy(values + WMR_X, next, WMR_NX * sizeof(double));
     s->state.memory.count += 1;
@@ -80,7 +84,7 @@ static double reached(const struct wmr_instance *s)
 void kind_refresh(struct wmr_instance *s)
 {
     double next[WMR_NX + 1];
-    if (WMR_NU == 0 && s->state.interface == WMR_CO_SIMULATION && parallel(s)) {
+    if (WMR_NU == 0 && s->state.interface == WMR_CO_SIMULATION) {
         const double t = reached(s);
         evaluate(s, &t, next);
     } else if (s->state.memory.count == 0) {

@@ -19,7 +19,7 @@ typedef struct {
 /* FNV-1a, 64 bits. */
 static uint64_t hash(const void *data, size_t size)
 {
-    const unsigned char *bytes = data;
+    const unsigned char *bytes = (const unsigned char *)data;
     uint64_t value = UINT64_C(0xcbf29ce484222325);
     for (size_t i = 0; i < size; ++i) {
         value = (value ^ bytes[i]) * UINT64_C(0x100000001b3);
@@ -45,11 +45,11 @@ static wmr_status check(wmr_instance *s, const snapshot *kept)
 
 wmr_status wmr_snapshot_take(wmr_instance *s, void **kept)
 {
-    snapshot *target = kept ? *kept : NULL;
+    snapshot *target = kept ? (snapshot *)*kept : NULL;
     if (!kept || (target && check(s, target) != WMR_OK)) {
         return wmr_say(s, WMR_ERROR, "there is no place to keep the state.");
     }
-    target = target ? target : calloc(1, sizeof *target);
+    target = target ? target : (snapshot *)calloc(1, sizeof *target);
     if (!target) {
         return wmr_say(s, WMR_ERROR, "there is no memory left for a state.");
     }
@@ -61,7 +61,7 @@ wmr_status wmr_snapshot_take(wmr_instance *s, void **kept)
 
 wmr_status wmr_snapshot_put(wmr_instance *s, const void *kept)
 {
-    const snapshot *source = kept;
+    const snapshot *source = (const snapshot *)kept;
     if (check(s, source) != WMR_OK) {
         return WMR_ERROR;
     }
@@ -81,7 +81,7 @@ wmr_status wmr_snapshot_free(wmr_instance *s, void **kept)
         return wmr_say(s, WMR_ERROR, "there is no state to free.");
     }
     if (*kept) {
-        if (check(s, *kept) != WMR_OK) {
+        if (check(s, (const snapshot *)*kept) != WMR_OK) {
             return WMR_ERROR;
         }
         ((snapshot *)*kept)->head.magic = 0;
@@ -93,7 +93,7 @@ wmr_status wmr_snapshot_free(wmr_instance *s, void **kept)
 
 wmr_status wmr_snapshot_size(wmr_instance *s, const void *kept, size_t *size)
 {
-    if (!size || check(s, kept) != WMR_OK) {
+    if (!size || check(s, (const snapshot *)kept) != WMR_OK) {
         return wmr_say(s, WMR_ERROR, "the size of this state cannot be told.");
     }
     *size = sizeof(snapshot);
@@ -106,7 +106,7 @@ wmr_status wmr_snapshot_write(wmr_instance *s, const void *kept, void *bytes, si
         return wmr_say(s, WMR_ERROR, "a state takes %u bytes, not %u.", (unsigned)sizeof(snapshot),
                        (unsigned)size);
     }
-    if (check(s, kept) != WMR_OK) {
+    if (check(s, (const snapshot *)kept) != WMR_OK) {
         return WMR_ERROR;
     }
     memcpy(bytes, kept, sizeof(snapshot));
@@ -135,7 +135,7 @@ wmr_status wmr_snapshot_read(wmr_instance *s, const void *bytes, size_t size, vo
         return wmr_say(s, WMR_ERROR, "a state takes %u bytes, not %u.", (unsigned)sizeof(snapshot),
                        (unsigned)size);
     }
-    snapshot *made = calloc(1, sizeof *made);
+    snapshot *made = (snapshot *)calloc(1, sizeof *made);
     if (!made) {
         return wmr_say(s, WMR_ERROR, "there is no memory left for a state.");
     }

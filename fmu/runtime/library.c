@@ -36,7 +36,7 @@ int32_t WMR_OWN(wmr_run_set)(const void *settings, void *findings, void *state)
     wmr_loop w;
     const int cancelled = wmr_loop_run(settings, &w);
     memcpy(findings, w.findings, sizeof w.findings);
-    memcpy(state, w.state, WMR_STATE * sizeof(wmr_v));
+    memcpy(state, wmr_loop_state(&w), WMR_STATE * sizeof(wmr_v));
     tidy();
     return cancelled;
 }

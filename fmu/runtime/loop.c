@@ -7,10 +7,11 @@
 #define TWO_PI 6.283185307179586
 #define ATTEMPTS 64
 
-/* A stream of random numbers: its number in the generator's counter, kind, pairs and rate. */
+/* A stream of random numbers: its number in the generator's counter, kind, pairs, whether it is for
+   plant steps, and whether the numbers of a sample are held over its steps. */
 typedef struct {
     uint64_t number;
-    int normal, pairs, per_step;
+    int normal, pairs, per_step, held;
 } stream;
 
 static const stream STREAMS[] = {WMR_STREAMS};
@@ -58,7 +59,8 @@ static void end_lanes(wmr_loop *w, wmr_m moved, const wmr_v v[2])
 /* Limits and finiteness of the states that the lanes have now. */
 static void monitor(wmr_loop *w, wmr_m moved)
 {
-    const wmr_v v[2] = {wmr_abs(w->state[WMR_AT_V1]), wmr_abs(w->state[WMR_AT_OMEGA])};
+    const wmr_v *state = wmr_loop_state(w);
+    const wmr_v v[2] = {wmr_abs(state[WMR_AT_V1]), wmr_abs(state[WMR_AT_OMEGA])};
     const wmr_v *limit = w->clock + WMR_CLOCK_V_U1_LINEAR;
     wmr_v *most = w->findings + WMR_FOUND_MAX_V1;
     const wmr_m calm = wmr_mask(v[0] < WMR_SPEED_MAX) & wmr_mask(v[1] < WMR_SPEED_MAX);
@@ -79,11 +81,29 @@ static const wmr_v *parameters(const wmr_settings *s, const wmr_loop *w)
     return s->parameters + w->phase * WMR_PARAMETERS;
 }
 
+/* What the kernels take of the parameters alone. */
+static void prepare(const wmr_settings *s, wmr_loop *w)
+{
+#ifdef WMR_OUTSIDE
+    (void)s;
+    (void)w;
+#else
+    const wmr_v *p = parameters(s, w);
+    wmr_sample_logged_prepare(p, w->prepared_logged);
+    wmr_sample_watched_prepare(p, w->prepared_watched);
+    wmr_step_prepare(p, w->prepared_step);
+#endif
+}
+
 /* Moves on to the parameters that hold from this plant step on. */
 static void change(const wmr_settings *s, wmr_loop *w)
 {
+    const int64_t before = w->phase;
     while (w->phase + 1 < s->phases && w->step >= s->phase_start[w->phase + 1]) {
         w->phase += 1;
+    }
+    if (w->phase != before) {
+        prepare(s, w);
     }
 }
 
@@ -96,8 +116,9 @@ static int64_t whole(wmr_v number)
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
 {
     memset(w, 0, sizeof *w);
-    copy(w->state, s->start, WMR_STATE);
+    copy(wmr_loop_state(w), s->start, WMR_STATE);
     wmr_clock(s->parameters, w->clock);
+    prepare(s, w);
     w->substeps = whole(w->clock[WMR_CLOCK_CONTROL] / w->clock[WMR_CLOCK_PLANT]);
     w->delay_steps = whole(w->clock[WMR_CLOCK_DELAY_STEPS]);
     if (w->delay_steps > 0) {
@@ -117,8 +138,8 @@ static void uniform_pair(const wmr_settings *s, const uint64_t counter[4], wmr_v
     for (int i = 0; i < WMR_WIDTH; ++i) {
         uint64_t words[4];
         wmr_philox(counter, s->key + 2 * i, words);
-        WMR_AT(u[0], i) = (double)(int64_t)(words[0] >> 11) * 0x1p-53;
-        WMR_AT(u[1], i) = (double)(int64_t)(words[1] >> 11) * 0x1p-53;
+        WMR_AT(u[0], i) = (double)(int64_t)(words[0] >> 11) * WMR_2M53;
+        WMR_AT(u[1], i) = (double)(int64_t)(words[1] >> 11) * WMR_2M53;
     }
 }
 
@@ -131,8 +152,10 @@ static void normal_pair(const wmr_settings *s, uint64_t counter[4], wmr_v most, 
     for (counter[2] = 0; counter[2] < ATTEMPTS && wmr_some(open); ++counter[2]) {
         uniform_pair(s, counter, u);
         const wmr_v radius = wmr_sqrt(-2.0 * wmr_log(1.0 - u[0])), angle = TWO_PI * u[1];
-        set(&out[0], open, radius * wmr_cos(angle));
-        set(&out[1], open, radius * wmr_sin(angle));
+        wmr_v sine, cosine;
+        wmr_sin_cos(angle, &sine, &cosine);
+        set(&out[0], open, radius * cosine);
+        set(&out[1], open, radius * sine);
         open = open & (wmr_mask(wmr_abs(out[0]) > most) | wmr_mask(wmr_abs(out[1]) > most));
     }
     for (int i = 0; i < 2; ++i) {
@@ -140,16 +163,23 @@ static void normal_pair(const wmr_settings *s, uint64_t counter[4], wmr_v most, 
     }
 }
 
-/* All random numbers of one rate at sample or step `index`, in the order of the streams. */
-static void draw(const wmr_settings *s, const wmr_loop *w, int per_step, int64_t index, wmr_v *out)
+/* All random numbers of one rate at sample or step `index`, in the order of the streams; those that
+   are held over a sample only where `anew`, else they are in `out` already. */
+static void draw(const wmr_settings *s, const wmr_loop *w, int per_step, int anew, int64_t index,
+                 wmr_v *out)
 {
     for (int k = 0; k < STREAM_COUNT; ++k) {
         const wmr_v *said = w->clock + WMR_CLOCK_STREAMS + 2 * k;
         if (STREAMS[k].per_step != per_step) {
             continue;
         }
+        if (STREAMS[k].held && !anew) {
+            out += 2 * STREAMS[k].pairs;
+            continue;
+        }
+        const uint64_t at = (uint64_t)(STREAMS[k].held ? index / w->substeps : index);
         for (int pair = 0; pair < STREAMS[k].pairs; ++pair, out += 2) {
-            uint64_t counter[4] = {(uint64_t)index, STREAMS[k].number, 0, (uint64_t)pair};
+            uint64_t counter[4] = {at, STREAMS[k].number, 0, (uint64_t)pair};
             out[0] = out[1] = wmr_all(0.0);
             if (!wmr_some(wmr_truth(said[0]))) {
                 continue;
@@ -176,21 +206,21 @@ static void deliver(const wmr_settings *s, const wmr_loop *w, const wmr_v *comma
 }
 
 #ifndef WMR_OUTSIDE
-static void move(wmr_loop *w, wmr_m moving, const wmr_v *next)
+static void move(wmr_v *state, wmr_m moving, const wmr_v *next)
 {
 #if WMR_WIDTH == 1
     (void)moving;
-    copy(w->state, next, WMR_FAST);
+    copy(state, next, WMR_FAST);
 #else
     for (int k = 0; k < WMR_FAST; ++k) {
-        w->state[k] = wmr_choose(moving, next[k], w->state[k]);
+        state[k] = wmr_choose(moving, next[k], state[k]);
     }
 #endif
 }
 
 static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
 {
-    wmr_v u[WMR_HELD], next[WMR_FAST], draws[WMR_STEP_DRAWS + 1];
+    wmr_v u[WMR_HELD], next[WMR_FAST], draws[WMR_STEP_DRAWS + 1], *state = wmr_loop_state(w);
     copy(u, held, WMR_HELD);
     for (int64_t i = 0; i < w->substeps && wmr_some(w->running); ++i) {
         const wmr_m moving = w->running;
@@ -198,10 +228,10 @@ static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
         change(s, w);
         deliver(s, w, held, u);
         if (WMR_STEP_DRAWS) {
-            draw(s, w, 1, w->step, draws);
+            draw(s, w, 1, i == 0, w->step, draws);
         }
-        wmr_step(&index, u, w->state, parameters(s, w), draws, next);
-        move(w, moving, next);
+        wmr_step(&index, u, state, parameters(s, w), draws, w->prepared_step, next);
+        move(state, moving, next);
         w->step += 1;
         monitor(w, moving);
     }
@@ -239,20 +269,23 @@ static void watch(wmr_loop *w, const wmr_v *seen)
 
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
 {
-    wmr_v next[WMR_STATE - WMR_FAST + 1], held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
-    const wmr_v k = wmr_all((double)w->sample);
+    wmr_v held[WMR_HELD], draws[WMR_SAMPLE_DRAWS + 1];
+    const wmr_v k = wmr_all((double)w->sample), *x = wmr_loop_state(w), *p;
+    wmr_v *next = w->states[!w->now] + WMR_FAST;
     change(s, w);
-    draw(s, w, 0, w->sample, draws);
+    draw(s, w, 0, 1, w->sample, draws);
+    p = parameters(s, w);
     if (row) {
-        wmr_sample_logged(&k, w->state, parameters(s, w), draws, next, held, row);
+        wmr_sample_logged(&k, x, p, draws, w->prepared_logged, next, held, row);
     } else {
         wmr_v seen[WMR_SEEN];
-        wmr_sample_watched(&k, w->state, parameters(s, w), draws, next, held, seen);
+        wmr_sample_watched(&k, x, p, draws, w->prepared_watched, next, held, seen);
         watch(w, seen);
         add_up(s, w, seen);
     }
     w->findings[WMR_FOUND_SAMPLES] += wmr_number(w->running);
-    copy(w->state + WMR_FAST, next, WMR_STATE - WMR_FAST);
+    copy(w->states[!w->now], x, WMR_FAST);
+    w->now = !w->now;
     plant_steps(s, w, held);
     w->sample += 1;
 }

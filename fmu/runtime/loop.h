@@ -33,11 +33,20 @@ typedef struct {
 /* Everything that a run changes, and what it takes from the parameters at its start. */
 typedef struct {
     int64_t sample, step, phase, substeps, delay_steps;
+    int64_t now; /* which of the states holds */
     wmr_m running;
     wmr_v clock[WMR_CLOCK];
-    wmr_v state[WMR_STATE + 1];
+    wmr_v states[2][WMR_STATE + 1]; /* a sample reads one and leaves its slow part in the other */
     wmr_v findings[WMR_FINDINGS];
+#ifndef WMR_OUTSIDE
+    wmr_v prepared_logged[WMR_SAMPLE_LOGGED_PREPARED + 1]; /* of this phase's parameters alone */
+    wmr_v prepared_watched[WMR_SAMPLE_WATCHED_PREPARED + 1];
+    wmr_v prepared_step[WMR_STEP_PREPARED + 1];
+#endif
 } wmr_loop;
+
+/* The state that holds now. */
+static inline wmr_v *wmr_loop_state(wmr_loop *w) { return w->states[w->now]; }
 
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w);
 

@@ -1,6 +1,7 @@
-/* The loop without reference, controller and plant, for those that are coupled from outside: sensors,
-   disturbances, drives, the queue of commands, random numbers and the monitor are those of loop.c.
-   The state has the loop's layout; what belongs to the parts outside stays at rest in it. */
+/* The loop for parts that are coupled from outside: the plant alone, or reference and controller too
+   (WMR_MEASURED).  Whatever else there is, with disturbances, drives, the queue of commands, random
+   numbers and the monitor, is that of loop.c.  The state has the loop's layout; what belongs to the
+   parts outside stays at rest in it. */
 #define WMR_KERNEL static
 #define WMR_LANES 0
 #define WMR_OUTSIDE
@@ -10,12 +11,18 @@
 #include "noise.c"
 #include "loop.c"
 
-/* Bytes of the settings and of the loop, and numbers of a measurement and of what acts. */
+#ifdef WMR_MEASURED
+#define SHOWN WMR_MEASURED
+#else
+#define SHOWN (WMR_HELD + WMR_ROW)
+#endif
+
+/* Bytes of the settings and of the loop, and numbers of a sample and of what acts. */
 WMR_EXPORT void wmr_outside_sizes(int64_t sizes[4])
 {
     sizes[0] = (int64_t)sizeof(wmr_settings);
     sizes[1] = (int64_t)sizeof(wmr_loop);
-    sizes[2] = WMR_MEASURED;
+    sizes[2] = SHOWN;
     sizes[3] = WMR_ACTING;
 }
 
@@ -26,16 +33,22 @@ WMR_EXPORT int32_t wmr_outside_start(const wmr_settings *s, wmr_loop *w)
     return w->running;
 }
 
-/* One control sample: what the sensors show of a plant's state, and what disturbs it. */
+/* One control sample of a plant's state: what the sensors show, and what disturbs it; of a whole loop
+   what is held over the sample, and a row of the log. */
 WMR_EXPORT void wmr_outside_sample(const wmr_settings *s, wmr_loop *w, const double *plant, double *out)
 {
     double next[WMR_STATE - WMR_FAST + 1], draws[WMR_SAMPLE_DRAWS + 1];
     const double k = (double)w->sample;
-    copy(w->state, plant, WMR_PLANT);
+    copy(wmr_loop_state(w), plant, WMR_PLANT);
     change(s, w);
-    draw(s, w, 0, w->sample, draws);
-    wmr_measure(&k, w->state, parameters(s, w), draws, next, out);
-    copy(w->state + WMR_FAST, next, WMR_STATE - WMR_FAST);
+    draw(s, w, 0, 1, w->sample, draws);
+#ifdef WMR_MEASURED
+    wmr_measure(&k, wmr_loop_state(w), parameters(s, w), draws, next, out);
+#else
+    wmr_sample_logged(&k, wmr_loop_state(w), parameters(s, w), draws, next, out, out + WMR_HELD);
+#endif
+    w->findings[WMR_FOUND_SAMPLES] += 1.0;
+    copy(wmr_loop_state(w) + WMR_FAST, next, WMR_STATE - WMR_FAST);
     w->sample += 1;
 }
 
@@ -47,9 +60,9 @@ WMR_EXPORT void wmr_outside_step(const wmr_settings *s, wmr_loop *w, const doubl
     copy(u, held, WMR_HELD);
     change(s, w);
     deliver(s, w, held, u);
-    draw(s, w, 1, w->step, draws);
-    wmr_act(&i, u, w->state, parameters(s, w), draws, next, out);
-    copy(w->state + WMR_PLANT, next + WMR_PLANT, WMR_FAST - WMR_PLANT);
+    draw(s, w, 1, 1, w->step, draws);
+    wmr_act(&i, u, wmr_loop_state(w), parameters(s, w), draws, next, out);
+    copy(wmr_loop_state(w) + WMR_PLANT, next + WMR_PLANT, WMR_FAST - WMR_PLANT);
     w->step += 1;
 }
 
@@ -57,7 +70,7 @@ WMR_EXPORT void wmr_outside_step(const wmr_settings *s, wmr_loop *w, const doubl
 WMR_EXPORT int32_t wmr_outside_watch(wmr_loop *w, const double *plant, int64_t step)
 {
     const int64_t reached = w->step;
-    copy(w->state, plant, WMR_PLANT);
+    copy(wmr_loop_state(w), plant, WMR_PLANT);
     w->step = step;
     monitor(w, w->running);
     w->step = reached;

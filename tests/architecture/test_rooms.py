@@ -10,9 +10,10 @@ from tests.architecture.tree import Module, functions, modules, names_of_modules
 SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
 KEPT_SHORT = {
-    "wmr_ctrl.api_types": "types that a reader of the interface looks for by themselves",
     "wmr_ctrl.engines": "the two engines are looked for by that word",
+    "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
     "wmr_ctrl.results.format_npz": "a file for each format of results",
+    "wmr_ctrl.results.format_parquet": "a file for each format of results",
     "wmr_ctrl.sim.oracle.actuator": "the twin of the drives' effects",
 }
 """Short files with one user that are looked up by name, and why."""

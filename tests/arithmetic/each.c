@@ -2,6 +2,20 @@
    here, from integers alone: equal hashes, equal bits.  Without stdio unless WMR_PRINT is defined. */
 #include "arithmetic.h"
 
+static inline wmr_v wmr_sin_of_both(wmr_v a)
+{
+    wmr_v sine, cosine;
+    wmr_sin_cos(a, &sine, &cosine);
+    return sine;
+}
+
+static inline wmr_v wmr_cos_of_both(wmr_v a)
+{
+    wmr_v sine, cosine;
+    wmr_sin_cos(a, &sine, &cosine);
+    return cosine;
+}
+
 #if defined(_WIN32)
 #define SHOWN __declspec(dllexport)
 #else
@@ -9,7 +23,8 @@
 #endif
 
 #define ONES(X) X(exp) X(expm1) X(log) X(log1p) X(sin) X(cos) X(tan) X(tanh) X(sinh) X(cosh) \
-    X(asin) X(acos) X(atan) X(sqrt) X(floor) X(ceil) X(abs) X(sign) X(one_nan)
+    X(asin) X(acos) X(atan) X(sqrt) X(floor) X(ceil) X(abs) X(sign) X(one_nan) \
+    X(sin_of_both) X(cos_of_both)
 #define PAIRS(X) X(atan2) X(hypot) X(pow) X(min) X(max) X(copysign)
 
 /* The lanes of `a` are overwritten; `count` is a multiple of 8. */

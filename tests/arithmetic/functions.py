@@ -15,7 +15,8 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
 ONES = ("exp", "expm1", "log", "log1p", "sin", "cos", "tan", "tanh", "sinh", "cosh", "asin",
-        "acos", "atan", "sqrt", "floor", "ceil", "abs", "sign", "one_nan")  # fmt: skip
+        "acos", "atan", "sqrt", "floor", "ceil", "abs", "sign", "one_nan",
+        "sin_of_both", "cos_of_both")  # fmt: skip
 PAIRS = ("atan2", "hypot", "pow", "min", "max", "copysign")
 EVERY = (*ONES, *PAIRS, "exp_many")
 """In the order of each.c."""

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.arithmetic.functions import EVERY, SOURCE, files, hashes, library
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from tests.compilers import (
+    FLAGS,
+    NODE,
+    QEMU,
+    WINE,
+    ZIG,
+    compile_in,
+    needs_compiler,
+    processor,
+    where,
+    wine_in,
+)  # fmt: skip
 
-FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
-ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
-NODE = Path(__file__).with_name("hashes.mjs")
+SCRIPT = Path(__file__).with_name("hashes.mjs")
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wdouble-promotion", "-Werror")
 HERE = (
     ("gcc", "-O2", "-march=native"), ("gcc", "-O3", "-march=native", "-DWMR_LANES=4"),
@@ -26,31 +32,13 @@ HERE = (
 )  # fmt: skip
 
 
-def where(*names: str) -> str:
-    """The first of these programs that is there."""
-    found = next((path for path in map(shutil.which, names) if path), None)
-    if found is None:
-        pytest.skip(f"NOT RUN: {names[0]} is not on this machine")
-    return found
-
-
 def built(
     folder: Path, command: tuple[str, ...], out: str = "each", flags: tuple[str, ...] = FLAGS
 ) -> Path:
-    if command[: len(ZIG)] == ZIG:
-        if importlib.util.find_spec("ziglang") is None:
-            pytest.skip("NOT RUN: ziglang is not there")
-    else:
-        where(command[0])
+    needs_compiler(command)
     for name, text in files().items():
         (folder / name).write_text(str(text), encoding="utf-8")
-    zig = str(cache_dir() / "zig")
-    done = subprocess.run(
-        [*command, *flags, f"-I{folder}", SOURCE.name, "-lm", "-o", out],
-        cwd=folder, capture_output=True, text=True, check=False,
-        env={**os.environ, "ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    compile_in(folder, [*command, *flags, f"-I{folder}", SOURCE.name, "-lm", "-o", out])
     return folder / out
 
 
@@ -78,7 +66,7 @@ def test_compilers_and_flags_give_the_same_bits(command: tuple[str, ...], tmp_pa
 @pytest.mark.slow
 @pytest.mark.parametrize("lanes", [0, 2])
 def test_aarch64_gives_the_same_bits(lanes: int, tmp_path: Path) -> None:
-    emulator = where("qemu-aarch64", "qemu-aarch64-static")
+    emulator = where(*QEMU)
     target = ("-target", "aarch64-linux-musl", f"-DWMR_LANES={lanes}", "-DWMR_PRINT", "-O2")
 
     assert_equal_bits(emulator, built(tmp_path, (*ZIG, *target)))
@@ -86,26 +74,25 @@ def test_aarch64_gives_the_same_bits(lanes: int, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
-    wine = where("wine64", "/usr/lib/wine/wine64")
+    wine = where(*WINE)
     program = built(tmp_path, (*ZIG, "-target", "x86_64-windows-gnu", "-DWMR_PRINT", "-O2"),
                     "each.exe")  # fmt: skip
 
-    assert_equal_bits(wine, program, WINEPREFIX=tmp_path / "wine", WINEDEBUG="-all", HOME=tmp_path)
+    assert_equal_bits(wine, program, **wine_in(tmp_path))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lanes", [(), ("-DWMR_LANES=2", "-msimd128")], ids=["one", "simd128"])
 def test_webassembly_gives_the_same_bits(lanes: tuple[str, ...], tmp_path: Path) -> None:
-    node = where("node", "nodejs")
+    node = where(*NODE)
     target = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-Wl,--export=hash_of", "-O2")
 
-    assert_equal_bits(node, NODE, built(tmp_path, (*ZIG, *target, *lanes), "each.wasm"))
+    assert_equal_bits(node, SCRIPT, built(tmp_path, (*ZIG, *target, *lanes), "each.wasm"))
 
 
 def test_fused_operations_would_be_seen(tmp_path: Path) -> None:
     """The hashes tell a last digit: with contraction, where the processor can, they differ."""
-    flags = Path("/proc/cpuinfo")
-    if not flags.is_file() or " fma " not in flags.read_text(encoding="utf-8"):
+    if "fma" not in processor():
         pytest.skip("NOT RUN: no x86 processor with fused operations")
     fused = ("-ffp-contract=fast",)
     program = built(tmp_path, ("gcc", "-O2", "-march=native", "-DWMR_PRINT"), flags=fused)

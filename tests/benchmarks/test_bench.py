@@ -53,7 +53,8 @@ def test_the_interface_measures_with_this_folder_and_leaves_the_path_alone(
 
 
 @pytest.mark.slow
-def test_targets_are_met_with_room_for_a_busy_machine() -> None:
+def test_targets_are_met_with_room_for_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("WMR_CTRL_OPTIMIZE", raising=False)  # what is measured is what users run
     shares: list[float] = []
     result = bench.run_bench(progress=shares.append)
     ratios = result["ratios"]

@@ -12,6 +12,7 @@ import numpy as np
 from wmr_ctrl.codegen.build import Program, build_loop, program_of
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.engines import ready_of
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.batch import Task
 from wmr_ctrl.sim.figures import windows_of
@@ -58,7 +59,7 @@ class Case:
     def loop(self) -> Ready:
         """Ready to run."""
         setup = self.setup
-        return Ready(self.compiled, setup.scenario, setup.name, setup.assumptions)
+        return ready_of(self.compiled, setup)
 
     @property
     def windows(self) -> list[tuple[int, int]]:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import shutil
 import subprocess
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +11,10 @@ from pathlib import Path
 import pytest
 
 from tests.bits.cases import bits_of, case, different, numbers
+from tests.compilers import FLAGS, compile_in, needs_compiler, processor, where, wine_in
 from wmr_ctrl.codegen.build import LOOP, unity
-from wmr_ctrl.codegen.cache_folder import cache_dir
 
 HERE = Path(__file__).parent
-FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
-ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
 INSTRUCTIONS = {"-march=x86-64-v3": "avx2", "-march=x86-64-v4": "avx512dq"}
 
 
@@ -38,32 +33,14 @@ class Platform:
     suffix: str = ""
 
 
-def where(*names: str) -> str:
-    """The first of these programs that is there."""
-    path = next((path for path in map(shutil.which, names) if path), None)
-    if path is None:
-        pytest.skip(f"NOT RUN: {names[0]} is not on this machine")
-    return path
-
-
 def check_tools(platform: Platform) -> list[str]:
     """What runs a program of the platform; skips where something is missing."""
-    if platform.command[: len(ZIG)] != ZIG:
-        where(platform.command[0])
-    elif importlib.util.find_spec("ziglang") is None:
-        pytest.skip("NOT RUN: ziglang is not there")
+    needs_compiler(platform.command)
     for flag, name in INSTRUCTIONS.items():
         if flag in platform.command and name not in processor():
             pytest.skip(f"NOT RUN: this processor has no {name}")
     runner = [where(*platform.runner)] if platform.runner else []
     return [*runner, *([str(platform.script)] if platform.script else [])]
-
-
-def processor() -> set[str]:
-    """Names of this processor's instructions, as Linux tells them."""
-    path = Path("/proc/cpuinfo")
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    return {word for line in text.splitlines() if line.startswith("flags") for word in line.split()}
 
 
 def differences(platform: Platform, law: str, names: Iterable[str], folder: Path) -> list[str]:
@@ -89,12 +66,7 @@ def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> P
         *platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}",
         str(HERE / "main.c"), *map(str, units), "-lm", "-o", str(out),
     ]  # fmt: skip
-    zig = str(cache_dir() / "zig")
-    own = {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig}
-    done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, **own}
-    )
-    assert done.returncode == 0, done.stderr
+    compile_in(folder, command)
     return out
 
 
@@ -113,15 +85,10 @@ def written(lanes: int, law: str, name: str, folder: Path) -> Path:
 def ran(command: list[str], folder: Path) -> bytes:
     """What a program writes; a file takes it, since not every platform can wait for a pipe."""
     out = folder / "bits"
-    own = {
-        "WINEDEBUG": "-all",
-        "HOME": str(folder.parent),
-        "WINEPREFIX": str(folder.parent / "wine"),
-    }
     with out.open("wb") as file:
         done = subprocess.run(
             command, stdout=file, stderr=subprocess.PIPE, check=False, timeout=300,
-            env={**os.environ, **own},
+            env={**os.environ, **wine_in(folder.parent)},
         )  # fmt: skip
     assert done.returncode == 0, done.stderr.decode(errors="replace")
     return out.read_bytes()

@@ -9,18 +9,22 @@ from pathlib import Path
 import pytest
 
 from tests.bits.cases import CASES, SEED, bits_of, case, different
-from tests.bits.platforms import HERE, ZIG, Platform, check_tools, differences
+from tests.bits.platforms import HERE, Platform, check_tools, differences
+from tests.compilers import NODE, QEMU, WINE, ZIG
+from tests.matrix import quick
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
 from wmr_ctrl.compiled import elements
+from wmr_ctrl.engines import ready_of
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.batch import Task, run_logged
 from wmr_ctrl.sim.memory import vector_sets as usable
 from wmr_ctrl.sim.native import run_native
-from wmr_ctrl.sim.ready import Ready
 
 NATIVE = "-march=native"
+LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")
+"""As the library for lanes is compiled."""
 HERE_NOW = (
     Platform("gcc -O2", ("gcc", "-O2")),
     Platform("gcc -O3 native", ("gcc", "-O3", NATIVE, UNFUSED)),
@@ -29,15 +33,14 @@ HERE_NOW = (
     Platform("zig -O3", (*ZIG, "-O3", "-mcpu=baseline")),
     Platform("zig -O2 native", (*ZIG, "-O2", "-mcpu=native")),
     Platform("gcc 2 lanes", ("gcc", "-O2"), 2),
+    Platform("gcc 4 lanes", ("gcc", *LANES_OF_OURS, "-march=x86-64-v3"), 4),
+    Platform("gcc 8 lanes", ("gcc", *LANES_OF_OURS, "-march=x86-64-v4"), 8),
     Platform("clang 4 lanes", ("clang", "-O2", "-march=x86-64-v3"), 4),
     Platform("clang 8 lanes", ("clang", "-O3", "-march=x86-64-v4"), 8),
 )
 ARM = (*ZIG, "-target", "aarch64-linux-musl", "-O2")
-QEMU = ("qemu-aarch64", "qemu-aarch64-static")
 WINDOWS = (*ZIG, "-target", "x86_64-windows-gnu", "-O2")
-WINE = ("wine64", "/usr/lib/wine/wine64")
 WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
-NODE = ("node", "nodejs")
 ELSEWHERE = (
     Platform("aarch64", ARM, 0, QEMU),
     Platform("aarch64 2 lanes", ARM, 2, QEMU),
@@ -79,14 +82,12 @@ def test_platforms_agree(platform: Platform, tmp_path: Path) -> None:
         assert [text for texts in pool.map(one, NAMES) for text in texts] == []
 
 
-@pytest.mark.parametrize(
-    "law", [pytest.param(n, marks=[pytest.mark.slow] * (n != "mb")) for n in NAMES]
-)
+@pytest.mark.parametrize("law", quick(NAMES, "mb"))
 @pytest.mark.parametrize("vectors", [item.name for item in vector_sets()])
 def test_lanes_of_our_library_are_single_runs(law: str, vectors: str) -> None:
     """Each lane has a seed of its own."""
     one = case(law, "everything")
-    loop = Ready(build_batch(one.setup), one.setup.scenario, law, one.setup.assumptions)
+    loop = ready_of(build_batch(one.setup), one.setup)
     width = {item.name: item.lanes for item in usable(loop.compiled.library)}.get(vectors)
     if width is None:
         pytest.skip(f"NOT RUN: this processor or compiler has no {vectors}")

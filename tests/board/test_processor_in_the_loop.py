@@ -37,6 +37,7 @@ MOST_INSTRUCTIONS = {
 OTHER_SETTINGS = [(BOARD, True), *((board, False) for board in BOARDS if board != BOARD)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "float32", "setting"),
     crossed(["nn", "mb", "prox"], [True, False], [(BOARD, False), *OTHER_SETTINGS]),

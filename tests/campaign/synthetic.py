@@ -71,7 +71,7 @@ def simulate(scenario: str, law: str, seed: int) -> Run:
 
 def prepared(simulate: Callable[[str, str, int], Run]) -> Prepare:
     """Loops that need no compiling: each a function of the seed."""
-    return lambda scenario, law: partial(simulate, scenario, law)
+    return lambda scenario, law, overrides=None, guard=None: partial(simulate, scenario, law)
 
 
 def in_turn(

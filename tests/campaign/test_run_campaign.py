@@ -29,7 +29,7 @@ def test_only_the_first_seed_of_a_case_is_kept_whole(fake_simulate):
 def test_every_case_is_compiled_once_before_the_first_run(fake_simulate):
     calls = []
 
-    def prepare(scenario, law):
+    def prepare(scenario, law, overrides=None, guard=None):
         calls.append((scenario, law))
 
         def loop(seed):

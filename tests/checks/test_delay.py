@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks.sample_time import closed_loop, largest_period, linear_plant, zero_order_hold
+from wmr_ctrl.checks.sample_time import (
+    closed_loop,
+    largest_period,
+    linear_plant,
+    operating_points,
+    stable_periods,
+)
+from wmr_ctrl.checks.sampled_plant import zero_order_hold
 
 CIRCLE = np.array((0.2, 0.1))
 
@@ -16,15 +23,44 @@ def radius(matrix: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(
-    ("period", "delay"), [(0.1, 0.05), (0.05, 0.05), (0.02, 0.06), (0.01, 0.05)]
+    ("name", "period", "delay"),
+    [
+        ("safe-simulation", 0.1, 0.05),
+        ("paper-simulation", 0.05, 0.05),
+        ("paper-simulation", 0.02, 0.06),
+        ("paper-simulation", 0.01, 0.05),
+    ],
 )
-def test_prox_is_said_to_cycle_where_it_does(told, loop, period, delay):
+def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
     late = {"clock.control": period, "actuator.delay": delay}
-    (warning,) = told("prox", late, "paper-simulation", key="clock.control")
+    (warning,) = told("prox", late, name, key="clock.control")
 
     assert f"a delay of {delay:g} s" in warning.sentence
-    assert largest_period(loop("prox", late)) == 0
-    assert largest_period(loop("prox", {"clock.control": period})) > 0.13
+    if name == "paper-simulation":
+        assert largest_period(loop("prox", late)) < period
+        assert largest_period(loop("prox", {"clock.control": period})) > 0.13
+
+
+def test_stable_periods_need_not_reach_down_to_zero(told, loop):
+    """With its own gains prox bears a delay of 0.05 s at 0.1 s, though not at 0.05 s."""
+    late = {"clock.control": 0.1, "actuator.delay": 0.05}
+    low, high = stable_periods(at := loop("prox", late))
+
+    assert told("prox", late, "paper-simulation", key="clock.control") == []
+    assert 0.05 < low < 0.1 < high
+    for period, stable in (
+        (0.99 * low, False),
+        (1.01 * low, True),
+        (0.99 * high, True),
+        (1.01 * high, False),
+    ):
+        assert (_worst(at, period) < 1) is stable
+
+
+def _worst(at, period):
+    """Largest spectral radius over the points of the reference."""
+    points = operating_points(at.scenario)
+    return max(radius(closed_loop(at, v_d, period)) for v_d in points)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.07])
@@ -32,7 +68,7 @@ def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
     """The matrix moves error and velocity as forces do that each arrive when they are due."""
     late, period = loop("mb", {"clock.control": 0.02, "actuator.delay": delay}), 0.02
     matrix, gain = closed_loop(late, CIRCLE, period), late.feedback(CIRCLE, period)
-    rates, push = linear_plant(late.scenario, tuple(CIRCLE))
+    rates, push = linear_plant(late.scenario.robot, tuple(CIRCLE))
     tick = 0.01
     free, forced = zero_order_hold(rates, push, tick)
     s, sent = np.array((1e-3, 2e-3, -1e-3, 1e-2, 3e-2)), []

@@ -7,17 +7,28 @@ import pytest
 ON = {"guard.enabled": True}
 
 
-def test_late_drives_void_the_guarantee(told):
-    (late,) = told("prox", {**ON, "actuator.lag": 0.02}, key="actuator.lag")
+def test_a_window_that_no_theorem_knows_voids_the_guarantee(told):
+    timed = {"encoder.counts": 4096.0, "encoder.method": "time"}
+    (void,) = told("prox", {**ON, **timed}, key="encoder.method")
 
-    assert "promises nothing" in late.sentence
-    assert told("prox", {"actuator.lag": 0.02}, key="actuator.lag") == []
+    assert "the guard knows fixed windows" in void.sentence
+    assert told("prox", timed, key="encoder.method") == []
 
 
-def test_a_delay_is_covered_and_a_delay_with_lag_is_not(told):
-    assert told("prox", {**ON, "actuator.delay": 0.005}, key="actuator.delay") == []
-    assert told("prox", {**ON, "actuator.delay": 0.005}, key="actuator.lag") == []
-    assert told("prox", {**ON, "actuator.delay": 0.005, "actuator.lag": 0.02}, key="actuator.lag")
+def test_delay_lag_and_jitter_are_covered(told):
+    late = {"actuator.delay": 0.005, "actuator.lag": 0.02, "actuator.jitter": 0.005}
+    for key in late:
+        assert told("prox", {**ON, **late}, key=key) == []
+
+
+def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(told):
+    late = {**ON, "guard.M_min": [45.0, 4.86], "guard.dbar": [60.0, 15.0], "clock.control": 0.1}
+    more = {"sensor.velocity_window": 0.1}
+    (warning,) = told("pid", {**late, **more}, scenario="fast-reference", key="guard.dbar")
+
+    assert "(1/alpha + age + window/2 + delay + lag)" in warning.sentence
+    assert "No guard at all could leave more than 0.779 m/s" in warning.sentence
+    assert "at most 0.669 m/s" in warning.sentence
 
 
 @pytest.mark.parametrize(("start", "warned"), [(0.9, False), (0.9999, True), (1.2, False)])

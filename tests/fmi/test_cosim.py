@@ -5,21 +5,25 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd
 
 from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_MAP
 from wmr_ctrl.api import simulate
+from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.mapping import load_map
+from wmr_ctrl.fmi.cosim.mapping import compiled, input_rows, load_map, output_rows
+from wmr_ctrl.fmi.cosim.parts import UNITS
 from wmr_ctrl.fmi.cosim.slave import FmuError
 from wmr_ctrl.fmi.ssp import export_ssp
-from wmr_ctrl.fmi.units import unit_of
-from wmr_ctrl.results import ise
+from wmr_ctrl.fmi.units import NamedUnit, unit_of
+from wmr_ctrl.results import ise, summary
 from wmr_ctrl.scenario import load_scenario, override
 
 NOMINAL = load_scenario("paper-simulation-nominal")
@@ -63,7 +67,12 @@ def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
     assert run.outcome == "completed"
     for name in ("x", "y", "theta", "v1", "omega"):
         assert np.abs(run[name] - ours[name]).max() < 2e-3, name
-    assert run.provenance["fmu_plant"] == "TheirRobot.fmu (FMI 2.0)"
+    assert re.fullmatch(
+        r"TheirRobot \(TheirRobot\.fmu, FMI 2\.0, sha256 [0-9a-f]{16}\)",
+        run.provenance["fmu_plant"],
+    )
+    assert run.provenance["fmu_controller"].startswith("wmr_nn (")
+    assert run.law == "nn"
 
 
 def test_foreign_controller_drives_our_plant(foreign, mapped):
@@ -73,6 +82,9 @@ def test_foreign_controller_drives_our_plant(foreign, mapped):
         controller=foreign("TheirController", CONTROLLER),
         map_file=mapped(CONTROLLER_MAP),
     )
+    assert run.law == "TheirController"
+    assert summary(run)["provenance"]["fmu_controller"].startswith("TheirController (")
+    assert "controller: TheirController (TheirController.fmu" in summary_text(run)
     speed, turn = run["v1"][-1], run["omega"][-1]
     assert speed == pytest.approx(0.3, abs=0.05)
     assert abs(turn) < 0.05
@@ -142,6 +154,74 @@ def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path, law):
         assert np.array_equal(found[name][: run.rows], run[name]), name
 
 
+SAME = "\n".join(
+    [
+        "[plant.inputs]",
+        *(f'{name} = "{name}"' for name in ("tau_right", "tau_left")),
+        "[plant.outputs]",
+        *(f'{name} = "{name}"' for name in ("x", "y", "theta", "v1", "omega")),
+    ]
+)
+
+
+def test_a_package_takes_somebody_elses_plant(exported, mapped, tmp_path):
+    """Ours under the names of a map is theirs: the package runs as the one of ours does."""
+    results = [
+        simulate_ssp(str(package), stop_time=0.995, step_size=0.01)
+        for package in (
+            *export_ssp(law="nn", scenario=SHORT, out=tmp_path / "ours"),
+            *export_ssp(
+                law="nn",
+                scenario=SHORT,
+                out=tmp_path / "theirs",
+                plant=exported("plant", 2, "paper-simulation-nominal"),
+                map_file=mapped(SAME),
+            ),
+        )
+    ]
+    for name in ("x", "theta", "omega", "margin"):
+        assert np.array_equal(results[0][name], results[1][name]), name
+    assert "noise_right" not in results[1].dtype.names
+
+
+def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path):
+    """Torques in mN m, angles in deg from another zero; what is a sum of outputs is refused."""
+    direct = (
+        PLANT_MAP.replace("w_right", "v1")
+        .replace("w_left", "omega")
+        .replace(
+            'terms = { wheelR = 1.0 }, unit = "rpm"', 'terms = { wheelR = 1.0 }, unit = "km/h"'
+        )
+    )
+    plant = foreign("TheirRobot", PLANT)
+    given = {"law": "nn", "scenario": SHORT, "plant": plant}
+    (package,) = export_ssp(**given, map_file=mapped(direct), out=tmp_path)
+    described = read_ssd(str(package), validate=True)
+    assert described is not None
+    with zipfile.ZipFile(package) as archive:
+        text = archive.read("SystemStructure.ssd").decode()
+    found = dict(re.findall(r'endConnector="(\w+)" suppress.*?factor="(\S+)" offset', text))
+    assert float(found["motorR"]) == 1000.0
+    assert float(found["v1"]) == pytest.approx(1 / 3.6)
+    turned = re.search(r'endConnector="theta".*?factor="(\S+)" offset="(\S+)"', text)
+    assert float(turned[1]) == pytest.approx(np.pi / 180)
+    assert float(turned[2]) == pytest.approx(-np.pi / 2)
+    with pytest.raises(ArgumentError, match="carries one"):
+        export_ssp(**given, map_file=mapped(PLANT_MAP), out=tmp_path)
+    with pytest.raises(ArgumentError, match=r"part \[plant\]"):
+        export_ssp(**given, out=tmp_path)
+
+
+def test_a_package_whose_law_knows_the_delay_is_the_native_loop_with_it(tmp_path):
+    late = override(SHORT, {"actuator.delay": SHORT.clock.control})
+    (package,) = export_ssp(law="prox", scenario=SHORT, out=tmp_path, delay_known=True)
+    found = simulate_ssp(str(package), stop_time=0.995, step_size=0.01)
+    native = simulate(late, "prox")
+    rows = len(found["x"])
+    for name in ("x", "y", "theta", "v1", "omega"):
+        assert np.array_equal(found[name], native[name][1 : rows + 1]), name
+
+
 def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
     """In order nothing pushes; all at once, each torque acts a step later than the law knows."""
     late, in_order = (cosimulate(SHORT, "nn", master=m) for m in ("jacobi", "gauss-seidel"))
@@ -149,6 +229,37 @@ def test_a_torque_that_acts_late_breaks_what_the_monitor_assumes():
     assert in_order.monitor.bounds_left is None
     assert late.monitor.bounds_left is not None
     assert late.outcome == in_order.outcome == "completed"
+
+
+@pytest.mark.parametrize("guarded", [False, True])
+def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it(guarded):
+    """All at once, each torque acts a period late: as behind drives that are that late."""
+    own = {"guard.enabled": guarded, "clock.duration": 2.0, "initial.pose": [-1.0, -0.5, -0.7]}
+    base = override(load_scenario("safe-simulation"), own)
+    late = override(base, {"actuator.delay": base.actuator.delay + base.clock.control})
+    native = simulate(late, "prox", seed=4)
+    run = cosimulate(base, "prox", master="jacobi", delay_known=True, seed=4)
+    for name in ("x", "y", "theta", "v1", "omega", "d_least"):
+        assert np.array_equal(run[name], native[name]), name
+    assert run.monitor.bounds_left is None
+    assert run.provenance["delay"] == "known to the controller"
+    with pytest.raises(ArgumentError, match="no torque is late"):
+        cosimulate(base, "prox", delay_known=True)
+
+
+def test_a_controller_of_ours_tells_its_law(exported):
+    found = cosimulate(SHORT, controller=exported("smc", 2))
+    assert found.law == "smc"
+    assert np.array_equal(found["x"], simulate(SHORT, "smc")["x"])
+
+
+def test_the_engine_of_fmus_has_the_native_columns():
+    native, coupled = (simulate(NOISY, "pid", seed=2, engine=name) for name in ("native", "fmu"))
+    assert native.signals == coupled.signals
+    assert native.monitor == coupled.monitor
+    differing = {n for n in native.columns if not np.array_equal(native[n], coupled[n])}
+    assert differing <= {"e"}
+    assert coupled.provenance["fmu_plant"].startswith("wmr_plant (")
 
 
 def test_progress_is_told():
@@ -189,6 +300,62 @@ def test_units_that_do_not_fit_are_refused(exported, mapped, row):
         cosimulate(
             SHORT, "nn", plant=exported("plant", 2), map_file=mapped(f"[plant.outputs]\n{row}\n")
         )
+
+
+@pytest.mark.parametrize(
+    ("unit", "row"), [("N.m", "tau_right"), ("rad/s", "omega"), ("m", "x"), ("rad", "theta")]
+)
+def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
+    missing = {row: "theirs"}
+    with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
+        output_rows(missing, UNITS, lambda _: None, "plant")
+    with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
+        input_rows({"theirs": row}, UNITS, lambda _: "furlong", "plant")
+
+
+def test_units_are_what_the_fmu_defines():
+    """mN.m by a factor, degC by an offset too, under whatever name."""
+    milli = NamedUnit("milli", 1e-3, unit_of("N.m").exponents)
+    theirs = {"torque": milli, "angle": NamedUnit("turned", np.pi / 180, {"rad": 1}, 0.5)}
+    (inward,) = input_rows({"torque": "tau_right"}, UNITS, theirs.get, "plant")
+    (outward,) = output_rows({"theta": "angle"}, UNITS, theirs.get, "plant")
+    (back,) = input_rows({"angle": "theta"}, UNITS, theirs.get, "plant")
+    assert inward.terms == (("tau_right", pytest.approx(1000.0)),)
+    assert compiled([outward], ["angle"])([90.0]) == [pytest.approx(np.pi / 2 + 0.5)]
+    assert compiled([back], ["theta"])([np.pi / 2 + 0.5]) == [pytest.approx(90.0)]
+
+
+def test_definitions_of_units_are_read_from_the_file(foreign, tmp_path):
+    """Their description says that mNm is 0.001 kg m2/s2: no unit in the map is needed."""
+    plant = foreign("TheirRobot", PLANT)
+    own = tmp_path / "TheirRobot.fmu"
+    with zipfile.ZipFile(plant) as old, zipfile.ZipFile(own, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = _with_units(content.decode()).encode()
+            new.writestr(name, content)
+    bare = re.sub(r"\{ terms = \{ (torque_\w+) = 1000.0 \}, unit = \"N.m\" \}", r'"\1"', PLANT_MAP)
+    assert bare.count('"torque_') == 2
+    path = tmp_path / "map.toml"
+    path.write_text(bare, encoding="utf-8")
+    run = cosimulate(NOISY, "nn", plant=own, map_file=path, seed=1)
+    stated = tmp_path / "stated.toml"
+    stated.write_text(PLANT_MAP, encoding="utf-8")
+    same = cosimulate(NOISY, "nn", plant=plant, map_file=stated, seed=1)
+    assert np.abs(run["x"] - same["x"]).max() < 1e-12
+
+
+def _with_units(text):
+    """The description with a unit of theirs at both motors."""
+    defined = (
+        '<UnitDefinitions><Unit name="mNm"><BaseUnit kg="1" m="2" s="-2" factor="0.001"/></Unit>'
+        "</UnitDefinitions>"
+    )
+    text = re.sub(r"(</CoSimulation>|<CoSimulation[^>]*/>)", rf"\1{defined}", text)
+    found = re.sub(r'(name="motor[RL]".*?<Real)', r'\1 unit="mNm"', text, flags=re.S)
+    assert found.count('unit="mNm"') == 2
+    return found
 
 
 def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):

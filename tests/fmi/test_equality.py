@@ -11,6 +11,8 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import load_scenario, override
+from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.world.references import sample
 
 STATE = ("x", "y", "theta", "v1", "omega", "psi")
 SHORT = override(
@@ -139,6 +141,22 @@ def test_model_exchange_with_cvode_agrees(exported, version):
     ]
     for name in STATE:
         assert np.abs(results[0][name] - results[1][name]).max() < 1e-6
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("step", [0.01, 0.02, 0.005])
+def test_reference_is_that_of_the_time_that_was_reached(exported, version, step):
+    """Not of the last sample's start, whatever the communication step is."""
+    found = simulate_fmu(
+        str(exported("reference", version)),
+        stop_time=1.0,
+        output_interval=step,
+        step_size=step,
+        fmi_type="CoSimulation",
+    )
+    wanted = sample(load_scenario("paper-simulation"), np.asarray(found["time"]))
+    for k, signal in enumerate(REFERENCE):
+        assert np.abs(found[signal.name] - wanted[:, k]).max() < 1e-12, signal.name
 
 
 def test_reference_follows_time_in_model_exchange(exported):

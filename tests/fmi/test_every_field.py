@@ -28,7 +28,7 @@ from wmr_ctrl.fmi.sources import sources_of
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Body, Scenario, override, quantities
 
 LAW = "mb"
 STATE = {"x", "y", "theta", "v1", "omega", "psi"}
@@ -39,8 +39,9 @@ WITHOUT_EFFECT = {
     "metrics.rms_from",
     "metrics.tolerance",
     "guard.trust",
+    *(f"body.{name}" for name, _ in quantities(Body)),
 }
-"""Fields that no run depends on."""
+"""Fields that no run on the plane model depends on."""
 BASE, LOOSER = based(FULL), based(LOOSE)
 
 

@@ -238,20 +238,6 @@ def test_states_of_solvers_must_be_numbers(raw):
         one.free()
 
 
-def test_a_plant_that_overflows_takes_its_step_back(raw):
-    for version in (2, 3):
-        one = raw("plant", version).new().begin()
-        assert one.put({"tau_right": 1e300, "tau_left": 1e300}) == OK
-        before = one.get("x", "v1")
-        status = [one.step(0.0, 1.0)]
-        assert status[0] in (OK, *REFUSED)
-        if status[0] != OK:
-            assert one.get("x", "v1") == before
-        assert one.reset() == OK
-        assert one.begin().step(0.0, 0.01) == OK
-        one.free()
-
-
 @full
 @settings(max_examples=150)
 @given(script=st.lists(st.integers(0, 10_000), max_size=25))

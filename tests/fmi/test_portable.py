@@ -18,8 +18,10 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.errors import CompilerError, UnknownNameError
+from wmr_ctrl.fmi import targets
 from wmr_ctrl.fmi.export import export_fmu, joined
+from wmr_ctrl.fmi.targets import PartlyBuiltError
 from wmr_ctrl.laws import LAWS
 
 WHAT = ("plant", "reference", "guard", "closed-loop", *LAWS)
@@ -189,6 +191,31 @@ def test_unknown_targets_list_the_known_ones(tmp_path):
         export_fmu("plants", out=tmp_path)
     with pytest.raises(UnknownNameError, match="version of FMI"):
         export_fmu("plant", fmi=1, out=tmp_path)
+
+
+def test_what_was_built_is_kept_where_another_platform_fails(tmp_path, monkeypatch):
+    """The file has the others; the message names what failed and why, and a target to name."""
+    real = targets.compile_for
+
+    def broken(target, sources, identifier):
+        if target.name != targets.host():
+            raise CompilerError("zig found no memory. The command was `zig cc`.")
+        return real(target, sources, identifier)
+
+    monkeypatch.setattr(targets, "compile_for", broken)
+    with pytest.raises(PartlyBuiltError, match="no memory") as told:
+        export_fmu("reference", target="all", fmi=2, out=tmp_path)
+    for target in targets.TARGETS:
+        assert target.name in str(told.value)
+    assert f"--target {targets.host()}" in str(told.value)
+    assert "The command was" not in str(told.value)
+    with zipfile.ZipFile(tmp_path / "wmr_reference.fmi2.fmu") as archive:
+        built = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert len(built) == 1
+    other = next(t.name for t in targets.TARGETS if t.name != targets.host())
+    with pytest.raises(CompilerError, match="no memory"):
+        export_fmu("reference", target=other, fmi=2, out=tmp_path / "none")
+    assert not (tmp_path / "none").exists()
 
 
 def test_universal_libraries_hold_each_slice_on_a_page():

@@ -13,6 +13,8 @@ import pytest
 from fmpy import simulate_fmu
 
 from tests.fmi.test_portable import HEADERS, WHAT, linux, tool
+from tests.languages import LANGUAGES, STRICT, compile_all
+from tests.matrix import crossed
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.fmi.export import model_of, scenario_given
 from wmr_ctrl.fmi.sources import sources_of
@@ -20,27 +22,61 @@ from wmr_ctrl.fmi.sources import sources_of
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def unpacked(what, version, folder):
+    """The model's sources as files; the standard's own headers in a folder of theirs."""
+    (folder / "standard").mkdir()
+    sources = sources_of(model_of(what, "nn", scenario_given("paper-simulation")), version)
+    for name, text in sources.files.items():
+        standard = (HEADERS / name).is_file()
+        (folder / ("standard" if standard else ".") / name).write_text(text, encoding="utf-8")
+    return sources.units
+
+
+@pytest.mark.parametrize(
+    ("what", "language", "version"),
+    crossed(("nn", *(what for what in WHAT if what != "nn")), tuple(LANGUAGES), [3, 2]),
+)
+def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, what, language, version):
+    """The header of FMI 3.0 ends a list by a comma, which C++ had not before 2011."""
+    units = unpacked(what, version, tmp_path)
+    compile_all(language, tmp_path, units, "-isystem", "standard")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize(("what", "version"), [(w, v) for w in WHAT for v in (2, 3)])
-def test_sources_compile_without_a_warning(tmp_path, compiler, what, version):
-    sources = sources_of(model_of(what, "nn", scenario_given("paper-simulation")), version)
-    for name, text in sources.files.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    flags = [
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Wpedantic",
-        "-Werror",
-        "-O1",
-        "-fPIC",
-        "-shared",
-        "-fvisibility=hidden",
-    ]
+def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
+    units = unpacked(what, version, tmp_path)
+    flags = ["-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
     subprocess.run(
-        [tool(compiler), *flags, "-o", "x.so", *sources.units, "-lm"], cwd=tmp_path, check=True
+        [tool(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"],
+        cwd=tmp_path,
+        check=True,
     )
+
+
+@linux
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.slow), 3])
+def test_built_as_cpp_it_computes_the_same(exported, tmp_path, version):
+    """An FMU of every kind, its sources taken for C++: each output has the same bits."""
+    for what in ("plant", "reference", "mb", "closed-loop"):
+        path = exported(what, version, law="mb")
+        folder = tmp_path / what
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
+        library = next(folder.glob("binaries/*/*.so"))
+        units = sorted(unit.name for unit in (folder / "sources").glob("*.c"))
+        flags = ["-x", "c++", "-std=c++98", "-O1", "-ffp-contract=off", "-fPIC", "-shared"]
+        subprocess.run(
+            [tool("g++"), *flags, "-fvisibility=hidden", "-o", str(library), *units, "-lm"],
+            cwd=folder / "sources",
+            check=True,
+        )
+        options = {"stop_time": 1.0, "output_interval": 0.01, "step_size": 0.01}
+        options |= {"fmi_type": "CoSimulation"}
+        first, second = (simulate_fmu(str(where), **options) for where in (path, folder))
+        assert len(first) == 101
+        assert first.tobytes() == second.tobytes(), what
 
 
 @linux

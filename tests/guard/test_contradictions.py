@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
 from wmr_ctrl.api import scenario_of, simulate
@@ -84,3 +87,22 @@ def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told) -> Non
 
     assert len(found) == told
     assert all(f"{step * mu * 981:.3g}" in item.sentence for item in found)
+
+
+def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
+    """A run along the limit, with errors of the stated size, swings about so much."""
+    fast = {"reference.kind": "line", "reference.speed": 1.5, "disturbance.std": 0.0,
+            "sensor.velocity_noise": [0.02, 0.0], "guard.enabled": True, "changes": [],
+            "clock.duration": 20.0, "gains.kanayama.share": 1.0}  # fmt: skip
+    scenario = load_scenario("paper-simulation", fast)
+    (warning,) = [w for w in warnings_for(settle(scenario, "kanayama")) if w.key == "guard.alpha"]
+    swing = float(re.search(r"swing by about ([\d.]+) N m", warning.sentence)[1])
+    run = simulate(scenario, "kanayama")
+    late = run["tau_right"][-500:]
+
+    assert swing == pytest.approx(4 * 0.02 * 45 * 100 * 0.05, rel=1e-2)
+    assert run["clip_active"][-500:, 0].mean() > 0.5
+    assert 0.5 * swing < np.ptp(late) < 1.5 * swing
+    calm = {"guard.alpha": 10.0, "guard.dbar": [5.0, 1.0]}
+    quiet = settle(load_scenario("paper-simulation", fast | calm), "kanayama")
+    assert not [w for w in warnings_for(quiet) if w.key == "guard.alpha"]

@@ -86,10 +86,17 @@ def test_hostile_robots_300_times() -> None:
     assert (fastest(300, 1) <= 1).all()
 
 
+UNDER_WAY = "wmr_ctrl.guard.delay.under_way"
 MUTATIONS = {
-    "nothing under way is counted": ("under_way", lambda *_: UnderWay(ca.SX(0), ca.SX(0))),
-    "one percent is not counted": ("under_way", lambda *a: _scaled(under_way(*a), 0.99)),
-    "commands are not capped": ("largest_force", lambda _: ca.SX(1e30)),
+    "nothing under way is counted": (
+        "wmr_ctrl.guard.delay.under_way",
+        lambda *_: UnderWay(ca.SX(0), ca.SX(0)),
+    ),
+    "one percent is not counted": (
+        "wmr_ctrl.guard.delay.under_way",
+        lambda *a: _scaled(under_way(*a), 0.99),
+    ),
+    "commands are not capped": ("wmr_ctrl.guard.guard.largest_force", lambda _: ca.SX(1e30)),
 }
 
 
@@ -100,7 +107,7 @@ def _scaled(coming: UnderWay, share: float) -> UnderWay:
 @pytest.mark.parametrize("name", MUTATIONS)
 def test_a_guard_without_one_of_its_parts_breaks(name: str, monkeypatch) -> None:
     part, other = MUTATIONS[name]
-    monkeypatch.setattr(f"wmr_ctrl.guard.guard.{part}", other)
+    monkeypatch.setattr(part, other)
 
     assert (fastest(24, 0, true_delay=True) > 1.001).any()
 

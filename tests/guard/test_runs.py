@@ -16,6 +16,7 @@ from wmr_ctrl.results import Run, load_run, runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario
 
 every_law = pytest.mark.parametrize("law", NAMES)
+PAPERS = {"gains.kinematics.k": [10.0, 5.0, 4.0]}
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
 
@@ -26,7 +27,8 @@ def gap(first: Run, second: Run) -> float:
 @every_law
 def test_native_equals_numpy(law: str) -> None:
     native, numpy = (
-        simulate("safe-simulation", law, seed=3, engine=e) for e in ("native", "numpy")
+        simulate("safe-simulation", law, seed=3, engine=e, overrides=PAPERS)
+        for e in ("native", "numpy")
     )
 
     assert gap(native, numpy) < 1e-9
@@ -107,7 +109,7 @@ def test_monitor_notices_a_mass_below_m_min() -> None:
 
 
 def test_clip_is_told_where_it_acts() -> None:
-    run = simulate("safe-simulation", "pid")
+    run = simulate("safe-simulation", "pid", overrides=PAPERS)
 
     assert 0 < run["clip_active"].mean() < 0.1
     assert set(np.unique(run["clip_active"])) == {0.0, 1.0}

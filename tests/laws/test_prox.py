@@ -9,15 +9,21 @@ import pytest
 from wmr_ctrl.api import simulate
 from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
 from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.laws.prox import prox_step
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sample_time import closed_loop
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.laws.prox import ProxGains, guide, prox_step
 from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import load_scenario
 
 U1, U2 = 1.0, 0.8
 c, k, v, c_next, E = (ca.SX.sym(name) for name in ("c", "k", "v", "c_next", "E"))
 LIMITS = (ca.SX(U1), ca.SX(U2))
 X = {s: ca.Function("X", [c, k], [resolvent(c, k, *LIMITS, s)]) for s in (False, True)}
 STEP = {
-    s: ca.Function("step", [v, c, c_next, E], [prox_step(v, c, c_next, (E, 1 - E), LIMITS, s)])
+    s: ca.Function(
+        "step", [v, c, c_next, E], [prox_step(v, (c, c_next, c_next), (E, 1 - E), LIMITS, s)]
+    )
     for s in (False, True)
 }
 TARGET = ca.Function("x", [c], [minimiser(c, *LIMITS)])
@@ -64,7 +70,7 @@ def test_resolvent_does_not_expand_and_stays_inside(smooth: bool) -> None:
 
 @both_forms
 def test_a_step_ends_inside_and_comes_nearer(smooth: bool) -> None:
-    """P1, P2: |v+| < v_u1 and |w+| <= E |w| from every v, also outside the limit."""
+    """|v+| < v_u1 and |w+| <= E |w| from every v, also outside the limit."""
     draw = np.random.default_rng(3)
     for _ in range(500):
         here, there = targets(draw, 2)
@@ -77,7 +83,7 @@ def test_a_step_ends_inside_and_comes_nearer(smooth: bool) -> None:
 
 
 def test_a_step_divides_v1_by_at_least_exp_rho_t() -> None:
-    """P3, with the target at rest: V1(v+) <= E^2 V1(v), and equal where there is no barrier."""
+    """With the target at rest V1(v+) <= E^2 V1(v), and equal where there is no barrier."""
     draw = np.random.default_rng(4)
     for _ in range(500):
         here, start, keep = targets(draw, 1)[0], draw.uniform(-0.999, 0.999), draw.uniform(0.003, 1)
@@ -121,6 +127,60 @@ def test_observer_finds_a_constant_force() -> None:
     run = simulate("paper-simulation-nominal", "prox", overrides=changed)
 
     assert run["d_hat"][-1] == pytest.approx([20.0, 0.0], abs=0.05)
+
+
+@pytest.mark.parametrize(("transport", "falls"), [("level", True), ("two-part", False)])
+def test_level_transport_keeps_the_decay_of_v1_in_a_run(transport: str, falls: bool) -> None:
+    """S(v; c+) at the next sample, c+ as the law expected it: exp(-rho T/2) S, or less."""
+    plain = {"gains.prox.wo": 0.0, "gains.prox.tau_max": 1e6, "robot.mu": 0.0, "model.mu": 0.0}
+    run = noise_free("prox", 0.05, **plain, **{"gains.prox.transport": transport})
+    (_, e2, e3), speed, here = run["e"].T, run["v1"], run["v_c0"][:, 0]
+    turning = run["omega"]
+    rate = 10.0 * (e2 * turning - speed + 0.2 * np.cos(e3)) - 0.2 * np.sin(e3) * (0.1 - turning)
+    S, S_next = (
+        np.sqrt(2 * np.maximum(V1(*pair).full().ravel(), 0))
+        for pair in ((speed, here), (speed[1:], (here + 0.05 * rate)[:-1]))
+    )
+    moving = S[:-1] > 1e-4
+
+    assert moving.sum() > 20
+    assert (S_next <= np.exp(-15 * 0.05 / 2) * S[:-1] * (1 + 1e-6) + 1e-7)[moving].all() == falls
+
+
+@pytest.mark.parametrize("preset", ["safe-simulation", "safe-experiment"])
+def test_presets_of_ours_have_the_gains_of_the_guide(preset: str) -> None:
+    setup = settle(load_scenario(preset), "prox")
+    wanted = guide(setup.scenario.clock.control, setup.scenario.actuator.delay, 0.2)
+
+    assert setup.kinematics.k == pytest.approx(wanted.k, rel=5e-3)
+    assert isinstance(setup.gains, ProxGains)
+    assert setup.gains.rho == pytest.approx(wanted.rho, rel=5e-3)
+    assert setup.gains.wo == pytest.approx(wanted.wo)
+
+
+@pytest.mark.parametrize("period", [0.01, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
+    period: float, share: float
+) -> None:
+    """The linear loop, delay in it, with 0.6 to 1.6 times the believed mass."""
+    delay = share * period
+    start = guide(period, delay, 0.2)
+    for ratio in np.linspace(0.6, 1.6, 6):
+        changed = {
+            "clock.control": period, "actuator.delay": delay, "model.m": 50.0, "model.I": 5.4,
+            "robot.m": 50.0 * ratio, "robot.I": 5.4 * ratio, "changes": [],
+            "gains.kinematics.k": list(start.k), "gains.prox.rho": list(start.rho),
+            "gains.prox.wo": start.wo,
+        }  # fmt: skip
+        loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
+        matrix = closed_loop(loop, np.array((0.2, 0.1)), period)
+        assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
+
+
+def test_the_guide_refuses_what_is_no_period() -> None:
+    with pytest.raises(ValueError, match="period, speed > 0"):
+        guide(0.0, 0.0, 0.2)
 
 
 def test_first_sample_respects_the_laws_own_torque_limit() -> None:

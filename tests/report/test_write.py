@@ -20,7 +20,7 @@ from wmr_ctrl.report.reproduction import Facts, Reproduction
 from wmr_ctrl.report.write import FILES, write_reproduction
 
 PNG = b"\x89PNG"
-PAST = ("ours_violations", "ours_e1_after", "ours_ise_period", "ours_ise_torque")
+PAST = ("ours_violations", "ours_position", "ours_ise_period", "ours_ise_torque")
 FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
     "fig3_sheet", "fig5_sheet", *HIDDEN, *STRESS, *PAST,

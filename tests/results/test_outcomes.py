@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wmr_ctrl.results import Monitor, Outcome, outcome_of
+from wmr_ctrl.results import Monitor, Outcome, RigidMonitor, outcome_of
 
 KEPT = Monitor((0.9, 1.2))
 BROKEN = Monitor((1.7, 1.2), 12, (0.0125, 1))
@@ -17,6 +17,9 @@ LEFT = Monitor((0.9, 1.2), bounds_left=(2.5, 2))
 
 FAILED = Monitor((0.9, 1.2), failure="plant.fmu (plant) refused the step at t = 0.5 s.")
 
+SPUN = Monitor((0.9, 1.2), bounds_left=(2.5, 2), rigid=RigidMonitor(None, 0.003, 4.0))
+FALLEN = Monitor((1.7, 1.2), 12, (0.0125, 1), rigid=RigidMonitor(1.985, 0.003, 443.9))
+
 CASES = [
     (FAILED, "failed"),
     (KEPT, "completed"),
@@ -24,6 +27,8 @@ CASES = [
     (BROKEN, "limit-violated"),
     (DIVERGED, "diverged"),
     (LOST, "non-finite"),
+    (FALLEN, "tipped"),
+    (SPUN, "slipped"),
 ]
 
 
@@ -69,6 +74,12 @@ def test_a_guarded_violation_does_not_advise_the_guard() -> None:
     assert "Switch the guard on" in unguarded
     assert "Switch the guard on" not in guarded
     assert "guard.dbar" in guarded
+
+
+def test_the_sentences_of_a_rigid_body_tell_when_and_by_how_much() -> None:
+    assert "1.985 s" in Outcome.TIPPED.sentence(FALLEN)
+    assert "0.003 s" in Outcome.TIPPED.sentence(FALLEN)
+    assert "4 m/s" in Outcome.SLIPPED.sentence(SPUN)
 
 
 def test_reaching_the_limit_without_a_counted_violation_is_no_violation() -> None:

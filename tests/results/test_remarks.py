@@ -121,7 +121,8 @@ def test_a_guard_that_holds_back_is_told() -> None:
 
 def test_void_assumptions_are_told_with_the_guard_on_only() -> None:
     tails = {"disturbance.truncate": float("inf")}
-    for cause in (tails, {"actuator.lag": 0.002}):
+    timed = {"encoder.method": "time", "encoder.counts": 65536.0}
+    for cause in (tails, timed):
         on, off = (
             simulate("safe-simulation", "kanayama", guard=guard, overrides=cause)
             for guard in (True, False)

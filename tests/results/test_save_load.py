@@ -21,7 +21,7 @@ from wmr_ctrl.results import Monitor, Run, load_run, runs_equal, save_run
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
-SUFFIXES = [".npz", ".csv"]
+SUFFIXES = [".npz", ".csv", ".parquet"]
 NASTY = [math.nan, math.inf, -math.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, 1 / 3]
 LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 

@@ -96,7 +96,7 @@ CASES = {
     ),
     "turn": (
         POINTS + "[[0, 0], [1, 0], [0, 0]]",
-        "reference.points[2]: the smooth path turns almost",
+        "reference.points[2]: the path turns almost",
     ),
     "pair": (POINTS + "[[0, 0], [1, 0, 0]]", "reference.points[2] = [1, 0, 0] must be a pair"),
     "coordinate": (POINTS + "[[0, 0], [1, inf]]", "reference.points[2][2] = inf must be a finite"),

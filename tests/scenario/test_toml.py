@@ -53,7 +53,13 @@ MOTIONS = (
     Lemniscate(size=1.0, rate=0.2),
     RoundedSquare(side=2.0, corner=0.5, speed=0.1),
     StopAndGo(radius=1.0, speed=0.2, period=4.0),
-    Waypoints(points=((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)), speed=0.3, closed=True),
+    Waypoints(
+        points=((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)),
+        speed=0.3,
+        closed=True,
+        tolerance=0.1,
+        v_max=0.4,
+    ),
 )
 
 

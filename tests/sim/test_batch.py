@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.matrix import quick
 from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, simulate_runs
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
@@ -84,7 +85,7 @@ def test_one_step_is_right_anywhere(law: str) -> None:
         assert_alike("paper-simulation", law, tasks, changed)
 
 
-@pytest.mark.parametrize("law", ["mb", "nn"])
+@pytest.mark.parametrize("law", quick(["mb", "nn"], "mb"))
 @pytest.mark.parametrize("changed", [
     {"actuator.lag": 0.02, "actuator.delay": 0.005},
     {"actuator.tau_max": 10.0},
@@ -131,7 +132,7 @@ def test_figures_are_those_of_the_runs(law: str) -> None:
         assert found["tau_rms"][seed] == pytest.approx(wanted["tau_rms"], rel=1e-9)
 
 
-@every_law
+@pytest.mark.parametrize("law", quick(NAMES, "mb", "prox"))
 @pytest.mark.parametrize("guard", [False, True])
 def test_what_is_watched_is_that_of_the_runs(law: str, guard: bool) -> None:
     """A push beyond dbar on a light robot: the estimate leaves the bounds at the same sample."""

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from tests.matrix import crossed
+from tests.matrix import crossed, quick
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
@@ -16,7 +16,6 @@ from wmr_ctrl.results import Run, runs_equal
 from wmr_ctrl.scenario import preset_names
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
-OTHERS = [name for name in NAMES if name != "nn"]
 
 
 def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
@@ -38,7 +37,7 @@ def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
 
 
-@pytest.mark.parametrize("law", ["nn", *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)])
+@pytest.mark.parametrize("law", quick(NAMES, "nn"))
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
     native, numpy = (
@@ -75,7 +74,7 @@ def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str
     assert native.monitor.violations == numpy.monitor.violations
 
 
-@pytest.mark.parametrize("scenario", preset_names())
+@pytest.mark.parametrize("scenario", quick(preset_names(), "paper-simulation", "safe-simulation"))
 def test_every_preset_ends_with_an_outcome(scenario: str) -> None:
     for law in NAMES:
         run = simulate(scenario, law)

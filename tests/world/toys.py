@@ -263,7 +263,6 @@ def clothoid(scenario: Scenario) -> System:
 
 
 CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid)
-EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST)
 
 
 # A drive that is late by a number of its own: the loop's queue has room for it.
@@ -298,4 +297,4 @@ LATE = Effect(
     bound=lambda scenario: Bound(delay=scenario.section(ToyLate).time),
     rate=Rate.STEP,
 )
-EFFECTS = (*EFFECTS, LATE)
+EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST, LATE)

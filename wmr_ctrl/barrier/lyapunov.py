@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.barrier.paper import a_term, lyapunov, minimiser
+from wmr_ctrl.barrier.paper import a_term, f, lyapunov, minimiser
+from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 
@@ -16,6 +17,18 @@ from wmr_ctrl.model.tracking import error_rate
 def total_barrier(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
     """V1 of Eq. (19): the sum of V1i over the two axes; all arguments (2,)."""
     return lyapunov(v[0], c[0], u1[0], u2[0]) + lyapunov(v[1], c[1], u1[1], u2[1])
+
+
+def smooth_f(v: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
+    """f of the smooth barrier: that of Eq. (15) less its tangent at u2 (not in the paper)."""
+    return f(v, u1, u2) - ca.fmax(ca.fabs(v) - u2, 0) / (u1 - u2)
+
+
+def smooth_lyapunov(v: ca.SX, c: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
+    """V1i of Eq. (20) with that f."""
+    x = resolvent(c, ca.SX(1), u1, u2, smooth=True)
+    least = 0.5 * (x - c) ** 2 + smooth_f(x, u1, u2)
+    return 0.5 * (v - c) ** 2 + smooth_f(v, u1, u2) - least
 
 
 def position_lyapunov(e: ca.SX, k2: ca.SX) -> ca.SX:

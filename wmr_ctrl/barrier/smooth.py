@@ -29,7 +29,8 @@ def smooth_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
     """Barrier quantities of the smooth f for v_c0 = c and |v| < u1, to full double precision."""
     s = ca.if_else(c >= 0, 1, -1)
     axis = SmoothAxis(s * c, s * v, u1, u2)
-    return Barrier(s * axis.x, s * axis.w, axis.lyapunov, s * axis.quotient, axis.q)
+    x, w, ratio = s * axis.x, s * axis.w, s * axis.quotient
+    return Barrier(x, w, axis.lyapunov, ratio, axis.q, axis.bregman)
 
 
 class SmoothAxis(Axis):

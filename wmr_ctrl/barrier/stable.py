@@ -38,13 +38,17 @@ SERIES_BELOW, SERIES_TERMS = 0.05, 12
 
 @dataclass(frozen=True)
 class Barrier:
-    """Barrier quantities of one axis (m/s or rad/s): v_c1, w = v - v_c1, V1i, V1i/A_i, q_i."""
+    """Barrier quantities of one axis (m/s or rad/s).
+
+    v_c1, w = v - v_c1, V1i, V1i/A_i, q_i, and D_i = V1i - w^2/2.
+    """
 
     v_c1: ca.SX
     w: ca.SX
     V1: ca.SX
     V1_over_A: ca.SX
     q: ca.SX
+    D: ca.SX
 
 
 def stable_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
@@ -61,6 +65,7 @@ def stable_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
         ca.if_else(free, 0.5 * w * w, axis.lyapunov),
         ca.if_else(free, 0.5 * w, s * axis.quotient),
         ca.if_else(free, 1, axis.q),
+        axis.bregman,
     )
 
 
@@ -156,6 +161,11 @@ class Axis:
         ahead = self.by_region(self.excess, self.slack * (self.v - self.u2), 0)
         behind = ca.if_else(self.far, 2 * self.a * ca.fabs(self.v), inside + self.excess)
         return self.by_side(ahead, inside, behind)
+
+    @cached_property
+    def bregman(self) -> ca.SX:
+        """D, a sum of terms that are not negative."""
+        return self.linear + self.y * self.chi
 
     @cached_property
     def lyapunov(self) -> ca.SX:

@@ -1,13 +1,15 @@
 """Many runs: which ones, how they are run, and the table of plain numbers that they leave.
 
-A campaign is handed what simulates (:class:`Simulate`) and what compiles (:data:`Prepare`), so this
-layer knows nothing of laws, kernels or engines.  :mod:`wmr_ctrl.campaign.comparison` is the one
-past the paper: every law with and without the guard.
+One engine (`engine`) runs the paper's plan, the comparison past the paper (`comparison`: every law
+with and without the guard) and the studies of users (`study_plan`, `study_run`, `study_store`).  It
+is handed what simulates (:class:`Simulate`) and what compiles (:class:`Prepare`), so this layer
+knows nothing of laws, kernels or engines.
 """
 
+from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Prepare, Silent, Simulate
 from wmr_ctrl.campaign.figures import FIGURES, Figure, figure_named
 from wmr_ctrl.campaign.plan import PAPER_LAWS, QUICK_SEEDS, STUDIES, PlannedRun, Study, paper_plan
-from wmr_ctrl.campaign.run import Campaign, PhaseProgress, Prepare, Silent, Simulate, run_campaign
+from wmr_ctrl.campaign.run import Campaign, run_campaign
 from wmr_ctrl.campaign.table import STATISTICS, FigureRow, FigureTable, Spread, row_of, spread
 
 __all__ = [
@@ -21,6 +23,7 @@ __all__ = [
     "FigureRow",
     "FigureTable",
     "PhaseProgress",
+    "PlannedCase",
     "PlannedRun",
     "Prepare",
     "Silent",

@@ -14,14 +14,21 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.campaign.run import PhaseProgress, Silent, Simulate, followed
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.results import Outcome, Run, ise, tau_peak, window
+from wmr_ctrl.campaign.engine import (
+    Overrides,
+    PhaseProgress,
+    PlannedCase,
+    Prepare,
+    Refusal,
+    Silent,
+    Simulate,
+    run_cases,
+)
+from wmr_ctrl.results import Outcome, Run, distance, ise, tau_peak, window
 from wmr_ctrl.sim.batch import check_jobs
-from wmr_ctrl.sim.ready import Ready
 
 SCENARIO = "paper-simulation"
-OUR_LAWS = ("pid", "smc", "mb", "nn", "prox")
+OUR_LAWS = ("pid", "smc", "mb", "nn", "prox", "kanayama")
 HELD_OUT = (300, 301, 302)
 """Seeds that no gain and no bound was chosen with."""
 
@@ -36,9 +43,6 @@ REFUSED = "refused"
 
 BEFORE, AFTER = (30.0, 40.0), (70.0, 80.0)
 """Windows [s] before and after the change of parameters."""
-
-Overrides: TypeAlias = Mapping[str, object]
-"""Fields of a scenario by key path, such as ``clock.control``."""
 
 ADVERSARY: Overrides = MappingProxyType(
     {
@@ -60,6 +64,20 @@ ADVERSARY: Overrides = MappingProxyType(
 FAR: Overrides = MappingProxyType({"initial.pose": [-5.0, -5.0, -0.7]})
 DROP = ({"t": 3.0, "m": 25.0, "I": 2.7, "mu": 0.0},)
 
+AS_A_ROBOT: Overrides = MappingProxyType(
+    {
+        "encoder.counts": 1024,
+        "gyro.enabled": True,
+        "gyro.bias": 0.005,
+        "gyro.noise": 0.01,
+        "actuator.tau_max": 10.0,
+        "actuator.lag": 0.02,
+        "actuator.jitter": 0.005,
+        "wheels.radius": [0.02, 0.02],
+    }
+)
+"""Encoders differenced over a period, a gyro, late and lagging drives, radii 2 % off."""
+
 FACTORS: Mapping[str, Overrides] = MappingProxyType(
     {
         BASE: {},
@@ -78,6 +96,7 @@ FACTORS: Mapping[str, Overrides] = MappingProxyType(
         "tau_max = 10 N m": {"actuator.tau_max": 10.0},
         "tau_max = 6.5 N m": {"actuator.tau_max": 6.5},
         "tau_max = 5 N m": {"actuator.tau_max": 5.0},
+        "as a robot has it": AS_A_ROBOT,
     }
 )
 """What one case changes against its base, by the case's name."""
@@ -95,9 +114,9 @@ class ComparisonCase:
     overrides: Overrides = field(hash=False)
 
     @property
-    def loop_key(self) -> str:
-        """What tells one compiled loop from another: everything but the seed."""
-        return repr((self.law, self.guard, sorted(self.overrides.items())))
+    def planned(self) -> PlannedCase:
+        """What it shares with the cases of other seeds."""
+        return PlannedCase(SCENARIO, self.law, self.guard, self.overrides)
 
 
 def comparison_plan(
@@ -125,8 +144,9 @@ def overrides_of(base: str, factor: str) -> dict[str, object]:
 
 
 def swept(key: str) -> list[tuple[float, str]]:
-    """The numbers that factors give to the field ``key``, each with its factor's name."""
-    pairs = ((changed.get(key), factor) for factor, changed in FACTORS.items())
+    """The numbers that factors give to the field ``key`` alone, each with its factor's name."""
+    alone = ((changed, factor) for factor, changed in FACTORS.items() if len(changed) == 1)
+    pairs = ((changed.get(key), factor) for changed, factor in alone)
     return [(value, factor) for value, factor in pairs if isinstance(value, float)]
 
 
@@ -134,6 +154,7 @@ def swept(key: str) -> list[tuple[float, str]]:
 class ComparedRun:
     """One case: outcome ("refused" where the guard's bounds cannot be met) and its figures.
 
+    ``position_rms``, ``position_max``: RMS and largest distance from its place over 70-80 s [m].
     ``ise`` [m2 s + rad2 s]; ``e1_before``, ``e1_after``: mean |e1| [m] over 30-40 s and 70-80 s;
     ``tau_peak`` [N m]; ``speed`` (2): largest |v_i|/v_u1_i; ``clipped`` (2): share of samples in
     which the guard acted, for guarded runs.  None where a run has none.  ``refusal``: the guard's
@@ -144,6 +165,8 @@ class ComparedRun:
     outcome: str
     violations: int = 0
     speed: tuple[float, float] | None = None
+    position_rms: float | None = None
+    position_max: float | None = None
     ise: float | None = None
     e1_before: float | None = None
     e1_after: float | None = None
@@ -166,12 +189,21 @@ def compared_run(case: ComparisonCase, run: Run) -> ComparedRun:
         run.outcome.value,
         run.monitor.violations,
         (ratios[0], ratios[1]),
+        *_distances(run, *AFTER),
         ise(run)["total"],
         _mean_e1(run, *BEFORE),
         _mean_e1(run, *AFTER),
         tau_peak(run),
         None if clipped is None else (float(clipped[0]), float(clipped[1])),
     )
+
+
+def _distances(run: Run, start: float, end: float) -> tuple[float | None, float | None]:
+    rows = window(run, start, end)
+    if rows is None:
+        return None, None
+    gap = distance(run)[rows]
+    return float(np.sqrt(np.mean(gap**2))), float(gap.max())
 
 
 def _mean_e1(run: Run, start: float, end: float) -> float | None:
@@ -224,6 +256,16 @@ ComparedFigure: TypeAlias = Callable[[ComparedRun], float | None]
 """One number of a row."""
 
 
+def position_rms_of(row: ComparedRun) -> float | None:
+    """RMS of the distance from the reference after the change of parameters [m]."""
+    return row.position_rms
+
+
+def position_max_of(row: ComparedRun) -> float | None:
+    """Largest distance from the reference then [m]."""
+    return row.position_max
+
+
 def ise_of(row: ComparedRun) -> float | None:
     """ISE over the whole run [m2 s + rad2 s]."""
     return row.ise
@@ -254,13 +296,9 @@ def _place(case: ComparisonCase) -> tuple[str, str, str, bool]:
     return case.base, case.factor, case.law, case.guard
 
 
-PrepareCase: TypeAlias = Callable[[str, str, Overrides, bool], Ready]
-"""(scenario, law, overrides, guard) -> the loop; raises ScenarioError for what cannot be."""
-
-
 def run_comparison(
     simulate: Simulate,
-    prepare: PrepareCase,
+    prepare: Prepare,
     plan: Sequence[ComparisonCase],
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
@@ -271,43 +309,17 @@ def run_comparison(
     ``jobs``.
     """
     check_jobs(jobs)
-    shown = progress or Silent()
-    loops, refusals = _prepare_all(prepare, plan, shown)
-    running = [case for case in plan if case.loop_key in loops]
 
     def row(place: int, run: Run) -> ComparedRun:
-        return compared_run(running[place], run)
+        return compared_run(plan[place], run)
 
-    runs = [(loops[case.loop_key], case.seed) for case in running]
-    text = "Running the laws with and without the guard"
-    finished = iter(followed(simulate, runs, row, jobs, shown, text))
+    what = "the laws with and without the guard"
+    texts = f"Compiling {what}", f"Running {what}"
+    runs = [(case.planned, case.seed) for case in plan]
+    rows = run_cases(simulate, prepare, runs, row, jobs, progress or Silent(), texts)
     return GuardComparison(
         tuple(
-            next(finished)
-            if case.loop_key in loops
-            else ComparedRun(case, REFUSED, refusal=refusals[case.loop_key])
-            for case in plan
+            ComparedRun(case, REFUSED, refusal=item.text) if isinstance(item, Refusal) else item
+            for case, item in zip(plan, rows, strict=True)
         )
     )
-
-
-def _prepare_all(
-    prepare: PrepareCase, plan: Sequence[ComparisonCase], progress: PhaseProgress
-) -> tuple[dict[str, Ready], dict[str, str]]:
-    """The loop of every case by its key, once for all seeds, and the words of those refused."""
-    wanted = {case.loop_key: case for case in plan}
-    loops: dict[str, Ready] = {}
-    refusals: dict[str, str] = {}
-    progress.start(len(wanted), "Compiling the laws with and without the guard")
-    try:
-        for key, case in wanted.items():
-            try:
-                loops[key] = prepare(SCENARIO, case.law, case.overrides, case.guard)
-            except ScenarioError as error:
-                if not case.guard:
-                    raise
-                refusals[key] = str(error)
-            progress.advance(1)
-    finally:
-        progress.done()
-    return loops, refusals

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.errors import ArgumentError
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
@@ -32,6 +33,11 @@ class PlannedRun:
     scenario: str
     law: str
     seed: int
+
+    @property
+    def case(self) -> PlannedCase:
+        """What it shares with the runs of other seeds."""
+        return PlannedCase(self.scenario, self.law)
 
 
 STUDIES = (

@@ -11,13 +11,18 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, wrong_model
-from wmr_ctrl.checks.contradictions import coarse_step, contradicted
+from wmr_ctrl.checks.contradictions import coarse_step, contradicted, violent_alpha
+from wmr_ctrl.checks.grip import first_torques as first_torques
+from wmr_ctrl.checks.grip import grip_warnings as grip_warnings
+from wmr_ctrl.checks.grip import reference_torque as reference_torque
 from wmr_ctrl.checks.guard_price import guard_price
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import network
 from wmr_ctrl.checks.preconditions import drives, noise, preconditions, start
+from wmr_ctrl.checks.sample_time import Stability as Stability
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.sample_time import sample_time
+from wmr_ctrl.checks.sample_time import stability as stability
 from wmr_ctrl.checks.warning import Warning as Warning
 from wmr_ctrl.control.setup import Setup
 
@@ -33,6 +38,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     guard_price,
     contradicted,
     coarse_step,
+    violent_alpha,
 )
 """In the order in which they are told: what ends a run first comes first."""
 

@@ -67,9 +67,10 @@ def _warning(loop: Loop, axis: int, phase: Phase) -> Warning:
 def wrong_model(loop: Loop) -> Iterator[Warning]:
     """Yield the largest steady error that a friction other than the believed one leaves.
 
-    Laws that estimate make up for it, and are not asked.
+    Laws that estimate or observe make up for it, and are not asked.
     """
-    asked = loop.traits.model and not loop.traits.estimates
+    learns = loop.traits.estimates or loop.traits.observer
+    asked = loop.traits.model and not learns
     if not asked or any(pushed_through(loop)):
         return
     offset, phase = max(

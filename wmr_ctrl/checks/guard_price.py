@@ -6,14 +6,12 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
-from wmr_ctrl.guard.bounds import early_speed, usable_speed
+from wmr_ctrl.guard.bounds import early_speed, unbeatable_speed, usable_speed
 from wmr_ctrl.world.friction import phases
 from wmr_ctrl.world.references import reference_bounds
 
 PLACE = "guard, docs/guarantee.md"
 REMEDIES = {
-    "actuator.lag": "Make the drives faster than clock.control by far, or keep away from the limit "
-    "with a smaller guard.alpha.",
     "disturbance.truncate": "Set disturbance.truncate = 3 for a guarantee.",
 }
 OTHER_REMEDY = (
@@ -34,14 +32,16 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
     fastest = reference_bounds(loop.scenario)[1]
     usable = slowest(loop)
     if fastest > usable:
-        yield _too_fast(fastest, usable)
+        yield _too_fast(loop, fastest, usable)
 
 
 def slowest(loop: Loop) -> float:
     """Speed [m/s] that the guard leaves against the largest friction of the run."""
-    scenario = loop.scenario
-    friction = max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
-    return usable_speed(scenario, loop.setup.guard, (friction, 0.0))[0]
+    return usable_speed(loop.scenario, loop.setup.guard, (_friction(loop), 0.0))[0]
+
+
+def _friction(loop: Loop) -> float:
+    return max(phase.m * phase.mu * loop.scenario.robot.g for phase in phases(loop.scenario))
 
 
 def _void(void: str) -> Warning:
@@ -67,12 +67,18 @@ def _early_start(loop: Loop) -> Iterator[Warning]:
             )
 
 
-def _too_fast(fastest: float, usable: float) -> Warning:
+def _too_fast(loop: Loop, fastest: float, usable: float) -> Warning:
+    guard = loop.setup.guard
     can = f"at most {usable:.3g} m/s" if usable > 0 else "no motion at all"
+    simple = not (guard.age[0] or guard.window[0] or guard.lag[1])
+    time = "delay" if simple else "age + window/2 + delay + lag"
+    best = unbeatable_speed(loop.scenario, guard, (_friction(loop), 0.0))[0]
+    other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} m/s."
     return Warning(
         "guard.dbar",
         f"The reference asks for {fastest:.3g} m/s, and against friction the guard leaves {can}, "
-        "v_u1 - nbar - (friction + dbar - f_min) (1/alpha + delay)/M_min: it falls behind. Shorten "
-        "clock.control, or state a larger guard.M_min or a smaller guard.dbar if they are true.",
+        f"v_u1 - nbar - (friction + dbar - f_min) (1/alpha + {time})/M_min: it falls behind."
+        f"{other} Shorten clock.control, or state a larger guard.M_min or a smaller guard.dbar if "
+        "they are true.",
         PLACE,
     )

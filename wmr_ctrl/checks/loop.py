@@ -10,13 +10,16 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.checks.sampled_plant import Lateness, lateness_of
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits
 from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
+from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.model.tracking import error_rotation, tracking_error
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import TAU_APPLIED
 from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
@@ -81,6 +84,11 @@ class Loop:
         return start_point(self.setup)
 
     @property
+    def lateness(self) -> Lateness:
+        """How late commands act and velocities are seen."""
+        return lateness_of(self.setup)
+
+    @property
     def guarded(self) -> bool:
         """Whether the guard stands between the law and the wheels."""
         return self.scenario.guard.enabled
@@ -94,8 +102,9 @@ class Loop:
     def feedback(self, v_d: Floats, period: float) -> Floats:
         """Gradient of force and next memory at e = 0, v = v_d, sampled with ``period`` [s].
 
-        Rows: force (2), then the memory (n) unless it holds estimates; columns: e (3), v (2), then
-        the memory.  ``v_d`` (2) in m/s, rad/s.
+        Rows: force (2), then the memory (n) unless it holds estimates; columns: e (3), v (2), the
+        memory, then the force (2) that acted before if the law asks for it.  ``v_d`` (2) in m/s,
+        rad/s.
         """
         s = np.concatenate((np.zeros(3), v_d))
         return np.asarray(self._gradient(s, v_d, self._memory(v_d), self._parameters(period)))
@@ -113,12 +122,15 @@ class Loop:
 
     @cached_property
     def _gradient(self) -> ca.Function:
-        s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
-        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2))
+        s, v_d, before = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2), ca.SX.sym("before", 2)
+        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2), before)
         x, answers, causes = self.core.x, force, s
         if not self.traits.estimates:
             answers, causes = ca.vertcat(force, following), ca.vertcat(s, x)
-        return ca.Function("gradient", [s, v_d, x, self.core.p], [ca.jacobian(answers, causes)])
+        if TAU_APPLIED in (port.signal for port in self.core.inputs):
+            causes = ca.vertcat(causes, before)
+        gradient = ca.substitute(ca.jacobian(answers, causes), before, ca.DM.zeros(2))
+        return ca.Function("gradient", [s, v_d, x, self.core.p], [gradient])
 
     @cached_property
     def _towards(self) -> ca.Function:
@@ -130,10 +142,17 @@ class Loop:
         slope = ca.diag(ca.jacobian(force, v))
         return ca.Function("towards", [v, v_c0, self.core.x, self.core.p], [force, slope])
 
-    def _act(self, e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Force and next memory with the robot at the origin and the reference placed to give e."""
-        pose_d = error_rotation(ca.SX(0)).T @ e
+    def _act(
+        self, e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, before: ca.SX | None = None
+    ) -> tuple[ca.SX, ca.SX]:
+        """Force and next memory with the robot at the origin and the reference placed to give e.
+
+        ``before`` is the mean force (2,) of the sample that has ended; none unless given.
+        """
+        pose_d, robot = error_rotation(ca.SX(0)).T @ e, self.scenario.robot
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, v_d_dot, v)), strict=True))
+        if before is not None:
+            known[TAU_APPLIED.name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), before)
         signals = (port.signal for port in self.core.inputs)
         u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
         act = self.core.function("act", [self.core.outputs[0].expr, self.core.update])

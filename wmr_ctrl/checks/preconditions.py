@@ -126,10 +126,16 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
         else "falls to 0, and while it stands still nothing steers the sideways error e2"
     )
     asking = "the theorems ask" if loop.traits.theorem else "that the error vanishes is known"
+    remedy = "Ask for a reference that keeps moving forwards."
+    if loop.scenario.reference.arrival is not None:
+        remedy = (
+            "It is meant to begin and end at rest: whether the robot arrives is what a run shows "
+            "(arrival)."
+        )
     return Warning(
         "reference",
         f"v1_d of the reference {what}: {asking} for v1_d > 0 and no convergence is promised "
-        "otherwise. Ask for a reference that keeps moving forwards.",
+        f"otherwise. {remedy}",
         _basis(loop),
     )
 

@@ -1,21 +1,23 @@
 """How long may the control period be: the linear loop, the barrier's kink, the first step.
 
 The linear loop is sampled with an exact zero-order hold.  Its state: e (3) and v (2) of the robot,
-Eqs. (33)-(35) and (4), linearised on the reference with v_d held constant; the torque's lag and the
-commands under way where the drives have lag and delay; the law's memory where it is dynamic.
+Eqs. (33)-(35) and (4), linearised on the reference with v_d held constant; what drives and sensors
+keep (`sampled_plant`); the law's memory, its observer included, but for estimates and weights.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
-from wmr_ctrl.checks.supremum import SHORTEST, supremum
+from wmr_ctrl.checks.sampled_plant import Lateness, sampled_plant
+from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -23,7 +25,7 @@ from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.model.tracking import error_rate
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references import sample
 
@@ -32,6 +34,9 @@ SAFE = 0.5
 
 MOST_UNDER_WAY = 40
 """Commands that the shortest period that is tried leaves under way in a delay."""
+
+MASSES, NEAR = 20.0, (0.6, 1.6)
+"""Ratios of true to believed mass: how far they are tried, and what a law is asked to stand."""
 
 POINTS = 9
 INSIDE = 0.99
@@ -61,25 +66,49 @@ def kink_limits(loop: Loop) -> Floats:
 
 
 def _linear(loop: Loop) -> Iterator[Warning]:
-    period, limit = loop.scenario.clock.control, largest_period(loop)
-    drives = _drives(loop)
-    late = "".join(f"a {word} of {value:g} s and " for word, value in drives.items())
+    period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
+    late = "".join(f"a {word} of {value:g} s and " for word, value in loop.lateness.words.items())
     if limit == 0:
-        lower = f"the drives' {' and '.join(drives)} or its gains" if late else "its gains"
+        lower = f"the {' and '.join(loop.lateness.words)}, or its gains" if late else "its gains"
         yield Warning(
             PERIOD,
-            f"{loop.law} is unstable around the reference with {late}these gains, whatever "
-            f"clock.control is (tried from {shortest_tried(loop):g} s up): lower {lower}.",
+            f"{loop.law} is unstable around the reference with {late}these gains at "
+            f"clock.control = {period:g} s and at every shorter period that was tried (from "
+            f"{shortest_tried(loop):.3g} s up): lower {lower}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
+        choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
         yield Warning(
             PERIOD,
             f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
-            f"{loop.law} is stable around the reference with {late}these gains: choose "
-            f"{SAFE * limit:.2g} s or less, or lower the gains.",
+            f"{loop.law} is stable around the reference with {late}these gains{_delayed(loop)}: "
+            f"choose {choice}, or lower the gains.",
             f"{loop.equations}, linearised and sampled",
         )
+    else:
+        yield from _mass(loop)
+
+
+def _delayed(loop: Loop) -> str:
+    """The sum of period and delay that a limit of the period stands for."""
+    delay = loop.lateness.delay
+    return f" (period and delay together {largest_period(loop) + delay:.4g} s)" if delay else ""
+
+
+def _mass(loop: Loop) -> Iterator[Warning]:
+    """Yield a robot unlike the believed one, from which on the loop is unstable, if it is near."""
+    masses = stable_masses(loop)
+    if masses is None or (masses[0] <= NEAR[0] and masses[1] >= NEAR[1]):
+        return
+    yield Warning(
+        "model.m",
+        f"{loop.law} is stable around the reference while the robot's mass and inertia are "
+        f"{masses[0]:.3g} to {masses[1]:.3g} times the believed ones, at clock.control = "
+        f"{loop.scenario.clock.control:g} s; outside of that it cycles. Gains for {NEAR[0]:g} to "
+        f"{NEAR[1]:g} are lower, or found by wmr-ctrl tune.",
+        f"{loop.equations}, linearised and sampled",
+    )
 
 
 def _kink(loop: Loop) -> Iterator[Warning]:
@@ -114,32 +143,122 @@ def _first_step(loop: Loop) -> Iterator[Warning]:
 
 
 def largest_stable_period(scenario: Scenario, law: str) -> float:
-    """Supremum of the periods [s] up to which the sampled linear loop is stable.
+    """Supremum [s] of the stable periods about the scenario's, or of the next below.
 
-    The smallest over points of the reference; 0.0 if no period is stable, inf if all that were
-    tried (up to 10 s) are.  Raises UnknownNameError for a law.
+    Over all points of the reference; 0.0 if the scenario's period and all shorter ones that were
+    tried are unstable, inf if all longer ones (up to 10 s) are stable.  Raises UnknownNameError
+    for a law.
     """
     return largest_period(Loop(settle(scenario, law)))
 
 
+@dataclass(frozen=True)
+class Stability:
+    """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
+
+    Delay and masses are for the scenario's period; see `stable_periods` and the functions of the
+    same names.
+    """
+
+    shortest: float
+    period: float
+    delay: float | None
+    masses: tuple[float, float] | None
+
+
+def stability(scenario: Scenario, law: str) -> Stability:
+    """All three for a law on a scenario; raises UnknownNameError for a law."""
+    loop = Loop(settle(scenario, law))
+    return Stability(*stable_periods(loop), largest_stable_delay(loop), stable_masses(loop))
+
+
 def largest_period(loop: Loop) -> float:
     """The same for a Loop that is at hand."""
-    shortest = shortest_tried(loop)
-    return min(supremum(_radius_at(loop, v_d), shortest) for v_d in operating_points(loop.scenario))
+    return stable_periods(loop)[1]
+
+
+def stable_periods(loop: Loop) -> tuple[float, float]:
+    """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
+
+    The lower end is 0.0 where all shorter ones that were tried are stable too, which a delay can
+    prevent; (0.0, 0.0) where the scenario's period and all shorter ones that were tried are not.
+    """
+    shortest, inside = shortest_tried(loop), loop.scenario.clock.control
+
+    def of(period: float) -> float:
+        return _radius(loop, period)
+
+    outside = math.inf
+    while of(inside) > 1 + MARGIN:
+        outside, inside = inside, inside / RATIO
+        if inside < shortest:
+            return 0.0, 0.0
+    high = _edge(of, inside, outside) if outside < math.inf else supremum(of, inside)
+    below = inside
+    while below >= shortest and of(below) <= 1 + MARGIN:
+        below /= RATIO
+    return (_edge(of, below * RATIO, below) if below >= shortest else 0.0), high
 
 
 def shortest_tried(loop: Loop) -> float:
     """The shortest period that is tried [s]: so many commands may be under way, and no more."""
-    return max(SHORTEST, loop.scenario.actuator.delay / MOST_UNDER_WAY)
+    return max(SHORTEST, (loop.lateness.delay + loop.lateness.shown) / MOST_UNDER_WAY)
 
 
-def _drives(loop: Loop) -> dict[str, float]:
-    """How late the drives are [s], by word."""
-    actuator = loop.scenario.actuator
-    words = {"delay": actuator.delay, "lag": actuator.lag}
-    return {word: value for word, value in words.items() if value}
+def largest_stable_delay(loop: Loop) -> float | None:
+    """Supremum of the drives' delay [s] at the scenario's period, its lag and sensors as they are.
+
+    None where the loop is unstable without any; inf where all that were tried, up to 40 periods,
+    are stable.
+    """
+    period = loop.scenario.clock.control
+
+    def of(delay: float) -> float:
+        return _radius(loop, period, replace(loop.lateness, delay=delay))
+
+    return _last(of, 0.0, [step * period / 8 for step in range(1, 8 * MOST_UNDER_WAY)])
 
 
+def stable_masses(loop: Loop) -> tuple[float, float] | None:
+    """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
+
+    Both are scaled alike, at the scenario's period; tried from 1/20 to 20.  None for a law that
+    believes no mass, and where the loop is unstable with the believed one.
+    """
+    if not loop.traits.model:
+        return None
+    believed = loop.scenario.believed
+
+    def of(ratio: float) -> float:
+        robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
+        return _radius(loop, loop.scenario.clock.control, loop.lateness, robot)
+
+    steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
+    up, down = _last(of, 1.0, steps), _last(of, 1.0, [1 / step for step in steps])
+    return None if up is None or down is None else (max(down, 1 / MASSES), min(up, MASSES))
+
+
+def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
+    """How far from ``start`` the loop stays stable along ``tried``; None if it is not there."""
+    if of(start) > 1 + MARGIN:
+        return None
+    inside = start
+    for value in tried:
+        if of(value) > 1 + MARGIN:
+            return _edge(of, inside, value)
+        inside = value
+    return math.inf if inside > start else 0.0
+
+
+def _edge(of: Callable[[float], float], inside: float, outside: float) -> float:
+    """Where between a stable and an unstable value the loop changes from one to the other."""
+    for _ in range(40):
+        middle = (inside + outside) / 2
+        inside, outside = (middle, outside) if of(middle) <= 1 + MARGIN else (inside, middle)
+    return inside
+
+
+@lru_cache(maxsize=64)
 def operating_points(scenario: Scenario) -> list[Floats]:
     """Desired velocities (2) of some points of the reference, moved inside v_u2."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
@@ -148,85 +267,56 @@ def operating_points(scenario: Scenario) -> list[Floats]:
     return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))
 
 
-def closed_loop(loop: Loop, v_d: Floats, period: float) -> Floats:
+def closed_loop(
+    loop: Loop,
+    v_d: Floats,
+    period: float,
+    late: Lateness | None = None,
+    robot: Robot | None = None,
+) -> Floats:
     """Matrix that takes the loop's state from one sample to the next.
 
-    The state: error and velocity (5), the lag's force (2) if there is one, the law's memory, then
-    the forces that are under way with a delay, the latest first.
+    The state: that of `sampled_plant`, error and velocity (5) first, then the law's memory.
+    ``late`` and ``robot`` default to the scenario's; the law keeps what it believes.
     """
-    rates, push = linear_plant(loop.scenario, tuple(v_d))
-    whole, part = divmod(loop.scenario.actuator.delay, period)
-    gain, sent = loop.feedback(v_d, period), int(whole) + bool(part)
-    lag, memory = len(rates) - 5, gain.shape[1] - 5
-    by_state, by_memory = gain[:, :5], gain[:, 5:]
-    gains = np.hstack((by_state, np.zeros((len(gain), lag)), by_memory))
-    gains = np.hstack((gains, np.zeros((len(gain), 2 * sent))))
-    queue = np.eye(2 * (sent + 1), gains.shape[1], gains.shape[1] - 2 * sent)
-    forces = np.vstack((gains[:2], queue[: 2 * sent]))
-    free, now, before = _delayed_hold(rates, push, period, part)
-    moved = np.hstack((free, np.zeros((len(free), memory + 2 * sent))))
-    arriving = 2 * int(whole)
-    moved = moved + now @ forces[arriving : arriving + 2]
-    if part:
-        moved = moved + before @ forces[arriving + 2 : arriving + 4]
-    return np.vstack((moved, gains[2:], forces[: 2 * sent]))
+    gain = loop.feedback(v_d, period)
+    moving = linear_plant(robot or loop.scenario.robot, tuple(v_d))
+    memory = len(gain) - 2
+    asks = gain.shape[1] > 5 + memory
+    behind = sampled_plant(*moving, period, late or loop.lateness, mean=asks)
+    by_state = gain[:, :5] @ behind.measured + gain[:, 5 + memory :] @ behind.applied
+    by_memory = gain[:, 5 : 5 + memory]
+    upper = np.hstack((behind.moved + behind.forced @ by_state[:2], behind.forced @ by_memory[:2]))
+    return np.vstack((upper, np.hstack((by_state[2:], by_memory[2:]))))
 
 
-def _delayed_hold(
-    rates: Floats, push: Floats, period: float, part: float
-) -> tuple[Floats, Floats, Floats]:
-    """Over a period: free motion, by the force from ``part`` [s] on, and by the one before it."""
-    free, _ = zero_order_hold(rates, push, period)
-    rest, now = zero_order_hold(rates, push, period - part)
-    _, early = zero_order_hold(rates, push, part)
-    return free, now, rest @ early
+def linear_plant(robot: Robot, v_d: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Rates' gradients by (e, v) and by the acting force, on the reference at ``v_d``."""
+    numbers = (robot.m, robot.I, robot.mu, robot.g, robot.v_s)
+    rates, push = (np.asarray(item) for item in _plant_gradient()(numbers, v_d))
+    return rates, push
 
 
-def zero_order_hold(rates: Floats, push: Floats, period: float) -> tuple[Floats, Floats]:
-    """Exact matrices of x(t + period) = free x + forced u for x' = rates x + push u, u held."""
-    size, inputs = push.shape
-    block = np.zeros((size + inputs, size + inputs))
-    block[:size, :size], block[:size, size:] = rates, push
-    whole = exponential(block * period)
-    return whole[:size, :size], whole[:size, size:]
-
-
-def exponential(matrix: Floats) -> Floats:
-    """Matrix exponential by its series after halving the argument to a norm of at most 1/2."""
-    norm = float(np.linalg.norm(matrix, 1))
-    halvings = max(0, math.ceil(math.log2(norm)) + 1) if norm > 0 else 0
-    scaled, term = matrix / 2.0**halvings, np.eye(len(matrix))
-    total = term.copy()
-    for order in range(1, 16):
-        term = term @ scaled / order
-        total += term
-    for _ in range(halvings):
-        total = total @ total
-    return total
-
-
-@lru_cache(maxsize=256)
-def linear_plant(scenario: Scenario, v_d: tuple[float, ...]) -> tuple[Floats, Floats]:
-    """Rates' gradients by (e, v) and, with a lag, by the acting force; and by the force."""
-    robot, lag = scenario.robot, scenario.actuator.lag
+@cache
+def _plant_gradient() -> ca.Function:
+    p, v_d = ca.SX.sym("robot", 5), ca.SX.sym("v_d", 2)
+    (m, inertia, mu, g, v_s) = ca.vertsplit(p)
     s, force = ca.SX.sym("s", 5), ca.SX.sym("force", 2)
-    drag = friction(ca.SX(robot.mu), ca.SX(robot.m), ca.SX(robot.g), ca.SX(robot.v_s), s[3:])
-    speeding = acceleration(reduced_mass(ca.SX(robot.m), ca.SX(robot.I)), force, drag)
-    rate = ca.vertcat(error_rate(s[:3], s[3:], ca.SX(ca.DM(v_d))), speeding)
-    gradient = ca.Function("plant", [s, force], [ca.jacobian(rate, s), ca.jacobian(rate, force)])
-    rates, push = (np.asarray(item) for item in gradient(ca.DM([0, 0, 0, *v_d]), 0))
-    return _behind_lag(rates, push, lag) if lag > 0 else (rates, push)
+    speeding = acceleration(reduced_mass(m, inertia), force, friction(mu, m, g, v_s, s[3:]))
+    rate = ca.vertcat(error_rate(s[:3], s[3:], v_d), speeding)
+    at = ca.vertcat(ca.SX.zeros(3), v_d)
+    gradients = [ca.substitute(ca.jacobian(rate, by), s, at) for by in (s, force)]
+    return ca.Function("plant", [p, v_d], gradients)
 
 
-def _behind_lag(rates: Floats, push: Floats, lag: float) -> tuple[Floats, Floats]:
-    """The plant behind a first-order lag [s] of the force, which becomes part of the state."""
-    decay = np.eye(2) / lag
-    whole = np.block([[rates, push], [np.zeros((2, len(rates))), -decay]])
-    return whole, np.vstack((np.zeros_like(push), decay))
-
-
-def _radius_at(loop: Loop, v_d: Floats) -> Callable[[float], float]:
-    return lambda period: float(np.abs(np.linalg.eigvals(closed_loop(loop, v_d, period))).max())
+def _radius(
+    loop: Loop, period: float, late: Lateness | None = None, robot: Robot | None = None
+) -> float:
+    """Largest spectral radius over points of the reference."""
+    matrices = (
+        closed_loop(loop, v_d, period, late, robot) for v_d in operating_points(loop.scenario)
+    )
+    return max(float(np.abs(np.linalg.eigvals(matrix)).max()) for matrix in matrices)
 
 
 def first_speeds(loop: Loop) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +10,18 @@ import click
 
 from wmr_ctrl.cli.console import print_json, say, wrapped
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
+from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import CompilerError
 
 if TYPE_CHECKING:
-    from wmr_ctrl.checks import Warning
+    from wmr_ctrl.checks import Stability, Warning
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.scenario.inherited import InheritedValue
 
     Warned = Mapping[str, Sequence[Warning]]
     Runs = Mapping[str, Run]
+    Taken = Sequence[InheritedValue]
 
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
@@ -46,49 +49,82 @@ def check(
     SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0. The exit
     code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
     """
-    from wmr_ctrl.checks import largest_stable_period, warnings_for
+    from wmr_ctrl.checks import grip_warnings, stability, warnings_for
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.laws import LAWS
+    from wmr_ctrl.scenario import inherited, parse_assignments
 
     case = load(scenario, assignments, guard)
-    warned = {law: warnings_for(settle(case, law)) for law in chosen or LAWS}
-    periods = {law: largest_stable_period(case, law) for law in warned}
-    runs = _runs(case, warned)
+    taken = inherited(case, scenario, parse_assignments(assignments))
+    names = chosen or tuple(LAWS)
+    with Progress("what theory says") as progress:
+        warned, stable = {}, {}
+        for count, law in enumerate(names):
+            progress(count / len(names))
+            setup = settle(case, law)
+            warned[law] = (*warnings_for(setup), *grip_warnings(setup))
+            stable[law] = stability(case, law)
+        runs = _runs(case, warned, progress)
     if as_json:
-        print_json(_document(case, warned, periods, runs))
+        print_json(_document(case, warned, stable, runs, taken))
     else:
-        click.echo("\n".join(_lines(case, warned, periods, runs)))
+        click.echo("\n".join(_lines(case, warned, stable, runs, taken)))
 
 
-def _runs(scenario: Scenario, laws: Iterable[str]) -> dict[str, Run]:
+def _runs(scenario: Scenario, laws: Mapping[str, object], progress: Progress) -> dict[str, Run]:
     """One run of each law; none where no compiler works, and stderr says so."""
     from wmr_ctrl import api
 
+    runs = {}
+    progress.start(len(laws), "one run of each law")
     try:
-        return {law: api.simulate(scenario, law) for law in laws}
+        for law in laws:
+            runs[law] = api.simulate(scenario, law)
+            progress.advance()
+        return runs
     except CompilerError as error:
         say("warning", f"no law was run: {error}")
         return {}
 
 
 def _document(
-    scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs
+    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, taken: Taken
 ) -> dict[str, Any]:
     laws = {
         law: {
-            "largest_stable_period": periods[law],
+            "largest_stable_period": stable[law].period,
             "warnings": [asdict(warning) for warning in warnings],
         }
         for law, warnings in warned.items()
     }
+    from wmr_ctrl.checks import reference_torque
+    from wmr_ctrl.world.grip import grip
+
     return {
         "scenario": scenario.name,
         "valid": True,
-        "warnings": list(_merged(warned)),
+        "grip": {**asdict(grip(scenario)), "reference": reference_torque(scenario)},
+        "warnings": [*_merged(warned), *_inherited_warning(taken)],
+        "inherited": {item.key: item.value for item in taken},
         "nominal": {law: _nominal(run) for law, run in runs.items()},
-        "max_period": dict(periods),
+        "max_period": {law: limits.period for law, limits in stable.items()},
+        "max_delay": {law: limits.delay for law, limits in stable.items()},
+        "mass_range": {law: limits.masses for law, limits in stable.items()},
+        "arrival": scenario.reference.arrival,
         "laws": laws,
     }
+
+
+def _inherited_warning(taken: Taken) -> Iterator[dict[str, str | None]]:
+    """What describes a robot and was not stated, with where to state it."""
+    if taken:
+        listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
+        text = (
+            f"The file does not state {listed}: these are the paper's robot, or that of the preset "
+            "which the file extends. State what is yours in its tables; `wmr-ctrl scenarios "
+            "paper-simulation --toml` prints them with their meaning."
+        )
+        yield {"key": "inherited", "law": None, "text": text}
 
 
 def _merged(warned: Warned) -> Iterator[dict[str, str | None]]:
@@ -106,22 +142,33 @@ def _nominal(run: Run) -> dict[str, Any]:
     from wmr_ctrl.results import summary
 
     figures = summary(run)
-    keys = ("position_rms", "tracked", "guard_share", "outcome", "remarks")
+    keys = ("position_rms", "tracked", "arrival", "guard_share", "outcome", "remarks")
     return {key: figures[key] for key in keys}
 
 
 def _lines(
-    scenario: Scenario, warned: Warned, periods: Mapping[str, float], runs: Runs
+    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, taken: Taken
 ) -> list[str]:
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
+    if scenario.reference.arrival is not None:
+        lines.append(_goal(scenario, scenario.reference.arrival))
+    lines += [_item(warning["text"] or "") for warning in _inherited_warning(taken)]
     shared = _shared(warned)
     if shared:
         lines += ["", "all laws", *(_item(str(warning)) for warning in shared)]
     for law, warnings in warned.items():
         own = [str(warning) for warning in warnings if warning not in shared]
-        lines += ["", f"{law}, {_stable(periods[law])}", *_of_law(own, runs.get(law))]
+        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}")
+        lines += ["", said, *_of_law(own, runs.get(law))]
     return lines
+
+
+def _goal(scenario: Scenario, arrival: float) -> str:
+    """When the desired motion arrives, and whether the run lasts so long."""
+    lasts = scenario.clock.duration
+    end = "" if arrival <= lasts else f", but the run ends at {lasts:g} s: lengthen clock.duration"
+    return wrapped(f"The desired motion comes to rest at its goal at t = {arrival:.4g} s{end}.")
 
 
 def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
@@ -133,7 +180,7 @@ def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
 
 def _sight(run: Run) -> str:
     """What one run showed, in a sentence."""
-    from wmr_ctrl.results import guard_share, position_rms, tracked
+    from wmr_ctrl.results import arrival, guard_share, position_rms, tracked
 
     late, shares = position_rms(run)["last_quarter"], guard_share(run)
     away = "it ended early" if late is None else f"{late:.3g} m RMS from its place at the end"
@@ -143,7 +190,9 @@ def _sight(run: Run) -> str:
         held = ", the guard changed {:.2g} % of the thrusts and {:.2g} % of the moments".format(
             *(100 * share for share in shares)
         )
-    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{held}"
+    times = arrival(run)
+    goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
+    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
 
 
 def _shared(warned: Warned) -> list[Warning]:
@@ -158,9 +207,19 @@ def _item(text: str) -> str:
     return wrapped(f"- {text}", indent="  ", hang="  ")
 
 
-def _stable(period: float) -> str:
-    if period == 0:
-        return "stable around the reference at no control period"
-    if period == float("inf"):
-        return "stable around the reference at every control period that was tried"
-    return f"stable around the reference up to clock.control = {period:.4g} s"
+def _stable(limits: Stability, period: float) -> str:
+    if limits.period == 0:
+        return f"unstable around the reference at {period:g} s and all shorter periods"
+    limit = f"up to clock.control = {limits.period:.4g} s"
+    if limits.shortest > 0:
+        limit = f"for clock.control = {limits.shortest:.4g} to {limits.period:.4g} s"
+    if limits.period == float("inf"):
+        limit = "at every control period that was tried"
+    parts = []
+    if limits.delay is not None and limits.delay < float("inf"):
+        parts.append(f"up to a delay of {limits.delay:.3g} s")
+    if limits.masses is not None:
+        low, high = limits.masses
+        parts.append(f"for a mass of {low:.3g} to {high:.3g} times the believed one")
+    here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
+    return f"stable around the reference {limit}{here}"

@@ -32,7 +32,7 @@ from wmr_ctrl.cli.options import debug_option, examples, json_option
 @debug_option
 @click.pass_context
 def compare(ctx: click.Context, run_a: str, run_b: str, tolerance: float, as_json: bool) -> None:
-    """Show where two saved runs (.npz or .csv) differ, by how much and when.
+    """Show where two saved runs (.npz, .csv or .parquet) differ, by how much and when.
 
     Compares the samples and columns that both have. The exit code is 0 if the runs are equal or
     agree within the tolerance, 1 if they differ or share no sample.

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import click
 
-from wmr_ctrl.cli.console import say
 from wmr_ctrl.cli.options import (
     Seed,
-    check_output,
     debug_option,
     examples,
+    guard_option,
     json_option,
     load,
     scenario_argument,
     set_option,
 )
 from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.cli.run import RUNS, show
+from wmr_ctrl.cli.run import check_outputs, show, write_run
 
 
 @click.command(
@@ -24,10 +23,16 @@ from wmr_ctrl.cli.run import RUNS, show
     epilog=examples(
         "wmr-ctrl cosim paper-simulation --law nn",
         "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
+        "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
     ),
 )
 @scenario_argument
-@click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@click.option(
+    "--law",
+    metavar="NAME",
+    help="Control law; see `wmr-ctrl laws`.  [default: the controller's if it is ours, else nn]",
+)
+@guard_option
 @click.option("--plant", metavar="FILE.fmu", help="Plant in place of ours.")
 @click.option("--controller", metavar="FILE.fmu", help="Controller in place of ours.")
 @click.option("--map", "map_file", metavar="FILE.toml", help="Names and units of foreign FMUs.")
@@ -37,21 +42,30 @@ from wmr_ctrl.cli.run import RUNS, show
     metavar="gauss-seidel|jacobi",
     help="One after the other (as the native loop), or all at once: one step of delay.",
 )
+@click.option(
+    "--know-delay",
+    is_flag=True,
+    help="With jacobi: build the controller for torques that act one control period late.",
+)
 @click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
 @set_option
-@click.option("--out", metavar="FILE", help="Save the run: .npz or .csv.")
+@click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
+@click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
 @json_option("Print outcome and figures as one JSON document.")
 @debug_option
 def cosim(
     scenario: str,
-    law: str,
+    law: str | None,
+    guard: bool | None,
     plant: str | None,
     controller: str | None,
     map_file: str | None,
     master: str,
+    know_delay: bool,
     seed: int,
     assignments: tuple[str, ...],
     out: str | None,
+    plot: str | None,
     as_json: bool,
 ) -> None:
     """Run reference, controller and plant as FMUs, and print how it went.
@@ -60,16 +74,13 @@ def cosim(
     names it and the time.
     """
     from wmr_ctrl import api
-    from wmr_ctrl.results import save_run
 
-    check_output(out, RUNS, "--out")
-    case = load(scenario, assignments)
-    with Progress(f"{law} on {case.name}, as FMUs") as progress:
+    check_outputs(out, plot, None)
+    case = load(scenario, assignments, guard)
+    with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         run = api.cosimulate(
             case, law, plant=plant, controller=controller, map_file=map_file, master=master,
-            seed=seed, progress=progress,
+            delay_known=know_delay, seed=seed, progress=progress,
         )  # fmt: skip
-    if out:
-        save_run(run, out)
-        say("wrote", out)
+    write_run(run, out, plot, None)
     show(run, as_json)

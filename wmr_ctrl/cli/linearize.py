@@ -13,6 +13,7 @@ from wmr_ctrl.cli.options import (
     scenario_argument,
     set_option,
 )
+from wmr_ctrl.cli.progress import Progress
 
 
 @click.command(short_help="Poles, margins and the largest stable sample time.")
@@ -34,10 +35,12 @@ def linearize(
 
     if plot:
         check_folder(plot, "--plot")
-    report = report_linear(load(scenario, assignments), law)
+    with Progress(f"{law}, linearised", measured=False):
+        report = report_linear(load(scenario, assignments), law)
+        paths = report.plots(plot) if plot else ()
     if as_json:
         print_json(report.to_json())
     else:
         click.echo(report.table())
-    for path in report.plots(plot) if plot else ():
+    for path in paths:
         say("wrote", str(path))

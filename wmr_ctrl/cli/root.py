@@ -26,6 +26,9 @@ from wmr_ctrl.cli.prove import prove
 from wmr_ctrl.cli.reproduce import reproduce
 from wmr_ctrl.cli.run import run
 from wmr_ctrl.cli.scenarios import scenarios
+from wmr_ctrl.cli.show import show_saved
+from wmr_ctrl.cli.study import study
+from wmr_ctrl.cli.tune import tune
 from wmr_ctrl.errors import UnknownNameError
 
 PROGRAM = "wmr-ctrl"
@@ -117,7 +120,7 @@ def root(ctx: click.Context) -> None:
 
 
 _COMMANDS = (
-    *(reproduce, run, compare, scenarios, laws, check),
+    *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune),
     *(prove, linearize, export, cosim, codegen, bench),
 )
 for _command in _COMMANDS:

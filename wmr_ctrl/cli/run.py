@@ -25,7 +25,11 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
 
-RUNS, PLOTS, ANIMATIONS = (".npz", ".csv"), (".png", ".svg", ".pdf"), (".gif", ".mp4", ".html")
+RUNS, PLOTS, ANIMATIONS = (
+    (".npz", ".csv", ".parquet"),
+    (".png", ".svg", ".pdf"),
+    (".gif", ".mp4", ".html"),
+)
 
 
 @click.command(
@@ -43,11 +47,17 @@ RUNS, PLOTS, ANIMATIONS = (".npz", ".csv"), (".png", ".svg", ".pdf"), (".gif", "
 @click.option(
     "--engine",
     default="native",
-    metavar="native|numpy",
-    help="Compiled C, or NumPy: slow, needs no compiler.",
+    metavar="native|numpy|fmu",
+    help="Compiled C; NumPy: slow, needs no compiler; or our own FMUs, coupled.",
+)
+@click.option(
+    "--plant",
+    default="ode",
+    metavar="ode|mujoco",
+    help="The plane model, or a rigid body on tyres (extra physics).",
 )
 @set_option
-@click.option("--out", metavar="FILE", help="Save the run: .npz or .csv.")
+@click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
 @click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
 @click.option("--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html.")
 @json_option("Print outcome and figures as one JSON document.")
@@ -58,6 +68,7 @@ def run(
     guard: bool | None,
     seed: int,
     engine: str,
+    plant: str,
     assignments: tuple[str, ...],
     out: str | None,
     plot: str | None,
@@ -68,17 +79,23 @@ def run(
 
     SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What theory says
     against the run is printed on stderr before it. A run that breaks the velocity limit or
-    diverges is a result like any other: the exit code is 0, and the outcome says so.
+    diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and
+    the outcome says so.
     """
-    _check_outputs(out, plot, animate)
+    check_outputs(out, plot, animate)
     case = load(scenario, assignments, guard)
-    finished = _simulated(case, law, seed, engine)
-    _write(finished, out, plot, animate)
+    finished = _simulated(case, law, seed, engine, plant)
+    write_run(finished, out, plot, animate)
     show(finished, as_json)
 
 
-def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
+def check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
+    """Raise, before anything is computed, where one of the files cannot be written."""
     check_output(out, RUNS, "--out")
+    if out and out.lower().endswith(".parquet"):
+        from wmr_ctrl.results.frames import library
+
+        library("pyarrow")
     check_output(plot, PLOTS, "--plot")
     check_output(animate, ANIMATIONS, "--animate")
     if animate and animate.lower().endswith(".mp4"):
@@ -87,20 +104,25 @@ def _check_outputs(out: str | None, plot: str | None, animate: str | None) -> No
         find_ffmpeg()
 
 
-def _simulated(scenario: Scenario, law: str, seed: int, engine: str) -> Run:
+def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str) -> Run:
     from wmr_ctrl import api
-    from wmr_ctrl.checks import warnings_for
+    from wmr_ctrl.checks import grip_warnings, warnings_for
     from wmr_ctrl.control.setup import settle
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
-    for warning in warnings_for(settle(scenario, law)):
+    if plant not in api.PLANTS:
+        raise UnknownNameError("plant", plant, api.PLANTS)
+    setup = settle(scenario, law)
+    for warning in (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ())):
         say("warning", str(warning))
-    with Progress(f"{law} on {scenario.name}", measured=engine == "numpy") as progress:
-        return api.simulate(scenario, law, seed=seed, engine=engine, progress=progress)
+    measured = engine != "native" or plant == "mujoco"
+    with Progress(f"{law} on {scenario.name}", measured=measured) as progress:
+        return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
 
 
-def _write(run: Run, out: str | None, plot: str | None, animate: str | None) -> None:
+def write_run(run: Run, out: str | None, plot: str | None, animate: str | None) -> None:
+    """Save, draw and film a run, each where a file is named."""
     if out:
         from wmr_ctrl.results import save_run
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
-from wmr_ctrl.results import Remark, Run, summary
+from wmr_ctrl.results import Remark, RigidMonitor, Run, summary
 
 MISSING = "- (not reached)"
 Row = tuple[str, str, str]
@@ -15,10 +15,20 @@ Row = tuple[str, str, str]
 def summary_text(run: Run) -> str:
     """What was run, how it ended, and its figures as a table."""
     guarded = ", guarded" if run.guard else ""
-    head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
+    rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
+    head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"
     remarks = [wrapped(f"- {item.key}: {item.text}", hang="  ") for item in _unsaid(run)]
+    head = "\n".join((head, *_parts(run)))
     said = ("\n".join((wrapped(run.explanation), *remarks)), table(_rows(run, summary(run))))
     return "\n\n".join((head, *said))
+
+
+def _parts(run: Run) -> Iterator[str]:
+    """The FMUs of a run that coupled some."""
+    for name in ("reference", "controller", "plant"):
+        label = run.provenance.get(f"fmu_{name}")
+        if label:
+            yield wrapped(f"{name}: {label}", hang="  ")
 
 
 def _unsaid(run: Run) -> Iterator[Remark]:
@@ -42,6 +52,18 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
     change = _number(figures["torque_change_rms"], "N m")
     yield "wheel torque, change", change, "RMS a sample, last half"
+    if run.monitor.rigid is not None:
+        yield from _rigid(run.monitor.rigid)
+
+
+def _rigid(seen: RigidMonitor) -> Iterator[Row]:
+    """What a rigid body showed."""
+    since = "" if seen.slipped is None else f"SLIPPED, from {seen.slipped:.4g} s on"
+    yield "tread over ground, largest", _number(seen.max_slip, "m/s"), since
+    yield "wheel speed, largest", _number(seen.max_wheel_speed, "rad/s"), ""
+    fell = "" if seen.tipped is None else f"TIPPED at {seen.tipped:.4g} s"
+    yield "tilt, largest", _number(seen.max_tilt, "rad"), fell
+    yield "tip margin, least", _number(seen.least_tip_margin), "1 over the axle, 0 on an edge"
 
 
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -52,6 +74,14 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     verdict += {None: "", True: "tracked", False: "NOT TRACKED"}[figures["tracked"]]
     yield "position error, RMS", _number(rms["last_quarter"], "m"), f"last quarter{verdict}"
     yield "position error, largest", _number(figures["position_max"], "m"), "last quarter"
+    if figures["arrival"]:
+        robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
+        stays = "" if tolerance is None else f"stays within {tolerance:g} m; "
+        yield (
+            "arrival at the goal",
+            _number(robot, "s"),
+            f"{stays}the desired motion: {desired:.4g} s",
+        )
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

@@ -23,10 +23,10 @@ from wmr_ctrl.world.references.evaluate import reference
 PARALLEL = Signal(
     "clock.parallel",
     "1",
-    "1: for masters that step all parts at once; a law's first sample uses the inputs of "
-    "initialisation, a reference follows the time that was reached",
+    "1: for masters that step all parts at once; the first sample uses the inputs of "
+    "initialisation",
 )
-"""Parameter of sampled blocks that their kernels do not read; the stepping does."""
+"""Parameter of sampled blocks with inputs that their kernels do not read; the stepping does."""
 
 Entry = tuple[int, int, bool]
 """Row of w, row of z, and whether the derivative there is a constant."""
@@ -80,8 +80,7 @@ def reference_block(scenario: Scenario) -> Block:
     system = reference(scenario)
     p = Parameters(scenario, system.params)
     p.take("clock.control")
-    sampled = (*p.ports, port(PARALLEL))
-    return _block(replace(system, params=sampled, period=scenario.clock.control))
+    return _block(replace(system, params=p.ports, period=scenario.clock.control))
 
 
 def results_of(system: System) -> tuple[Output, ...]:

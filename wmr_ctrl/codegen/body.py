@@ -9,18 +9,20 @@ from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.fold import folded
 from wmr_ctrl.codegen.items import (
     Block,
+    Four,
     Item,
     Line,
     Roll,
     Slice,
     Together,
+    Turn,
     Writing,
     line,
     ordered,
     writing,
 )
-from wmr_ctrl.codegen.rolls import rolled
-from wmr_ctrl.codegen.together import together
+from wmr_ctrl.codegen.rolls import in_fours, rolled
+from wmr_ctrl.codegen.together import together, turns
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
@@ -31,7 +33,9 @@ def body(graph: Graph, dialect: Dialect) -> list[str]:
     lines = [line(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
     scope = branched(graph, scope)
-    items, places = rolled(graph, together(graph, scope) if dialect.together else scope)
+    scope = together(graph, scope) if dialect.together else scope
+    items, places = rolled(graph, turns(graph, scope) if dialect.turns else scope)
+    items = in_fours(items, places) if dialect.fours else items
     return _Writer(graph, dialect, items, places).text()
 
 
@@ -77,6 +81,15 @@ class _Writer:
                 found.append(f"{indent}{target} = {self._real(item.store.node)};")
             elif isinstance(item, Block):
                 found.extend(self._block(item, indent))
+            elif isinstance(item, Four):
+                found.append(
+                    f"{indent}{self._four(item.target, map(self._expression, item.defines))}"
+                )
+            elif isinstance(item, Turn):
+                sine, cosine = map(self._name, item.defines)
+                found.append(f"{indent}{self.dialect.real} {sine}, {cosine};")
+                called = f"wmr_sin_cos({self._real(item.angle)}, &{sine}, &{cosine});"
+                found.append(f"{indent}{called}")
             elif isinstance(item, Together):
                 found.extend(self._exponentials(item, indent))
             elif isinstance(item, Roll) and item not in self.folded:
@@ -87,10 +100,18 @@ class _Writer:
         """What is missing to a multiple of the dialect's size is filled up with zeros."""
         given = [self._real(number) for number in item.operands]
         given += [self.dialect.number(0.0)] * (-len(given) % self.dialect.together)
-        return [
-            f"{indent}{self.dialect.real} {item.array}[{len(given)}] = {{{', '.join(given)}}};",
-            f"{indent}wmr_exp_many({item.array}, {len(given)});",
+        name, size = f"{self.dialect.real} {item.array}", len(given)
+        called = f"{indent}wmr_exp_many({item.array}, {size});"
+        if not self.dialect.fours:
+            return [f"{indent}{name}[{size}] = {{{', '.join(given)}}};", called]
+        fours = [
+            indent + self._four(Slice(item.array, k), given[k : k + 4]) for k in range(0, size, 4)
         ]
+        return [f"{indent}{name}[{size}];", *fours, called]
+
+    def _four(self, target: Slice, given: Iterable[str]) -> str:
+        at = f"{target.array} + {target.start}" if target.start else target.array
+        return f"wmr_four({at}, {', '.join(given)});"
 
     def _assignment(self, number: int) -> str:
         if number in self.places:

@@ -16,14 +16,19 @@ WORTH = 15
 """Cost (see `Graph.cost`) of what a branch saves, from which on it is made."""
 
 
-def branched(graph: Graph, items: Sequence[Item], needed: Iterable[int] = ()) -> list[Item]:
-    """The items of one scope with branches where they pay; ``needed`` is read outside of it."""
+def branched(
+    graph: Graph, items: Sequence[Item], needed: Iterable[int] = (), *, worth: int = WORTH
+) -> list[Item]:
+    """The items of one scope with branches where they pay; ``needed`` is read outside of it.
+
+    With ``worth`` 1 nothing is computed that is not asked for.
+    """
     outside, items = frozenset(needed), list(items)
     while True:
         scope = _Scope(items, outside)
-        candidates = [_Branch(graph, scope, c) for c in _conditions(graph, items)]
+        candidates = [_Branch(graph, scope, c, worth) for c in _conditions(graph, items)]
         best = max(candidates, key=lambda item: item.cost, default=None)
-        if best is None or best.cost < WORTH:
+        if best is None or best.cost < worth:
             return items
         items = ordered(best.contracted())
 
@@ -54,8 +59,8 @@ def _conditions(graph: Graph, items: Sequence[Item]) -> list[int]:
 class _Branch:
     """The choices of one scope on one condition, and what only one side of them needs."""
 
-    def __init__(self, graph: Graph, scope: _Scope, condition: int) -> None:
-        self.graph, self.scope, self.condition = graph, scope, condition
+    def __init__(self, graph: Graph, scope: _Scope, condition: int, worth: int) -> None:
+        self.graph, self.scope, self.condition, self.worth = graph, scope, condition, worth
         self.choices = self._independent_choices()
         self.then, self.other = self._cone(1), self._cone(2)
         self.cost = max(_cost(self.then), _cost(self.other))
@@ -69,7 +74,7 @@ class _Branch:
         defines = tuple(item.node for item in self.choices)
         arms = [values(self.graph, self._arms(side)) for side in (1, 2)]
         inner = [
-            branched(self.graph, cone, arm)
+            branched(self.graph, cone, arm, worth=self.worth)
             for cone, arm in zip((self.then, self.other), arms, strict=True)
         ]
         parts = [*self.then, *self.other]

@@ -24,6 +24,8 @@ from wmr_ctrl.codegen.kernels import (
     loop_kernels,
     outside_constants,
     outside_kernels,
+    plantless_constants,
+    plantless_kernels,
     sizes_of,
 )
 from wmr_ctrl.codegen.objects import Unit, build_units
@@ -31,12 +33,12 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
-from wmr_ctrl.control.loop import SUMS, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import SUMS, Graphs, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.errors import ArgumentError, CompilerError
 from wmr_ctrl.model.system import System, values
-from wmr_ctrl.signals import PLANT_STATE, Signal
+from wmr_ctrl.signals import PATH, PLANT_STATE, Signal
 
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *LOOP)
@@ -78,6 +80,22 @@ def build_batch(setup: Setup) -> CompiledLoop:
     return _filled(program, setup, program.lanes, program.lanes_digest)
 
 
+def build_plantless(setup: Setup) -> CompiledLoop:
+    """The same for one robot whose plant is elsewhere; it has the columns of `build_loop`.
+
+    That plant tells the state of ours, and the way where an odometer asks for it; ArgumentError
+    for a plant with further state.
+    """
+    program = program_of(setup)
+    for item in program.loop.plant.state:
+        if item.signal not in (*PLANT_STATE, PATH):
+            raise ArgumentError(
+                f"the plant keeps {item.signal.name} ({item.signal.meaning}), which a plant that "
+                "is coupled from outside does not tell. Take the plant ode."
+            )
+    return _filled(program, setup, program.plantless, program.digest)
+
+
 class Program:
     """Graphs, C text and libraries of one structure, made when they are asked for."""
 
@@ -113,6 +131,12 @@ class Program:
     def native(self) -> Path:
         """The library for one robot."""
         return _for_this_processor(unity(self.generated))
+
+    @cached_property
+    def plantless(self) -> Path:
+        """The library for one robot whose plant is elsewhere."""
+        kernels, sizes = plantless_kernels(self.loop), plantless_constants(self.loop)
+        return _for_this_processor(unity(sources(sizes, kernels, SCALAR), OUTSIDE))
 
     @cached_property
     def lanes(self) -> Path:
@@ -152,18 +176,29 @@ def program_of(setup: Setup) -> Program:
 
 def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
     """The program with the numbers of a setup."""
-    first = numbers_of(setup, program.layout.parameters)
-    phases = phases_of(setup, program.layout.parameters, first)
+    law = law_layout(setup, program.loop.controller)
+    texts = (str(library), hashed, program.structure)
+    return _numbered(texts, program.layout, law, setup, program.loop)
+
+
+def _numbered(
+    texts: tuple[str, str, str],
+    layout: LoopLayout,
+    law: LawLayout,
+    setup: Setup,
+    loop: Graphs,
+) -> CompiledLoop:
+    """A library, its hash and its structure's, with a setup's numbers in the layout's order."""
+    first = numbers_of(setup, layout.parameters)
+    phases = phases_of(setup, layout.parameters, first)
     return CompiledLoop(
-        str(library),
-        hashed,
-        program.structure,
-        program.layout,
-        law_layout(setup, program.loop.controller),
+        *texts,
+        layout,
+        law,
         tuple(row for _, row in phases),
         tuple(step for step, _ in phases),
-        start_of(setup, program.loop.x0),
-        delay_steps_of(program.loop, first),
+        start_of(setup, loop.x0),
+        delay_steps_of(loop, first),
     )
 
 
@@ -198,21 +233,10 @@ def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
     """
     generated = sources(outside_constants(loop), outside_kernels(loop), SCALAR)
     parameters = tuple(item.signal for item in loop.parameters.ports)
-    first = numbers_of(setup, parameters)
-    phases = phases_of(setup, parameters, first)
-    state = (*loop.fast, *loop.slow)
-    signals = tuple(item.signal for item in state)
-    return CompiledLoop(
-        str(_for_this_processor(unity(generated, OUTSIDE))),
-        digest(generated),
-        "",
-        LoopLayout("", (), signals, parameters, FINDINGS, ()),
-        LawLayout((), (), (), (), ()),
-        tuple(row for _, row in phases),
-        tuple(step for step, _ in phases),
-        start_of(setup, values(state)),
-        delay_steps_of(loop, first),
-    )
+    signals = tuple(item.signal for item in (*loop.fast, *loop.slow))
+    layout = LoopLayout("", (), signals, parameters, FINDINGS, ())
+    texts = (str(_for_this_processor(unity(generated, OUTSIDE))), digest(generated), "")
+    return _numbered(texts, layout, LawLayout((), (), (), (), ()), setup, loop)
 
 
 def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...]:
@@ -220,7 +244,7 @@ def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...
     return tuple(number for item in parameters for number in setup.value(item.name))
 
 
-def delay_steps_of(loop: LoopGraphs | OutsideGraphs, parameters: tuple[float, ...]) -> int:
+def delay_steps_of(loop: Graphs, parameters: tuple[float, ...]) -> int:
     """Plant steps for which a command is under way, for the values of a loop's parameters."""
     number = loop.delay_steps(parameters)
     return round(float(number))

@@ -24,6 +24,8 @@ from wmr_ctrl.errors import CacheError, CompilerError
 
 VARIABLE = "WMR_CTRL_CC"
 """Environment variable that names the C compiler."""
+LEVEL = "WMR_CTRL_OPTIMIZE"
+"""Environment variable that says how much the compiler optimises, 0 to 3; without it 3."""
 TIMEOUT = 600.0
 """Seconds that one call of the compiler may take."""
 

@@ -72,7 +72,8 @@ class Dialect:
     """Types and patterns of one way to write C, and the header that has its functions.
 
     ``together``: independent exponentials are computed side by side, in arrays of multiples of this
-    size; 0: one by one.
+    size; 0: one by one.  ``fours``: single operations that fill an array do so four at a time.
+    ``turns``: sine and cosine of one angle are one call.
     """
 
     header: str
@@ -81,6 +82,8 @@ class Dialect:
     patterns: Mapping[int, str]
     lanes: bool
     together: int = 0
+    fours: bool = False
+    turns: bool = False
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands."""
@@ -114,5 +117,15 @@ class Dialect:
 
 HEADER = "arithmetic.h"
 """The functions of both dialects, in fmu/runtime: an element's bits are the same in both."""
-SCALAR = Dialect(HEADER, "double", "int", MappingProxyType(_SCALAR), lanes=False, together=8)
-LANES = Dialect(HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, together=1)
+SCALAR = Dialect(
+    HEADER,
+    "double",
+    "int",
+    MappingProxyType(_SCALAR),
+    lanes=False,
+    together=8,
+    fours=True,
+)
+LANES = Dialect(
+    HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, together=1, turns=True
+)

@@ -65,6 +65,20 @@ class Roll(Item):
 
 
 @dataclass(frozen=True, eq=False)
+class Four(Item):
+    """Four operations as ``array[start]`` to ``array[start + 3]``."""
+
+    target: Slice = field(default=Slice("", 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Turn(Item):
+    """Sine and cosine, in this order, of one angle."""
+
+    angle: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class Together(Item):
     """The exponentials of ``operands``, in order, as elements of an array."""
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, Graphs, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.signals import VELOCITY
@@ -30,52 +31,70 @@ def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
     left = {"next": loop.next_slow, "held": loop.held}
     return (
         kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
-        kernel("sample_logged", "A control sample with its log.", given, {**left, "row": loop.row}),
+        kernel(
+            "sample_logged",
+            "A control sample with its log.",
+            given,
+            {**left, "row": loop.row},
+            prepared=True,
+        ),
         kernel(
             "sample_watched",
             "A control sample and what is watched.",
             given,
             {**left, "seen": loop.seen},
+            prepared=True,
         ),
-        kernel("step", "The fast state after a plant step.", _stepped(loop), _fast(loop)),
+        kernel(
+            "step",
+            "The fast state after a plant step.",
+            _stepped(loop),
+            {"next": loop.next_fast},
+            prepared=True,
+        ),
     )
 
 
 def outside_kernels(loop: OutsideGraphs) -> tuple[Kernel, ...]:
     """The C functions of what lies between a controller and a plant that are elsewhere."""
-    p = stack(item.sym for item in loop.parameters.ports)
-    x = stack(item.sym for item in (*loop.fast, *loop.slow))
-    sampled = {"k": loop.sample.clock.sym, "x": x, "p": p, "w": loop.draws(Rate.SAMPLE)}
+    sampled = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
     return (
-        kernel("clock", "Numbers that the loop itself takes.", {"p": p}, {"n": loop.clock}),
+        kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
         kernel(
             "measure",
             "What the sensors show, and what disturbs.",
             sampled,
             {"next": stack(loop.sample.following), "y": loop.measured},
         ),
-        kernel("act", "What acts on the plant.", _stepped(loop), {**_fast(loop), "y": loop.acting}),
+        _acting(loop),
     )
 
 
-def _stepped(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
+def plantless_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
+    """The C functions of a whole loop whose plant alone is elsewhere."""
+    clock, logged, _, _ = loop_kernels(loop)
+    return clock, replace(logged, prepared=False), _acting(loop)
+
+
+def _acting(loop: Graphs) -> Kernel:
+    moved = {"next": loop.resting, "y": loop.acting}
+    return kernel("act", "What acts on the plant.", _stepped(loop), moved)
+
+
+def _stepped(loop: Graphs) -> dict[str, ca.SX]:
     return {
         "i": loop.step.clock.sym,
         "u": loop.u.sym,
         "x": stack(item.sym for item in loop.fast),
-        "p": stack(item.sym for item in loop.parameters.ports),
+        "p": loop.p,
         "w": loop.draws(Rate.STEP),
     }
 
 
-def _fast(loop: LoopGraphs | OutsideGraphs) -> dict[str, ca.SX]:
-    return {"next": loop.next_fast}
-
-
-def controller_kernel(system: System) -> Kernel:
-    """One sample of the controller by itself."""
+def controller_kernel(system: System, name: str = "controller") -> Kernel:
+    """One sample of the controller by itself, under a name."""
     return kernel(
-        "controller",
+        name,
         f"One sample: {system.title}.",
         {"u": system.u, "x": system.x, "p": system.p},
         {"next": system.update, "y": system.y},
@@ -95,16 +114,19 @@ def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
 
 def outside_constants(loop: OutsideGraphs) -> Mapping[str, int | str]:
     """The same for what lies between a controller and a plant."""
-    sizes: dict[str, int | str] = {
-        "PLANT": loop.plant.x.numel(),
-        "MEASURED": loop.measured.numel(),
-        "ACTING": loop.acting.numel(),
-        "SUMS": 0,
-    }
-    return {**sizes, **_constants(loop)}
+    return {"MEASURED": loop.measured.numel(), **_beside_plant(loop), **_constants(loop)}
 
 
-def _constants(loop: LoopGraphs | OutsideGraphs) -> Mapping[str, int | str]:
+def plantless_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
+    """The same for a whole loop whose plant alone is elsewhere."""
+    return {"ROW": loop.row.numel(), **_beside_plant(loop), **_constants(loop)}
+
+
+def _beside_plant(loop: Graphs) -> Mapping[str, int | str]:
+    return {"PLANT": loop.plant.x.numel(), "ACTING": loop.acting.numel(), "SUMS": 0}
+
+
+def _constants(loop: Graphs) -> Mapping[str, int | str]:
     state = [name for item in loop.fast for name in item.signal.elements]
     sizes: dict[str, int | str] = {
         "STATE": len(values((*loop.fast, *loop.slow))),
@@ -116,7 +138,7 @@ def _constants(loop: LoopGraphs | OutsideGraphs) -> Mapping[str, int | str]:
         "SAMPLE_DRAWS": loop.draws(Rate.SAMPLE).numel(),
         "STEP_DRAWS": loop.draws(Rate.STEP).numel(),
         "CLOCK_STREAMS": len(CLOCK),
-        "STREAMS": ", ".join(map(_stream, loop.streams)) or "{0u, 0, 0, 0}",
+        "STREAMS": ", ".join(map(_stream, loop.streams)) or "{0u, 0, 0, 0, 0}",
     }
     sizes |= {f"AT_{s.name.upper()}": state.index(s.name) for s in VELOCITY}
     sizes |= {f"CLOCK_{name.upper()}": place for place, name in enumerate(CLOCK)}
@@ -124,9 +146,10 @@ def _constants(loop: LoopGraphs | OutsideGraphs) -> Mapping[str, int | str]:
 
 
 def _stream(item: Stream) -> str:
-    """A row of the table of streams: number, whether normal, pairs, whether drawn each step."""
-    numbers = (f"{item.number}u", item.normal, item.size // 2, item.rate is Rate.STEP)
-    return f"{{{', '.join(str(int(n)) if isinstance(n, bool) else str(n) for n in numbers)}}}"
+    """A row of the table of streams: number, whether normal, pairs, for each step, held."""
+    flags = (int(item.rate is Rate.STEP), int(item.draw.held))
+    numbers = (f"{item.number}u", int(item.normal), item.size // 2, *flags)
+    return f"{{{', '.join(map(str, numbers))}}}"
 
 
 def sizes_of(role: str, system: System) -> Mapping[str, int]:

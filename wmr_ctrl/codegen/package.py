@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import jinja2
 
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.dialect_single import package_dialect
-from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
+from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.codegen.single_precision import MARGIN, PERIODS, with_margin
+from wmr_ctrl.codegen.single_precision import LARGEST_SINGLE, MARGIN, PERIODS, with_margin
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.system import Port, System
-from wmr_ctrl.results import atomic_write
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.model.system import Output, Port, System, stack
+from wmr_ctrl.results import write_all
+from wmr_ctrl.scenario import Circle, Scenario
+from wmr_ctrl.signals import LARGEST, VELOCITY, Signal
+from wmr_ctrl.world.encoder import COUNTS, ENCODER, reader
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip
@@ -59,9 +61,10 @@ class Field:
 def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
 
-    Raises ScenarioError or UnknownNameError as building the law does.
+    Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
+    whose velocity needs more than counts.
     """
-    system = controller(settle(scenario, law))
+    system = packaged(settle(scenario, law))
     if float32 and scenario.guard.enabled:
         system = with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)
@@ -77,14 +80,35 @@ def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dic
     return files | header
 
 
+def packaged(setup: Setup) -> System:
+    """The controller; where the scenario has encoders, it is given counts, not velocities."""
+    core = controller(setup)
+    if ENCODER not in setup.effects:
+        return core
+    front = reader(setup.scenario)
+    known = {item.signal.name: item for item in core.params}
+    shared = stack(known.get(item.signal.name, item).sym for item in front.params)
+    y, update = ca.substitute([front.y, front.update], [front.p], [shared])
+    made = {item.signal: y[i] for i, item in enumerate(front.outputs)}
+    old = stack(item.sym for item in core.inputs if item.signal in made)
+    new = stack(made[item.signal] for item in core.inputs if item.signal in made)
+    exprs = ca.substitute([core.update, *(item.expr for item in core.outputs)], [old], [new])
+    return replace(
+        core,
+        inputs=(*(i for i in core.inputs if i.signal not in made), *front.inputs),
+        state=(*core.state, *front.state),
+        params=(*core.params, *(i for i in front.params if i.signal.name not in known)),
+        update=ca.vertcat(exprs[0], update),
+        outputs=tuple(
+            Output(item.signal, expr) for item, expr in zip(core.outputs, exprs[1:], strict=True)
+        ),
+        diagnostics=(),
+    )
+
+
 def step_kernel(system: System) -> Kernel:
     """The package's one kernel: a sample of the law."""
-    return kernel(
-        "step",
-        f"One sample: {system.title}.",
-        {"u": system.u, "x": system.x, "p": system.p},
-        {"next": system.update, "y": system.y},
-    )
+    return controller_kernel(system, "step")
 
 
 def write_package(
@@ -95,14 +119,7 @@ def write_package(
     All files appear, or none where one of them cannot be written.  Raises OSError if the folder
     cannot be made, ResultFileError for a file.
     """
-    files = package_files(law, scenario, float32=float32)
-    out.mkdir(parents=True, exist_ok=True)
-    with ExitStack() as together:
-        for name, text in files.items():
-            file = together.enter_context(atomic_write(out / name, text=True))
-            file.write(text)
-            file.flush()  # a full disk shows here, before the first file gets its name
-    return tuple(out / name for name in files)
+    return tuple(write_all(package_files(law, scenario, float32=float32), out))
 
 
 def _context(
@@ -116,17 +133,35 @@ def _context(
     return {
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
         "period": scenario.clock.control, "float32": float32,
-        "real": "float" if float32 else "double", "digits": 9 if float32 else 17,
+        "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
+        "largest": LARGEST_SINGLE if float32 else LARGEST, "digits": 9 if float32 else 17,
         "inputs": _fields(system.inputs), "state": _fields(system.state),
         "parameters": _fields(system.params), "outputs": outputs,
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
                    "parameters": system.p.numel(), "outputs": system.y.numel()},
-        "kernel": text, "calls": library_calls(text, float32), "operations": step.operations,
+        "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
+        "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": MARGIN,
         "periods": [f"{1e3 * period:g} ms" for period in PERIODS.get((law, guarded), ())],
         "footprint": _shown(known_footprint(law, float32, guarded, step.operations)),
-        "library": f"wmr_{law}",
+        "library": f"wmr_{law}", "robot": _robot(scenario),
+        "encoders": any(item.signal == COUNTS for item in system.inputs),
+        "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
+    }  # fmt: skip
+
+
+def _robot(scenario: Scenario) -> Mapping[str, str | float]:
+    """What the example simulates: the scenario's robot and start, and its circle if it has one."""
+    robot, reference = scenario.robot, scenario.reference
+    circle = reference if isinstance(reference, Circle) else Circle()
+    other = "" if isinstance(reference, Circle) else f" (not {scenario.reference_kind.name})"
+    (x, y, theta), (v1, omega) = scenario.initial.pose, scenario.initial.velocity
+    return {
+        **{name: getattr(robot, name) for name in ("m", "I", "mu", "r", "l", "g")},
+        "path": f"a circle of {circle.radius:g} m{other}",
+        "radius": circle.radius, "rate": circle.rate,
+        "x": x, "y": y, "theta": theta, "v1": v1, "omega": omega,
     }  # fmt: skip
 
 

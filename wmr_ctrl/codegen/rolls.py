@@ -9,11 +9,11 @@ Values of one depth never depend on each other, so any grouping of them can be p
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import Item, Line, Roll, Slice, Writing, ordered, values
+from wmr_ctrl.codegen.items import Four, Item, Line, Roll, Slice, Writing, ordered, values
 from wmr_ctrl.model.graph import Graph
 
 SHORTEST = 8
@@ -42,6 +42,21 @@ def rolled(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, P
     results = [item for item in kept if isinstance(item, Writing)]
     others = [item for item in kept if not isinstance(item, Writing)]
     return ordered([*rolling.rolls, *others, *_rolled_results(results, local)]), local
+
+
+def in_fours(items: Sequence[Item], places: Mapping[int, Place]) -> list[Item]:
+    """The items with the single lines that fill four elements of an array as one item."""
+    lines = {
+        places[item.node]: item for item in items if isinstance(item, Line) and item.node in places
+    }
+    made: list[Item] = []
+    for array, start in lines:
+        four = [lines.get((array, start + k)) for k in range(4)]
+        if start % 4 == 0 and None not in four:
+            made.append(_four([line for line in four if line], Slice(array, start)))
+    gone = {number for item in made for number in item.defines}
+    kept = [item for item in items if not gone.intersection(item.defines)]
+    return ordered([*made, *kept]) if made else list(items)
 
 
 class _Rolling:
@@ -249,3 +264,9 @@ def _copy(run: list[Writing], local: dict[int, Place]) -> Roll:
     reads = frozenset().union(*(item.reads for item in run))
     source = Slice(*local[first.node])
     return Roll((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))
+
+
+def _four(lines: Sequence[Line], target: Slice) -> Four:
+    defines = tuple(line.node for line in lines)
+    reads = frozenset().union(*(line.reads for line in lines))
+    return Four(defines, reads, sum(line.cost for line in lines), target)

@@ -10,6 +10,9 @@ MARGIN = 2.0**-15
 """The guard's limits are lowered by this share of theirs: 512 times the rounding of a float, as
 the graph's own margin is 512 times that of a double."""
 
+LARGEST_SINGLE = 1e6
+"""What no input may exceed in size, where double precision has `signals.LARGEST`."""
+
 LIMIT = "limits.v_u1"
 
 PERIODS = {

@@ -18,12 +18,26 @@ from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.codegen.emit import Kernel, definition
 from wmr_ctrl.model import graph
 
-_EMITTER = ("body", "branches", "dialect", "emit", "fold", "items", "rolls", "together")
+_EMITTER = (
+    "body",
+    "branches",
+    "dialect",
+    "emit",
+    "fold",
+    "items",
+    "preparation",
+    "rolls",
+    "together",
+)
 
 
 def kept_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """`emit.definition` of a kernel, from the cache if it was written before."""
-    parts = (_fingerprint(), item.meaning, repr((item.name, item.inputs, item.outputs, dialect)))
+    parts = (
+        _fingerprint(),
+        item.meaning,
+        repr((item.name, item.inputs, item.outputs, item.prepared, dialect)),
+    )
     key = hashlib.sha256("\0".join((*parts, item.function.serialize())).encode()).hexdigest()
     return _kept(key, lambda: definition(item, dialect))
 

@@ -1,4 +1,4 @@
-"""Independent exponentials side by side, so that compilers make vector instructions of them."""
+"""Functions that gain by company: independent exponentials, and sine and cosine of one angle."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import Item, Line, Together, ordered, values
+from wmr_ctrl.codegen.items import Item, Line, Together, Turn, ordered, values
 from wmr_ctrl.model.graph import Graph
 
 FEWEST = 4
@@ -20,6 +20,26 @@ def together(graph: Graph, items: Sequence[Item]) -> list[Item]:
     kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
     made = [_together(graph, group, f"e{place}") for place, group in enumerate(groups, 1)]
     return ordered([*made, *kept])
+
+
+def turns(graph: Graph, items: Sequence[Item]) -> list[Item]:
+    """The items with sine and cosine of one angle as one item."""
+    lines = [item for item in items if isinstance(item, Line)]
+    sines, cosines = (_of_angles(graph, lines, op) for op in (ca.OP_SIN, ca.OP_COS))
+    made = [
+        Turn((sine, cosines[angle]), values(graph, (angle,)), graph.cost(sine), angle)
+        for angle, sine in sines.items()
+        if angle in cosines
+    ]
+    gone = {number for item in made for number in item.defines}
+    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    return ordered([*made, *kept])
+
+
+def _of_angles(graph: Graph, lines: Sequence[Line], op: int) -> dict[int, int]:
+    """Of each angle its sine, or cosine."""
+    found = [item.node for item in lines if graph.nodes[item.node].op == op]
+    return {graph.nodes[number].operands[0]: number for number in found}
 
 
 def _ranks(graph: Graph, items: Sequence[Item]) -> dict[int, list[int]]:

@@ -3,7 +3,8 @@
 Order: ``$WMR_CTRL_CC`` (it may hold arguments, as in ``zig cc``) and nothing else if it is set;
 else cc, gcc, clang on PATH; else the ``ziglang`` wheel.  A candidate counts only after it has
 compiled a few lines into a library that this very process can load and call; the cache
-remembers that, so the trial costs milliseconds later on.
+remembers that, so the trial costs milliseconds later on.  ``$WMR_CTRL_OPTIMIZE`` (0 to 3, else 3)
+compiles faster code or compiles faster; the results have the same bits.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from pathlib import Path
 from wmr_ctrl.codegen.cache import Sources, build_cached
 from wmr_ctrl.codegen.cache_folder import cache_dir
 from wmr_ctrl.codegen.compiler import (
+    LEVEL,
     TIMEOUT,
     VARIABLE,
     Toolchain,
@@ -70,7 +72,7 @@ def find_toolchain(extra: Sequence[str] = (), *, native: bool = False) -> Toolch
     toolchain = _find(named, os.environ.get("PATH"), cache_dir())
     if native:
         toolchain = toolchain.for_this_processor()
-    return toolchain.with_flags(*extra)
+    return toolchain.with_flags(*_optimization(), *extra)
 
 
 def build_library(
@@ -114,6 +116,17 @@ def build_library(
         return compile_library(chosen, paths, out, include=[folder], timeout=timeout)
 
     return build_cached(sources, compile_in, key=(*chosen.key, name))
+
+
+def _optimization() -> tuple[str, ...]:
+    """The level that the environment asks for: results are the same bits at each of them."""
+    level = os.environ.get(LEVEL, "").strip()
+    if level not in ("", "0", "1", "2", "3"):
+        raise CompilerError(
+            f"the environment variable {LEVEL} is {level!r}; it takes 0, 1, 2 or 3, the compiler's "
+            "level of optimisation. Without it libraries are compiled for speed, at level 3."
+        )
+    return (f"-O{level}",) if level else ()
 
 
 @functools.lru_cache(maxsize=8)

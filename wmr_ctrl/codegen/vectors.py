@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Limits
+from wmr_ctrl.signals import VELOCITY
+from wmr_ctrl.world.encoder import COUNTS
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +62,8 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     """
     machine = system.function("step", [system.update, system.y])
     inputs, p, x = _inputs(np.array(limits.v_u1)), np.array(system.p0), np.array(system.x0)
+    if any(item.signal == COUNTS for item in system.inputs):
+        inputs = _with_counts(inputs, system)
     if float32:
         inputs, p = _rounded(inputs), _rounded(p)
     torques = np.empty((len(inputs), 2))
@@ -89,6 +93,18 @@ def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floa
             np.array([x_d, y_d, theta_d, *desired, *rates, *pose, *(measured * (1 + k * drift))])
         )
     return rows
+
+
+def _with_counts(inputs: Floats, system: System) -> Floats:
+    """The same with counts of the wheels at the end, in the place of what is made of them."""
+    numbers = {item.signal.name: item.value[0] for item in system.params}
+    names = [name for item in system.inputs for name in item.signal.elements]
+    turn = numbers["robot.l"] * inputs[:, -1:] * (1.0, -1.0)
+    share = numbers["encoder.counts"] / (2 * np.pi * numbers["robot.r"])
+    moved = (inputs[:, -2:-1] + turn) * numbers["clock.control"] * share
+    counts = np.vstack([np.cumsum(run, axis=0) for run in np.split(moved, len(SITUATIONS))])
+    gyro = inputs[:, -1:] if VELOCITY[1].name in names else inputs[:, :0]
+    return np.hstack([inputs[:, :-2], gyro, np.floor(counts)])
 
 
 def _rounded(values: Floats) -> Floats:

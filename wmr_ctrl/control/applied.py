@@ -36,8 +36,9 @@ class Applied:
         self.port = known or port(TAU_APPLIED)
         self.steps = clock.substeps
         self.whole, self.part = delay_in_periods(scenario)
-        self.late = divmod(round(setup.guard.delay / clock.plant), clock.substeps)
-        count = max(commands_under_way(scenario), setup.guard.late_commands(clock))
+        drives = scenario.actuator
+        counted = setup.guard.commands(clock, drives.delay, drives.lag)
+        count = max(commands_under_way(scenario), counted)
         ages = range(1, count + 1)
         self.earlier = tuple(port(_command(age)) for age in ages)
         self.acting = (port(ACTING),) if scenario.actuator.lag > 0 else ()
@@ -54,13 +55,6 @@ class Applied:
     def state(self) -> tuple[Port, ...]:
         """All ports of the state, tau_applied first."""
         return (self.port, *self.earlier, *self.acting)
-
-    @property
-    def under_way(self) -> tuple[tuple[ca.SX, float], ...]:
-        """Commands that have not ended: torque (2,), and how long it will act, in periods."""
-        whole, part = self.late
-        shares = [1.0] * whole + [part / self.steps] * bool(part)
-        return tuple(zip((item.sym for item in self.earlier), shares, strict=False))
 
     def following(self, torque: ca.SX) -> list[ca.SX]:
         """Next state for the torque that is commanded now."""

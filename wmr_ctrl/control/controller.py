@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 
 from wmr_ctrl.control.applied import Applied
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.guard.delay import Tails, counted
 from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
-from wmr_ctrl.guard.monitor import GuardMonitor
+from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.guard.wheel_map import MAPS, linear_first
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.laws.sample import Sample
@@ -15,6 +18,15 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
 from wmr_ctrl.signals import FORCE, TAU_APPLIED, TORQUE, VELOCITY
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """State behind a law, its next value, and what is published about it."""
+
+    state: tuple[Port, ...]
+    update: ca.SX
+    diagnostics: tuple[Output, ...]
 
 
 def controller(setup: Setup) -> System:
@@ -45,39 +57,50 @@ def guard(setup: Setup) -> System:
     asked, velocity = port(FORCE), ports(VELOCITY)
     p = Parameters(setup)
     applied, v = Applied(setup, p), stack(item.sym for item in velocity)
-    torque, monitor = _guarded_torque(setup, p, asked.sym, v, applied)
+    torque, memory = _guarded_torque(setup, p, asked.sym, v, applied)
     return System(
         "guard",
         "velocity guard",
         (asked, *velocity),
-        (*applied.state, *monitor.state),
+        (*applied.state, *memory.state),
         p.ports,
-        ca.vertcat(*applied.following(torque), monitor.update),
+        ca.vertcat(*applied.following(torque), memory.update),
         tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
-        monitor.diagnostics,
+        memory.diagnostics,
         setup.scenario.clock.control,
     )
 
 
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, GuardMonitor]:
-    """Wheel torques (2,) [N m] of a guarded force, and what watches over the guard's bounds."""
+) -> tuple[ca.SX, Remembered]:
+    """Wheel torques (2,) [N m] of a guarded force, and what remembers and watches behind it."""
     r, half_track, phi = _wheels(setup, p)
-    both = bounds_of(p, applied.under_way)
-    sent = [(wheel_to_force(r, half_track, tau), share) for tau, share in applied.under_way]
-    held = guarded(asked, v, both, sent)
+    late = setup.guard.lateness(setup.scenario.clock)
+    both, tails = bounds_of(p, late), Tails("guard_tail", late)
+    sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
+    first, second = (
+        counted(sent, late[i], i, b, tails.of(i, b)) for i, b in enumerate(map(both.axis, (0, 1)))
+    )
+    held = guarded(asked, v, both, (first, second))
     mapped = MAPS[setup.guard.map](held.force, phi, half_track, held.safe)
     torque = force_to_wheel(r, half_track, mapped)
-    return torque, _monitor(p, both, v, applied, (r, half_track, phi), held.active)
+    monitor = _monitor(setup, p, both, v, applied, torque, held.active)
+    if not tails.state:
+        return torque, Remembered(monitor.state, monitor.update, monitor.diagnostics)
+    following = tails.following([mapped, *sent], both)
+    update = ca.vertcat(monitor.update, following)
+    return torque, Remembered((*monitor.state, *tails.state), update, monitor.diagnostics)
 
 
 def _watched_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, GuardMonitor]:
+) -> tuple[ca.SX, Remembered]:
     """`_limited_torque`, and what watches over the bounds that a guard would use."""
-    torque, both = _limited_torque(setup, p, asked), bounds_of(p, applied.under_way)
-    return torque, _monitor(p, both, v, applied, _wheels(setup, p), ca.SX.zeros(2))
+    torque = _limited_torque(setup, p, asked)
+    both = bounds_of(p, setup.guard.lateness(setup.scenario.clock))
+    monitor = _monitor(setup, p, both, v, applied, torque, ca.SX.zeros(2))
+    return torque, Remembered(monitor.state, monitor.update, monitor.diagnostics)
 
 
 def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
@@ -87,16 +110,40 @@ def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
 
 
 def _monitor(
+    setup: Setup,
     p: Parameters,
     both: Bounds,
     v: ca.SX,
     applied: Applied,
-    wheels: tuple[ca.SX, ca.SX, ca.SX],
+    torque: ca.SX,
     active: ca.SX,
 ) -> GuardMonitor:
-    r, half_track, phi = wheels
-    flags = (active, possible(p, both, phi, half_track))
-    return GuardMonitor(both, v, applied.value, (r, half_track), flags)
+    r, half_track, phi = _wheels(setup, p)
+    guard, clock, drives = setup.guard, setup.scenario.clock, setup.scenario.actuator
+    flags = (active, possible(p, both, phi, half_track, _built_for(setup, p)))
+    late = None
+    if not guard.knows_force(drives.delay, drives.lag):
+        new, *sent = (
+            wheel_to_force(r, half_track, tau)
+            for tau in (torque, *(item.sym for item in applied.earlier))
+        )
+        late = LateMotion(guard.since_last(clock), sent, new)
+    return GuardMonitor(both, v, applied.value, (r, half_track), flags, late)
+
+
+def _built_for(setup: Setup, p: Parameters) -> dict[str, ca.SX]:
+    """Parameters that may not grow beyond what the graph counts on, with that, by their keys."""
+    late, drives = setup.guard.lateness(setup.scenario.clock)[0], setup.scenario.actuator
+    built_for = {}
+    if setup.guard.delay > 0:
+        most = p.take("clock.control") * (late.most - late.lag - late.oldest)
+        others = setup.guard.delay - drives.delay
+        built_for["actuator.delay"] = most - others if others else most
+    if drives.jitter > 0:
+        built_for["actuator.jitter"] = ca.SX(drives.jitter)
+    if drives.lag > 0:
+        built_for["actuator.lag"] = ca.SX(setup.guard.lag[1])
+    return built_for
 
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -119,10 +166,10 @@ def _composed(setup: Setup, *, watched: bool) -> System:
         torque = _limited_torque(setup, p, asked)
         return _finished(core, p, torque, applied.state, applied.following(torque))
     act = _guarded_torque if setup.scenario.guard.enabled else _watched_torque
-    torque, monitor = act(setup, p, asked, _velocity(core), applied)
-    update = [*applied.following(torque), monitor.update]
-    state = (*applied.state, *monitor.state)
-    return _finished(core, p, torque, state, update, monitor.diagnostics)
+    torque, memory = act(setup, p, asked, _velocity(core), applied)
+    update = [*applied.following(torque), memory.update]
+    state = (*applied.state, *memory.state)
+    return _finished(core, p, torque, state, update, memory.diagnostics)
 
 
 def _velocity(core: System) -> ca.SX:

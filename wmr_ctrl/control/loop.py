@@ -63,27 +63,22 @@ NO_VIOLATION = 1e-12
 """Share of a limit by which a velocity may exceed it through rounding alone."""
 
 
-class LoopGraphs:
-    """Both graphs of a setup's closed loop.
+class Graphs:
+    """What graphs of both rates share: state, parameters, random numbers, what acts.
 
-    ``fast`` and ``slow``: ports of the state; ``held``: what a sample leaves to its steps;
-    ``columns`` and ``row``: a line of the log; ``seen``: see SEEN; ``clock``: see CLOCK.
+    ``sample`` and ``step``: the wirings of both rates; ``plant``: whose state comes first; ``u``:
+    what a sample leaves to its steps; ``acting``: torques that act over a plant step, and what
+    disturbs; ``resting``: the fast state after it where the plant is elsewhere; ``clock``: see
+    CLOCK.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        """Compose all Systems of ``setup``."""
-        self.setup, self.parameters = setup, Parameters(setup)
-        self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
-        sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
-        sensors = sampled.effects(EffectRole.SENSOR)
-        odometer = any(item.signal == TRAVEL for part in sensors for item in part.inputs)
-        self.plant = plant(setup.scenario, odometer=odometer)
-        true = {item.signal.name: item.sym for item in self.plant.state}
-        sampled.known |= true
-        self.sample = sampled
-        self.step = Wiring(setup, self.parameters, Rate.STEP, true)
-        self._compose_sample(sensors)
-        self._compose_step()
+    parameters: Parameters
+    plant: System
+    sample: Wiring
+    step: Wiring
+    u: Port
+    acting: ca.SX
+    _late: ca.SX
 
     @property
     def fast(self) -> tuple[Port, ...]:
@@ -116,13 +111,53 @@ class LoopGraphs:
         return stack(item.sym for item in self.parameters.ports)
 
     @property
-    def next_slow(self) -> ca.SX:
-        """The slow state of the next sample."""
-        return stack(self.sample.following)
+    def resting(self) -> ca.SX:
+        """The fast state after a step of everything but the plant."""
+        return ca.vertcat(self.plant.x, *self.step.following)
 
     def draws(self, rate: Rate) -> ca.SX:
         """Random numbers of one rate."""
         return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
+
+    @cached_property
+    def clock(self) -> ca.SX:
+        """Numbers of CLOCK, then two for each stream."""
+        return clock_numbers(self.parameters, self._late, self.streams)
+
+    @cached_property
+    def delay_steps(self) -> ca.Function:
+        """From the values of the parameters to the delay in plant steps."""
+        return ca.Function("delay", [self.p], [self.clock[CLOCK.index("delay_steps")]])
+
+
+class LoopGraphs(Graphs):
+    """Both graphs of a setup's closed loop.
+
+    ``fast`` and ``slow``: ports of the state; ``held``: what a sample leaves to its steps;
+    ``columns`` and ``row``: a line of the log; ``seen``: see SEEN.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        """Compose all Systems of ``setup``."""
+        self.setup, self.parameters = setup, Parameters(setup)
+        self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
+        sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
+        sensors = sampled.effects(EffectRole.SENSOR)
+        odometer = bool(_readers(sensors, PATH, TRAVEL))
+        self.plant = plant(setup.scenario, odometer=odometer)
+        true = {item.signal.name: item.sym for item in self.plant.state}
+        sampled.known |= true
+        self.sample = sampled
+        self.step = Wiring(setup, self.parameters, Rate.STEP, true)
+        if _readers(sensors, TRAVEL):
+            self._add_travel()
+        self._compose_sample(sensors)
+        self._compose_step()
+
+    @property
+    def next_slow(self) -> ca.SX:
+        """The slow state of the next sample."""
+        return stack(self.sample.following)
 
     @cached_property
     def columns(self) -> tuple[Signal, ...]:
@@ -156,21 +191,10 @@ class LoopGraphs:
         named = {item.signal: item.sym for item in self.slow}
         return named[TORQUE_BEFORE]
 
-    @cached_property
-    def clock(self) -> ca.SX:
-        """Numbers of CLOCK, then two for each stream."""
-        return clock_numbers(self.parameters, self._late, self.streams)
-
-    @cached_property
-    def delay_steps(self) -> ca.Function:
-        """From the values of the parameters to the delay in plant steps."""
-        return delay_of(self.clock, self.parameters)
-
     def _compose_sample(self, sensors: list[System]) -> None:
         rate, known = self.sample, self.sample.known
         known[PSI.name] = known[POSE[2].name] + ca.pi / 2
         known |= rate.run(self.reference)
-        self._add_travel()
         rate.measure(sensors)
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
@@ -185,9 +209,7 @@ class LoopGraphs:
         self.held = rate.column(held_signals(self._pushed))
 
     def _add_travel(self) -> None:
-        """Way and turn since the previous sample, where a sensor asks for them."""
-        if PATH.name not in self.sample.known:
-            return
+        """Way and turn since the previous sample."""
         now, mark = self.sample.column((PATH, POSE[2])), port(TRAVELLED)
         moved = ca.if_else(self.sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
         self.sample.known[TRAVEL.name] = moved
@@ -200,20 +222,19 @@ class LoopGraphs:
         rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
         self._late = rate.drive(rate.effects(EffectRole.DRIVE))
         rate.disturb(rate.effects(EffectRole.DISTURBANCE))
+        self.acting = rate.column((*TORQUE, *DISTURBING))
         h = ca.SX.sym("h")
         moved = rk4_step(self.plant, h)
         old = ca.vertcat(self.plant.u, self.plant.p, h)
-        acting = rate.column((*TORQUE, *DISTURBING))
-        new = ca.vertcat(acting, rate.of(self.plant), self.parameters.take("clock.plant"))
+        new = ca.vertcat(self.acting, rate.of(self.plant), self.parameters.take("clock.plant"))
         self.next_fast = ca.vertcat(ca.substitute(moved, old, new), *rate.following)
 
 
-class OutsideGraphs:
+class OutsideGraphs(Graphs):
     """The loop without reference, controller and plant, which are coupled from outside.
 
     ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
-    ``acting``: torques that act over a plant step, and what disturbs; ``steady``: whether that is
-    the same in all steps of a sample.
+    ``steady``: whether what acts is the same in all steps of a sample.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -237,46 +258,10 @@ class OutsideGraphs:
         drives = self.step.effects(EffectRole.DRIVE)
         gusts = self.step.effects(EffectRole.DISTURBANCE)
         self.steady = not (drives or gusts)
-        late = self.step.drive(drives)
+        self._late = self.step.drive(drives)
         self.step.disturb(gusts)
         self.acting = self.step.column((*TORQUE, *DISTURBING))
         self.parameters.take("limits.v_u1")
-        self.clock = clock_numbers(self.parameters, late, self.streams)
-
-    @cached_property
-    def delay_steps(self) -> ca.Function:
-        """From the values of the parameters to the delay in plant steps."""
-        return delay_of(self.clock, self.parameters)
-
-    @property
-    def streams(self) -> tuple[Stream, ...]:
-        """Random numbers of both rates."""
-        return (*self.sample.streams, *self.step.streams)
-
-    @property
-    def fast(self) -> tuple[Port, ...]:
-        """State of the plant's rate, the plant's first."""
-        return (*self.plant.state, *self.step.state)
-
-    @property
-    def slow(self) -> tuple[Port, ...]:
-        """State of the samples' rate."""
-        return tuple(self.sample.state)
-
-    @property
-    def next_fast(self) -> ca.SX:
-        """The fast state after a step, with the plant at rest."""
-        return ca.vertcat(self.plant.x, *self.step.following)
-
-    def draws(self, rate: Rate) -> ca.SX:
-        """Random numbers of one rate."""
-        return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
-
-
-def delay_of(clock: ca.SX, p: Parameters) -> ca.Function:
-    """From the values of the parameters to the delay in plant steps."""
-    symbols = stack(item.sym for item in p.ports)
-    return ca.Function("delay", [symbols], [clock[CLOCK.index("delay_steps")]])
 
 
 def clock_numbers(p: Parameters, late: ca.SX, streams: tuple[Stream, ...]) -> ca.SX:
@@ -292,10 +277,14 @@ def _squared(pair: ca.SX) -> ca.SX:
     return pair[0] * pair[0] + pair[1] * pair[1]
 
 
+def _readers(systems: list[System], *signals: Signal) -> list[System]:
+    """Those that read any of some signals."""
+    return [s for s in systems if any(item.signal in signals for item in s.inputs)]
+
+
 def _refuse_odometer(sensors: list[System]) -> None:
-    for system in sensors:
-        if any(item.signal == TRAVEL for item in system.inputs):
-            raise ArgumentError(
-                f"the sensor {system.name!r} counts the way that is driven, which a plant that is "
-                "coupled from outside does not tell. Use the native loop or the closed-loop FMU."
-            )
+    for system in _readers(sensors, PATH, TRAVEL):
+        raise ArgumentError(
+            f"the sensor {system.name!r} counts the way that is driven, which a plant that is "
+            "coupled from outside does not tell. Use the native loop or the closed-loop FMU."
+        )

@@ -12,15 +12,17 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
-from wmr_ctrl.guard.bounds import Stated, assumptions, settled_guard, stated_guard
+from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
 from wmr_ctrl.guard.contradictions import refuse_contradictions
+from wmr_ctrl.guard.refusals import settled_guard
 from wmr_ctrl.laws.law import Law, TorqueLimited
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
+from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.references.evaluate import check_finite
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -117,7 +119,7 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     value, a reference that is not finite, or a guard that is on and cannot keep its limits or
     counts on bounds that the scenario breaks.
     """
-    return _settled(scenario, None if law is None else LAWS[law], tuple(EFFECTS))
+    return _settled(gripping(scenario), None if law is None else LAWS[law], tuple(EFFECTS))
 
 
 @lru_cache(maxsize=4096)
@@ -153,6 +155,13 @@ def gains_of(scenario: Scenario, law: Law) -> Section:
     return build(law.gains, scenario.gains.get(law.name, {}), f"gains.{law.name}")
 
 
+def gains_by_law(scenario: Scenario) -> dict[str, Section]:
+    """What every law would run with: the scenario's gains, else the law's own; Eq. (7)'s first."""
+    return {KINEMATICS: kinematic_gains(scenario)} | {
+        name: gains_of(scenario, LAWS[name]) for name in LAWS
+    }
+
+
 def kinematic_gains(scenario: Scenario) -> KinematicGains:
     """k_1, k_2, k_3 of Eq. (7)."""
     return build(KinematicGains, scenario.gains.get(KINEMATICS, {}), f"gains.{KINEMATICS}")
@@ -178,6 +187,47 @@ def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
 def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
     """Sum of what effects add to the guard's assumptions; those without a bound add nothing."""
     return total([item.bound(scenario) for item in present if item.bound is not None])
+
+
+def gripping(scenario: Scenario) -> Scenario:
+    """The scenario with wheel torques that its tyres are sure to pass on, if it asks for that.
+
+    With actuator.traction, tau_max is at most `Grip.keep`.  Raises ScenarioError where that is 0.
+    """
+    if not scenario.actuator.traction:
+        return scenario
+    most = grip(scenario).keep
+    if most <= 0:
+        raise ScenarioError(
+            "actuator.traction asks for torques at which the tyres of [body] grip, and in the "
+            "tightest turn at limits.v_u1 there is none. Lower limits.v_u1, or state better tyres "
+            "(body.tyre) or less friction."
+        )
+    return override(scenario, {"actuator.tau_max": min(most, scenario.actuator.tau_max)})
+
+
+def one_period_later(scenario: Scenario) -> Scenario:
+    """The scenario with drives that are one control period later.
+
+    A controller that is settled on it counts with a master that passes values on only after all
+    parts have stepped.
+    """
+    delay = scenario.actuator.delay + scenario.clock.control
+    return override(scenario, {"actuator.delay": delay})
+
+
+def beyond_noise(setup: Setup) -> tuple[Effect, ...]:
+    """Effects that a loop of reference, controller and plant alone would miss.
+
+    Those that act, but for random numbers at the plant's inputs: they come from outside.
+    """
+    return tuple(item for item in setup.effects if _is_missed(item, setup.scenario))
+
+
+def _is_missed(effect: Effect, scenario: Scenario) -> bool:
+    if effect.role is EffectRole.DISTURBANCE and effect.build(scenario).draws:
+        return bool(effect.build(scenario).state)
+    return effect.acts(scenario)
 
 
 def _check_bounds(present: tuple[Effect, ...]) -> None:

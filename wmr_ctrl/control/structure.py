@@ -13,11 +13,13 @@ from dataclasses import fields
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import Section
+from wmr_ctrl.guard.bounds import LATENESS
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import OURS as OUR_EFFECTS
 
-NO_FORM = ("initial", "metrics")
+NO_FORM = ("body", "initial", "metrics")
 """Tables that no graph reads."""
 
 
@@ -35,21 +37,24 @@ def structure_of(setup: Setup) -> Hashable:
         or any(item not in OUR_EFFECTS for item in setup.effects)
     )
     if foreign:
-        return parts, scenario
+        return parts, tuple(vars(scenario).items())  # its text is short, and this one's is hashed
     sizes = tuple(signal.size for signal, _ in kind.numbers(scenario.reference))
-    known = ("robot", "limits", "disturbance", "sensor", "actuator")
+    known = ["robot", "limits", "disturbance", "sensor", "actuator"]
+    known += [item.section.KEY for item in setup.effects if item.section.KEY not in known]
     tables = tuple(_form(scenario.table(key)) for key in known)
+    shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
     steps = _steps(setup)
-    return parts, sizes, tables, guard, steps, _form(setup.gains), _form(setup.kinematics)
+    return parts, sizes, tables, shape, guard, steps, _form(setup.gains), _form(setup.kinematics)
 
 
 def _steps(setup: Setup) -> Hashable:
     """The clock, where a controller counts its steps."""
-    actuator, clock = setup.scenario.actuator, setup.scenario.clock
-    if actuator.ideal and not setup.guard.delay:
+    actuator, clock, guard = setup.scenario.actuator, setup.scenario.clock, setup.guard
+    times = tuple(getattr(guard, name) for name in LATENESS)
+    if actuator.ideal and times == tuple(getattr(Bound(), name) for name in LATENESS):
         return None
-    return clock.control, clock.plant, actuator.delay, setup.guard.delay
+    return clock.control, clock.plant, actuator.delay, times
 
 
 def _form(section: Section) -> Hashable:

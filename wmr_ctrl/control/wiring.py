@@ -24,6 +24,7 @@ from wmr_ctrl.signals import (
     MEASURED_VELOCITY,
     POSE,
     SAMPLE,
+    STEP,
     TIME,
     TORQUE,
     TORQUE_NOISE,
@@ -33,7 +34,6 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.world.effect import EffectRole, Rate
 
 Named: TypeAlias = dict[str, ca.SX]
-STEP = Signal("step", "1", "number of the plant step, from 0")
 MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
 DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
 STREAMS = {"torque": 0, "pose": 1, "velocity": 2}

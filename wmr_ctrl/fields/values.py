@@ -149,3 +149,22 @@ def kind_of(default: object) -> str:
     if isinstance(default, str):
         return "text"
     return "optional" if default is None else "number"
+
+
+def multiple(value: float, period: float) -> int | None:
+    """Return value/period if it is whole within 1e-9 (relative beyond 1), else ``None``."""
+    ratio = value / period
+    if not ratio < 1e15:
+        return None
+    whole = round(ratio)
+    return whole if abs(ratio - whole) <= 1e-9 * max(1, whole) else None
+
+
+def check_multiple(name: str, value: float, unit_name: str, unit: float) -> None:
+    """Raise ScenarioError unless ``value`` [s] is a whole multiple of ``unit`` [s]."""
+    if multiple(value, unit) is None:
+        near = round(value / unit) * unit
+        raise ScenarioError(
+            f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
+            f"nearest is {near:.9g} s."
+        )

@@ -87,8 +87,8 @@ def _model(
     clock = "clock.control" if system.period else "clock.plant"
     at = next(i for i, row in enumerate(rows) if row.name == clock)
     layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
-    if system.period:
-        layout["AT_PARALLEL"] = next(i for i, row in enumerate(rows) if row.name == PARALLEL.name)
+    parallel_row = [i for i, row in enumerate(rows) if row.name == PARALLEL.name]
+    layout |= {"AT_PARALLEL": parallel_row[0]} if parallel_row else {}
     return FmuModel(
         what,
         title,

@@ -10,9 +10,8 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.signals import LARGEST
 
-LARGEST = 1e12
-"""What no parameter may exceed in size; stands for `unlimited` too."""
 SMALLEST = 1e-12
 """Stands for `above zero`, since FMI's ranges include their ends."""
 

@@ -11,13 +11,14 @@ from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
-from wmr_ctrl.fmi.bounds import LARGEST, SMALLEST, Range, clock_of, ranges_of
+from wmr_ctrl.fmi.bounds import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
-from wmr_ctrl.signals import PLANT_STATE, Signal
+from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.signals import LARGEST, PLANT_STATE, Signal
 from wmr_ctrl.world.registry import EFFECTS
 
 START = ("initial.pose", "initial.velocity")
@@ -35,7 +36,7 @@ def closed_loop_model(setup: Setup) -> FmuModel:
     ports = _ports(setup, loop)
     absent = _absent(setup, {port.signal.name for port in ports})
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
-    ranges |= _drives(scenario) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
+    ranges |= _drives(setup) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
     numbers = parameter_rows((*ports, *absent), ranges)
     parameters = [TIME, *numbers, _seed(), *_changes(scenario)]
     outputs = [
@@ -75,12 +76,16 @@ def _delay_steps(setup: Setup, loop: LoopGraphs) -> int:
 
 
 def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
-    """Numbers of effects that this loop does not have: parameters that cannot be changed."""
+    """Numbers of effects that this loop does not have: parameters that cannot be changed.
+
+    Those with a table of their own are left out with it.
+    """
     ports: dict[str, Port] = {}
     for effect in EFFECTS:
+        if effect in setup.effects or effect.section.KEY not in SECTIONS:
+            continue
         section = setup.scenario.section(effect.section)
-        own = [name for name, _ in quantities(effect.section)] * (effect not in setup.effects)
-        for name in own:
+        for name, _ in quantities(effect.section):
             key = f"{effect.section.KEY}.{name}"
             with suppress(KeyError):  # a text or a flag is no parameter
                 signal, value = number_of(section, name, key)
@@ -95,14 +100,18 @@ def _plant_kernel(loop: LoopGraphs) -> Kernel:
     return kernel("plant", "What the plant shows.", {"x": x}, {"y": outputs})
 
 
-def _drives(scenario: Scenario) -> dict[str, Range]:
-    """Ranges of the drives: the controller, which knows the torque that acts, is built for them.
+def _drives(setup: Setup) -> dict[str, Range]:
+    """Ranges of what the loop is built for: it knows the torque that acts, and what is remembered.
 
-    Whether there is a lag, the delay, and with either of them the clock's steps, cannot change.
+    Whether there is a lag, the delay, with either of them the clock's steps, and what decides the
+    form of an effect's graph, cannot change.
     """
-    actuator = scenario.actuator
-    held = {"actuator.delay": (actuator.delay, actuator.delay)}
-    lag = {"actuator.lag": (SMALLEST, LARGEST)} if actuator.lag > 0 else {}
+    scenario = setup.scenario
+    numbers = {key: scenario.value(key) for item in setup.effects for key in item.shape}
+    held = {key: (value[0], value[0]) for key, value in numbers.items()}
+    lag = {"actuator.lag": (SMALLEST, LARGEST)} if scenario.actuator.lag > 0 else {}
+    if scenario.actuator.jitter > 0:
+        held["actuator.jitter"] = (0.0, scenario.clock.control)
     return held | lag | clock_of(scenario)
 
 

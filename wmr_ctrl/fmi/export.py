@@ -7,7 +7,7 @@ Some tools look for an Apple processor's library in FMI 2's folder darwin64; a u
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from wmr_ctrl import __version__
@@ -18,9 +18,22 @@ from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_m
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
-from wmr_ctrl.fmi.provenance import EXTRA, GRAPH, reference_result
+from wmr_ctrl.fmi.provenance import (
+    EXTRA,
+    GRAPH,
+    RESULT,
+    reference_result,
+    references,
+)
 from wmr_ctrl.fmi.sources import Sources, sources_of
-from wmr_ctrl.fmi.targets import Target, compile_for, host, targets_of
+from wmr_ctrl.fmi.targets import (
+    TARGETS,
+    PartlyBuiltError,
+    Target,
+    build_for,
+    host,
+    targets_of,
+)
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
 
@@ -59,15 +72,22 @@ def export_fmu(
 
     Returns
     -------
-    Paths of the files.  Raises UnknownNameError, ScenarioError or CompilerError.
+    Paths of the files.  Raises UnknownNameError, ScenarioError or CompilerError; of several
+    platforms those that could be built are in the files all the same (PartlyBuiltError, at the
+    end).
     """
     model = model_of(what, law, scenario_given(scenario))
-    paths = []
+    paths, lost = [], list[PartlyBuiltError]()
     for version in versions_of(fmi):
         path = Path(out) / f"wmr_{what}.fmi{version}.fmu"
-        paths.append(write_fmu(model, version, targets_of(target), path, arrays=arrays))
+        try:
+            paths.append(write_fmu(model, version, targets_of(target), path, arrays=arrays))
+        except PartlyBuiltError as error:
+            lost.append(error)
         if progress:
             progress(f"{path}: {model.title}, FMI {version}.0, {target}")
+    if lost:
+        raise PartlyBuiltError(" ".join(map(str, lost)))
     return paths
 
 
@@ -109,15 +129,28 @@ def write_fmu(
     arrays: bool = True,
     result: bool = True,
 ) -> Path:
-    """Build and pack one file; ``result``: with a reference result, which takes a simulation."""
+    """Build and pack one file; ``result``: with a reference result, which takes a simulation.
+
+    Raises PartlyBuiltError, with the file written, where some of several platforms failed.
+    """
     sources = sources_of(model, version, arrays=arrays)
     files = {"modelDescription.xml": xml.description(model, sources, version, TOOL, arrays=arrays)}
     files |= dict(_texts(model, sources, version))
     packed = {name: text.encode() for name, text in files.items()}
-    packed |= binaries(model, sources, version, targets)
-    if result and any(target.name == host() for target in targets):
-        packed[f"{EXTRA}/reference.csv"] = reference_result(model, packed)
-    return write_archive(path, packed)
+    built, failed = build_for(targets, sources, model.identifier)
+    packed |= binaries(model, version, built)
+    if result and host() in built:
+        packed[RESULT] = reference_result(model, packed)
+        packed |= {name: text.encode() for name, text in references(model, TOOL).items()}
+    write_archive(path, packed)
+    if failed:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
+        raise PartlyBuiltError(
+            f"{path} was written with {', '.join(built)}, but without {', '.join(failed)} "
+            f"({reasons}). Export again: what was built is kept and only the rest is compiled; or "
+            f"name one platform that is wanted (--target {next(iter(built))})."
+        )
+    return path
 
 
 def _texts(model: FmuModel, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
@@ -133,13 +166,14 @@ def _texts(model: FmuModel, sources: Sources, version: int) -> Iterator[tuple[st
         yield f"sources/{name}", text
 
 
-def binaries(
-    model: FmuModel, sources: Sources, version: int, targets: tuple[Target, ...]
-) -> dict[str, bytes]:
-    """Libraries by their place in the FMU."""
-    built = {t.name: (t, compile_for(t, sources, model.identifier).read_bytes()) for t in targets}
-    packed = {_place(model, version, target): library for target, library in built.values()}
-    both = [built[name][1] for name in ("x86_64-darwin", "aarch64-darwin") if name in built]
+def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Libraries, by their platform, by their place in the FMU."""
+    packed = {
+        _place(model, version, target): built[target.name]
+        for target in TARGETS
+        if target.name in built
+    }
+    both = [built[name] for name in ("x86_64-darwin", "aarch64-darwin") if name in built]
     if version == 2 and both:
         packed[f"binaries/darwin64/{model.identifier}.dylib"] = joined(both)
     return packed

@@ -21,9 +21,10 @@ _KIND = {
         "clock.control seconds, with the inputs set before that step, and holds its outputs until "
         "the next such time. After initialisation the outputs are those of the first sample, and "
         "no memory has moved.",
-        "Step in the order reference, controller, plant and pass on values in between: one sample "
-        "of delay destroys a model-based law at 10 ms. For masters that step all parts at once, "
-        "set clock.parallel to 1 in the reference and in the controller.",
+        "The reference gives its values at the time that was reached.",
+        "Step the controller with what reference and plant gave last, then the plant with its "
+        "torques, then the reference: one sample of delay destroys a model-based law at 10 ms. For "
+        "masters that step all parts at once, set clock.parallel to 1 in the controller.",
     ),
     "loop": (
         "One control sample is run at the start of each control period. Outputs are those of that "

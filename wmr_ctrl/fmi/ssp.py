@@ -1,23 +1,31 @@
-"""SSP package: reference, controller and plant, wired, with units and parameter sets."""
+"""SSP package: reference, controller and plant, wired, with units and parameter sets.
+
+Controller and plant may be somebody else's FMUs, with the map that co-simulation takes; what a map
+says of names and units becomes a linear transformation of a connection.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import Setup, beyond_noise, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
+from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, input_rows, load_map
+from wmr_ctrl.fmi.cosim.parts import UNITS, controller_outputs, plant_outputs
+from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.units import units_of
-from wmr_ctrl.fmi.variables import Role, Variable
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.fmi.variables import Role
+from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DIAGNOSTICS,
@@ -28,19 +36,40 @@ from wmr_ctrl.signals import (
     TORQUE_NOISE,
     VELOCITY,
 )
-from wmr_ctrl.world.effect import Effect, EffectRole
 
 MARGIN = next(signal for signal in DIAGNOSTICS if signal.name == "margin")
-SHOWN = tuple(
-    name
+SHOWN = {
+    name: unit
     for signal in (*POSE, *VELOCITY, *TORQUE, MARGIN, *GUARD_DIAGNOSTICS)
-    for name in signal.elements
-)
-"""Outputs of the whole system: its motion, and what the controller's monitor says of it."""
-DISTURBANCE = tuple(s.name for s in (*TORQUE_NOISE, *BODY_FORCE))
-"""Inputs of the whole system; zero where nobody connects them."""
+    for name, unit in zip(signal.elements, signal.units, strict=True)
+}
+"""Outputs of the whole system, with units: its motion, and what the controller's monitor says."""
+DISTURBANCE = {s.name: s.unit for s in (*TORQUE_NOISE, *BODY_FORCE)}
+"""Inputs of the whole system, with units; zero where nobody connects them."""
 ORDER = ("reference", "controller", "plant")
+SAME_AS = {
+    **dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True)),
+    "torque_right": TORQUE[0].name,
+    "torque_left": TORQUE[1].name,
+}
+"""What is another quantity here: torques act as they are commanded, and there is no noise."""
 _NOT_IN = "without the scenario's noise and changes of the robot"
+
+
+@dataclass(frozen=True)
+class Component:
+    """One FMU of the package: its file, ports, numbers, and how they are ours.
+
+    ``inputs`` and ``outputs``: rows between its connectors and our quantities.
+    """
+
+    identifier: str
+    content: bytes
+    ports: list[dict[str, str]]
+    inputs: list[MapRow]
+    outputs: list[MapRow]
+    parameters: list[dict[str, str]]
+    units: list[str] = field(default_factory=list)
 
 
 def export_ssp(
@@ -50,16 +79,23 @@ def export_ssp(
     fmi: str | int = "2",
     target: str = "host",
     out: str | Path = ".",
+    plant: str | Path | None = None,
+    controller: str | Path | None = None,
+    map_file: str | Path | None = None,
+    delay_known: bool = False,
     progress: Progress | None = None,
 ) -> list[Path]:
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
-    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.
+    ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.  ``plant`` and
+    ``controller`` are somebody else's FMUs in the place of ours, with a map (``map_file``) as in
+    co-simulation.
 
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
-    delay does to each law.  The package has no noise and no changes of the robot: those come from
-    outside.  Raises ArgumentError for FMI 3 and for effects that it cannot hold, by name;
-    UnknownNameError, ScenarioError or CompilerError.
+    delay does to each law, and `cosimulate` for ``delay_known``.  The package has no noise and no
+    changes of the robot: those come from outside.  Raises ArgumentError for FMI 3, for effects that
+    it cannot hold, by name, and for rows of a map with several terms; FmuError, UnknownNameError,
+    ScenarioError or CompilerError.
     """
     if 2 not in versions_of(fmi):
         raise ArgumentError(
@@ -68,17 +104,25 @@ def export_ssp(
         )
     setup = settle(scenario_given(scenario), law)
     _check_contents(setup)
-    models = {
-        name: parallel(model_of(law if name == "controller" else name, law, setup.scenario))
-        for name in ORDER
-    }
-    files = {"SystemStructure.ssd": _structure(models, setup.scenario).encode()}
-    for name, model in models.items():
-        files[f"resources/{name}.ssv"] = _parameters(name, model).encode()
-        files[f"resources/{model.identifier}.fmu"] = _fmu(model, target)
+    own = settle(one_period_later(setup.scenario), law) if delay_known else setup
+    maps = load_map(map_file) if map_file is not None else {}
+    given = {"controller": controller, "plant": plant}
+    parts: dict[str, Component] = {}
+    for name in ORDER:
+        path = given.get(name)
+        if path is not None:
+            parts[name] = _theirs(name, path, maps, setup)
+        else:
+            what = law if name == "controller" else name
+            scene = own.scenario if name == "controller" else setup.scenario
+            parts[name] = _ours(parallel(model_of(what, law, scene)), target)
+    files = {"SystemStructure.ssd": _structure(parts, setup.scenario).encode()}
+    for name, part in parts.items():
+        files[f"resources/{name}.ssv"] = _parameters(name, part).encode()
+        files[f"resources/{part.identifier}.fmu"] = part.content
     path = write_archive(Path(out) / "wmr.ssp", files)
     if progress:
-        progress(f"{path}: reference, {law} and plant, {target}")
+        progress(f"{path}: {', '.join(part.identifier for part in parts.values())}, {target}")
     return [path]
 
 
@@ -87,7 +131,7 @@ def _check_contents(setup: Setup) -> None:
 
     Numbers that are drawn at random come from outside, so an effect of draws alone is left out.
     """
-    lost = [item for item in setup.effects if _is_lost(item, setup.scenario)]
+    lost = beyond_noise(setup)
     if lost:
         names = ", ".join(f"{item.name} ([{item.section.KEY}])" for item in lost)
         raise ArgumentError(
@@ -96,98 +140,140 @@ def _check_contents(setup: Setup) -> None:
         )
 
 
-def _is_lost(effect: Effect, scenario: Scenario) -> bool:
-    """Whether an effect would be missed: it acts, and is more than noise at the plant's inputs."""
-    if effect.role is EffectRole.DISTURBANCE and effect.build(scenario).draws:
-        return bool(effect.build(scenario).state)
-    return effect.acts(scenario)
+def _ours(model: FmuModel, target: str) -> Component:
+    ports = [
+        {"name": v.name, "kind": "input" if v.role is Role.INPUT else "output", "unit": v.unit}
+        for v in model.variables
+        if v.role is Role.INPUT or (v.output and not v.array)
+    ]
+    listed = [v for v in model.variables if v.parameter and not v.integer]
+    return Component(
+        model.identifier,
+        _packed(model, target),
+        ports,
+        [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "input"],
+        [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "output"],
+        [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed],
+        [port["unit"] for port in ports],
+    )
 
 
-def _fmu(model: FmuModel, target: str) -> bytes:
+def _packed(model: FmuModel, target: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{model.identifier}.fmu"
         return write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
 
 
-def _structure(models: dict[str, FmuModel], scenario: Scenario) -> str:
-    ports = {name: list(_ports(model)) for name, model in models.items()}
-    every = [port["unit"] for listed in ports.values() for port in listed]
+def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Setup) -> Component:
+    """Somebody else's FMU with the map of its names and units."""
+    if name not in maps:
+        raise ArgumentError(
+            f"{name} = {str(path)!r}: a package needs the map of its names and units, with a part "
+            f"[{name}] (--map FILE.toml)."
+        )
+    if name == "controller" and setup.scenario.guard.enabled:
+        raise ArgumentError(
+            f"guard.enabled is true, but the guard is part of our controllers and not in {path}. "
+            "Set guard.enabled = false."
+        )
+    file, part = FmuFile(path, name), maps[name]
+    inputs = input_rows(part.inputs, UNITS, file.unit, name)
+    outputs = _outputs(name, file, part, setup.scenario.robot)
+    for row in (*inputs, *outputs):
+        if len(row.terms) != 1:
+            raise ArgumentError(
+                f"{name}: {row.target} is a sum of {len(row.terms)} variables, and a connection of "
+                "an SSP package carries one. Map variables that need no sum, or use cosim."
+            )
+    ports = [{"name": row.target, "kind": "input", "unit": ""} for row in inputs]
+    ports += [{"name": row.terms[0][0], "kind": "output", "unit": ""} for row in outputs]
+    start = [{"name": key, "value": repr(value), "unit": ""} for key, value in part.start.items()]
+    return Component(
+        Path(path).stem, Path(path).read_bytes(), ports, inputs, outputs, start
+    )  # fmt: skip
+
+
+def _outputs(name: str, file: FmuFile, part: PartMap, robot: Robot) -> list[MapRow]:
+    if name == "controller":
+        return controller_outputs(file, part)
+    return plant_outputs(file, part, robot)
+
+
+def _structure(parts: dict[str, Component], scenario: Scenario) -> str:
+    connections = list(_connections(parts))
+    every = [unit for part in parts.values() for unit in part.units]
+    used = {value for line in connections for _, value in line["ends"]}
+    outside = [{"name": n, "kind": "input", "unit": u} for n, u in DISTURBANCE.items() if n in used]
+    given = {row.target for part in parts.values() for row in part.outputs}
+    outside += [{"name": n, "kind": "output", "unit": u} for n, u in SHOWN.items() if n in given]
     return render(
         "SystemStructure.ssd",
         m={
             "tool": TOOL,
             "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
             "stop": repr(scenario.clock.duration),
-            "ports": [
-                {"name": n, "kind": k, "unit": _unit_of(models, n)} for n, k in _outside(models)
+            "ports": outside,
+            "parts": [
+                {
+                    "name": name,
+                    "source": f"resources/{part.identifier}.fmu",
+                    "parameters": f"resources/{name}.ssv",
+                    "ports": part.ports,
+                }
+                for name, part in parts.items()
             ],
-            "parts": [_part(name, model, ports[name]) for name, model in models.items()],
-            "connections": list(_connections(models)),
-            "units": _units(every),
+            "connections": connections,
+            "units": _units([*every, *SHOWN.values(), *DISTURBANCE.values()]),
         },
     )
 
 
-def _part(name: str, model: FmuModel, ports: list[dict[str, str]]) -> dict[str, Any]:
-    return {
-        "name": name,
-        "source": f"resources/{model.identifier}.fmu",
-        "parameters": f"resources/{name}.ssv",
-        "ports": ports,
-    }
+def _connections(parts: dict[str, Component]) -> Iterator[dict[str, Any]]:
+    """Each input from what gives its quantity, then the outputs of the whole."""
+    owner = {row.target: (name, row) for name, part in parts.items() for row in part.outputs}
+    for name, part in parts.items():
+        for row in part.inputs:
+            ours, factor = row.terms[0]
+            end = [("endElement", name), ("endConnector", row.target)]
+            quantity = SAME_AS.get(ours, ours)
+            if quantity in DISTURBANCE:
+                yield _line([("startConnector", quantity), *end], factor, row.offset)
+            else:
+                yield _joined(owner, quantity, end, factor, row.offset)
+    for shown in SHOWN:
+        if shown in owner:
+            yield _joined(owner, shown, [("endConnector", shown)], 1.0, 0.0)
 
 
-def _ports(model: FmuModel) -> Iterator[dict[str, str]]:
-    for v in model.variables:
-        if v.role is Role.INPUT or (v.output and not v.array):
-            yield {
-                "name": v.name,
-                "kind": "input" if v.role is Role.INPUT else "output",
-                "unit": v.unit,
-            }
+def _joined(
+    owner: Mapping[str, tuple[str, MapRow]],
+    quantity: str,
+    end: list[tuple[str, str]],
+    factor: float,
+    offset: float,
+) -> dict[str, Any]:
+    """From the part that gives a quantity: its row first, then what the end makes of it."""
+    if quantity not in owner:
+        raise ArgumentError(
+            f"{end[-1][1]} needs {quantity}, which no part of the package gives. Map another "
+            "quantity, or use cosim."
+        )
+    part, row = owner[quantity]
+    theirs, share = row.terms[0]
+    start = [("startElement", part), ("startConnector", theirs)]
+    return _line([*start, *end], factor * share, factor * row.offset + offset)
 
 
-def _outside(models: dict[str, FmuModel]) -> list[tuple[str, str]]:
-    names = {v.name for model in models.values() for v in model.variables if v.output}
-    return [
-        *((name, "input") for name in DISTURBANCE),
-        *((name, "output") for name in SHOWN if name in names),
-    ]
+def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str, Any]:
+    same = factor == 1.0 and offset == 0.0
+    return {"ends": ends, "linear": None if same else (repr(factor), repr(offset))}
 
 
-def _unit_of(models: dict[str, FmuModel], name: str) -> str:
-    return next(v.unit for model in models.values() for v in model.variables if v.name == name)
-
-
-def _connections(models: dict[str, FmuModel]) -> Iterator[list[tuple[str, str]]]:
-    """Each input to the output of its name; the applied torque is the controller's own."""
-    owner = {v.name: part for part, model in models.items() for v in model.variables if v.output}
-    renamed = dict(zip(TAU_APPLIED.elements, (s.name for s in TORQUE), strict=True))
-    for part, model in models.items():
-        for v in model.variables:
-            if v.role is Role.INPUT:
-                yield _line(owner, renamed.get(v.name, v.name), part, v)
-    for name in SHOWN:
-        yield [("startElement", owner[name]), ("startConnector", name), ("endConnector", name)]
-
-
-def _line(owner: dict[str, str], source: str, part: str, v: Variable) -> list[tuple[str, str]]:
-    start = [] if source in DISTURBANCE else [("startElement", owner[source])]
-    return [*start, ("startConnector", source), ("endElement", part), ("endConnector", v.name)]
-
-
-def _parameters(name: str, model: FmuModel) -> str:
-    listed = [v for v in model.variables if v.parameter and not v.integer]
+def _parameters(name: str, part: Component) -> str:
+    units = _units([item["unit"] for item in part.parameters if item["unit"]])
     return render(
         "parameters.ssv",
-        m={
-            "name": name,
-            "tool": TOOL,
-            "units": _units([v.unit for v in listed]),
-            "parameters": [
-                {"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed
-            ],
-        },
+        m={"name": name, "tool": TOOL, "units": units, "parameters": part.parameters},
     )
 
 

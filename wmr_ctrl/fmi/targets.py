@@ -8,6 +8,7 @@ import platform
 import shlex
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -66,6 +67,39 @@ HEAVY = {
     "jacobian.c": ("jacobian.c", "jacobian.h", HEADER),
 }
 """Units that take long to compile, with all that they read: models share them across scenarios."""
+
+
+class PartlyBuiltError(CompilerError):
+    """Some of several platforms could not be built; the others are in the file that is named."""
+
+
+def build_for(
+    targets: Sequence[Target], sources: Sources, identifier: str
+) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Libraries by platform, several at a time, and of those that failed what the compiler said.
+
+    Raises CompilerError where none could be built.
+    """
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as workers:
+        jobs = {
+            target.name: workers.submit(compile_for, target, sources, identifier)
+            for target in targets
+        }
+    errors = {name: job.exception() for name, job in jobs.items()}
+    failed: dict[str, str] = {}
+    for name, error in errors.items():
+        if error is not None and (len(jobs) == 1 or not isinstance(error, CompilerError)):
+            raise error
+        if error is not None:
+            failed[name] = str(error).partition(". The command was")[0].rstrip(".")
+    if len(failed) == len(jobs):
+        listed = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
+        raise CompilerError(
+            f"no platform could be built ({listed}). Try --target host, which takes this machine's "
+            f"own compiler where zig does not work; {VARIABLE} may name it."
+        )
+    built = {name: job.result().read_bytes() for name, job in jobs.items() if name not in failed}
+    return built, failed
 
 
 def compile_for(target: Target, sources: Sources, identifier: str) -> Path:

@@ -15,6 +15,8 @@ _KNOWN: dict[str, tuple[float, dict[str, int]]] = {
     **{name: (1.0, {name: 1}) for name in BASE},
     "1": (1.0, {}),
     "N": (1.0, {"kg": 1, "m": 1, "s": -2}),
+    "mN": (1e-3, {"kg": 1, "m": 1, "s": -2}),
+    "kN": (1e3, {"kg": 1, "m": 1, "s": -2}),
     "J": (1.0, {"kg": 1, "m": 2, "s": -2}),
     "W": (1.0, {"kg": 1, "m": 2, "s": -3}),
     "Hz": (1.0, {"s": -1}),
@@ -33,11 +35,12 @@ _DISPLAY = {"rad": ("deg", 180 / math.pi), "rad/s": ("deg/s", 180 / math.pi)}
 
 @dataclass(frozen=True)
 class NamedUnit:
-    """A unit's name, its factor to SI, and its exponents of the base units."""
+    """A unit's name and exponents of the base units; a value v is factor v + offset in SI."""
 
     name: str
     factor: float
     exponents: dict[str, int] = field(hash=False)
+    offset: float = 0.0
 
     @property
     def display(self) -> tuple[str, float] | None:

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from wmr_ctrl.fmi.bounds import LARGEST, Range
+from wmr_ctrl.fmi.bounds import Range
 from wmr_ctrl.model.system import Port
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import LARGEST, Signal
 
 ARRAY_FROM = 8
 """Vectors of one unit with at least so many elements are arrays in FMI 3."""
@@ -76,13 +76,13 @@ def parameter_rows(
 
 
 def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[Variable]:
-    """Rows of inputs; start values by the elements' names."""
+    """Rows of inputs, which no value beyond LARGEST enters; start values by the elements' names."""
     for port in ports:
         values = (
             starts.get(name, value)
             for name, value in zip(port.signal.elements, port.value, strict=True)
         )
-        yield from _rows(port.signal, Role.INPUT, values)
+        yield from _rows(port.signal, Role.INPUT, values, low=-LARGEST, high=LARGEST)
 
 
 def state_rows(

@@ -173,8 +173,15 @@ def _fmi3_interfaces(model: FmuModel) -> list[dict[str, Any]]:
         ("providesIntermediateUpdate", CAN),
         ("mightReturnEarlyFromDoStep", CAN),
         ("canReturnEarlyAfterIntermediateUpdate", CAN),
+        ("fixedInternalStepSize", repr(_internal_step(model))),
     ]
     return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
+
+
+def _internal_step(model: FmuModel) -> float:
+    """Seconds of the model's own steps: a plant's, or a control period."""
+    clock = model.scenario.clock
+    return clock.plant if model.kind == "continuous" else clock.control
 
 
 def _causality(v: Variable) -> str:

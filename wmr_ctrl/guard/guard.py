@@ -8,7 +8,7 @@ proof is in docs/guarantee.md.  It is no part of the paper.  Per axis, with the 
     hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside
     lo(y)   = -hi(-y),                              F = min(max(asked, lo), hi)
 
-Behind drives with a delay the room shrinks by what is under way (see `guard_delay`).
+With late velocities or drives the room shrinks by what was sent meanwhile (see `guard.delay`).
 
 No logarithm, no model of the friction, nothing that the law knows.  Choose it whenever the limit
 has to hold; its price is the speed that the bounds cost (see `usable_speed`).
@@ -16,15 +16,18 @@ has to hold; its price is the speed that the bounds cost (see `usable_speed`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
 
 import casadi as ca
 
 from wmr_ctrl.guard.bounds import ROUNDING, rounding
-from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.delay import UnderWay, largest_force
+from wmr_ctrl.guard.lateness import Counting
 from wmr_ctrl.model.parameters import Parameters
 
+TIMES = ("delay", "jitter", "mixed")
 NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
 
 
@@ -32,7 +35,9 @@ NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed
 class Bounds:
     """Symbols (or numbers) of one axis that the guard's formula reads; SI units as in Guard.
 
-    ``delay`` [s] is what the graph was built for; None without delay.
+    ``delay`` [s] is all that may count of what was sent, ``mixed`` [s] that of pieces in which one
+    of two commands acts, ``jitter`` [s] by how much a delay varies: what the graph was built for,
+    None where there is no such thing.
     """
 
     u1: ca.SX
@@ -46,6 +51,8 @@ class Bounds:
     f_min: ca.SX
     f_speed: ca.SX
     delay: ca.SX | None = None
+    jitter: ca.SX | None = None
+    mixed: ca.SX | None = None
 
     @property
     def net(self) -> ca.SX:
@@ -56,7 +63,10 @@ class Bounds:
     def cap(self) -> ca.SX:
         """Most that it may brake with; without delay also what hi is at rest."""
         reach = self.M_min * self.alpha * (self.u1 - self.f_speed)
-        return (reach if self.delay is None else reach / (1 + self.alpha * self.delay)) - self.net
+        reach = reach if self.delay is None else reach / (1 + self.alpha * self.delay)
+        if self.mixed is not None:
+            reach = ca.fmin(reach, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
+        return reach - self.net
 
     @property
     def braking(self) -> ca.SX:
@@ -65,21 +75,44 @@ class Bounds:
 
     def axis(self, i: int) -> Bounds:
         """The bounds of axis ``i``, for bounds that hold both."""
-        parts = {item.name: getattr(self, item.name) for item in fields(self)}
-        return Bounds(**{key: v[i] if v is not None and v.numel() > 1 else v
-                         for key, v in parts.items()})  # fmt: skip
+
+        def own(value: ca.SX) -> ca.SX:
+            return value[i] if value.numel() > 1 else value
+
+        read = {name: own(getattr(self, name)) for name in ("u1", "period", *NUMBERS)}
+        times = {name: own(t) for name in TIMES if (t := getattr(self, name)) is not None}
+        late = {name: time for name, time in times.items() if not time.is_zero()}
+        return Bounds(**read, **late)
 
 
-def bounds_of(p: Parameters, sent: Sequence[tuple[ca.SX, float]]) -> Bounds:
-    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding.
-
-    ``sent``: commands under way, and for how many periods from now on each will act.
-    """
+def bounds_of(p: Parameters, late: tuple[Counting, Counting]) -> Bounds:
+    """Symbols of both axes' bounds with the guard's numbers; u1 is shrunk against rounding."""
     read = {name: p.take(f"guard.{name}") for name in NUMBERS}
     period = p.take("clock.control")
-    u1 = p.take("limits.v_u1") * (1 - rounding(len(sent)))
-    delay = period * sum(share for _, share in sent) if sent else None
-    return Bounds(u1=u1, period=period, delay=delay, **read)
+    u1 = p.take("limits.v_u1") * (1 - rounding(max(item.roundings for item in late)))
+    return Bounds(
+        u1=u1,
+        period=period,
+        delay=_times(period, [item.most for item in late]),
+        jitter=_times(period, [item.jitter for item in late]),
+        mixed=_times(period, [item.mixed for item in late]),
+        **read,
+    )
+
+
+def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
+    """Of both axes from numbers of periods; one where they are the same, None without any."""
+    if not any(each):
+        return None
+    return period * (each[0] if each[0] == each[1] else ca.SX(ca.DM(each)))
+
+
+def room(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+    """What one axis has left to its limit at the measured velocity y [m/s or rad/s]."""
+    fastest = ca.fmax(y + b.nbar, b.f_speed)
+    if coming is None:
+        return b.u1 - fastest
+    return coming.left(b.u1 - coming.reached(fastest, b), b)
 
 
 def ceiling(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
@@ -87,10 +120,9 @@ def ceiling(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
 
     ``coming`` goes with bounds that have a delay.
     """
-    fastest = ca.fmax(y + b.nbar, b.f_speed)
-    room = b.u1 - (fastest if coming is None else fastest + coming.ahead)
-    slope = ca.if_else(room >= 0, b.M_min * b.alpha, b.M_max / b.period)
-    hi = ca.fmax(slope * room - b.net, -b.braking)
+    left = room(y, b, coming)
+    slope = ca.if_else(left >= 0, b.M_min * b.alpha, b.M_max / b.period)
+    hi = ca.fmax(slope * left - b.net, -b.braking)
     return hi if coming is None else ca.fmin(hi, largest_force(b))
 
 
@@ -107,18 +139,17 @@ def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: UnderWay | None = None) -
 def feasible(b: Bounds) -> ca.SX:
     """1 where lo <= hi for every y, hence where there is always a safe force; else 0."""
     need = 2 * b.net if b.delay is None else 2 * b.net * (1 + b.alpha * b.delay)
-    conditions = (
+    conditions = [
         need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
         2 * b.nbar <= b.u1,
         b.brake >= b.net,
         b.alpha * b.period <= 1 + ROUNDING,
         b.M_min <= b.M_max,
         b.f_speed < b.u1,
-    )
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_and(result, condition)
-    return result
+    ]
+    if b.mixed is not None:
+        conditions.append(2 * b.net * b.mixed <= b.M_min * (b.u1 - 2 * b.nbar))
+    return reduce(ca.logic_and, conditions)
 
 
 @dataclass(frozen=True)
@@ -131,31 +162,33 @@ class Guarded:
 
 
 def guarded(
-    asked: ca.SX, v: ca.SX, both: Bounds, sent: Sequence[tuple[ca.SX, float]] = ()
+    asked: ca.SX,
+    v: ca.SX,
+    both: Bounds,
+    coming: tuple[UnderWay | None, UnderWay | None] = (None, None),
 ) -> Guarded:
     """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,).
 
-    ``sent``: forces (2,) under way, and for how many periods from now on each will act.
+    ``coming``: what each axis' commands under way count for, where they do.
     """
-    axes = [
-        (v[i], b, under_way(sent, i, b) if sent else None)
-        for i, b in enumerate(map(both.axis, (0, 1)))
-    ]
+    axes = [(v[i], both.axis(i), coming[i]) for i in (0, 1)]
     force = ca.vertcat(*(clipped(asked[i], *axis) for i, axis in enumerate(axes)))
     safe = ca.vertcat(*(clipped(ca.SX(0), *axis) for axis in axes))
     return Guarded(force, safe, force != asked)
 
 
-def possible(p: Parameters, both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
+def possible(
+    p: Parameters, both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Mapping[str, ca.SX]
+) -> ca.SX:
     """1 where both axes' bounds can be met, by the wheels too (``phi`` = 2 tau_max/r [N]).
 
-    With a delay, 0 as well where the parameter actuator.delay is longer than the graph allows for.
+    0 as well where a parameter is larger than what the graph was ``built_for``, by their keys.
     """
     axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
     met = ca.logic_and(axes, within_reach(both, phi, half_track))
-    if both.delay is None:
-        return met
-    return ca.logic_and(met, p.take("actuator.delay") <= both.delay * (1 + ROUNDING))
+    for key, most in built_for.items():
+        met = ca.logic_and(met, p.take(key) <= most * (1 + ROUNDING))
+    return met
 
 
 def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:

@@ -10,14 +10,23 @@ While v > 0 at both ends of a sample, friction can only slow the robot, so with 
 mirrored for v < 0, and 0 where nothing can be told (rest, a change of direction, the first sample).
 A d_least above dbar proves that one of the guard's assumptions does not hold; below it, none of
 them is refuted.  Slower motion than expected never counts: friction of any size explains it.
+
+Where velocities are late or averaged, or the force that acted is known within bounds alone,
+`LateMotion` takes the place of the formula above: what the forces that may have acted cannot
+explain, counted as the guard counts them, without disturbance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from wmr_ctrl.guard.delay import Tails, acting, under_way
+from wmr_ctrl.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Output, Port, port
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS, Signal
@@ -27,6 +36,7 @@ if TYPE_CHECKING:
 
 OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previous sample", 2)
 STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")
+SAMPLES = Signal("guard_samples", "1", "samples since the start, until what is counted is known")
 
 
 class GuardMonitor:
@@ -39,22 +49,74 @@ class GuardMonitor:
         applied: ca.SX,
         wheels: tuple[ca.SX, ca.SX],
         flags: tuple[ca.SX, ca.SX],
+        late: LateMotion | None = None,
     ) -> None:
         """Watch over ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
 
         ``flags``: clip_active (2,) and feasible, as the guard or what stands in its place has them.
+        ``late`` where the torque that was applied does not belong to the velocities.
         """
-        old, started = port(OLD_VELOCITY), port(STARTED)
+        old, started = port(OLD_VELOCITY), port(SAMPLES if late else STARTED)
         force = wheel_to_force(*wheels, applied)
-        least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]
-        known = started.sym > 0
+        if late is None:
+            least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]
+            known, begun = started.sym > 0, ca.SX(1)
+        else:
+            least = [late.least_push(i, v[i], old.sym[i], both.axis(i)) for i in (0, 1)]
+            known, begun = started.sym >= late.begins, ca.fmin(started.sym + 1, late.begins)
         push = ca.vertcat(*(ca.if_else(known, item, 0) for item in least))
-        self.state: tuple[Port, ...] = (old, started)
-        self.update: ca.SX = ca.vertcat(v, 1)
+        tails = late.tails.state if late else ()
+        self.state: tuple[Port, ...] = (old, started, *tails)
+        self.update: ca.SX = ca.vertcat(v, begun, *([late.following(both)] if late else []))
         values = (flags[0], push, flags[1])
         self.diagnostics: tuple[Output, ...] = tuple(
             Output(signal, value) for signal, value in zip(GUARD_DIAGNOSTICS, values, strict=True)
         )
+
+
+class LateMotion:
+    """What the commands that may have acted since the previous sample explain of the motion."""
+
+    def __init__(
+        self, since: tuple[Since | None, Since | None], sent: Sequence[ca.SX], new: ca.SX
+    ) -> None:
+        """For forces (2,) ``sent``, the latest first, and the ``new`` one."""
+        self.since, self.sent, self.new = since, sent, new
+        older = [item.older for item in since if item is not None]
+        self.begins = 1 + ceil(max((item.most for item in older), default=0.0))
+        lates = tuple(item.older if item else AT_ONCE for item in since)
+        self.tails = Tails("guard_monitor_tail", (lates[0], lates[1]))
+
+    def least_push(self, axis: int, v: ca.SX, old: ca.SX, b: Bounds) -> ca.SX:
+        """d_least of one axis [N or N m], >= 0; 0 where the window is longer than a period."""
+        since = self.since[axis]
+        if since is None:
+            return ca.SX(0)
+        alone = _unpushed(b)
+        mean, rest = (
+            under_way(acting(pieces, self.sent), axis, alone) for pieces in (since.mean, since.rest)
+        )
+        tail = self.tails.of(axis, alone)
+        if tail is not None:
+            share = since.older.tail.share if since.older.tail else 1.0
+            mean, rest = mean.plus(tail, share), rest.plus(tail, 1.0)
+        push = ca.SX(0)
+        for way in (1, -1):
+            moved, begun = way * (v - old) - 2 * b.nbar, way * v - b.nbar
+            first = (moved - mean.ahead) / since.mean_time
+            second = (begun - rest.ahead) / since.rest_time
+            push = ca.fmax(push, b.M_min / b.period * ca.fmin(first, second))
+            mean, rest = mean.mirrored, rest.mirrored
+        return push
+
+    def following(self, both: Bounds) -> ca.SX:
+        """Next state of the tails."""
+        return self.tails.following([self.new, *self.sent], _unpushed(both))
+
+
+def _unpushed(b: Bounds) -> Bounds:
+    """The bounds without disturbance and without friction that is sure to act."""
+    return replace(b, dbar=0 * b.dbar, f_min=0 * b.f_min)
 
 
 def least_push(v: ca.SX, old: ca.SX, force: ca.SX, b: Bounds) -> ca.SX:

@@ -93,6 +93,7 @@ LAW = Law(
     "kanayama",
     KanayamaGains,
     build,
-    Traits(model=True, estimates=True),
+    Traits(model=True, observer=True),
     __doc__ or "",
+    tuned=("k", "rate", "wo", "a_max"),
 )

@@ -23,7 +23,8 @@ class Traits:
     ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
     ``model``: it believes a mass and a friction.  ``theorem``: the paper's theorem whose claim is
     about it, 0 for none.  ``estimates``: its memory holds an estimate that is learnt on the way,
-    so that what holds at the start need not hold later.
+    so that what holds at the start need not hold later.  ``observer``: its memory holds a
+    disturbance observer, which is linear and part of every linear statement about the loop.
     """
 
     auxiliary: bool = False
@@ -31,13 +32,15 @@ class Traits:
     model: bool = False
     theorem: int = 0
     estimates: bool = False
+    observer: bool = False
 
 
 @dataclass(frozen=True)
 class Law:
     """A control law: name, gains, graph, traits and what its file says.
 
-    ``build(sample)`` gives its System, whose output is the generalised force (N, N m).
+    ``build(sample)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
+    names those of its gains that a search may move, all positive.
     """
 
     name: str
@@ -45,6 +48,7 @@ class Law:
     build: Callable[[Sample], System]
     traits: Traits
     doc: str
+    tuned: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:

@@ -58,4 +58,5 @@ LAW = Law(
     build,
     Traits(auxiliary=True, barrier=True, model=True, theorem=1),
     __doc__ or "",
+    tuned=("rho",),
 )

@@ -101,4 +101,5 @@ LAW = Law(
     build,
     Traits(auxiliary=True, barrier=True, theorem=2, estimates=True),
     __doc__ or "",
+    tuned=("rho1", "Gamma"),
 )

@@ -52,4 +52,5 @@ LAW = Law(
     build,
     Traits(auxiliary=True),
     __doc__ or "",
+    tuned=("Kp", "Kd"),
 )

@@ -1,34 +1,45 @@
-"""Sampled-data barrier law (prox): an exact step of V1's gradient flow.
+"""Sampled-data barrier law (prox): an exact step of V1's gradient flow, for a moving target.
 
 Source: the backward Euler step of v' = -(rho/2) dV1/dv, which has a closed form since the barrier's
 proximal map has one (`resolvent`).  With E = exp(-rho T/2), c = v_c0 and c+ = c + T c':
 
-    v*   = v + X_1(c+) - X_1(c),      v+ = X_(1-E)(E v* + (1-E) c+)
-    F    = M1 (v+ - v)/T + F1(v) + observer
+    v*   = v, carried from c to c_m so that V1 does not rise (`transported`)
+    v+   = X_(1-E)(E v* + (1-E) c+)
+    F    = M1 (v+ - v)/T + F1(v+) + observer
 
 Differences from the paper: not in it.  Law (9) divides V1 by its slope and loses its authority at
-the limit; this one follows the slope.  With the model exact, V1 at c+ falls by at least exp(-rho T)
-from v* to v+ for every control period: while the target is held, where v* = v, that is the decay of
-V1; a target that moves can raise it first.  Over the real numbers |v+| < v_u1 for every measured v,
-inside the limit or not (proved for the paper's barrier).  The observer (wo = 0 switches it off)
-makes up for friction and mass that differ from the model.  The first samples ask for much torque,
-so the law brings a limit of its own, tau_max, which counts where it is below actuator.tau_max.
-Choose it for slow control periods, for unknown friction, and behind the guard.
+the limit; this one follows the slope.  With the model exact, for every period T and every motion of
+the target, and with S = sqrt(2 V1), w = v - v_c1:
+
+    S(v+; c+) <= E (S(v; c) + |c+ - c_m|),    |w+| <= E (|w| + |c+ - c_m|),    |v+| < v_u1
+
+transport = "two-part" takes for c_m what the reference's own acceleration makes of c, so that the
+way of the target which the robot's motion causes is not fed forward: it would count twice, and ask
+for much torque.  transport = "level" takes c_m = c+, so that V1 falls by exp(-rho T) in a sample.
+The observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.
+The first samples ask for much torque, so the law brings a limit of its own, tau_max, which counts
+where it is below actuator.tau_max.  Choose it for slow control periods, for unknown friction, and
+behind the guard.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log1p
 from typing import ClassVar
 
 import casadi as ca
 
 from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.barrier.transport import transported
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.law import BarrierChoice, Law, TorqueLimited, Traits
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System
+
+TRANSPORTS = ("two-part", "level")
+"""How much of the target's way the velocity is carried along: the reference's share, or all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,13 +54,49 @@ class ProxGains(BarrierChoice, TorqueLimited):
     wo: float = quantity(
         10.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
     )
+    transport: str = quantity(
+        "two-part",
+        unit="1",
+        doc="what carries the velocity along: the reference's acceleration (two-part), or the "
+        "whole way of the target (level)",
+        options=TRANSPORTS,
+    )
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Gains to start from: k of Eq. (7), and rho and wo of this law."""
+
+    k: tuple[float, float, float]
+    rho: tuple[float, float]
+    wo: float
+
+
+def guide(period: float, delay: float, speed: float) -> Guide:
+    """Gains for the two-part law at a control period and a drive delay [s], for a reference speed.
+
+    ``speed`` is v1_d [m/s].  Real poles p1 along the path, p2 twice across it, and the same in the
+    velocity loop below each; stable for a mass of 0.6 to 1.6 times the believed one, which the
+    tests try.  Above 16.8 and 5.6 1/s a far start spins.  ValueError unless period, speed > 0 and
+    delay >= 0.
+    """
+    if not (period > 0 and speed > 0 and delay >= 0):
+        raise ValueError(
+            f"guide needs period, speed > 0 and delay >= 0, and was given {period!r}, {speed!r} "
+            f"and {delay!r}."
+        )
+    h = max(period, 2 * delay)
+    p1, p2 = min(16.8, 0.50 / h), min(5.6, 0.36 / h)
+    rho1, rho2 = (-2 / period * log1p(-p * period) for p in (p1, p2))
+    k = (p1, (p2 / (2 * speed)) ** 2, p2)
+    return Guide(k, (rho1, rho2), min(10.0, 0.45 / (period + delay)))
 
 
 def build(sample: Sample) -> System:
-    """F = M1 (v+ - v)/T + F1 + observer, with the step v+ above."""
+    """F = M1 (v+ - v)/T + F1(v+) + observer, with the step v+ above."""
     observer = Observer(sample, sample.gain("wo"), sample.friction_at)
-    step = ca.vertcat(*(next_velocity(sample, i) for i in AXES))
-    asked = sample.mass * (step - sample.v) / sample.period + sample.friction
+    step = next_velocity(sample)
+    asked = sample.mass * (step - sample.v) / sample.period + sample.friction_at(step)
     return sample.system(
         "sampled-data barrier law (prox)",
         asked + observer.force,
@@ -60,39 +107,55 @@ def build(sample: Sample) -> System:
     )
 
 
-def next_velocity(sample: Sample, i: int) -> ca.SX:
-    """v+ of axis ``i`` [m/s or rad/s]: where the law wants the velocity after one period."""
-    half = -0.5 * sample.gain("rho")[i] * sample.period
-    target = sample.v_c0[i]
-    return prox_step(
-        sample.v[i],
-        target,
-        target + sample.period * sample.v_c0_dot[i],
-        (ca.exp(half), -ca.expm1(half)),
-        (sample.u1[i], sample.u2[i]),
-        sample.smooth,
+def next_velocity(sample: Sample) -> ca.SX:
+    """v+ (2,) [m/s, rad/s]: where the law wants the velocity after one period."""
+    halves = -0.5 * sample.gain("rho") * sample.period
+    followed, target = targets(sample)
+    return ca.vertcat(
+        *(
+            prox_step(
+                sample.v[i],
+                (sample.v_c0[i], followed[i], target[i]),
+                (ca.exp(halves[i]), -ca.expm1(halves[i])),
+                (sample.u1[i], sample.u2[i]),
+                sample.smooth,
+            )
+            for i in AXES
+        )
     )
+
+
+def targets(sample: Sample) -> tuple[ca.SX, ca.SX]:
+    """c_m and c+, (2,) each [m/s, rad/s]: to where v is carried, and where v_c0 will be."""
+    target = sample.v_c0 + sample.period * sample.v_c0_dot
+    if sample.own(ProxGains).transport == "level":
+        return target, target
+    return sample.v_c0 + sample.period * sample.v_c0_dot_reference, target
 
 
 def prox_step(
     v: ca.SX,
-    c: ca.SX,
-    c_next: ca.SX,
+    way: tuple[ca.SX, ca.SX, ca.SX],
     shares: tuple[ca.SX, ca.SX],
     limits: tuple[ca.SX, ca.SX],
     smooth: bool,
 ) -> ca.SX:
-    """v+ = X_(1-E)(E (v + X_1(c+) - X_1(c)) + (1-E) c+) for shares (E, 1-E), limits (u1, u2)."""
-    one = ca.SX(1)
-    moved = v + resolvent(c_next, one, *limits, smooth) - resolvent(c, one, *limits, smooth)
-    keep, rest = shares
-    return resolvent(keep * moved + rest * c_next, rest, *limits, smooth)
+    """v+ = X_(1-E)(E v* + (1-E) c+) on ``way`` (c, c_m, c+), for (E, 1-E) and limits (u1, u2)."""
+    c, followed, target = way
+    carried = transported(v, c, followed, limits, smooth)
+    return resolvent(mixture(carried, target, shares), shares[1], *limits, smooth)
+
+
+def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
+    """E v* + (1-E) c+."""
+    return shares[0] * v + shares[1] * target
 
 
 LAW = Law(
     "prox",
     ProxGains,
     build,
-    Traits(auxiliary=True, barrier=True, model=True, estimates=True),
+    Traits(auxiliary=True, barrier=True, model=True, observer=True),
     __doc__ or "",
+    tuned=("rho", "wo"),
 )

@@ -12,7 +12,7 @@ from wmr_ctrl.barrier.smooth import smooth_barrier
 from wmr_ctrl.barrier.stable import Barrier, stable_barrier
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.laws.law import BarrierChoice
-from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
+from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity, reference_rate
 from wmr_ctrl.model.dynamics import friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, ports, stack
@@ -87,6 +87,11 @@ class Sample:
     def v_c0_dot(self) -> ca.SX:
         """Its exact rate."""
         return auxiliary_rate(self.e, self.v, self.v_d, self.v_d_dot, self._k)
+
+    @cached_property
+    def v_c0_dot_reference(self) -> ca.SX:
+        """The reference's share of that rate, by v_d' alone."""
+        return reference_rate(self.e, self.v_d, self.v_d_dot, self._k)
 
     @cached_property
     def mass(self) -> ca.SX:

@@ -75,4 +75,5 @@ LAW = Law(
     build,
     Traits(auxiliary=True, estimates=True),
     __doc__ or "",
+    tuned=("K", "eta"),
 )

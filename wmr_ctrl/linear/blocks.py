@@ -29,6 +29,7 @@ DISTURBANCE = Signal(
     "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
 )
 APPLIED = Signal("force_applied", "N, N.m", "generalised force behind the drives' lag", 2)
+BEFORE = Signal("force_before", "N, N.m", "mean force of the sample that has ended", 2)
 V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
 V_D_DOT = Signal("v_d_dot", "m/s2, rad/s2", "rate of the desired velocity", 2)
 
@@ -39,6 +40,7 @@ ERROR_STATE = (TRACKING_ERROR, *VELOCITY)
 FORCES = element_names((FORCE,))
 DISTURBANCES = element_names((DISTURBANCE,))
 STATES = element_names(ERROR_STATE)
+APPLIED_BEFORE = element_names((BEFORE,))
 
 
 PERIOD = "clock.control"
@@ -83,21 +85,25 @@ def law_loop(scenario: Scenario, law: str) -> Loop:
 
 
 @lru_cache(maxsize=64)
-def error_law(scenario: Scenario, law: str) -> System:
+def error_law(scenario: Scenario, law: str, own_torque: bool = True) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
     The law's own graph, with the robot at the origin and the reference placed to give e; a law that
-    asks for the torque applied before is given its own last one, as behind ideal drives.
+    asks for the torque applied before is given its own last one, as behind ideal drives, or with
+    ``own_torque`` off gets the input APPLIED_BEFORE.
     """
-    core = _with_own_torque(law_loop(scenario, law).core, scenario)
+    core = law_loop(scenario, law).core
+    asks = TAU_APPLIED in (item.signal for item in core.inputs)
+    core, before = _with_own_torque(core, scenario) if own_torque else core, port(BEFORE)
     e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
     pose_d = error_rotation(ca.SX(0)).T @ e.sym
     known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))
     named = dict(zip(_SAMPLED, ca.vertsplit(known), strict=True))
+    named[TAU_APPLIED.name] = _torque(scenario, before.sym)
     zeros = {item.signal.name: ca.SX.zeros(item.signal.size) for item in core.inputs}
     u = stack((zeros | named)[item.signal.name] for item in core.inputs)
     update, force = core.function("act", [core.update, core.outputs[0].expr])(u, core.x, core.p)
-    inputs = (e, *v, v_d, v_d_dot)
+    inputs = (e, *v, v_d, v_d_dot, *([] if own_torque or not asks else [before]))
     return System(
         "law", core.title, inputs, core.state, core.params, update, (Output(FORCE, force),),
         period=core.period,
@@ -109,10 +115,19 @@ def _with_own_torque(core: System, scenario: Scenario) -> System:
     known = {item.signal.name: item for item in core.inputs}
     if TAU_APPLIED.name not in known:
         return core
-    torque = force_to_wheel(ca.SX(scenario.robot.r), ca.SX(scenario.robot.l), core.outputs[0].expr)
+    torque = _torque(scenario, core.outputs[0].expr)
     applied = known.pop(TAU_APPLIED.name)
     state, update = (*core.state, applied), ca.vertcat(core.update, torque)
     return replace(core, inputs=tuple(known.values()), state=state, update=update)
+
+
+def _torque(scenario: Scenario, force: ca.SX) -> ca.SX:
+    return force_to_wheel(ca.SX(scenario.robot.r), ca.SX(scenario.robot.l), force)
+
+
+def unguarded(scenario: Scenario) -> Scenario:
+    """The scenario with its guard off, which no linear statement sees."""
+    return replace(scenario, guard=replace(scenario.guard, enabled=False))
 
 
 _SAMPLED = tuple(signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))

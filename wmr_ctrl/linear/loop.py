@@ -13,8 +13,17 @@ import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.sampled_plant import (
+    Lateness,
+    SampledPlant,
+    drives,
+    lateness_of,
+    sampled_plant,
+)
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
+    APPLIED_BEFORE,
     DISTURBANCES,
     FORCES,
     PERIOD,
@@ -26,10 +35,11 @@ from wmr_ctrl.linear.blocks import (
     error_plant,
     holding,
     law_loop,
+    unguarded,
     with_values,
 )
 from wmr_ctrl.linear.linearise import Floats, gradients, linearise
-from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.linear.point import Point, ideal_drives, on_reference
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
@@ -40,13 +50,39 @@ MEMORY = ("frozen", "learning")
 def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> ct.StateSpace:
     """The plant near ``point``: force and disturbance to e, v1, omega.
 
-    With ``period`` [s] as an exact zero-order hold of its inputs.
+    Continuous behind the drives' lag, but for a delay and late sensors, which no differential
+    equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
+    and omega are as measured.
     """
+    if period is not None:
+        return _sampled(scenario, point, period)
+    return with_inputs(_robot_at(scenario, point), FORCES + DISTURBANCES)
+
+
+def _robot_at(scenario: Scenario, point: Point) -> ct.StateSpace:
     block = error_plant(scenario)
     state = point.plant_state(block)
-    full = linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
-    robot = with_inputs(full, FORCES + DISTURBANCES)
-    return robot if period is None else hold(robot, period)
+    return linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
+
+
+def _sampled(scenario: Scenario, point: Point, period: float) -> ct.StateSpace:
+    full = _robot_at(ideal_drives(scenario), point)
+    push = full.B[:, [full.input_labels.index(name) for name in FORCES]]
+    held = sampled_plant(full.A, push, period, _lateness(scenario))
+    return ct.ss(
+        held.moved, np.hstack((held.forced, held.pushed)), held.measured, np.zeros((5, 4)), period,
+        name="plant", states=[*full.state_labels, *held.names], inputs=FORCES + DISTURBANCES,
+        outputs=STATES, remove_useless_states=False,
+    )  # fmt: skip
+
+
+def _lateness(scenario: Scenario) -> Lateness:
+    return lateness_of(settle(unguarded(scenario), "pid"))  # the same for every law
+
+
+def late(scenario: Scenario) -> bool:
+    """Whether drives or sensors have what only a sampled loop can show."""
+    return _lateness(scenario).discrete
 
 
 def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
@@ -71,14 +107,38 @@ def law_at(
     period: float | None = None,
     memory: str = "frozen",
 ) -> ct.StateSpace:
-    """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s]."""
+    """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
+
+    A sampled law that asks for the torque applied before has a copy of the drives in its memory.
+    """
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
     block, graph = _law_graph(scenario, law, period is None, memory)
     own = scenario.clock.control if period is None else period
     numbers = by_port(error_law(scenario, law), point.memory) | {PERIOD: [own]}
     block = with_values(replace(block, period=period), numbers)
-    return with_inputs(linearise(block, point.law_input, graph=graph), STATES)
+    if block.u.numel() == len(point.law_input):
+        return with_inputs(linearise(block, point.law_input, graph=graph), STATES)
+    assert period is not None, "a continuous law knows its own torque"
+    asking = linearise(block, np.concatenate((point.law_input, point.force)), graph=graph)
+    return _with_drives(asking, drives(period, _lateness(scenario)))
+
+
+def _with_drives(law: ct.StateSpace, behind: SampledPlant) -> ct.StateSpace:
+    """The law with its input, the force applied before, taken from drives that it commands."""
+    own, n = [law.input_labels.index(name) for name in APPLIED_BEFORE], law.nstates
+    seen = [law.input_labels.index(name) for name in STATES]
+    a = np.block([
+        [law.A, law.B[:, own] @ behind.applied],
+        [behind.forced @ law.C, behind.moved + behind.forced @ law.D[:, own] @ behind.applied],
+    ])  # fmt: skip
+    b = np.vstack((law.B[:, seen], behind.forced @ law.D[:, seen]))
+    c = np.hstack((law.C, law.D[:, own] @ behind.applied))
+    names = [*law.state_labels[:n], *(f"law.{name}" for name in behind.names)]
+    return ct.ss(
+        a, b, c, law.D[:, seen], law.dt, name="law", states=names, inputs=STATES, outputs=FORCES,
+        remove_useless_states=False,
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=32)
@@ -86,7 +146,7 @@ def _law_graph(
     scenario: Scenario, law: str, continuous: bool, memory: str
 ) -> tuple[System, ca.Function]:
     """The law's System in the wanted reading, and its gradients."""
-    block = error_law(scenario, law)
+    block = error_law(scenario, law, own_torque=continuous)
     still = memory == "frozen" and law_loop(scenario, law).traits.estimates
     held = [item.signal.name for item in block.state] if still else constants(block)
     block = holding(block, held)

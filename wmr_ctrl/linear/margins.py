@@ -17,9 +17,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
-from wmr_ctrl.linear.blocks import FORCES, STATES
+from wmr_ctrl.linear.blocks import FORCES, STATES, unguarded
 from wmr_ctrl.linear.linearise import Floats, is_stable
-from wmr_ctrl.linear.loop import law_at, plant_at, with_inputs
+from wmr_ctrl.linear.loop import late, law_at, plant_at, with_inputs
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Model, Scenario
 
@@ -205,13 +205,17 @@ class ModelError:
 
 
 def model_errors(scenario: Scenario, law: str) -> list[ModelError]:
-    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time."""
+    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time.
+
+    Of the continuous loop, or of the sampled one where drives or sensors are late.
+    """
     return [_one(scenario, law, key, factor) for key in PARAMETERS for factor in FACTORS]
 
 
 def _one(scenario: Scenario, law: str, parameter: str, factor: float) -> ModelError:
-    other = with_robot(scenario, **{parameter: factor})
-    smallest = worst([margins_at(other, law, axis) for axis in (0, 1)])
+    other = with_robot(unguarded(scenario), **{parameter: factor})
+    period = scenario.clock.control if late(scenario) else None
+    smallest = worst([margins_at(other, law, axis, period=period) for axis in (0, 1)])
     limit = largest_stable_period(other, law)
     if smallest is None:
         return ModelError(parameter, factor, False, None, None, limit)

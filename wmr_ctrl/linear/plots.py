@@ -50,7 +50,8 @@ def _poles(report: LinearReport, panels: Sequence[Axes]) -> None:
         axes.plot(poles.real, poles.imag, marker, color=colour, mfc="none", label=label)
 
     put(report.poles, "x", INK, "closed loop")
-    put(report.kinematic_poles, "s", MUTED, "kinematic loop alone")
+    if report.kinematic_poles is not None:
+        put(report.kinematic_poles, "s", MUTED, "kinematic loop alone")
     if report.adaptive_poles is not None:
         put(report.adaptive_poles, "o", LIMIT, "with learning, rightmost")
     axes.axvline(0, color=LIMIT, lw=0.8)
@@ -77,8 +78,10 @@ def _sample_time(report: LinearReport, panels: Sequence[Axes]) -> None:
 
 def _nyquist(report: LinearReport, panels: Sequence[Axes]) -> None:
     for axis, panel in enumerate(panels):
-        loop = open_loop(report.scenario, report.law, axis)
-        curve = np.squeeze(loop(1j * frequencies(loop)))
+        period = report.scenario.clock.control if report.late else None
+        loop = open_loop(report.scenario, report.law, axis, period=period)
+        w = 1j * frequencies(loop)
+        curve = np.squeeze(loop(w if period is None else np.exp(w * period)))
         panel.plot(curve.real, curve.imag, color=INK, label="L(jw), w > 0")
         angle = np.linspace(0, 2 * np.pi, 200)
         panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")

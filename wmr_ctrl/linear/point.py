@@ -81,7 +81,7 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     an error (ArgumentError).
     """
     start = on_reference(scenario, law, t)
-    plant, block = error_plant(replace_lag(scenario)), error_law(scenario, law)
+    plant, block = error_plant(ideal_drives(scenario)), error_law(scenario, law)
     unknown = np.concatenate((start.s, start.memory))
     rest = _newton(_residual(plant, block, start), unknown)
     s, memory = rest[:5], rest[5:]
@@ -90,7 +90,7 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     return replace(start, e=s[:3], v=s[3:], memory=memory, force=force)
 
 
-def replace_lag(scenario: Scenario) -> Scenario:
+def ideal_drives(scenario: Scenario) -> Scenario:
     """The scenario with ideal drives: at rest a lag changes nothing."""
     return replace(scenario, actuator=replace(scenario.actuator, lag=0.0, delay=0.0))
 

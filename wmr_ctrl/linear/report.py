@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.sample_time import largest_stable_period
+from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable, radius
-from wmr_ctrl.linear.loop import closed_loop, constant_speed
+from wmr_ctrl.linear.loop import closed_loop, constant_speed, late
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
 from wmr_ctrl.linear.point import Point, learned_point, on_reference
 from wmr_ctrl.linear.sampled import kink_periods, largest_learning_period, one_step_period
@@ -26,6 +27,8 @@ AXES = (0, 1)
 _MARGIN_NAMES = tuple(field.name for field in fields(Margins))
 FASTEST = 8
 """Poles of the adaptive loop that are listed: the rightmost ones; the rest are the leak's."""
+GONE = 1e-6
+"""Sampled poles up to this size are gone within a sample: what is only passed on."""
 
 
 @dataclass(frozen=True)
@@ -34,17 +37,24 @@ class LinearReport:
 
     Poles in 1/s; times in s; ``margins`` per generalised force, continuous and ``sampled`` with the
     scenario's clock.  None: there is no such limit, or it does not apply.
+
+    Every figure has drives and sensors in it.  Where ``late`` (a delay, an old or averaged
+    velocity) there is no continuous loop: poles are ln z / T of the sampled one, and ``margins``
+    are the sampled ones.
     """
 
     scenario: Scenario
     law: str
     time_invariant: bool
-    kinematic_poles: Floats
-    saddle_poles: Floats
+    late: bool
+    kinematic_poles: Floats | None
+    saddle_poles: Floats | None
     poles: Floats
     adaptive_poles: Floats | None
     spectral_radius: float
     max_sample_time: float
+    max_delay: float | None
+    mass_range: tuple[float, float] | None
     max_sample_time_kink: Floats | None
     max_sample_time_adaptive: float | None
     one_step_safe_time: Floats | None
@@ -55,7 +65,7 @@ class LinearReport:
 
     @property
     def stable(self) -> bool:
-        """Whether the continuous loop is stable, estimates and weights held; marginal counts."""
+        """Whether the loop is stable, estimates and weights held; marginal counts."""
         return is_stable(self.poles)
 
     @property
@@ -76,6 +86,7 @@ class LinearReport:
             "scenario": self.scenario.name,
             "law": self.law,
             "time_invariant": self.time_invariant,
+            "poles_of": "sampled loop, ln z / T" if self.late else "continuous loop",
             "stable": self.stable,
             "adaptive_stable": self.adaptive_stable,
             "kinematic_poles": _pairs(self.kinematic_poles),
@@ -85,6 +96,8 @@ class LinearReport:
             "adaptive_poles": _pairs(self.adaptive_poles),
             "spectral_radius": self.spectral_radius,
             "max_sample_time": self.max_sample_time,
+            "max_delay": self.max_delay,
+            "mass_range": self.mass_range and list(self.mass_range),
             "max_sample_time_kink": _least(self.max_sample_time_kink),
             "max_sample_time_adaptive": self.max_sample_time_adaptive,
             "one_step_safe_time": _least(self.one_step_safe_time),
@@ -119,31 +132,43 @@ class LinearReport:
 def report_linear(scenario: Scenario, law: str) -> LinearReport:
     """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError."""
     at, period = on_reference(scenario, law), scenario.clock.control
-    rest = learned_point(scenario, law)
+    rest, loop = learned_point(scenario, law), law_loop(scenario, law)
+    behind, outer = late(scenario), loop.traits.auxiliary
+    sampled = [margins_at(scenario, law, axis, at, period) for axis in AXES]
     return LinearReport(
         scenario=scenario,
         law=law,
         time_invariant=constant_speed(scenario),
-        kinematic_poles=kinematic_poles(scenario),
-        saddle_poles=kinematic_poles(scenario, SADDLE),
-        poles=_sorted(closed_loop(scenario, law, at).poles()),
+        late=behind,
+        kinematic_poles=kinematic_poles(scenario) if outer else None,
+        saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
+        poles=_poles_at(scenario, law, at),
         adaptive_poles=_adaptive_poles(scenario, law, rest),
         spectral_radius=radius(closed_loop(scenario, law, at, period).A),
-        max_sample_time=largest_stable_period(scenario, law),
+        max_sample_time=largest_period(loop),
+        max_delay=largest_stable_delay(loop),
+        mass_range=stable_masses(loop),
         max_sample_time_kink=kink_periods(scenario, law),
         max_sample_time_adaptive=_learning_period(scenario, law, rest),
         one_step_safe_time=one_step_period(scenario, law),
-        margins=[margins_at(scenario, law, axis, at) for axis in AXES],
-        sampled_margins=[margins_at(scenario, law, axis, at, period) for axis in AXES],
+        margins=sampled if behind else [margins_at(scenario, law, axis, at) for axis in AXES],
+        sampled_margins=sampled,
         model_errors=model_errors(scenario, law),
         warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
 
 
+def _poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:
+    """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
+    if not late(scenario):
+        return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
+    period = scenario.clock.control
+    z = np.asarray(closed_loop(scenario, law, at, period, memory).poles(), dtype=complex)
+    return _sorted(np.log(z[np.abs(z) > GONE]) / period)
+
+
 def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats | None:
-    if rest is None:
-        return None
-    return _sorted(closed_loop(scenario, law, rest, memory="learning").poles())[:FASTEST]
+    return None if rest is None else _poles_at(scenario, law, rest, "learning")[:FASTEST]
 
 
 def _learning_period(scenario: Scenario, law: str, rest: Point | None) -> float | None:
@@ -177,14 +202,20 @@ def _head(report: LinearReport) -> list[str]:
 
 
 def _poles(report: LinearReport) -> list[str]:
-    lines = [
-        _line("kinematic poles [1/s]", _complex(report.kinematic_poles)),
-        _line("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
-    ]
+    lines = []
+    if report.kinematic_poles is not None and report.saddle_poles is not None:
+        lines = [
+            _line("poles of Eq. (7) alone [1/s]", _complex(report.kinematic_poles)),
+            _line("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
+        ]
     if report.adaptive_poles is not None:
         verdict = "stable" if report.adaptive_stable else "UNSTABLE"
         shown = f"{_complex(report.adaptive_poles[:3])}  {verdict}"
         lines.append(_line("poles with learning, rightmost [1/s]", shown))
+    if report.late:
+        lines.append(
+            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it."
+        )
     lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
     for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
         lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")
@@ -196,6 +227,12 @@ def _times(report: LinearReport) -> list[str]:
     return [
         _line(f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
         _line("largest stable period, linear loop [s]", _number(report.max_sample_time)),
+        _line(f"largest delay at {clock:g} s, if told [s]", _number(report.max_delay, "0")),
+        *(
+            [_line(f"stable for true over believed mass at {clock:g} s", _mass(report))]
+            if report.mass_range is not None
+            else []
+        ),
         _line("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
         _line("  at the barrier's kink [s]", _several(report.max_sample_time_kink)),
         _line("  one step from the barrier, at the start [s]", _several(report.one_step_safe_time)),
@@ -203,11 +240,18 @@ def _times(report: LinearReport) -> list[str]:
     ]
 
 
+def _mass(report: LinearReport) -> str:
+    assert report.mass_range is not None
+    low, high = report.mass_range
+    return f"{low:.3g} to {high:.3g}"
+
+
 def _margins(report: LinearReport) -> list[str]:
-    columns = ("gain up", "gain down", "phase [deg]", "delay [s]", "disk")
+    columns = ("gain up", "gain down", "phase [deg]", "untold [s]", "disk")
     lines = [f"{'margins':<22}" + "".join(f"{name:>13}" for name in columns)]
     clock = f"{report.scenario.clock.control:g} s"
-    for label, both in (("continuous", report.margins), (clock, report.sampled_margins)):
+    rows = {clock: report.sampled_margins}
+    for label, both in (rows if report.late else {"continuous": report.margins} | rows).items():
         for force, item in zip(_FORCES, both, strict=True):
             lines.append(f"{f'{force}, {label}':<22}" + _margin_cells(item))
     return [*lines, ""]
@@ -222,7 +266,8 @@ def _margin_cells(item: Margins | None) -> str:
 
 def _errors(report: LinearReport) -> list[str]:
     columns = ("phase [deg]", "disk", "period [s]")
-    lines = [f"{'robot unlike model':<22}" + "".join(f"{name:>13}" for name in columns)]
+    kind = f"at {report.scenario.clock.control:g} s" if report.late else "continuous"
+    lines = [f"{'unlike model, ' + kind:<22}" + "".join(f"{name:>13}" for name in columns)]
     for item in report.model_errors:
         cells = (item.phase, item.disk, item.max_sample_time)
         shown = "".join(f"{_number(value):>13}" for value in cells)

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.sample_time import kink_limits
+from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.linear.blocks import PERIOD, law_loop
@@ -56,7 +56,8 @@ def largest_learning_period(scenario: Scenario, law: str, point: Point | None = 
     Linearised at ``point`` (default: on the reference with the start's weights); inf if every
     period up to 10 s is stable.
     """
-    return supremum(radius_of(scenario, law, point, "learning"))
+    loop = law_loop(scenario, law)
+    return supremum(radius_of(scenario, law, point, "learning"), shortest_tried(loop))
 
 
 def kink_periods(scenario: Scenario, law: str) -> Floats | None:
@@ -86,14 +87,17 @@ def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Flo
 
 
 def at_period(scenario: Scenario, period: float) -> Scenario:
-    """The scenario with control period ``period`` [s], on a clock of its own, without guard."""
-    drives = replace(scenario.actuator, delay=0.0)
-    sensor = replace(scenario.sensor, pose_period=0.0)
+    """The scenario with control period ``period`` [s], on a clock of its own, without guard.
+
+    Its drives and sensors are ideal: what they state need not go with another period.
+    """
+    drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
+    sensor = type(scenario.sensor)()
     clock = Clock(control=period, plant=period, duration=100 * period)
     off = replace(scenario.guard, enabled=False)  # at long periods no guard can keep its limits
     return replace(
-        scenario, clock=clock, actuator=drives, sensor=sensor, metrics=Metrics(), changes=(),
-        guard=off,
+        scenario, clock=clock, actuator=drives, sensor=sensor, effects={}, metrics=Metrics(),
+        changes=(), guard=off,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ import control as ct
 import numpy as np
 
 from wmr_ctrl.checks.supremum import bisect
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.blocks import (
     by_port,
     error_law,
@@ -27,7 +28,7 @@ from wmr_ctrl.linear.blocks import (
     with_values,
 )
 from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.loop import closed_loop, late
 from wmr_ctrl.linear.point import Point, on_reference, resting_point
 from wmr_ctrl.model.plant import rk4_step
 from wmr_ctrl.model.system import System
@@ -93,7 +94,15 @@ def stepper(
     period: float | None = None,
     memory: str = "learning",
 ) -> Stepper:
-    """A Stepper; ``point`` defaults to the reference at t = 0, ``period`` to the clock's [s]."""
+    """A Stepper; ``point`` defaults to the reference at t = 0, ``period`` to the clock's [s].
+
+    Raises ArgumentError where drives or sensors are late by more than a lag.
+    """
+    if late(scenario):
+        raise ArgumentError(
+            "the nonlinear loop in error coordinates has no delay and no late sensor: set "
+            "actuator.delay and the like to 0 there, or take wmr_ctrl.simulate."
+        )
     at = on_reference(scenario, law) if point is None else point
     held = scenario.clock.control if period is None else period
     law_block = error_law(scenario, law)

@@ -34,8 +34,17 @@ def auxiliary_velocity(e: ca.SX, v_d: ca.SX, k: ca.SX) -> ca.SX:
 
 def auxiliary_rate(e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> ca.SX:
     """v_c0' by the chain rule through Eqs. (7), (33)-(35): exact for measured v and given v_d'."""
+    return _rate_along(error_rate(e, v, v_d), e, v_d, v_d_dot, k)
+
+
+def reference_rate(e: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> ca.SX:
+    """The reference's share of v_c0': by v_d' alone, the error held."""
+    return _rate_along(ca.SX.zeros(3), e, v_d, v_d_dot, k)
+
+
+def _rate_along(e_dot: ca.SX, e: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, k: ca.SX) -> ca.SX:
     e_sym, v_d_sym = ca.SX.sym("e", 3), ca.SX.sym("v_d", 2)
     arguments = ca.vertcat(e_sym, v_d_sym)
-    direction = ca.vertcat(error_rate(e, v, v_d), v_d_dot)
+    direction = ca.vertcat(e_dot, v_d_dot)
     rate = ca.jtimes(auxiliary_velocity(e_sym, v_d_sym, k), arguments, direction)
     return ca.substitute(rate, arguments, ca.vertcat(e, v_d))

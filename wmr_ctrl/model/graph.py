@@ -30,7 +30,8 @@ _CALLS = frozenset(
     }
 )  # fmt: skip
 _SLOW = frozenset({ca.OP_DIV, ca.OP_INV, ca.OP_SQRT})
-_PLAIN, _STEADY, _CHANGING = 0, 1, 2
+PLAIN, STEADY, CHANGING = 0, 1, 2
+"""A value is a plain number, stays the same during a run, or changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ class Graph:
 def read(function: ca.Function, inputs: Iterable[str], outputs: Iterable[str]) -> Graph:
     """The graph of an SX function whose vectors have these names; values unused are left out."""
     reader = _Reader(function, tuple(inputs), tuple(outputs))
-    return _without_unused(*_with_reciprocals(reader.into.nodes, reader.stores))
+    return without_unused(*_with_reciprocals(reader.into.nodes, reader.stores))
 
 
 class _Numbering:
@@ -165,12 +166,12 @@ def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node
     takes as long as three multiplications, and these stand in chains.  The rule looks at nothing
     but a and b, so an expression is computed alike in whatever function it stands.
     """
-    kinds = _kinds(nodes)
+    kind = kinds(nodes)
     into = _Numbering()
     new: list[int] = []
     for node in nodes:
         operands = tuple(new[k] for k in node.operands)
-        if node.op == ca.OP_DIV and [kinds[k] for k in node.operands] == [_CHANGING, _STEADY]:
+        if node.op == ca.OP_DIV and [kind[k] for k in node.operands] == [CHANGING, STEADY]:
             inverse = into.number_of(Node(ca.OP_INV, operands[1:]))
             node = Node(ca.OP_MUL, (operands[0], inverse))
         else:
@@ -179,18 +180,19 @@ def _with_reciprocals(nodes: list[Node], stores: list[Store]) -> tuple[list[Node
     return into.nodes, [Store(item.vector, item.index, new[item.node]) for item in stores]
 
 
-def _kinds(nodes: list[Node]) -> list[int]:
-    """Of each value whether it is a plain number, stays the same during a run, or changes."""
-    kinds: list[int] = []
+def kinds(nodes: Iterable[Node]) -> list[int]:
+    """Of each value whether it is PLAIN, STEADY or CHANGING."""
+    listed: list[int] = []
     for node in nodes:
         if node.place is not None:
-            kinds.append(_STEADY if node.place[0] == PARAMETERS else _CHANGING)
+            listed.append(STEADY if node.place[0] == PARAMETERS else CHANGING)
         else:
-            kinds.append(max((kinds[k] for k in node.operands), default=_PLAIN))
-    return kinds
+            listed.append(max((listed[k] for k in node.operands), default=PLAIN))
+    return listed
 
 
-def _without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
+def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
+    """The graph of those values that the results need."""
     live = {item.node for item in stores}
     for number in range(len(nodes) - 1, -1, -1):
         if number in live:

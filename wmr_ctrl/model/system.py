@@ -37,13 +37,16 @@ class Draw:
 
     ``kind``: "uniform" on [-1, 1), or "normal" with ``bound`` standard deviations as the largest
     (a pair beyond it is drawn again).  ``wanted``: a truth value of the parameters; where it is 0
-    nothing is drawn and the numbers are 0.  The name of the port's signal picks the stream.
+    nothing is drawn and the numbers are 0.  The name of the port's signal picks the stream.  A
+    block that acts in each plant step is given numbers of that step, or with ``held`` those of
+    the control sample that the step is in.
     """
 
     port: Port
     kind: str
     wanted: ca.SX
     bound: ca.SX
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -161,11 +164,18 @@ UNIFORM, NORMAL = "uniform", "normal"
 """Kinds of draws."""
 
 
-def draw(signal: Signal, kind: str, wanted: ca.SX, bound: ca.SX | float = math.inf) -> Draw:
+def draw(
+    signal: Signal,
+    kind: str,
+    wanted: ca.SX,
+    bound: ca.SX | float = math.inf,
+    *,
+    held: bool = False,
+) -> Draw:
     """Fresh random numbers, as many as ``signal`` has elements: an even number."""
     if signal.size % 2:
         raise ValueError(f"{signal.name}: random numbers come in pairs, not {signal.size}")
-    return Draw(port(signal), kind, ca.SX(wanted), ca.SX(bound))
+    return Draw(port(signal), kind, ca.SX(wanted), ca.SX(bound), held)
 
 
 def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tuple[Port, ...]:

@@ -123,15 +123,4 @@ def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
 
 
 def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:
-    return Entry(
-        claim.id,
-        claim.equations,
-        claim.claim,
-        claim.form,
-        verdict,
-        **found,
-        meaning=claim.meaning,
-        hypotheses=claim.hypotheses,
-        premises=claim.premises,
-        theme=claim.theme,
-    )
+    return Entry(id=claim.id, verdict=verdict, **claim.words(), **found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from wmr_ctrl.proofs.methods.spec import Method
 from wmr_ctrl.proofs.statement import Statement
@@ -32,3 +33,15 @@ class Claim:
     verdict: str = ""
     premises: tuple[str, ...] = ()
     theme: str = ""
+
+    def words(self) -> dict[str, Any]:
+        """What the ledger's entry says in the claim's own words."""
+        return {
+            "equations": self.equations,
+            "form": self.form,
+            "claim": self.claim,
+            "meaning": self.meaning,
+            "hypotheses": self.hypotheses,
+            "premises": self.premises,
+            "theme": self.theme,
+        }

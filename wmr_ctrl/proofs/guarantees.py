@@ -46,37 +46,76 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.delay.graceful guard.delay.necessary guard.delay.lemma",
     ),
     (
+        "What sensors, drives and ground add to the guard's assumptions is what their bounds say",
+        "world.encoder.v1 world.encoder.omega world.wheels.misread-v1 world.wheels.misread-omega "
+        "world.wheels.thrust world.wheels.moment world.motor.step world.motor.dead-zone "
+        "world.motor.line world.motor.thrust world.motor.moment world.slope "
+        "world.resistance.thrust world.resistance.moment world.gust",
+    ),
+    (
         "but not with a longer delay than stated, with commands that are not counted, or not "
         "capped",
         "guard.delay.longer guard.delay.ignored guard.delay.uncapped",
     ),
     (
-        "X_k is the barrier's proximal map; it is monotone, not expansive, and keeps its target",
+        "With late or averaged velocities, a delay that varies and a lag there is always a safe "
+        "force, too",
+        "guard.late.caps guard.late.mixed guard.late.piece guard.late.tail guard.late.spare "
+        "guard.late.room guard.late.feasible guard.late.largest guard.late.anchor "
+        "guard.late.promise guard.late.steady.room guard.late.steady.feasible",
+    ),
+    (
+        "and inside stays inside, a broken bound costs D (T + late)/M_min; how soon a robot "
+        "outside is back is not claimed with jitter or lag",
+        "guard.late.rest guard.late.mean guard.late.lag guard.late.upper guard.late.lower "
+        "guard.late.left guard.late.outside guard.late.graceful guard.late.lemma "
+        "guard.late.steady.upper guard.late.steady.lower guard.late.steady.outside "
+        "guard.late.steady.left guard.late.steady.graceful "
+        "guard.late.steady.return",
+    ),
+    (
+        "but not with half the window alone, nor where jitter is taken for its largest delay",
+        "guard.late.half guard.late.unmixed",
+    ),
+    (
+        "X_k is the barrier's proximal map; it is monotone, not expansive, and ends a known way "
+        "below the limit",
         "prox.optimal prox.optimal-smooth prox.monotone prox.monotone-smooth prox.not-expansive "
-        "prox.fixed-point",
+        "prox.short prox.short-smooth",
     ),
     (
-        "Sampled-data law: V1 falls by exp(-rho T) from v* to v+, for every T; v* = v where the "
-        "target is held",
-        "prox.implicit prox.decay convex",
-    ),
-    (
-        "Sampled-data law: with the model exact a period ends at v+",
+        "Sampled-data law, model exact: V1 falls by exp(-rho T) in a sample with level transport; "
+        "with two-part transport S = sqrt(2 V1) by exp(-rho T/2), but for the way of the target "
+        "that is not carried; for every T and every motion of the target",
+        "prox.rises prox.decay prox.decay-smooth transport.level transport.level-smooth "
         "prox.force prox.force-angular",
     ),
     (
-        "Sampled-data law: |w| falls by exp(-rho T/2); the paper's barrier keeps |v+| < v_u1",
-        "prox.contracts prox.inside",
+        "Sampled-data law: so does |w|, and |v+| < v_u1, from every velocity",
+        "prox.contracts prox.contracts-smooth prox.inside prox.inside-smooth",
+    ),
+    (
+        "Sampled-data law, mass right: a push leaves a bounded distance to the target, from every "
+        "velocity",
+        "prox.gain",
+    ),
+    (
+        "Sampled-data law, mass right: a push that is small enough never breaks the limit",
+        "prox.limit",
     ),
     (
         "Exact decay: one Newton step makes V1 fall and stays on its side of v_c1",
         "convex prox.newton-side prox.newton-side-angular prox.newton prox.newton-angular",
     ),
     (
-        "Observer: the error of its estimate falls by exp(-wo T) in a sample",
+        "Observer: a push is made up for by exp(-wo T) in a sample",
         "prox.observer prox.observer-angular",
     ),
-    ("Observer: the loop is stable for M^ <= (4/3) M", "prox.jury prox.light-model"),
+    (
+        "Observer, target held: the loop is stable for M^ <= (4/3) M; a mass that is 3/5 to 8/5 of "
+        "the believed one, and changes, does not keep w and f from 0 (stated L and E)",
+        "prox.jury prox.light-model prox.any-mass",
+    ),
     (
         "Smooth barrier: where it aims, and 1 <= A/w <= 1 + 1/(u1 - m)^2",
         "smooth.v_c1 smooth.slope smooth.quotient prox.smooth-ratio",
@@ -86,6 +125,5 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "gain.ceiling gain.ceiling-smooth gain.fades gain.closed gain.closed-smooth gain.cover "
         "gain.none gain.none-smooth gain.levels gain.meaning",
     ),
-    ("The gradient law has it while its target is held", "prox.bounded-push convex"),
 )
 """(what is guaranteed or denied, ids of its entries)."""

@@ -56,16 +56,7 @@ def _unexamined(asked: list[str]) -> list[Entry]:
 
 def worded(entry: Entry, claim: Claim) -> Entry:
     """An entry with the words that its claim has now."""
-    return replace(
-        entry,
-        equations=claim.equations,
-        form=claim.form,
-        claim=claim.claim,
-        meaning=claim.meaning,
-        hypotheses=claim.hypotheses,
-        premises=claim.premises,
-        theme=claim.theme,
-    )
+    return replace(entry, **claim.words())
 
 
 def _show(share: float, entry: Entry) -> None:

@@ -30,7 +30,7 @@ from wmr_ctrl.report.style import LIMIT, MUTED, look
 
 def comparison_figures(rows: GuardComparison) -> tuple[Drawing, ...]:
     """Every figure of the comparison, in the section's order."""
-    return (_violations(rows), _e1_after(rows), period_drawing(rows), torque_drawing(rows))
+    return (_violations(rows), _position_after(rows), period_drawing(rows), torque_drawing(rows))
 
 
 def title_of(base: str) -> str:
@@ -80,32 +80,33 @@ def _fill(axes: Axes, rows: GuardComparison, base: str) -> None:
                 dots(axes, steps, height, law, step, filled=not guard)
 
 
-def _e1_after(rows: GuardComparison) -> Drawing:
+def _position_after(rows: GuardComparison) -> Drawing:
     return Drawing(
-        "ours_e1_after",
-        f"e₁ after the change of parameters, mean over {AFTER[0]:g}–{AFTER[1]:g} s",
+        "ours_position",
+        f"Distance from the reference after the change of parameters, RMS over "
+        f"{AFTER[0]:g}–{AFTER[1]:g} s",
         "The base cases; each mark is a seed, each bar a median.",
         (9.6, 0.95 + 0.36 * len(rows.laws)),
-        partial(_draw_e1, rows=rows),
+        partial(_draw_position, rows=rows),
     )
 
 
-def _draw_e1(figure: Figure, rows: GuardComparison) -> None:
-    padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
+def _draw_position(figure: Figure, rows: GuardComparison) -> None:
+    padding = Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
     panels = row_of_axes(figure, padding, [1.0] * len(rows.bases), 0.55)
     for axes, base in zip(panels, rows.bases, strict=True):
         rows_of(axes, [look(law).label for law in rows.laws])
         for row, law in enumerate(rows.laws):
             for guard in (False, True):
                 errors = [
-                    None if r.e1_after is None else 1e3 * r.e1_after
+                    None if r.position_rms is None else 1e3 * r.position_rms
                     for r in rows.of(base, BASE, law, guard)
                 ]
                 dots(axes, errors, row + (0.2 if guard else -0.2), law, filled=not guard)
-        axes.set(xscale="log", xlabel=r"mean $|e_1|$ [mm]", xlim=(0.1, 2000.0))
+        axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         plain_ticks(axes, (1,))
         axes.set_title(title_of(base), weight="normal", size=8)
-    heading(figure, f"$e_1$ after the change of parameters, {AFTER[0]:g}–{AFTER[1]:g} s")
+    heading(figure, f"Distance after the change of parameters, {AFTER[0]:g}–{AFTER[1]:g} s")
     legend_row(figure, _kinds())
 
 

@@ -23,6 +23,7 @@ from wmr_ctrl.campaign.comparison import (
     ise_of,
     median,
     overrides_of,
+    position_rms_of,
 )
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import net, usable_speed
@@ -87,16 +88,16 @@ def _outside(rows: GuardComparison) -> str:
 
 def _after(rows: GuardComparison, base: str) -> str:
     cells = [
-        f"{look(law).label} {_mm(rows.median(e1_after_of, base, BASE, law, True))} "
-        f"({_mm(rows.median(e1_after_of, base, BASE, law, False))})"
+        f"{look(law).label} {_mm(rows.median(position_rms_of, base, BASE, law, True))} "
+        f"({_mm(rows.median(position_rms_of, base, BASE, law, False))})"
         for law in rows.laws
         if rows.of(base, BASE, law, True)
     ]
     if not cells:
         return ""
     return (
-        f"Torque held for {base}, base case: mean |e₁| after the change of parameters with the "
-        f"guard (without it): {joined(cells)}."
+        f"Torque held for {base}, base case: RMS distance from the reference after the change of "
+        f"parameters with the guard (without it): {joined(cells)}."
     )
 
 
@@ -220,10 +221,12 @@ def _prox(rows: GuardComparison, base: str) -> str:
 
 def _price(rows: GuardComparison, base: str) -> str:
     far = _pairs(rows, base, FAR_START, ise_of, 0.0)
-    worse = _pairs(rows, base, BASE, e1_after_of, NOTICED, 1e3)
+    worse = _pairs(rows, base, BASE, position_rms_of, NOTICED, 1e3)
     parts = [f"ISE from the far start {joined(far)}"] if far else []
     if worse:
-        parts.append(f"mean |e₁| at 70–80 s of the base case [mm], where larger, {joined(worse)}")
+        parts.append(
+            f"RMS distance at 70–80 s of the base case [mm], where larger, {joined(worse)}"
+        )
     if not parts:
         return ""
     return f"With the guard (without it), torque held for {base}: {'; '.join(parts)}."

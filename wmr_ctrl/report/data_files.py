@@ -118,6 +118,8 @@ _COMPARISON_HEADINGS = (
     "steps beyond a limit [1]",
     "max |v1|/limit [1]",
     "max |omega|/limit [1]",
+    f"RMS distance over {_WINDOWS[-1]} [m]",
+    f"largest distance over {_WINDOWS[-1]} [m]",
     "ISE [m2.s + rad2.s]",
     *(f"mean |e1| over {window} [m]" for window in _WINDOWS),
     "peak wheel torque [N.m]",
@@ -135,6 +137,7 @@ def _cells(row: ComparedRun) -> tuple[object, ...]:
     case, nothing = row.case, (None, None)
     return (
         case.base, case.factor, case.law, "on" if case.guard else "off", case.seed, row.outcome,
-        None if row.speed is None else row.violations, *(row.speed or nothing), row.ise,
+        None if row.speed is None else row.violations, *(row.speed or nothing), row.position_rms,
+        row.position_max, row.ise,
         row.e1_before, row.e1_after, row.tau_peak, *(row.clipped or nothing),
     )  # fmt: skip

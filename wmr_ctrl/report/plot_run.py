@@ -32,12 +32,22 @@ _HEAD = 0.75
 _MARGINS = Padding(left=0.62, right=0.18, bottom=0.46, top=0.30)
 
 
-def plot_run(run: Run, path: str | os.PathLike[str]) -> None:
-    """Draw an overview of ``run`` into a .png, .svg or .pdf file, whole or not at all.
+def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw an overview of ``run``, into a .png, .svg or .pdf file too, whole or not at all.
 
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for a run without any sample.
     """
+    target = None if path is None else _target(path)
+    with house_style():
+        figure = overview(run).figure()
+        if target is not None:
+            save_figure(figure, target)
+    return figure
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    """The path, which can be written and whose suffix names a format."""
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
         raise ResultFileError(
@@ -45,8 +55,7 @@ def plot_run(run: Run, path: str | os.PathLike[str]) -> None:
             f"{', '.join(SUFFIXES)}. Give the file one of these suffixes."
         )
     check_writable(target)
-    with house_style():
-        save_figure(overview(run).figure(), target)
+    return target
 
 
 def overview(run: Run) -> Drawing:

@@ -17,6 +17,8 @@ from wmr_ctrl.campaign.comparison import (
     e1_before_of,
     ise_of,
     median,
+    position_max_of,
+    position_rms_of,
     tau_peak_of,
 )
 from wmr_ctrl.report.claims import PAPER_TIMES
@@ -127,6 +129,7 @@ def _seconds(value: float | None) -> str:
 
 
 _PAIR = "without | with the guard"
+_AWAY = "{} distance from the reference over {:g}–{:g} s, after the change of parameters [mm]"
 _E1 = "mean |e₁| over {:g}–{:g} s"
 
 
@@ -138,6 +141,8 @@ class _ComparedColumn:
 
 
 _COMPARED = (
+    _ComparedColumn(position_rms_of, _AWAY.format("RMS", *AFTER), 1e3),
+    _ComparedColumn(position_max_of, _AWAY.format("largest", *AFTER), 1e3),
     _ComparedColumn(e1_after_of, f"{_E1.format(*AFTER)}, after the change of parameters [mm]", 1e3),
     _ComparedColumn(e1_before_of, f"{_E1.format(*BEFORE)}, before it [mm]", 1e3),
     _ComparedColumn(ise_of, "ISE over the whole run [m² s + rad² s]"),

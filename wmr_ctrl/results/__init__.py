@@ -15,10 +15,10 @@ from wmr_ctrl.results.diagnostics import (
     weight_norm,
 )
 from wmr_ctrl.results.facts import Fact
-from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable
+from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable, write_all
 from wmr_ctrl.results.io import check_suffix, load_run, runs_equal, save_run
 from wmr_ctrl.results.metrics import e_rms, ise, ise_over, summary, tau_peak, tau_rms
-from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor
+from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor, RigidMonitor
 from wmr_ctrl.results.oscillation import Oscillation, oscillation
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.plain import json_safe
@@ -26,6 +26,7 @@ from wmr_ctrl.results.remarks import Remark, remarks_on
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.results.tracking import (
+    arrival,
     guard_share,
     position_max,
     position_rms,
@@ -46,11 +47,13 @@ __all__ = [
     "Oscillation",
     "Outcome",
     "Remark",
+    "RigidMonitor",
     "Rises",
     "Run",
     "Settings",
     "WeightNorm",
     "admitted",
+    "arrival",
     "atomic_path",
     "atomic_write",
     "check_suffix",
@@ -83,4 +86,5 @@ __all__ = [
     "tracked",
     "weight_norm",
     "window",
+    "write_all",
 ]

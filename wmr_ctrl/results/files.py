@@ -5,8 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import secrets
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, Literal, overload
 
@@ -61,6 +61,20 @@ def atomic_write(
     Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
     """
     return _opened(path, text)
+
+
+def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
+    """Write texts by name into a folder, made if need be, all or none; returns their paths.
+
+    Raises OSError if the folder cannot be made, ResultFileError for a file.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as together:
+        for name, text in files.items():
+            file = together.enter_context(atomic_write(folder / name, text=True))
+            file.write(text)
+            file.flush()  # a full disk shows here, before the first file gets its name
+    return [folder / name for name in files]
 
 
 @contextmanager

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import format_csv, format_npz
+from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.results import format_csv, format_npz, format_parquet
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.metadata import metadata_text
 from wmr_ctrl.results.run import FloatArray, Run
@@ -17,21 +17,24 @@ from wmr_ctrl.results.run import FloatArray, Run
 _ENCODERS: dict[str, Callable[[Run], bytes]] = {
     ".npz": format_npz.encode,
     ".csv": format_csv.encode,
+    ".parquet": format_parquet.encode,
 }
 _DECODERS: dict[str, Callable[[bytes], Run]] = {
     ".npz": format_npz.decode,
     ".csv": format_csv.decode,
+    ".parquet": format_parquet.decode,
 }
 
 
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
-    """Write ``run`` to a .npz or .csv file, whole or not at all.
+    """Write ``run`` to a .npz, .csv or .parquet file, whole or not at all.
 
-    Raises ResultFileError for another suffix or where the file cannot be written.
+    Raises ResultFileError for another suffix or where the file cannot be written,
+    MissingExtraError for .parquet without pyarrow.
     """
-    encode = _ENCODERS[check_suffix(path)]
+    data = _ENCODERS[check_suffix(path)](run)
     with atomic_write(path) as file:
-        file.write(encode(run))
+        file.write(data)
 
 
 def load_run(path: str | os.PathLike[str]) -> Run:
@@ -43,6 +46,8 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     data = _content(path)
     try:
         return decode(data)
+    except MissingExtraError:
+        raise
     except Exception as error:  # foreign bytes can break a decoder in any way
         detail = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         raise ResultFileError(

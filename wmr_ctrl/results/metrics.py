@@ -7,12 +7,13 @@ each window that it does not cover to the end.
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wmr_ctrl.results.plain import json_safe
-from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.tracking import (
+    arrival,
     guard_share,
     position_max,
     position_rms,
@@ -22,11 +23,16 @@ from wmr_ctrl.results.tracking import (
 )
 from wmr_ctrl.results.windows import span, window
 
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import FloatArray, Run
+
 E_RMS_WINDOWS = ((30, 40), (40, 45), (70, 80))
 """Before, just after and long after the paper's change of parameters [s]."""
 
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
+COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_plant")
+"""Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
 
 
 def ise_over(run: Run, start: float, end: float, *, position: bool = False) -> float | None:
@@ -91,22 +97,26 @@ def summary(run: Run) -> dict[str, object]:
         "guard": run.guard,
         "seed": run.seed,
         "engine": run.engine,
+        "plant": run.settings.plant_kind,
         "outcome": run.outcome.value,
         "ise": ise(run),
         "position_rms": position_rms(run),
         "position_max": position_max(run),
         "tracked": tracked(run),
+        "arrival": arrival(run),
         "guard_share": guard_share(run),
         "torque_change_rms": torque_change_rms(run),
         "max_abs_v": run.monitor.max_abs_v,
         "violations": run.monitor.violations,
+        "rigid": None if run.monitor.rigid is None else asdict(run.monitor.rigid),
         "d_least": run.monitor.d_least,
         "dbar": run.settings.dbar,
         "tau_peak": tau_peak(run),
         "tau_rms": tau_rms(run),
         "e_rms": {f"{start}-{end}": e_rms(run, start, end) for start, end in E_RMS_WINDOWS},
         "remarks": [asdict(item) for item in run.remarks],
-        "provenance": {key: run.provenance.get(key) for key in PROVENANCE},
+        "provenance": {key: run.provenance.get(key) for key in PROVENANCE}
+        | {key: run.provenance[key] for key in COUPLED if key in run.provenance},
     }
     return {key: json_safe(value) for key, value in figures.items()}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -18,6 +19,24 @@ STOP_REASONS = ("", "diverged", "non-finite")
 
 
 @dataclass(frozen=True, slots=True)
+class RigidMonitor:
+    """What a rigid body showed over t = 0 and every plant step.
+
+    ``tipped``, ``slipped``: first time [s] at which it leant over by more than body.tilt_max, which
+    ends the run, and at which a tread moved over the ground by more than body.slip_max; None if
+    never.  ``max_slip`` [m/s], ``max_wheel_speed`` [rad/s], ``max_tilt`` [rad];
+    ``least_tip_margin`` [1], over the samples.
+    """
+
+    tipped: float | None = None
+    slipped: float | None = None
+    max_slip: float = 0.0
+    max_wheel_speed: float = 0.0
+    max_tilt: float = 0.0
+    least_tip_margin: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class Monitor:
     """Extremes and events of a run, over t = 0 and every plant step.
 
@@ -30,6 +49,7 @@ class Monitor:
     ``failure``: what else ended the run early, such as an FMU that refused a step.
     ``d_least``: largest of the logged d_least [N, N m], to be compared with ``Settings.dbar``; None
     where it was not watched.
+    ``rigid``: what a rigid body showed; None for the plane model.
     Raises ArgumentError where the fields contradict one another.
     """
 
@@ -41,6 +61,7 @@ class Monitor:
     bounds_left: Event | None = None
     failure: str = ""
     d_least: tuple[float, float] | None = None
+    rigid: RigidMonitor | None = None
 
     def __post_init__(self) -> None:
         linear, angular = self.max_abs_v
@@ -51,6 +72,8 @@ class Monitor:
         if self.d_least is not None:
             force, moment = self.d_least
             object.__setattr__(self, "d_least", (float(force), float(moment)))
+        if isinstance(self.rigid, Mapping):
+            object.__setattr__(self, "rigid", RigidMonitor(**self.rigid))
         self._check()
 
     def _check(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 
-from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor
+from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor, RigidMonitor
 
 _AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s")}
 
@@ -17,6 +17,8 @@ class Outcome(StrEnum):
     BOUNDS_LEFT = "bounds-left"
     LIMIT_VIOLATED = "limit-violated"
     DIVERGED = "diverged"
+    TIPPED = "tipped"
+    SLIPPED = "slipped"
     NON_FINITE = "non-finite"
     FAILED = "failed"
 
@@ -35,6 +37,7 @@ class Outcome(StrEnum):
             steps=_steps(monitor.violations),
             extremes=_extremes(monitor.max_abs_v),
             failure=monitor.failure,
+            **_rigid(monitor.rigid),
         )
 
 
@@ -60,6 +63,18 @@ _SENTENCES = {
         "The run ended early because of the {stop}: it was no longer a finite number. Shorten "
         "clock.control and clock.plant, and look for gains or torques that overflow."
     ),
+    Outcome.TIPPED: (
+        "The robot fell over: at t = {tipped} s its axis leant by more than body.tilt_max. {slip} "
+        "Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` names "
+        "the largest torque without spin or fall), start nearer to the reference, or lower the "
+        "centre of mass."
+    ),
+    Outcome.SLIPPED: (
+        "The run completed within its velocity limits ({extremes}), but the wheels slipped: from t "
+        "= {slipped} s on, at most by {most} m/s. What the laws and the guard assume did not hold "
+        "there. Limit the wheel torques (actuator.tau_max or actuator.traction; `wmr-ctrl check` "
+        "names the largest torque without spin)."
+    ),
     Outcome.FAILED: "The run ended early: {failure}",
 }
 
@@ -74,8 +89,9 @@ _GUARDED = (
 def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
     """The gravest thing that the monitor saw.
 
-    In this order: failed, non-finite, diverged, limit-violated, bounds-left, completed.  Bounds are
-    left for nothing where the ``guard`` was off: such a run had no guarantee to lose.
+    In this order: failed, non-finite, diverged, tipped, limit-violated, slipped, bounds-left,
+    completed.  Bounds are left for nothing where the ``guard`` was off: such a run had no guarantee
+    to lose.
     """
     if monitor.failure:
         return Outcome.FAILED
@@ -83,9 +99,29 @@ def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
         return Outcome.NON_FINITE
     if monitor.stop_reason == "diverged" or max(monitor.max_abs_v) >= DIVERGENCE:
         return Outcome.DIVERGED
+    if monitor.rigid and monitor.rigid.tipped is not None:
+        return Outcome.TIPPED
     if monitor.violations:
         return Outcome.LIMIT_VIOLATED
+    if monitor.rigid and monitor.rigid.slipped is not None:
+        return Outcome.SLIPPED
     return Outcome.BOUNDS_LEFT if guard and monitor.bounds_left else Outcome.COMPLETED
+
+
+def _rigid(seen: RigidMonitor | None) -> dict[str, str]:
+    """What a rigid body showed, as the sentences need it."""
+    if seen is None:
+        return {}
+    slip = "Its wheels had kept their grip."
+    if seen.slipped is not None:
+        most = f"at most by {seen.max_slip:.3g} m/s"
+        slip = f"Its wheels slipped from t = {seen.slipped:.6g} s on, {most}."
+    return {
+        "tipped": f"{seen.tipped or 0.0:.6g}",
+        "slipped": f"{seen.slipped or 0.0:.6g}",
+        "most": f"{seen.max_slip:.3g}",
+        "slip": slip,
+    }
 
 
 def _place(event: Event | None) -> str:

@@ -6,9 +6,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from wmr_ctrl.results.monitor import RigidMonitor
 from wmr_ctrl.results.oscillation import oscillation
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.tracking import (
+    arrival,
     guard_share,
     last_quarter,
     position_max,
@@ -24,6 +28,7 @@ HELD_BACK = 0.1
 
 SHORT = {
     "not-tracked": "it did not track",
+    "goal-not-reached": "it did not reach its goal",
     "oscillates": "its torques oscillate",
     "guard-holds-back": "the guard holds it back",
     "assumption-void": "an assumption of the guarantee is void",
@@ -55,9 +60,22 @@ def _outcome(run: Run) -> Iterator[Remark]:
     if monitor.violations:
         outcome = Outcome.LIMIT_VIOLATED
         yield Remark(outcome.value, outcome.sentence(monitor, run.guard))
+    seen = monitor.rigid
+    if seen and seen.tipped is not None:
+        yield Remark(Outcome.TIPPED.value, Outcome.TIPPED.sentence(monitor))
+    if seen and seen.slipped is not None:
+        yield Remark(Outcome.SLIPPED.value, _slipped(seen))
     if run.guard and monitor.bounds_left:
         outcome = Outcome.BOUNDS_LEFT
         yield Remark(outcome.value, outcome.sentence(monitor, run.guard))
+
+
+def _slipped(seen: RigidMonitor) -> str:
+    return (
+        f"From t = {seen.slipped:.6g} s on the wheels slipped over the ground, at most by "
+        f"{seen.max_slip:.3g} m/s; laws and guard assume that they grip. Limit the wheel torques: "
+        "`wmr-ctrl check` names the largest one without spin."
+    )
 
 
 def _not_tracked(run: Run) -> Iterator[Remark]:
@@ -74,6 +92,26 @@ def _not_tracked(run: Run) -> Iterator[Remark]:
         "and `wmr-ctrl check` for the cause, choose another law or gains, ask for a slower "
         "reference, or raise the tolerance if that is good enough.",
     )
+
+
+def _not_arrived(run: Run) -> Iterator[Remark]:
+    times, settings = arrival(run), run.settings
+    if times is None or settings.arrival is None or times["robot"] is not None:
+        return
+    if settings.duration < settings.arrival:
+        yield Remark(
+            "goal-not-reached",
+            f"The desired motion comes to rest at its goal at t = {settings.arrival:.4g} s, after "
+            f"the run of {settings.duration:g} s. Lengthen clock.duration.",
+        )
+    elif settings.tolerance is not None and run.rows:
+        away = float(np.hypot(run["x"][-1] - run["x_d"][-1], run["y"][-1] - run["y_d"][-1]))
+        yield Remark(
+            "goal-not-reached",
+            f"At the end the robot was {away:.3g} m from the goal; metrics.tolerance is "
+            f"{settings.tolerance:g} m. A desired motion at rest corrects no sideways error: ask "
+            "for a slower end (reference.a_max) or a law that tracks closer.",
+        )
 
 
 def _oscillates(run: Run) -> Iterator[Remark]:
@@ -109,6 +147,7 @@ def _void(run: Run) -> Iterator[Remark]:
 _PARTS: tuple[Callable[[Run], Iterator[Remark]], ...] = (
     _outcome,
     _not_tracked,
+    _not_arrived,
     _oscillates,
     _held_back,
     _void,

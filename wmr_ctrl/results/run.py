@@ -6,7 +6,7 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,15 @@ from wmr_ctrl.results.monitor import Monitor
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.signals import REFERENCE, TIME, Signal
+from wmr_ctrl.upward import upward
 
 if TYPE_CHECKING:
+    import os
+
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
     from wmr_ctrl.results.remarks import Remark
 
 __all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
@@ -33,7 +40,8 @@ class Run:
     vector, in the signals' SI units; N is smaller than ``settings.samples`` if the run ended
     early.  Arrays are copied and read-only.  ``run["v1"]`` is a column, ``run["v_c0[1]"]`` an
     element of one.  ``provenance`` says what made the run (versions, hashes, scenario text).
-    Raises ArgumentError where names, shapes, clock or outcome contradict one another.
+    ``save``, ``plot``, ``animate``, ``summary()``, ``to_dataframe()`` and ``to_xarray()`` pass it
+    on.  Raises ArgumentError where names, shapes, clock or outcome contradict one another.
     """
 
     scenario: str
@@ -75,6 +83,56 @@ class Run:
             f"<Run {self.scenario}, {self.law}{guarded}, seed {self.seed}, {self.engine}: "
             f"{self.rows} rows, {self.outcome}>"
         )
+
+    def _repr_html_(self) -> str:
+        """Labels, outcome and the main figures, for notebooks."""
+        from wmr_ctrl.results.html import run_html
+
+        return run_html(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the run to a .npz, .csv or .parquet file; `wmr_ctrl.load_run` reads it back.
+
+        Raises ResultFileError, or MissingExtraError for .parquet without pyarrow.
+        """
+        upward("save_run")(self, path)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw the run on one page; with ``path`` (.png, .svg or .pdf) write it there too.
+
+        Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
+        cannot be written, ArgumentError for a run without any sample.
+        """
+        return cast("Figure", upward("plot_run")(self, path))
+
+    def animate(self, path: str | os.PathLike[str]) -> None:
+        """Film the robot on its path into a .gif, .mp4 or .html file.
+
+        Raises ResultFileError, ArgumentError for a run without any sample, MissingExtraError for
+        .mp4 without ffmpeg.
+        """
+        upward("animate_run")(self, path)
+
+    def summary(self) -> dict[str, object]:
+        """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
+        from wmr_ctrl.results.metrics import summary  # it reads Runs, and so stands above
+
+        return summary(self)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A column per logged number by element name, index ``t`` [s]; units in ``attrs``.
+
+        Raises MissingExtraError without pandas.
+        """
+        from wmr_ctrl.results.frames import run_frame
+
+        return run_frame(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A variable per signal over ``t`` [s], with units; raises MissingExtraError."""
+        from wmr_ctrl.results.frames import run_dataset
+
+        return run_dataset(self)
 
     @property
     def rows(self) -> int:

@@ -20,7 +20,9 @@ class Settings:
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s]; ``dbar``:
     bound of the disturbance that the scenario states or implies [N, N m], None where not known;
     ``tolerance``: position error that counts as tracked [m], None where not known; ``void``: what
-    the scenario has that the guard's guarantee does not cover, in sentences.
+    the scenario has that the guard's guarantee does not cover, in sentences; ``plant_kind``:
+    "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which the
+    desired motion comes to rest for good [s], None where it never does.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -33,6 +35,8 @@ class Settings:
     dbar: tuple[float, float] | None = None
     tolerance: float | None = None
     void: str = ""
+    plant_kind: str = "ode"
+    arrival: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):

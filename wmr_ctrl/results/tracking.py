@@ -60,6 +60,24 @@ def tracked(run: Run) -> bool | None:
     return late is not None and late <= run.settings.tolerance
 
 
+def arrival(run: Run) -> dict[str, float | None] | None:
+    """When ``reference`` and ``robot`` are at the goal [s]; None where there is no goal.
+
+    The robot's is the first sample from which it stays within metrics.tolerance of the goal to
+    the run's end; None where it never does, or the run ends before the reference is there.
+    """
+    settings = run.settings
+    if settings.arrival is None:
+        return None
+    there = None
+    if settings.tolerance is not None and run.rows > settings.index(settings.arrival):
+        away = np.hypot(run["x"] - run["x_d"][-1], run["y"] - run["y_d"][-1])
+        late = np.flatnonzero(~(away <= settings.tolerance))
+        first = late[-1] + 1 if late.size else 0
+        there = float(run.time[first]) if first < run.rows and covered(run) == run.rows else None
+    return {"reference": settings.arrival, "robot": there}
+
+
 def guard_share(run: Run, samples: tuple[int, int] | None = None) -> Pair | None:
     """Share of the samples in which the guard changed the force, per axis; zeros without guard.
 

@@ -12,9 +12,11 @@ from wmr_ctrl.fields.section import Section as Section
 from wmr_ctrl.fields.section import build as build
 from wmr_ctrl.fields.section import quantities as quantities
 from wmr_ctrl.fields.section import quantity as quantity
+from wmr_ctrl.scenario.body import Body as Body
 from wmr_ctrl.scenario.change import Change as Change
 from wmr_ctrl.scenario.clock import Clock as Clock
 from wmr_ctrl.scenario.guard import Guard as Guard
+from wmr_ctrl.scenario.inherited import inherited as inherited
 from wmr_ctrl.scenario.initial import Initial as Initial
 from wmr_ctrl.scenario.limits import Limits as Limits
 from wmr_ctrl.scenario.metrics import Metrics as Metrics

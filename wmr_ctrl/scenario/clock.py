@@ -7,18 +7,10 @@ from typing import ClassVar
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import multiple
 
 MOST_SAMPLES = 10_000_000
 MOST_SUBSTEPS = 100_000
-
-
-def multiple(value: float, period: float) -> int | None:
-    """Return value/period if it is whole within 1e-9 (relative beyond 1), else ``None``."""
-    ratio = value / period
-    if not ratio < 1e15:
-        return None
-    whole = round(ratio)
-    return whole if abs(ratio - whole) <= 1e-9 * max(1, whole) else None
 
 
 @dataclass(frozen=True, kw_only=True)

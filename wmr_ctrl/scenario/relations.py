@@ -10,7 +10,6 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.clock import multiple
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -39,11 +38,12 @@ def check_types(scenario: Scenario) -> None:
 
 
 def relate(scenario: Scenario) -> None:
-    """Check changes against the run's end, and periods and delays against the clock's steps."""
+    """Check changes against the run's end, and effects against the rest of the scenario."""
     _changes(scenario.changes, scenario.clock.duration)
     clock = scenario.clock
-    _multiple("sensor.pose_period", scenario.sensor.pose_period, "clock.control", clock.control)
-    _multiple("actuator.delay", scenario.actuator.delay, "clock.plant", clock.plant)
+    for effect in EFFECTS:
+        if effect.check is not None:
+            effect.check(scenario)
     split = scenario.metrics.split
     if split is not None and not split < clock.duration:
         raise ScenarioError(
@@ -70,12 +70,3 @@ def _changes(changes: tuple[Change, ...], duration: float) -> None:
                 f"{duration!r} s. Make the run longer or remove the change."
             )
         before = change.t
-
-
-def _multiple(name: str, value: float, unit_name: str, unit: float) -> None:
-    if multiple(value, unit) is None:
-        near = round(value / unit) * unit
-        raise ScenarioError(
-            f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
-            f"nearest is {near:.9g} s."
-        )

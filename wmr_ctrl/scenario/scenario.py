@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar, cast
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section, number_of, numbers_in
+from wmr_ctrl.fields.section import Section, number_of, numbers_in, quantities
 from wmr_ctrl.fields.values import Quantity, Range, as_list
+from wmr_ctrl.results.html import table_html
+from wmr_ctrl.scenario.body import Body
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.clock import Clock
 from wmr_ctrl.scenario.guard import Guard
@@ -21,6 +23,7 @@ from wmr_ctrl.scenario.metrics import Metrics
 from wmr_ctrl.scenario.relations import check_types, relate
 from wmr_ctrl.scenario.robot import Model, Robot
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.upward import upward
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Disturbance, Sensor
@@ -66,6 +69,7 @@ S = TypeVar("S", bound=Section)
 
 SECTIONS: dict[str, type[Section]] = {
     "robot": Robot,
+    "body": Body,
     "model": Model,
     "limits": Limits,
     "initial": Initial,
@@ -84,7 +88,7 @@ def sections() -> dict[str, type[Section]]:
     return {**SECTIONS, **EFFECTS.sections()}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Scenario:
     """A robot, what its laws believe, limits, gains, a start, a reference, and what disturbs it.
 
@@ -97,6 +101,7 @@ class Scenario:
     name: str = "unnamed"
     title: str = ""
     robot: Robot = field(default_factory=Robot)
+    body: Body = field(default_factory=Body)
     model: Model = field(default_factory=Model)
     limits: Limits = field(default_factory=Limits)
     gains: Gains = field(default_factory=Frozen)
@@ -118,6 +123,26 @@ class Scenario:
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "effects", Frozen(self.effects))
         relate(self)
+
+    def __repr__(self) -> str:
+        title = f": {self.title}" if self.title else ""
+        kind, clock = self.reference_kind.name, self.clock
+        return f"<Scenario {self.name}{title}; {kind}, {clock.duration:g} s at {clock.control:g} s>"
+
+    def _repr_html_(self) -> str:
+        """Every field with its value and unit, and the gains that laws run with, for notebooks."""
+        parts = {key: self.table(key) for key in (*sections(), "reference")}
+        parts |= {f"gains.{law}": gains for law, gains in self.gains_by_law().items()}
+        rows = (row for key, part in parts.items() for row in field_rows(key, part))
+        return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
+
+    def gains_by_law(self) -> Mapping[str, Section]:
+        """The gains in effect, by law: those of the scenario, for the others the law's defaults.
+
+        ``kinematics`` has those of Eq. (7).  Raises ScenarioError or UnknownNameError where
+        ``gains`` names what does not exist.
+        """
+        return cast("Mapping[str, Section]", upward("gains_by_law")(self))
 
     @property
     def believed(self) -> Robot:
@@ -181,6 +206,13 @@ class Scenario:
             if signal.name == name:
                 return signal, value
         raise KeyError(name)
+
+
+def field_rows(key: str, section: Section) -> Iterator[tuple[str, str, str, str]]:
+    """Key path, value, unit and meaning of each field of a section, as texts."""
+    for name, what in quantities(type(section)):
+        value = getattr(section, name)
+        yield f"{key}.{name}", "–" if value is None else str(value), what.unit, what.doc
 
 
 def section_defaults() -> Mapping[str, Section]:

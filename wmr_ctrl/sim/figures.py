@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -35,6 +36,77 @@ v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] 
 the first motion that a guard's bounds do not admit; ``guard_share``, share of samples in which the
 guard acted.  NaN where there was no such event or the run ended before its window
 did."""
+
+
+@dataclass(frozen=True, slots=True)
+class FigureColumn:
+    """One number of a run as a column of a table: its name, unit and meaning, and its place.
+
+    ``figure`` is a name of `SHAPES`, ``index`` the place in its array for one run.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    figure: str
+    index: tuple[int, ...] = ()
+
+
+def _pair(name: str, units: tuple[str, str], meaning: str) -> tuple[FigureColumn, FigureColumn]:
+    """Columns of a figure with an axis each, counted from 1."""
+    first, second = (
+        FigureColumn(f"{name}{axis + 1}", units[axis], f"{meaning}, axis {axis + 1}", name, (axis,))
+        for axis in (0, 1)
+    )
+    return first, second
+
+
+def _column(name: str, unit: str, meaning: str) -> FigureColumn:
+    return FigureColumn(name, unit, meaning, name)
+
+
+_MIXED = "m2.s + rad2.s"
+COLUMNS: tuple[FigureColumn, ...] = (
+    _column("violations", "1", "plant steps beyond a velocity limit"),
+    FigureColumn("position_rms", "m", "RMS distance from the desired position, whole run",
+                 "position_rms", (0,)),
+    FigureColumn("position_rms_last_quarter", "m", "RMS distance over the last quarter",
+                 "position_rms", (1,)),
+    _column("ise_total", _MIXED, "ISE over the whole run"),
+    _column("ise_before", _MIXED, "ISE before the split"),
+    _column("ise_after", _MIXED, "ISE from the split on"),
+    _column("ise_position", "m2.s", "ISE of the position alone"),
+    *_pair("max_abs_v", ("m/s", "rad/s"), "largest |v1| or |omega|"),
+    _column("first_violation", "s", "time of the first violation"),
+    _column("tau_peak", "N.m", "largest commanded wheel torque"),
+    _column("tau_rms", "N.m", "RMS of the wheel torques"),
+    _column("torque_change_rms", "N.m", "RMS change of the torques from sample to sample"),
+    *_pair("guard_share", ("1", "1"), "share of samples in which the guard changed the force"),
+    *_pair("d_least", ("N", "N.m"), "largest least disturbance"),
+    _column("bounds_left", "s", "first motion that contradicts the guard's bounds"),
+    _column("stopped", "s", "time at which a run ended early"),
+    *(
+        FigureColumn(f"e{axis + 1}_rms_{a}_{b}", unit, f"RMS of e{axis + 1} over {a}-{b} s",
+                     "e_rms", (window, axis))
+        for axis, unit in enumerate(("m", "m", "rad"))
+        for window, (a, b) in enumerate(E_RMS_WINDOWS)
+    ),
+    *(
+        FigureColumn(f"final_{name}", unit, f"{name} at the end", "final_state", (place,))
+        for place, (name, unit) in enumerate(
+            (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
+        )
+    ),
+)  # fmt: skip
+"""The figures as columns of one number each, in the order in which tables have them."""
+
+
+def column_of(column: FigureColumn, figures: Mapping[str, NDArray[np.float64]]) -> Floats:
+    """The numbers of a column, one a run."""
+    values = figures[column.figure]
+    for place in column.index:
+        values = values[:, place]
+    return values
 
 
 class Runnable(Protocol):

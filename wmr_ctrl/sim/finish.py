@@ -38,15 +38,17 @@ def finished(
     log: Log,
     facts: Mapping[str, str],
     bounds: Assumptions | None = None,
+    plant: str = "ode",
 ) -> Run:
     """The Run of what an engine found.
 
     ``bounds`` are what a guard assumes, be it on or off: largest disturbance and largest force
     [N, N m]; with them the monitor tells the first motion that contradicts them, and how near the
-    least disturbance came.
+    least disturbance came.  ``plant``: which of `Settings` it was.
     """
     signals, columns, seen = log
-    monitor, settings, guard = seen, settings_of(scenario), scenario.guard.enabled
+    monitor, guard = seen, scenario.guard.enabled
+    settings = replace(settings_of(scenario), plant_kind=plant)
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)
         monitor = replace(seen, bounds_left=left, d_least=least)
@@ -62,7 +64,7 @@ def settings_of(scenario: Scenario) -> Settings:
     clock, metrics = scenario.clock, scenario.metrics
     return Settings(
         clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
-        metrics.rms_from, tolerance=metrics.tolerance,
+        metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
     )  # fmt: skip
 
 

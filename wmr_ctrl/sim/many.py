@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Monitor, Run, outcome_of
+from wmr_ctrl.results.frames import table_frame
+from wmr_ctrl.results.html import figure, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
-from wmr_ctrl.sim.figures import SHAPES, Figures, monitor
+from wmr_ctrl.sim.figures import COLUMNS, SHAPES, Figures, column_of, monitor
 from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
 
+if TYPE_CHECKING:
+    import pandas
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
@@ -28,6 +33,34 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
     """
 
     figures: Mapping[str, NDArray[np.float64]]
+
+    def __repr__(self) -> str:
+        return f"<RunTable, {self.rows} runs, {len(self)} figures>"
+
+    def _repr_html_(self) -> str:
+        """The first runs and their main figures, for notebooks."""
+        columns = self.columns()
+        names = [name for name in SHOWN if name in columns]
+        rows = [
+            [figure(columns[name][k].item()) for name in names] for k in range(min(self.rows, 8))
+        ]
+        return table_html(f"{self.rows} runs", rows, [_headed(name) for name in names])
+
+    @property
+    def rows(self) -> int:
+        """Number of runs."""
+        return len(self.figures["seed"])
+
+    def columns(self) -> dict[str, NDArray[np.generic]]:
+        """One array of numbers a column, by the names that study tables have (`COLUMNS`)."""
+        heads: dict[str, NDArray[np.generic]] = {
+            name: self.figures[name] for name in ("seed", "outcome", "tracked")
+        }
+        return heads | {column.name: column_of(column, self.figures) for column in COLUMNS}
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
+        return table_frame(self.columns(), {column.name: column.unit for column in COLUMNS})
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.figures[name]
@@ -129,6 +162,16 @@ def _check(
         )
     if starts is not None and (len(starts) != count or any(len(row) != 5 for row in starts)):
         raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
+
+
+SHOWN = ("seed", "outcome", "tracked", "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
+"""Columns that notebooks show."""
+
+
+def _headed(name: str) -> str:
+    """A column's name and unit."""
+    units = {column.name: column.unit for column in COLUMNS}
+    return f"{name} [{units[name]}]" if name in units else name
 
 
 T = TypeVar("T")

@@ -60,14 +60,20 @@ class VectorSet:
 
 
 @cache
-def load(path: str) -> ct.CDLL:
+def opened(path: str) -> ct.CDLL:
     """The library at ``path``, loaded once; raises CompilerError if it cannot be loaded."""
     try:
-        library = ct.CDLL(path)
+        return ct.CDLL(path)
     except OSError as error:
         raise CompilerError(
             f"the compiled library {path} cannot be loaded ({error}); delete it and run again."
         ) from error
+
+
+@cache
+def load(path: str) -> ct.CDLL:
+    """`opened`, for a library of whole runs."""
+    library = opened(path)
     library.wmr_set_name.restype = ct.c_char_p
     library.wmr_sizes.restype = None
     library.wmr_run.restype = ct.c_int32

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import TORQUE
@@ -29,12 +30,19 @@ class Delay(Section):
     delay: float = quantity(
         0.0, unit="s", doc="delay of the torque, a multiple of clock.plant", minimum=0, maximum=10
     )
+    untold: float = quantity(
+        0.0,
+        unit="s",
+        doc="further delay that laws and observer do not know of, a multiple of clock.plant",
+        minimum=0,
+        maximum=10,
+    )
 
 
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: the torque that arrives [N m]."""
     torque, p = ports(TORQUE), Parameters(scenario)
-    late = p.take("actuator.delay")
+    late = p.take("actuator.delay") + p.take("actuator.untold")
     return System(
         "delay",
         "delay of the drives",
@@ -50,12 +58,24 @@ def build(scenario: Scenario) -> System:
 
 def acts(scenario: Scenario) -> bool:
     """Whether there is a delay."""
-    return scenario.section(Delay).delay > 0
+    return _all_of_it(scenario) > 0
+
+
+def check(scenario: Scenario) -> None:
+    """Both are multiples of the plant's step."""
+    late, step = scenario.section(Delay), scenario.clock.plant
+    check_multiple("actuator.delay", late.delay, "clock.plant", step)
+    check_multiple("actuator.untold", late.untold, "clock.plant", step)
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The delay itself: the guard counts every command that is under way."""
-    return Bound(delay=scenario.section(Delay).delay)
+    """The delay itself, told or not: the guard counts every command that is under way."""
+    return Bound(delay=_all_of_it(scenario))
+
+
+def _all_of_it(scenario: Scenario) -> float:
+    late = scenario.section(Delay)
+    return late.delay + late.untold
 
 
 DELAY = Effect(
@@ -66,11 +86,13 @@ DELAY = Effect(
     acts=acts,
     bound=bound,
     rate=Rate.STEP,
+    shape=("actuator.delay", "actuator.untold"),
+    check=check,
 )
 
 
 def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
-    """The delay as whole control periods and the plant steps that are left."""
+    """The delay that is told as whole control periods and the plant steps that are left."""
     clock = scenario.clock
     return divmod(round(scenario.section(Delay).delay / clock.plant), clock.substeps)
 

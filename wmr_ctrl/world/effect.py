@@ -16,7 +16,7 @@ Names that an effect does not read or write stay as they are.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -49,15 +49,27 @@ class Bound:
     """What an effect adds to what the guard assumes; pairs are (linear, angular).
 
     ``dbar`` disturbance force [N, N m]; ``nbar`` error of the velocity [m/s, rad/s]; ``mass`` by
-    which mass and inertia may differ from the robot's [kg, kg m2]; ``delay`` lateness of a command
-    [s].  ``void`` says what assumption the effect breaks whatever the numbers are, in a sentence
-    that begins with the key at fault: then the guard filters but promises nothing.
+    which mass and inertia may differ from the robot's [kg, kg m2].
+
+    Late drives: a command takes over between ``delay - jitter`` and ``delay`` [s] after it was
+    given, anew for each command, and is followed by a first order whose time constant lies within
+    ``lag`` = (smallest, largest) [s] and may vary in between; a constant one has both the same.
+
+    Late sensors: the velocity is the mean over a ``window`` [s] that ended ``age`` [s] ago, to
+    within nbar.
+
+    ``void`` says what assumption the effect breaks whatever the numbers are, in a sentence that
+    begins with the key at fault: then the guard filters but promises nothing.
     """
 
     dbar: Pair = (0.0, 0.0)
     nbar: Pair = (0.0, 0.0)
     mass: Pair = (0.0, 0.0)
     delay: float = 0.0
+    jitter: float = 0.0
+    lag: Pair = (0.0, 0.0)
+    age: Pair = (0.0, 0.0)
+    window: Pair = (0.0, 0.0)
     void: str = ""
 
 
@@ -70,6 +82,10 @@ class Effect:
     it is part of the loop's structure: where it acts, unless it is so cheap that it is always
     there and its numbers decide.  ``bound(scenario)`` is what it adds to the guard's assumptions;
     without a bound the guard refuses to be switched on.
+
+    ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
+    remembers; all others it reads as parameters.  ``check(scenario)`` raises ScenarioError where
+    its numbers do not go with those of other tables.
     """
 
     name: str
@@ -80,20 +96,44 @@ class Effect:
     bound: Callable[[Scenario], Bound] | None = None
     rate: Rate = Rate.SAMPLE
     always: bool = False
+    shape: tuple[str, ...] = ()
+    check: Callable[[Scenario], None] | None = None
 
     def present(self, scenario: Scenario) -> bool:
         """Whether it is part of the loop's structure."""
         return self.always or self.acts(scenario)
 
 
+def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
+    """What a sensor of the velocity adds where it makes only these axes' (0 linear, 1 angular)."""
+    linear, angular = (float(axis in axes) for axis in (0, 1))
+
+    def kept(pair: Pair) -> Pair:
+        return linear * pair[0], angular * pair[1]
+
+    return replace(bound, nbar=kept(bound.nbar), age=kept(bound.age), window=kept(bound.window))
+
+
 def total(bounds: list[Bound]) -> Bound:
-    """The sum of bounds, and every reason why there is no promise."""
+    """The sum of bounds, and every reason why there is no promise.
+
+    Two lags in a row are no lag, and a mean of means is no mean: those are reasons too.
+    """
+    reasons = [item.void for item in bounds if item.void]
+    if sum(item.lag[1] > 0 for item in bounds) > 1:
+        reasons.append("lag: two drives lag one behind the other, and the guard knows one lag.")
+    if any(sum(item.window[i] > 0 for item in bounds) > 1 for i in (0, 1)):
+        reasons.append("window: two sensors average the velocity, and the guard knows one window.")
     return Bound(
         dbar=_sum([item.dbar for item in bounds]),
         nbar=_sum([item.nbar for item in bounds]),
         mass=_sum([item.mass for item in bounds]),
         delay=sum(item.delay for item in bounds),
-        void=" ".join(item.void for item in bounds if item.void),
+        jitter=sum(item.jitter for item in bounds),
+        lag=_sum([item.lag for item in bounds]),
+        age=_sum([item.age for item in bounds]),
+        window=_sum([item.window for item in bounds]),
+        void=" ".join(reasons),
     )
 
 

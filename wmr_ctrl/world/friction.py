@@ -38,6 +38,11 @@ def phases(scenario: Scenario) -> Iterator[Phase]:
         yield phase
 
 
+def heaviest(scenario: Scenario) -> float:
+    """Largest mass of the robot over a run [kg]."""
+    return max(phase.m for phase in phases(scenario))
+
+
 def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
     numbers = (phase.mu, phase.m, robot.g, robot.v_s)

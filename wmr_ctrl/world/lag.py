@@ -1,4 +1,9 @@
-"""Lag of the drives: the torque follows what arrives by a first order, exact over a plant step."""
+"""Lag of the drives: the torque follows what arrives by a first order, exact over a plant step.
+
+With a spread the time constant is another in each control period, uniform between
+lag (1 - spread) and lag (1 + spread); what laws and observer believe is the one in the middle.
+Source: motors whose winding warms up, drives whose tuning is not known.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.model.system import UNIFORM, Draw, Output, System, draw, port, ports, stack
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
@@ -16,6 +21,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
+NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,13 +31,22 @@ class Lag(Section):
     KEY: ClassVar[str] = "actuator"
 
     lag: float = quantity(0.0, unit="s", doc="time constant of the torque's lag", minimum=0)
+    lag_spread: float = quantity(
+        0.0, unit="1", doc="share by which the time constant may vary", minimum=0, below=1
+    )
 
 
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: torque that arrives to torque that acts [N m]."""
     torque, acting, p = ports(TORQUE), port(ACTING), Parameters(scenario)
     wanted = stack(item.sym for item in torque)
-    decay = ca.exp(-p.take("clock.plant") / p.take("actuator.lag"))
+    time = p.take("actuator.lag")
+    draws: tuple[Draw, ...] = ()
+    if scenario.section(Lag).lag_spread > 0:
+        spread = p.take("actuator.lag_spread")
+        draws = (draw(NUMBERS, UNIFORM, spread > 0, held=True),)
+        time = time * (1 + spread * draws[0].port.sym[0])
+    decay = ca.exp(-p.take("clock.plant") / time)
     following = wanted + decay * (acting.sym - wanted)
     return System(
         "lag",
@@ -42,6 +57,7 @@ def build(scenario: Scenario) -> System:
         following,
         tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
         period=scenario.clock.plant,
+        draws=draws,
     )
 
 
@@ -51,14 +67,9 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """None that holds: the guard's theorem knows torque that acts at once or after a delay."""
-    lag = scenario.section(Lag).lag
-    if lag == 0:
-        return Bound()
-    return Bound(
-        void=f"actuator.lag = {lag:g} s: the guard's theorem knows torque that acts at once or "
-        "after a delay, so it filters but promises nothing here."
-    )
+    """The time constant's range: what was called for still acts by exp(-s/lag) after a time s."""
+    lag, spread = scenario.section(Lag).lag, scenario.section(Lag).lag_spread
+    return Bound(lag=(lag * (1.0 - spread), lag * (1.0 + spread)))
 
 
 LAG = Effect(

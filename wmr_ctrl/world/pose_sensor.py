@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
-from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, SAMPLE, Signal
+from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 NUMBERS = Signal("pose", "1", "uniform numbers on [-1, 1)", 2)
+LOST = Signal("pose_lost", "1", "uniform numbers on [-1, 1)", 2)
 ESTIMATE = Signal("pose_estimate", "m, m, rad", "dead-reckoned pose of the previous sample", 3)
 OLD_VELOCITY = Signal("v_reckoned", "m/s, rad/s", "measured velocity of the previous sample", 2)
 
@@ -42,21 +44,25 @@ class PoseSensor(Section):
     correction: float = quantity(
         1.0, unit="1", doc="share of the pose's difference that is corrected", above=0, maximum=1
     )
+    pose_dropout: float = quantity(
+        0.0, unit="1", doc="probability that a pose does not come", minimum=0, below=1
+    )
 
     @property
     def perfect(self) -> bool:
         """Whether the laws see the true pose at every sample."""
-        return self.pose_period == 0 and self.pose_noise == 0 and self.correction == 1
+        exact = self.pose_period == 0 and self.pose_noise == 0 and self.correction == 1
+        return exact and self.pose_dropout == 0
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: true pose, measured velocity and number of the sample to measured pose.
+    """Sampled System: pose, measured velocity and number of the sample to measured pose.
 
     Predicts by Euler over one control period with the previous sample's measured velocity, the
     angle first, then moves the estimate by a share of the measured error: all of it at the first
     sample, ``correction`` where a pose came, nothing in between.
     """
-    pose, velocity, sample = ports(POSE), ports(MEASURED_VELOCITY), port(SAMPLE)
+    pose, velocity, sample = ports(MEASURED_POSE), ports(MEASURED_VELOCITY), port(SAMPLE)
     estimate, old, p = port(ESTIMATE), port(OLD_VELOCITY), Parameters(scenario)
     T, every, width, correction = (
         p.take(key)
@@ -64,12 +70,17 @@ def build(scenario: Scenario) -> System:
             "clock.control", "sensor.pose_period", "sensor.pose_noise", "sensor.correction",
         )
     )  # fmt: skip
-    error = draw(NUMBERS, UNIFORM, width > 0)
+    draws = [error := draw(NUMBERS, UNIFORM, width > 0)]
     true = stack(item.sym for item in pose)
     measured = true + ca.vertcat(width * error.port.sym, 0)
     predicted = reckoned(estimate.sym, old.sym, T)
     share = _share(sample.sym, ca.fmax(1, ca.floor(every / T + 0.5)), correction)
     perfect = ca.logic_and(ca.logic_and(every == 0, width == 0), correction == 1)
+    if scenario.section(PoseSensor).pose_dropout > 0:
+        lost = p.take("sensor.pose_dropout")
+        draws.append(chance := draw(LOST, UNIFORM, lost > 0))
+        comes = ca.logic_or(sample.sym == 0, (chance.port.sym[0] + 1) / 2 >= lost)
+        share, perfect = ca.if_else(comes, share, 0), ca.logic_and(perfect, lost == 0)
     seen = ca.if_else(perfect, true, corrected(predicted, measured, share))
     return System(
         "pose_sensor",
@@ -80,7 +91,7 @@ def build(scenario: Scenario) -> System:
         ca.vertcat(seen, *(item.sym for item in velocity)),
         tuple(Output(signal, seen[i]) for i, signal in enumerate(MEASURED_POSE)),
         period=scenario.clock.control,
-        draws=(error,),
+        draws=tuple(draws),
     )
 
 
@@ -106,6 +117,12 @@ def acts(scenario: Scenario) -> bool:
     return not scenario.section(PoseSensor).perfect
 
 
+def check(scenario: Scenario) -> None:
+    """The poses' period is a multiple of the control period."""
+    period = scenario.section(PoseSensor).pose_period
+    check_multiple("sensor.pose_period", period, "clock.control", scenario.clock.control)
+
+
 def bound(scenario: Scenario) -> Bound:
     """Nothing: the guard reads no pose."""
     return Bound()
@@ -119,4 +136,5 @@ POSE_SENSOR = Effect(
     acts=acts,
     bound=bound,
     always=True,
+    check=check,
 )

@@ -17,21 +17,35 @@ from typing import TYPE_CHECKING, ClassVar
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.world.delay import DELAY, Delay
 from wmr_ctrl.world.effect import Effect, EffectRole
+from wmr_ctrl.world.encoder import ENCODER
+from wmr_ctrl.world.gust import GUST
+from wmr_ctrl.world.gyro import GYRO
+from wmr_ctrl.world.jitter import JITTER, Jitter
 from wmr_ctrl.world.lag import LAG, Lag
+from wmr_ctrl.world.motor import MOTOR
+from wmr_ctrl.world.pose_delay import POSE_DELAY, PoseDelay
 from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
 from wmr_ctrl.world.push import PUSH, Push
+from wmr_ctrl.world.resistance import RESISTANCE
+from wmr_ctrl.world.slope import SLOPE
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
+from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
+from wmr_ctrl.world.wheels import WHEELS
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
-OURS = (VELOCITY_NOISE, POSE_SENSOR, TORQUE_NOISE_EFFECT, PUSH, DELAY, LAG)
+OURS = (
+    ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, POSE_DELAY, POSE_SENSOR,
+    TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
+    DELAY, JITTER, MOTOR, LAG, WHEELS,
+)  # fmt: skip
 GROUP = "wmr_ctrl.effects"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sensor(VelocityNoise, PoseSensor):
+class Sensor(VelocityNoise, VelocityMean, PoseSensor, PoseDelay):
     """How pose and velocity are measured; the defaults are perfect sensors."""
 
     KEY: ClassVar[str] = "sensor"
@@ -45,7 +59,7 @@ class Disturbance(Push, TorqueNoise):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Actuator(Delay, Lag):
+class Actuator(Delay, Jitter, Lag):
     """Torque limit, first-order lag and delay of the drives; the defaults are ideal drives."""
 
     KEY: ClassVar[str] = "actuator"
@@ -54,10 +68,14 @@ class Actuator(Delay, Lag):
         math.inf, unit="N.m", doc="largest torque of each wheel; inf: none", above=0, infinite=True
     )
 
+    traction: bool = quantity(
+        False, unit="1", doc="whether wheel torques stay where the tyres of [body] are sure to grip"
+    )
+
     @property
     def ideal(self) -> bool:
         """Whether the torque acts at once (it may still be limited)."""
-        return self.lag == 0 and self.delay == 0
+        return self.lag == 0 and self.delay == 0 and self.untold == 0 and self.jitter == 0
 
 
 class EffectRegistry:

@@ -11,6 +11,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.parts import STATE, Part
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.provenance import GRAPH
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole
 
@@ -18,6 +19,17 @@ _WHEELS = ({"noise_right", "torque_right"}, {"noise_left", "torque_left"})
 _BODY = ({"thrust"}, {"moment"})
 _NEAR = 1e-6
 """How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
+
+
+def law_within(path: str | Path | None) -> str | None:
+    """Name of the law that a controller of ours holds; None for any other file, or for none."""
+    if path is None or not zipfile.is_zipfile(path):
+        return None
+    with zipfile.ZipFile(path) as archive:
+        if GRAPH not in archive.namelist():
+            return None
+        described = archive.read("modelDescription.xml").decode(errors="replace")
+    return next((law for law in LAWS if f'modelName="wmr_{law}"' in described), None)
 
 
 def check_structure(path: str | Path, model: FmuModel) -> None:

@@ -27,9 +27,10 @@ from pathlib import Path
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 
-UnitOf = Callable[[str], str | None]
-Units = Callable[[str, str], NamedUnit]
-"""From a name, and the key of the row that needs it, to its unit."""
+UnitOf = Callable[[str], NamedUnit | str | None]
+"""From the name of their variable to its unit: as the FMU defines it, its mere name, or nothing."""
+Units = Callable[[str, str, str], NamedUnit]
+"""From a name, the key of the row that needs it and a unit that would fit, to the name's unit."""
 _KEYS = {"terms", "offset", "unit", "coefficient_unit"}
 _SECTIONS = {"inputs", "outputs", "parameters", "start", "step"}
 
@@ -91,7 +92,14 @@ def input_rows(
 ) -> list[MapRow]:
     """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables."""
     return [
-        _row(f"{part}.inputs.{name}", name, entry, _Side(theirs, entry), _ours(ours))
+        _row(
+            f"{part}.inputs.{name}",
+            name,
+            entry,
+            _Side(theirs, entry),
+            _ours(ours),
+            _first_unit(ours, entry),
+        )
         for name, entry in raw.items()
     ]
 
@@ -101,9 +109,27 @@ def output_rows(
 ) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     return [
-        _row(f"{part}.outputs.{name}", name, entry, _ours(ours), _Side(theirs, entry))
+        _row(
+            f"{part}.outputs.{name}",
+            name,
+            entry,
+            _ours(ours),
+            _Side(theirs, entry),
+            ours.get(name, "1"),
+        )
         for name, entry in raw.items()
     ]
+
+
+def _first_unit(ours: Mapping[str, str], entry: object) -> str:
+    """Unit of the first of our quantities that an entry reads."""
+    names = [entry] if isinstance(entry, str) else list(_terms(entry))
+    return next((ours[name] for name in names if name in ours), "1")
+
+
+def _terms(entry: object) -> Mapping[str, object]:
+    terms = entry.get("terms") if isinstance(entry, dict) else None
+    return terms if isinstance(terms, dict) else {}
 
 
 def compiled(
@@ -131,17 +157,24 @@ class _Side:
         self.declared = declared
         self.stated = entry.get("unit") if isinstance(entry, dict) else None
 
-    def __call__(self, name: str, key: str) -> NamedUnit:
+    def __call__(self, name: str, key: str, fitting: str) -> NamedUnit:
         unit = self.stated or self.declared(name)
+        hint = f'State it in the row: {{ terms = {{ ... }}, unit = "{fitting}" }}, say.'
         if unit is None:
+            raise ArgumentError(f"{key}: the FMU gives no unit for {name}. {hint}")
+        if isinstance(unit, NamedUnit):
+            return unit
+        try:
+            return unit_of(unit)
+        except ArgumentError as error:
             raise ArgumentError(
-                f'{key}: the FMU gives no unit for {name}. State it: unit = "rad/s", say.'
-            )
-        return unit_of(unit)
+                f"{key}: {name} has the unit {unit!r}, which the FMU does not define, and {error} "
+                f"{hint}"
+            ) from error
 
 
 def _ours(units: Mapping[str, str]) -> Units:
-    def unit(name: str, key: str) -> NamedUnit:
+    def unit(name: str, key: str, _fitting: str) -> NamedUnit:
         if name not in units:
             raise UnknownNameError(f"quantity of ours (in {key})", name, units)
         return unit_of(units[name])
@@ -150,16 +183,19 @@ def _ours(units: Mapping[str, str]) -> Units:
 
 
 def _row(
-    key: str, target: str, entry: object, unit_of_target: Units, unit_of_source: Units
+    key: str, target: str, entry: object, unit_of_target: Units, unit_of_source: Units, near: str
 ) -> MapRow:
+    """One row in the owners' units: whatever has an offset to SI is converted by way of SI."""
     terms, offset, factor_unit = _entry(key, entry)
-    wanted = unit_of_target(target, key)
-    shares = []
+    wanted = unit_of_target(target, key, near)
+    shares, start = [], -wanted.offset
     for name, factor in terms.items():
-        given = unit_of_source(name, key)
+        given = unit_of_source(name, key, near)
         _check(key, wanted, given, factor_unit, name)
-        shares.append((name, factor * given.factor * factor_unit.factor / wanted.factor))
-    return MapRow(target, tuple(shares), offset)
+        share = factor * factor_unit.factor
+        shares.append((name, share * given.factor / wanted.factor))
+        start += share * given.offset
+    return MapRow(target, tuple(shares), offset + start / wanted.factor)
 
 
 def _entry(key: str, entry: object) -> tuple[dict[str, float], float, NamedUnit]:

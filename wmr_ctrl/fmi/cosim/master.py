@@ -1,10 +1,10 @@
 """Masters: who steps when, and who sees whose outputs.
 
-Gauss-Seidel steps reference, controller and plant in this order and passes values on in between,
-which is the native loop.  Jacobi steps all three with what was known before: the torque acts one
-step later, as under every master that copies connections after all have stepped.  Reference and
-controller step once in a control period, our plant once in each of its own steps, with the torque
-held: so the monitor sees what the native one sees.
+Gauss-Seidel shows the controller what reference and plant have reached, steps it, and then the
+plant with its torques, which is the native loop.  Jacobi steps all three with what was known
+before: the torque acts one step later, as under every master that copies connections after all have
+stepped.  Reference and controller step once in a control period, our plant once in each of its own
+steps, with the torque held: so the monitor sees what the native one sees.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class Master:
     def sample(self, k: int) -> bool:
         """Reference, controller, plant; True if the run must end."""
         t, h = k * self.clock.control, self.clock.control
+        desired, now = list(self.parts.reference.read()), self.outside.sample(self.state)
         self.parts.reference.step(t, h)
-        desired, now = self.parts.reference.read(), self.outside.sample(self.state)
         self.parts.controller.write(self.seen(desired, now))
         self.parts.controller.step(t, h)
         given = self.parts.controller.read()

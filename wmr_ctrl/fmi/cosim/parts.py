@@ -11,7 +11,7 @@ import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, compiled, identity, input_rows, output_rows
-from wmr_ctrl.fmi.cosim.slave import Slave
+from wmr_ctrl.fmi.cosim.slave import FmuFile, Slave
 from wmr_ctrl.guard.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.scenario import Robot, Scenario
@@ -105,12 +105,10 @@ def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[st
         outputs = (*TORQUES, *(name for name in diagnostics if name in slave.variables))
         _need(slave, outputs[:2])
         return Part(slave, identity(known), identity(outputs), SEEN)
-    outputs_ = output_rows(part.outputs, UNITS, slave.unit, "controller")
-    _complete(outputs_, TORQUES, "controller")
     return Part(
         slave,
         input_rows(part.inputs, UNITS, slave.unit, "controller"),
-        _sorted(outputs_, TORQUES),
+        controller_outputs(slave, part),
         SEEN,
         part.step,
         foreign=True,
@@ -123,16 +121,28 @@ def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
         _need(slave, (*STATE, *TORQUES))
         inputs = [name for name in (*TORQUES, *NOISES, *PUSHED) if name in slave.variables]
         return Part(slave, identity(inputs), identity(STATE), DRIVEN)
-    outputs = _without_ready(output_rows(part.outputs, UNITS, slave.unit, "plant"), robot)
-    _complete(outputs, STATE, "plant")
     return Part(
         slave,
         input_rows(part.inputs, UNITS, slave.unit, "plant"),
-        _sorted(outputs, STATE),
+        plant_outputs(slave, part, robot),
         DRIVEN,
         part.step,
         foreign=True,
     )
+
+
+def controller_outputs(file: FmuFile, part: PartMap) -> list[MapRow]:
+    """Rows that give the torques from a foreign controller's outputs."""
+    rows = output_rows(part.outputs, UNITS, file.unit, "controller")
+    _complete(rows, TORQUES, "controller")
+    return _sorted(rows, TORQUES)
+
+
+def plant_outputs(file: FmuFile, part: PartMap, robot: Robot) -> list[MapRow]:
+    """Rows that give pose and velocity from a foreign plant's outputs."""
+    rows = _without_ready(output_rows(part.outputs, UNITS, file.unit, "plant"), robot)
+    _complete(rows, STATE, "plant")
+    return _sorted(rows, STATE)
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:

@@ -11,10 +11,10 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.controller import watched_controller
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure
+from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure, law_within
 from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
 from wmr_ctrl.fmi.cosim.outside import Outside
@@ -44,12 +44,13 @@ CHANGEABLE = ("m", "I", "mu")
 
 def cosimulate(
     scenario: str | Path | Scenario,
-    law: str = "nn",
+    law: str | None = None,
     *,
     plant: str | Path | None = None,
     controller: str | Path | None = None,
     map_file: str | Path | None = None,
     master: str = "gauss-seidel",
+    delay_known: bool = False,
     seed: int = 0,
     fmi: int = 2,
     progress: Progress | None = None,
@@ -58,12 +59,18 @@ def cosimulate(
 
     Parameters
     ----------
+    law
+        The control law; None: that of ``controller`` where it is one of ours, else "nn".
     plant, controller
         FMU files to use in place of those that are exported from ``scenario`` and ``law``.
     map_file
         TOML map of the names and units of FMUs that are not ours; see ``cosim.mapping``.
     master
         "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step later).
+    delay_known
+        For "jacobi": the controller is built for drives that are one control period later than
+        the scenario's, so that guard and observer count with what this master does; the loop is
+        then the native one with that delay.
     fmi
         Version of the FMUs that are exported here: 2 or 3.
 
@@ -75,13 +82,19 @@ def cosimulate(
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
-    setup = settle(scenario_given(scenario), law)
+    if delay_known and master != "jacobi":
+        raise ArgumentError(
+            f"delay_known is for master = 'jacobi': under {master!r} no torque is late. Leave it "
+            "out."
+        )
+    setup = settle(scenario_given(scenario), law or law_within(controller) or "nn")
+    own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
     maps = load_map(map_file) if map_file is not None else {}
     with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
         files = {"reference": None, "controller": controller, "plant": plant}
-        slaves = _slaves(setup, files, fmi, Path(folder), at_once=master == "jacobi")
+        slaves = _slaves(own, files, fmi, Path(folder), at_once=master == "jacobi")
         try:
-            return _run(setup, slaves, maps, master, seed, progress)
+            return _run(setup, own, slaves, maps, master, seed, progress)
         finally:
             for slave in slaves.values():
                 slave.end()
@@ -113,13 +126,15 @@ def _model(setup: Setup, name: str, *, at_once: bool) -> FmuModel:
 
 def _run(
     setup: Setup,
+    own: Setup,
     slaves: dict[str, Slave],
     maps: dict[str, PartMap],
     master: str,
     seed: int,
     progress: Progress | None,
 ) -> Run:
-    scenario, system = setup.scenario, watched_controller(setup)
+    """``own`` is what the controller is built for, ``setup`` what stands around it."""
+    scenario, system = setup.scenario, watched_controller(own)
     further = [name for item in system.diagnostics for name in item.signal.elements]
     parts = Parts(
         reference_part(slaves["reference"]),
@@ -129,19 +144,21 @@ def _run(
     )
     check_parts(setup, parts.plant, parts.controller)
     for name, slave in slaves.items():
-        ours = None if name in maps else _model(setup, name, at_once=master == "jacobi")
+        ours = None if name in maps else _model(own, name, at_once=master == "jacobi")
         starts = maps[name].start if ours is None else _starts(ours, slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, Outside(setup, seed))
-    facts = {"master": master, **_paths(slaves)}
+    facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
+    facts |= {"delay": "known to the controller"} if own is not setup else {}
+    controlled = slaves["controller"].description.modelName if "controller" in maps else setup.name
 
     failure = ""
     try:
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
-    return _result(setup, system, loop, parts.controller, seed, facts, failure)
+    return _result(own, controlled, system, loop, parts.controller, seed, facts, failure)
 
 
 def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
@@ -179,15 +196,9 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
     return change
 
 
-def _paths(slaves: dict[str, Slave]) -> dict[str, str]:
-    return {
-        f"fmu_{name}": f"{Path(slave.path).name} (FMI {slave.description.fmiVersion})"
-        for name, slave in slaves.items()
-    }
-
-
 def _result(
     setup: Setup,
+    law: str,
     system: System,
     loop: Master,
     part: Part,
@@ -200,7 +211,8 @@ def _result(
     named = tuple(name for item in effects for name in item.elements)
     table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *part.targets[2:]))
     logged = (signals, _columns(signals, table), loop.outside.monitor(failure))
-    return finished(setup.scenario, setup.name, seed, "fmu", logged, facts, setup.assumptions)
+    scenario = loop.scenario
+    return finished(scenario, law, seed, "fmu", logged, facts, setup.assumptions)
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes as ct
+import hashlib
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.fmi.units import BASE, NamedUnit
 
 _WARNING = 1  # the highest status of a call that did what it should
 Read = Callable[[], list[float]]
@@ -23,7 +26,64 @@ class FmuError(WmrError, RuntimeError):
     """An FMU refused a call or could not be loaded; the message names it and says when."""
 
 
-class Slave:
+class FmuFile:
+    """What an FMU says of itself: variables, units, name.  Raises FmuError for a file that is none.
+
+    ``name`` is how messages call it.
+    """
+
+    def __init__(self, path: str | Path, name: str) -> None:
+        """Read the model description of ``path``."""
+        self.name, self.path = name, os.fspath(path)
+        try:
+            self.description = read_model_description(self.path)
+        except Exception as error:  # FMPy raises bare Exceptions
+            raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    @property
+    def label(self) -> str:
+        """Its model's name, its file, version of FMI and the beginning of the file's SHA-256."""
+        digest = hashlib.sha256(Path(self.path).read_bytes()).hexdigest()[:16]
+        said = self.description
+        return f"{said.modelName} ({Path(self.path).name}, FMI {said.fmiVersion}, sha256 {digest})"
+
+    def unit(self, name: str) -> NamedUnit | str | None:
+        """Unit that the model description gives a variable: as it defines it, by name, or None."""
+        variable = self.variable(name)
+        declared = variable.declaredType
+        own = variable.unit or (declared.unit if declared is not None else None)
+        return self._defined.get(own, own) if own else None
+
+    @cached_property
+    def _defined(self) -> dict[str, NamedUnit]:
+        """Units that the model description defines by base units."""
+        bases = {item.name: item.baseUnit for item in self.description.unitDefinitions}
+        return {
+            str(name): NamedUnit(
+                str(name),
+                float(base.factor),
+                {key: int(getattr(base, key)) for key in BASE if getattr(base, key)},
+                float(base.offset),
+            )
+            for name, base in bases.items()
+            if base is not None
+        }
+
+    def variable(self, name: str) -> Any:
+        """A real variable's description; raises UnknownNameError or ArgumentError."""
+        if name not in self.variables:
+            raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
+        variable = self.variables[name]
+        if variable.type not in ("Real", "Float64"):
+            raise ArgumentError(
+                f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be "
+                "used. Map another variable."
+            )
+        return variable
+
+
+class Slave(FmuFile):
     """An FMU for co-simulation, version 2.0 or 3.0, ready to be initialised.
 
     ``name`` is how messages call it.  Raises FmuError where it cannot be loaded.
@@ -31,18 +91,17 @@ class Slave:
 
     def __init__(self, path: str | Path, name: str, folder: str | Path) -> None:
         """Unpack ``path`` below ``folder`` and create one instance."""
-        self.name, self.path, self.time = name, os.fspath(path), 0.0
+        super().__init__(path, name)
+        self.time = 0.0
         self.messages: list[str] = []
         self._flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
         self._answers = [*map(ct.byref, self._flags), ct.byref(last)]
         self._keep = last
         try:
-            self.description = read_model_description(self.path)
             self.version = 2 if self.description.fmiVersion == "2.0" else 3
             self._fmu = self._loaded(extract(self.path, str(folder)))
         except Exception as error:  # FMPy raises bare Exceptions
             raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
-        self.variables = {v.name: v for v in self.description.modelVariables}
 
     def _loaded(self, folder: str) -> Any:
         if self.description.coSimulation is None:
@@ -77,24 +136,6 @@ class Slave:
 
     def _hear3(self, _env: Any, _status: int, _category: bytes, message: bytes) -> None:
         self.messages.append((message or b"").decode(errors="replace"))
-
-    def unit(self, name: str) -> str | None:
-        """Unit that the model description gives a variable, or None."""
-        variable = self.variable(name)
-        declared = variable.declaredType
-        return variable.unit or (declared.unit if declared is not None else None)
-
-    def variable(self, name: str) -> Any:
-        """A real variable's description; raises UnknownNameError or ArgumentError."""
-        if name not in self.variables:
-            raise UnknownNameError(f"variable of the FMU {self.path}", name, self.variables)
-        variable = self.variables[name]
-        if variable.type not in ("Real", "Float64"):
-            raise ArgumentError(
-                f"{name} of the FMU {self.path} is of type {variable.type}; only real ones can be "
-                "used. Map another variable."
-            )
-        return variable
 
     def begin(self, stop: float, values: Mapping[str, float]) -> None:
         """Set start values and initialise at t = 0 s."""

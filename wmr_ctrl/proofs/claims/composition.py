@@ -12,13 +12,10 @@ from wmr_ctrl.barrier.lyapunov import target_rate
 from wmr_ctrl.guard.bounds import ROUNDING
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
 from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.laws.prox import next_velocity, prox_step
-from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import (
     OFF_EDGES,
-    VELOCITY_NAMES,
     BarrierAxis,
     LawGraph,
 )  # fmt: skip
@@ -29,57 +26,6 @@ from wmr_ctrl.proofs.regions import target_cases
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import circle, line
-
-
-def _prox_force(axis: int, flip: float) -> Statement:
-    """v + T (F - F1 - f)/M = v+ on the law's graph."""
-    law = LawGraph("prox")
-    t, period = law.symbols, law.symbols["clock.control"]
-    mass = law.own(law.sample.mass)[axis]
-    cuts = {
-        "next": law.own(next_velocity(law.sample, axis)),
-        "friction": law.own(law.sample.friction)[axis],
-        "f": law.system.update[axis],
-    }
-    free = symbols("next f")
-    pushed = law.force[axis] - cuts["friction"] - flip * free["f"]
-    end = t[VELOCITY_NAMES[axis]] + period * pushed / mass
-    given = (above(period), above(mass))
-    return Statement({**t, **free}, (equal(end, free["next"]),), given, cuts)
-
-
-def _observer(axis: int, flip: float) -> Statement:
-    """M (v - v_old)/T = F - F1 + d: f + d falls by exp(-wo T) in a sample."""
-    law, k = LawGraph("prox"), axis + 1
-    t, period = law.symbols, law.symbols["clock.control"]
-    mass, v = law.own(law.sample.mass)[axis], law.own(law.sample.v)
-    old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
-    applied = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
-    force = wheel_to_force(t["robot.r"], t["robot.l"], applied)[axis]
-    free = symbols("fall d")
-    cuts = {
-        "fall": ca.expm1(-t["gains.prox.wo"] * period),
-        "drag": law.own(law.sample.friction_at(0.5 * (v + old)))[axis],
-    }
-    moved = equal(mass * (v[axis] - old[axis]), period * (force - cuts["drag"] + free["d"]))
-    left = (1 + flip * free["fall"]) * (t[f"f_hat[{k}]"] + free["d"])
-    goal = equal(law.system.update[axis] + free["d"], left)
-    positive = (above(period), above(mass), above(t["started"]), above(t["robot.r"]))
-    return Statement({**t, **free}, (goal,), (*positive, above(t["robot.l"]), moved), cuts)
-
-
-def _linear(flip: float) -> Statement:
-    """Where targets and mixture are below v_u2, the step is v+ = E (v - c) + c+."""
-    t = symbols("v c c_next E u1 u2", "E u1 u2")
-    shares, limits = (t["E"], 1 - t["E"]), (t["u1"], t["u2"])
-    end = prox_step(t["v"], t["c"], t["c_next"], shares, limits, False)
-    plain = t["E"] * (t["v"] - t["c"]) + t["c_next"]
-    small = [at_least(t["u2"], way * x) for way in (1, -1) for x in (t["c"], t["c_next"], plain)]
-    given = (
-        above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"]),
-        above(1e100, t["u2"]), *small,
-    )  # fmt: skip
-    return Statement(t, (equal(end, flip * plain),), given)
 
 
 def _sharp(flip: float) -> Statement:
@@ -187,28 +133,6 @@ POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
 
 
-def _axis_claims(axis: int) -> tuple[Claim, Claim]:
-    of, where = (("", "linear"), ("-angular", "angular"))[axis]
-    return (
-        Claim(
-            f"prox.force{of}", (), OURS,
-            f"on the sampled-data law's graph v + T (F - F1 - f)/M = v+, {where} axis",
-            "With the model exact the law's force leads to the velocity that it aims at in one "
-            "period; f is what the observer adds.",
-            "T, M > 0; F1 and v+ whatever they are",
-            partial(_prox_force, axis), SLOW, premises=("prox.inside",),
-        ),
-        Claim(
-            f"prox.observer{of}", (), OURS,
-            f"on the law's graph f + d falls by exp(-wo T) in a sample, {where} axis",
-            "A constant disturbance is made up for at the rate wo.",
-            "after the first sample; M (v - v_old)/T = F_applied - F1 + d with the believed M and "
-            "F1 at the middle velocity, d constant",
-            partial(_observer, axis), SLOW,
-        ),
-    )  # fmt: skip
-
-
 def _promise_claim(late: bool) -> Claim:
     return Claim(
         "guard.promise-late" if late else "guard.promise", (), OURS,
@@ -233,8 +157,6 @@ def _motion_claim(kind: str) -> Claim:
 
 
 CLAIMS = (
-    *_axis_claims(0),
-    *_axis_claims(1),
     Claim(
         "guard.axes",
         (),
@@ -254,16 +176,6 @@ CLAIMS = (
         "Where nothing is uncertain the monitor measures the disturbance.",
         "nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
         _sharp,
-        SLOW,
-    ),
-    Claim(
-        "prox.linear",
-        (),
-        OURS,
-        "paper's barrier: v+ = E (v - c) + c+ below the thresholds",
-        "Away from the limits the law closes the distance to a moving target by E in a sample.",
-        "0 < v_u2 < v_u1, 0 < E < 1; |c|, |c+| and the right side at most v_u2",
-        _linear,
         SLOW,
     ),
     Claim(

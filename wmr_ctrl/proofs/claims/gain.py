@@ -141,7 +141,7 @@ CLAIMS = (
         "under law (9) the velocity error has no input-to-state stability on |v| < v_u1: for every "
         "D > 0 a constant force D carries v from v* to v_u1 within 2 M (v_u1 - v*)/D",
         "No bound of the disturbance, however small, keeps V1 bounded from every start inside the "
-        "limits; the gradient law has such a bound (prox.bounded-push).",
+        "limits; the gradient law has such a bound (prox.gain).",
         "v_c0 held, model exact",
         verdict=HAND,
         premises=("gain.none", "gain.none-smooth", "lemma.comparison"),

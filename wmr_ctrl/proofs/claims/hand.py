@@ -70,6 +70,53 @@ CLAIMS = (
         "statement is about the samples.",
     ),
     _hand(
+        "prox.gain",
+        (),
+        "sampled-data law, mass right: limsup |w| <= (T p/M + eps + E r)/(1 - E), p <= min(2 sup "
+        "|d|, sup |d - d_old|/L) + eta",
+        "A bounded push leaves a bounded distance to the target, from every start and at every "
+        "speed, for every period.",
+        (
+            "prox.pushed",
+            "prox.pushed-angular",
+            "prox.observer",
+            "prox.observer-angular",
+            "prox.observer-bound",
+            "prox.observer-bound-angular",
+        ),
+    ),
+    _hand(
+        "prox.limit",
+        (),
+        "sampled-data law, mass right, no guard, torque not limited: |v_0| <= v_u1, |c+| <= C and "
+        "T p/M <= m at every sample keep |v| <= v_u1 at the samples",
+        "What the law keeps by itself; the guard keeps it for more.",
+        (
+            "prox.margin",
+            "prox.margin-smooth",
+            "prox.pushed",
+            "prox.pushed-angular",
+            "transport.inside",
+            "transport.inside-smooth",
+        ),
+    ),
+    _hand(
+        "prox.any-mass",
+        (),
+        "target held, no disturbance, M/M^ in [3/5, 8/5] and another one in each sample: w and f "
+        "go to 0, by 0.93 a sample for L = 0.3 and 1 - E >= 1/4, by 0.993 for L = 0.07 and 1 - E "
+        ">= 1/10, barrier or not",
+        "A mass believed wrong by that much does not make the velocity cycle around a target that "
+        "is held.",
+        (
+            "prox.wrong-mass",
+            "prox.wrong-mass-gentle",
+            "prox.not-expansive",
+            "prox.optimal",
+            "prox.optimal-smooth",
+        ),
+    ),
+    _hand(
         "assumption.libm",
         (15,),
         "log, exp and tanh of the C library are right to 2^-51 relative, and + - * / sqrt are "

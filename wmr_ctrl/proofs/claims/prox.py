@@ -1,217 +1,292 @@
-"""The sampled-data law: its proximal map, the decay of V1 and w, the observer's stability.
+"""The sampled-data law: what its step does to V1, to the distance from its target, to the limit.
 
-The law is v+ = X_(1-E)(E (v + X_1(c+) - X_1(c)) + (1-E) c+).  That X_k is the proximal map of the
-barrier is shown on the graph, for both forms of the barrier; what follows for any convex barrier is
-algebra about the map's defining property, a LEMMA: nothing of it reads `prox_step` but
-`prox.inside`.
+v+ = X_(1-E)(E v* + (1-E) c+), on the graph of `prox_step`.  Proximal maps, the
+carried velocity v* and values of V1 stand as free numbers with what other entries say of them; what
+holds none of the graphs is a LEMMA.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property, partial
+
 import casadi as ca
 
-from wmr_ctrl.laws.prox import prox_step
+from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.barrier.transport import transported
+from wmr_ctrl.laws.prox import mixture, prox_step
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
-THEME = "prox"
-ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
-
-
-def _limits(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
-    return above(t["u2"]), above(t["u1"], t["u2"])
-
-
-def _fixed_point(flip: float) -> Statement:
-    """x = X_1(c), a = c - x in df(x): E x + (1-E) c = x + (1-E) a, whose proximal map is x."""
-    t = symbols("x c E")
-    mixed = t["E"] * t["x"] + flip * (1 - t["E"]) * t["c"]
-    return Statement(t, (equal(mixed - t["x"], (1 - t["E"]) * (t["c"] - t["x"])),))
-
-
-def _contracts(flip: float) -> Statement:
-    """The step with its proximal maps as free values m_1, m_2 (X_1 at c, c+): |w+| <= E |w|."""
-    t = symbols("v c c_next E m1 m2 end")
-    start = t["E"] * (t["v"] + t["m2"] - t["m1"]) + (1 - t["E"]) * t["c_next"]
-    rest = t["E"] * t["m2"] + (1 - t["E"]) * t["c_next"]
-    apart, w = t["end"] - t["m2"], t["v"] - t["m1"]
-    near = at_least((start - rest) ** 2, apart**2)
-    goal = at_least((t["E"] * w) ** 2, (1 if flip > 0 else 1.01) * apart**2)
-    return Statement(t, (goal,), (near, above(t["E"]), at_least(ca.SX(1), t["E"])))
-
-
-def _inside(flip: float) -> Statement:
-    """|v+| < v_u1 from every v, on the law's graph."""
-    t = symbols("v c c_next E u1 u2", "E u1 u2")
-    end = prox_step(t["v"], t["c"], t["c_next"], (t["E"], 1 - t["E"]), (t["u1"], t["u2"]), False)
-    limit = t["u1"] if flip > 0 else t["u2"]
-    given = (*_limits(t), above(t["E"]), above(ca.SX(1), t["E"]))
-    return Statement(t, (above(limit, end), above(end, -limit)), given)
-
-
-def _decay(flip: float) -> Statement:
-    """V(v*) >= V(v+) + tau A^2 + tau^2 A^2/2 and V(v+) <= A^2/2 give V(v*) >= (1 + tau)^2 V(v+)."""
-    t = symbols("before after A tau")
-    square = t["A"] ** 2
-    convex = at_least(t["before"], t["after"] + t["tau"] * square + 0.5 * (t["tau"] * t["A"]) ** 2)
-    small = at_least(0.5 * square, t["after"])
-    factor = (1 + t["tau"]) ** 2 if flip > 0 else (1.01 + t["tau"]) ** 2
-    return Statement(
-        t,
-        (at_least(t["before"], factor * t["after"]),),
-        (convex, small, above(t["tau"]), at_least(t["after"])),
-    )
-
-
-def _step_is_implicit(flip: float) -> Statement:
-    """v* - v+ = tau A(v+; c+) with tau = 1/E - 1 is the optimality of X_(1-E)."""
-    t = symbols("start end slope c E")
-    optimal = equal(
-        t["E"] * t["start"] + (1 - t["E"]) * t["c"] - t["end"], (1 - t["E"]) * t["slope"]
-    )
-    A = t["end"] - t["c"] + flip * t["slope"]
-    return Statement(
-        t, (equal(t["E"] * (t["start"] - t["end"]), (1 - t["E"]) * A),), (optimal, above(t["E"]))
-    )
-
-
-def _bounded_push(flip: float) -> Statement:
-    """Continuous limit: A (-(rho/2) A + d/M) <= -(rho/2) V1 + d^2/(rho M^2), from A^2 >= 2 V1."""
-    t = symbols("A V1 rho push")
-    rate = t["A"] * (-0.5 * t["rho"] * t["A"] + t["push"])
-    bound = -0.5 * t["rho"] * t["V1"] + t["push"] ** 2 / t["rho"]
-    given = (above(t["rho"]), at_least(t["A"] ** 2, 2 * t["V1"]), at_least(t["V1"]))
-    return Statement(t, (at_least(bound, (1 if flip > 0 else -1) * rate),), given)
-
-
-def _jury(flip: float) -> Statement:
-    """Trace and determinant of the loop of (w, T f/M^) are what the rule is read from."""
-    t = symbols("mu a L")
-    loop = ca.vertcat(
-        ca.horzcat(1 - t["mu"] * t["a"], t["mu"]),
-        ca.horzcat(-t["L"] * t["a"] * (1 - t["mu"]), 1 - t["L"] * t["mu"]),
-    )
-    trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - flip * t["a"] * t["L"])
-    return Statement(
-        t, (equal(1 + trace + det, edge), equal(1 - trace + det, t["mu"] * t["a"] * t["L"]))
-    )
-
-
-def _light_model(flip: float) -> Statement:
-    """M^ <= (4/3) M: all three conditions of Jury, for every rho, T and wo."""
-    t = symbols("mu a L")
-    given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
-    share = 4 / ca.SX(3) if flip > 0 else ca.SX(1.5)
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - t["a"] * t["L"])
-    det = 1 - t["mu"] * (t["a"] + t["L"]) + t["mu"] * t["a"] * t["L"]
-    return Statement(
-        t, (above(edge), above(ca.SX(1), det)), (*given, above(t["mu"]), at_least(share, t["mu"]))
-    )
-
-
+FORMS = (("", False), ("-smooth", True))
+WORDS = {False: "paper's barrier", True: "smooth barrier"}
 SLOW = Z3(timeout=60)
 
+
+@dataclass(frozen=True)
+class Step:
+    """`prox_step` with v*, v+ and the proximal maps at c_m and c+ as free numbers."""
+
+    smooth: bool
+
+    @cached_property
+    def inputs(self) -> dict[str, ca.SX]:
+        """v, the three targets, E, limits."""
+        return symbols("v c followed target E u1 u2", "E u1 u2")
+
+    @cached_property
+    def free(self) -> dict[str, ca.SX]:
+        """v*, v+, X_1(c_m), X_1(c+)."""
+        return symbols("carried end x_followed x_target")
+
+    @cached_property
+    def limits(self) -> tuple[ca.SX, ca.SX]:
+        """u1, u2."""
+        return self.inputs["u1"], self.inputs["u2"]
+
+    @cached_property
+    def shares(self) -> tuple[ca.SX, ca.SX]:
+        """E, 1 - E."""
+        return self.inputs["E"], 1 - self.inputs["E"]
+
+    @property
+    def start(self) -> ca.SX:
+        """v* as the law computes it."""
+        t = self.inputs
+        return transported(t["v"], t["c"], t["followed"], self.limits, self.smooth)
+
+    @property
+    def argument(self) -> ca.SX:
+        """What the last proximal map is taken of."""
+        return mixture(self.start, self.inputs["target"], self.shares)
+
+    @property
+    def end(self) -> ca.SX:
+        """v+ as the law computes it."""
+        t = self.inputs
+        way = (t["c"], t["followed"], t["target"])
+        return prox_step(t["v"], way, self.shares, self.limits, self.smooth)
+
+    def cuts(self, *names: str) -> dict[str, ca.SX]:
+        """What the free numbers of these names stand for."""
+        t, one = self.inputs, ca.SX(1)
+        every = {
+            "carried": self.start,
+            "end": resolvent(self.argument, self.shares[1], *self.limits, self.smooth),
+            "x_followed": resolvent(t["followed"], one, *self.limits, self.smooth),
+            "x_target": resolvent(t["target"], one, *self.limits, self.smooth),
+        }
+        return {name: every[name] for name in names}
+
+    @property
+    def plain(self) -> tuple[Relation, ...]:
+        """0 < u2 < u1, 0 < E < 1."""
+        t = self.inputs
+        return above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"])
+
+    def states(
+        self,
+        goals: tuple[Relation, ...],
+        given: tuple[Relation, ...],
+        names: tuple[str, ...],
+        more: dict[str, ca.SX] | None = None,
+    ) -> Statement:
+        """The statement on the graph of `prox_step`, cut at ``names``."""
+        table = {**self.inputs, **self.free, **(more or {})}
+        return Statement(table, goals, (*self.plain, *given), self.cuts(*names))
+
+
+def _inside(smooth: bool, flip: float) -> Statement:
+    """|v+| < u1 from every v*, on the graph."""
+    s = Step(smooth)
+    limit = s.inputs["u1"] if flip > 0 else s.inputs["u2"]
+    return s.states((above(limit, s.end), above(s.end, -limit)), (), ("carried",))
+
+
+def _contracts(smooth: bool, flip: float) -> Statement:
+    """|w+| <= E (|w| + |c+ - c_m|), with w the distance before the transport."""
+    s, t = Step(smooth), symbols("w")
+    x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
+    E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
+    pull, rest = s.argument - s.free["end"], (1 - E) * (target - x_target)
+    given = (
+        at_least((s.free["end"] - x_target) * (pull - rest)),
+        at_least(ca.fabs(t["w"]), ca.fabs(carried - x_followed)),
+        at_least(ca.fabs(target - followed), ca.fabs(x_target - x_followed)),
+    )
+    way = ca.fabs(target - followed)
+    most = E * (ca.fabs(t["w"]) + (way if flip > 0 else 0.9 * way))
+    names = ("carried", "end", "x_followed", "x_target")
+    return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
+
+
+def _decay(smooth: bool, flip: float) -> Statement:
+    """V1(v+; c+) <= E^2 V1(v*; c+): V1 above its tangent at v+, at v* and at v_c1+."""
+    s, t = Step(smooth), symbols("mid after")
+    E, target = s.inputs["E"], s.inputs["target"]
+    end, carried = s.free["end"], s.free["carried"]
+    back = s.free["x_target"] - end
+    # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
+    A = symbols("A")
+    optimal = equal((1 - E) * (A["A"] - end + target), s.argument - end)
+    given = (
+        optimal,
+        at_least(t["mid"], t["after"] + A["A"] * (carried - end) + 0.5 * (carried - end) ** 2),
+        at_least(0, t["after"] + A["A"] * back + 0.5 * back**2),
+        at_least(t["after"]),
+    )
+    share = E**2 if flip > 0 else (0.9 * E) ** 2
+    goals = (at_least(share * t["mid"], t["after"]), equal(s.end, end))
+    return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
+
+
+def _linear(smooth: bool, flip: float) -> Statement:
+    """Below v_u2: v+ = E v* + (1-E) c+."""
+    s = Step(smooth)
+    E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
+    plain = E * s.free["carried"] + (1 - E) * target
+    given = (*(at_least(u2, way * plain) for way in (1, -1)), above(1e100, u2))
+    return s.states((equal(s.end, flip * plain),), given, ("carried",))
+
+
+def _rises(flip: float) -> Statement:
+    """V1+ <= E^2 V1(v*; c+), the transport and the way that is left: what remains of V1 and S."""
+    t = symbols("before carried mid after S S_next way E")
+    S, E = t["S"], t["E"]
+    root = symbols("S_mid S_carried")
+    squares = [
+        equal(root_of**2, 2 * value)
+        for root_of, value in (
+            (S, t["before"]), (t["S_next"], t["after"]),
+            (root["S_mid"], t["mid"]), (root["S_carried"], t["carried"]),
+        )
+    ]  # fmt: skip
+    roots = [at_least(x) for x in (S, t["S_next"], *root.values())]
+    given = (
+        *squares, *roots, above(E), above(1, E), at_least(t["way"]),
+        at_least(t["before"], t["carried"]),
+        at_least(root["S_carried"] + t["way"], root["S_mid"]),
+        at_least(E**2 * t["mid"], t["after"]),
+    )  # fmt: skip
+    most = E * (S + (1 if flip > 0 else 0.9) * t["way"])
+    level = Relation(ca.if_else(t["way"] > 0, 0, E**2 * t["before"] - t["after"]), ">=")
+    return Statement({**t, **root}, (at_least(most, t["S_next"]), level), given)
+
+
+def _margin(smooth: bool, flip: float) -> Statement:
+    """|v*| <= u1 and |c+| <= C bound what X_(1-E) is taken of; the rest is `resolvent`'s."""
+    s, t = Step(smooth), symbols("C m", "C m")
+    u1, C = s.limits[0], t["C"]
+    most = s.inputs["E"] * u1 + s.shares[1] * (C if flip > 0 else 0.9 * C)
+    reached = ca.fabs(s.argument) <= most
+    given = (
+        at_least(u1, ca.fabs(s.free["carried"])), at_least(C, ca.fabs(s.inputs["target"])),
+        Relation(ca.if_else(reached, u1 - t["m"] - ca.fabs(s.free["end"]), 0), ">="),
+    )  # fmt: skip
+    return s.states((at_least(u1 - t["m"], ca.fabs(s.end)),), given, ("carried", "end"), t)
+
+
+def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
+    words = WORDS[smooth]
+    convex = "smooth.convex" if smooth else "convex"
+    optimal = f"prox.optimal{key}"
+    return (
+        Claim(
+            f"prox.inside{key}",
+            (),
+            OURS,
+            f"|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words})",
+            "The law never aims beyond the limit, wherever the robot is. In doubles v+ can round "
+            "to v_u1 itself (from |c+| of about 1e17 on).",
+            "0 < v_u2 < v_u1, 0 < E < 1",
+            partial(_inside, smooth),
+            SLOW,
+        ),
+        Claim(
+            f"prox.contracts{key}",
+            (),
+            OURS,
+            f"|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words})",
+            "The distance to a target that moves shrinks by E in every sample, however long the "
+            "sample is, but for the part of the target's way that is not carried along.",
+            "0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
+            partial(_contracts, smooth),
+            SLOW,
+            premises=(
+                optimal,
+                f"prox.monotone{key}",
+                "prox.not-expansive",
+                f"transport.level{key}",
+            ),
+        ),
+        Claim(
+            f"prox.decay{key}",
+            (),
+            OURS,
+            f"V1i(v+; c+) <= E^2 V1i(v*; c+) ({words})",
+            "From the velocity that was carried along V1 falls by exp(-rho T) in a sample, "
+            "whatever the period and the targets.",
+            "0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
+            partial(_decay, smooth),
+            SLOW,
+            premises=(optimal, convex, f"transport.inside{key}"),
+        ),
+        *_where_it_ends(key, smooth),
+    )
+
+
+def _where_it_ends(key: str, smooth: bool) -> tuple[Claim, ...]:
+    words = WORDS[smooth]
+    return (
+        Claim(
+            f"prox.linear{key}",
+            (),
+            OURS,
+            f"v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words})",
+            "Away from the limits the law closes the distance to its target by E in a sample.",
+            "0 < v_u2 < v_u1, 0 < E < 1",
+            partial(_linear, smooth),
+            SLOW,
+            premises=(f"transport.plain{key}",),
+        ),
+        Claim(
+            f"prox.margin{key}",
+            (),
+            OURS,
+            "|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with "
+            + ("m (m + (1-E) (C - v_u1 + 1/(v_u1 - v_u2))) <= 1 - E" if smooth
+               else "m (m + (1-E) (C - v_u1)) <= 1 - E") + f" ({words})",
+            "How far below the limit the law aims, which is what a push may take back.",
+            "0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
+            partial(_margin, smooth),
+            SLOW,
+            premises=(f"transport.inside{key}", f"prox.short{key}"),
+        ),
+    )  # fmt: skip
+
+
 CLAIMS = (
+    *(claim for key, smooth in FORMS for claim in _of_form(key, smooth)),
     Claim(
-        "prox.fixed-point",
+        "prox.rises",
         (),
         OURS,
-        "E x + (1-E) c - x = (1-E) (c - x) for x = X_1(c), so X_(1-E) maps it to x",
-        "On its target the law stays there.",
-        "any E, x, c",
-        _fixed_point,
+        "S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 "
+        "V1i(v; c)",
+        "What remains of V1 after a sample, with the model exact, for every period, every motion "
+        "of the target and every |v| < v_u1: level transport keeps the decay of V1, two-part "
+        "transport adds the way that it does not carry.",
+        "0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; c+) "
+        "<= E^2 V1i(v*; c+)",
+        _rises,
         SLOW,
-        premises=("prox.optimal",),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.inside",
-        (),
-        OURS,
-        "paper's barrier: |v+| < v_u1 for every v, c, c+, over the real numbers",
-        "The law never aims beyond the limit, wherever the robot is. In doubles v+ can round to "
-        "v_u1 itself (from |c+| of about 1e17 on).",
-        "0 < v_u2 < v_u1, 0 < E < 1",
-        _inside,
-        SLOW,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.contracts",
-        (),
-        OURS,
-        "|w+| <= E |w|, w = v - v_c1 before (at c) and after (at c+)",
-        "The distance to the target, which may move, shrinks by E in every sample, however long "
-        "the sample is.",
-        "0 < E <= 1, X_(1-E) not expansive, fixed point at v_c1",
-        _contracts,
-        SLOW,
-        premises=("prox.not-expansive", "prox.fixed-point"),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.implicit",
-        (),
-        OURS,
-        "v* - v+ = (1/E - 1) A(v+; c+)",
-        "The law is the backward Euler step of V1's gradient flow.",
-        "optimality of X_(1-E)",
-        _step_is_implicit,
-        SLOW,
-        premises=("prox.optimal",),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.decay",
-        (),
-        OURS,
-        "V1(v+; c+) <= exp(-rho T) V1(v*; c+)",
-        "With the target held (v* = v) V1 falls by its rate in a sample, whatever the period. A "
-        "target that moves can raise V1 from v to v*, which nothing here bounds.",
-        "V1 - v^2/2 convex, A in dV1: at v* and, for V1(v+) <= A^2/2, at v_c1; 1 + tau = 1/E = "
-        "exp(rho T/2); model exact",
-        _decay,
-        SLOW,
-        premises=("prox.implicit", "convex", "prox.monotone-smooth"),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.bounded-push",
-        (),
-        OURS,
-        "V1' <= -(rho/2) V1 + d^2/(rho M^2) in the limit of short samples",
-        "Target held and the period short, a bounded disturbance leaves V1 bounded, hence the "
-        "velocity inside: the law has authority.",
-        "A^2 >= 2 V1: V1 - v^2/2 convex, at v_c1; v_c0 held, T -> 0",
-        _bounded_push,
-        SLOW,
-        premises=("convex", "prox.monotone-smooth"),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.jury",
-        (),
-        OURS,
-        "velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), "
-        "1 - tr + det = mu a L",
-        "The two numbers that decide the sampled loop's stability.",
-        "mu = M^/M, a = 1 - E, L = 1 - exp(-wo T); below v_u2, c constant",
-        _jury,
-        SLOW,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.light-model",
-        (),
-        OURS,
-        "M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo",
-        "Believe a mass that is rather too small.",
-        "0 < a, L < 1",
-        _light_model,
-        SLOW,
-        premises=("prox.jury",),
-        theme=THEME,
+        premises=(
+            "prox.decay",
+            "prox.decay-smooth",
+            "transport.level",
+            "transport.level-smooth",
+            "transport.root",
+        ),
     ),
 )

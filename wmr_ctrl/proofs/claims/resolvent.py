@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import casadi as ca
 
-from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.barrier.resolvent import LARGEST, resolvent, root
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
@@ -88,6 +90,29 @@ def _not_expansive(flip: float) -> Statement:
     return Statement(t, (goal,), (above(t["k"]), at_least(dx * da)))
 
 
+def _root(flip: float) -> Statement:
+    """d = root(t, k): d > 0 and d (d + t) = k."""
+    t = symbols("t k")
+    d = root(t["t"], t["k"])
+    return Statement(t, (above(d), equal(d * (d + flip * t["t"]), t["k"])), (above(t["k"]),))
+
+
+def _short(smooth: bool, flip: float) -> Statement:
+    """|c| <= C: |X_k(c)| <= u1 - m where m (m + C - u1 (+ k/delta)) <= k."""
+    t = symbols("c k u1 u2 C m d", "k u1 u2 C m")
+    c, k, u1, u2, most, m, d = t.values()
+    x = resolvent(c, k, u1, u2, smooth)
+    bent = k / (u1 - u2) if smooth else 0
+    beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
+    room = k if flip > 0 else 1.5 * k
+    given = (
+        *_target(t), above(m), at_least(u1 - u2, m), at_least(room, m * (m + most - u1 + bent)),
+        at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k),
+    )  # fmt: skip
+    goals = (at_least(u1 - m, x), at_least(x, m - u1))
+    return Statement(t, goals, given, {"d": root(beyond, k)})
+
+
 CLAIMS = (
     Claim(
         "prox.optimal",
@@ -144,5 +169,35 @@ CLAIMS = (
         SLOW,
         premises=("prox.optimal", "prox.monotone"),
         theme=THEME,
+    ),
+    Claim(
+        "prox.root",
+        (),
+        OURS,
+        "the compiled d is the positive root of d (d + t) = k",
+        "How far below the limit a proximal map ends.",
+        "k > 0, any t",
+        _root,
+        SLOW,
+        theme=THEME,
+    ),
+    *(
+        Claim(
+            f"prox.short{key}",
+            (),
+            OURS,
+            f"|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k"
+            f" ({words})",
+            "The nearer the target, the farther below the limit its nearest velocity.",
+            "every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
+            partial(_short, smooth),
+            SLOW,
+            premises=("prox.root",),
+            theme=THEME,
+        )
+        for key, smooth, words, bound in (
+            ("", False, "paper's barrier", "m (m + C - v_u1)"),
+            ("-smooth", True, "smooth barrier", "m (m + C - v_u1 + k/(v_u1 - v_u2))"),
+        )
     ),
 )

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from typing import Any
+
 import casadi as ca
 
+from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.smooth import Barrier, smooth_barrier
+from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
 from wmr_ctrl.proofs.methods.spec import Ring
-from wmr_ctrl.proofs.regions import smooth_cases
-from wmr_ctrl.proofs.statement import Statement, at_least, equal
+from wmr_ctrl.proofs.regions import CHARTED, SIDE_EDGES, SIDES, side_value, smooth_cases
+from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
 
 
 def _compiled(a: BarrierAxis) -> Barrier:
@@ -50,6 +55,39 @@ def _ratio(flip: float) -> Statement:
     return Statement(a.symbols, (at_least(1, found.q), at_least(top, 1)))
 
 
+def _value(flip: float) -> Statement:
+    a = BarrierAxis()
+    return Statement(a.symbols, (equal(_compiled(a).V1, flip * smooth_lyapunov(*a.all)),))
+
+
+def _above_tangent(flip: float) -> Statement:
+    """f(y) >= f(v) + f'(v) (y - v)."""
+    t = symbols("y v u1 u2", "u1 u2")
+    y, v, u1, u2 = t.values()
+    line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
+    bend = 0 if flip > 0 else (y - v) ** 2
+    return Statement(t, (at_least(smooth_f(y, u1, u2), line + bend),))
+
+
+def _pairs() -> Iterator[Case]:
+    """y and v each on one of its sides; v off the corner, where the slope is 0 from both sides."""
+    for y_side in (*SIDES, *SIDE_EDGES):
+        for v_side in SIDES:
+            yield _pair(y_side, v_side)
+
+
+def _pair(y_side: str, v_side: str) -> Case:
+    names = {"u2": POSITIVE, "b": POSITIVE}
+    names |= {n: POSITIVE for n, s in (("k", y_side), ("i", v_side)) if s[:-1] in CHARTED}
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n["u2"], n["b"]
+        y, v = (side_value(side, u2, b, n.get(k, 0)) for side, k in ((y_side, "k"), (v_side, "i")))
+        return {"u1": u2 + b, "u2": u2, "y": y, "v": v}
+
+    return Case(f"y {y_side}, v {v_side}", names, values)
+
+
 EVERY = smooth_cases()
 OPEN = tuple(
     c
@@ -58,6 +96,29 @@ OPEN = tuple(
 )
 
 CLAIMS = (
+    Claim(
+        "smooth.V1",
+        (),
+        OURS,
+        "smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) "
+        "- (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0",
+        "The sum of non-negative terms is the same function.",
+        ALL_LIMITS + NO_SERIES,
+        _value,
+        Ring(EVERY, CLOSED_FORM),
+        premises=("cover.smooth-targets", "cover.beyond"),
+    ),
+    Claim(
+        "smooth.convex",
+        (),
+        OURS,
+        "smooth barrier: f(y) >= f(v) + f'(v) (y - v)",
+        "The smooth barrier function lies above each of its tangents.",
+        "every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out",
+        _above_tangent,
+        Ring(tuple(_pairs()), log_lemma=True),
+        premises=("lemma.log",),
+    ),
     Claim(
         "smooth.v_c1",
         (),

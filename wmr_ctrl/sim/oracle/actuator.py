@@ -5,25 +5,36 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from wmr_ctrl.scenario import Actuator
+from wmr_ctrl.scenario import Actuator, Clock
+from wmr_ctrl.sim.oracle.arrays import Words
+from wmr_ctrl.sim.oracle.noise import LAG, symmetric
 from wmr_ctrl.sim.oracle.plant import Pair
 
 
 class Drives:
     """Turns the commanded torques into those that act, one plant step at a time."""
 
-    def __init__(self, settings: Actuator, dt: float) -> None:
-        steps = round(settings.delay / dt)
+    def __init__(self, settings: Actuator, clock: Clock, key: Words) -> None:
+        steps = round((settings.delay + settings.untold) / clock.plant)
         self.waiting: deque[Pair] = deque([(0.0, 0.0)] * steps)
-        self.keep = math.exp(-dt / settings.lag) if settings.lag > 0.0 else 0.0
+        self.settings, self.dt, self.every = settings, clock.plant, clock.substeps
+        self.spread = settings.lag_spread * symmetric(key, clock.samples, LAG)[:, 0]
         self.acting: Pair = (0.0, 0.0)
+        self.step = 0
+
+    def _keep(self) -> float:
+        """Share of what acts that is left after the plant step that starts now."""
+        lag = self.settings.lag * (1.0 + float(self.spread[self.step // self.every]))
+        return math.exp(-self.dt / lag) if lag > 0.0 else 0.0
 
     def advance(self, commanded: Pair) -> Pair:
         """Torques (right, left) [N m] that act over the plant step that starts now."""
         self.waiting.append(commanded)
         right, left = self.waiting.popleft()
+        keep = self._keep()
+        self.step += 1
         self.acting = (
-            right + self.keep * (self.acting[0] - right),
-            left + self.keep * (self.acting[1] - left),
+            right + keep * (self.acting[0] - right),
+            left + keep * (self.acting[1] - left),
         )
         return self.acting

@@ -39,3 +39,8 @@ def auxiliary_rate(e: Triple, v: Pair, target: DesiredState, k: Sequence[float])
         target.v1_dot * c - v1d * s * e3_dot + k[0] * e1_dot,
         target.v2_dot + k[1] * (target.v1_dot * e[1] + v1d * e2_dot) + k[2] * c * e3_dot,
     )
+
+
+def reference_rate(e: Triple, target: DesiredState, k: Sequence[float]) -> Pair:
+    """What the reference's acceleration adds to that rate [m/s2, rad/s2]."""
+    return target.v1_dot * math.cos(e[2]), target.v2_dot + k[1] * target.v1_dot * e[1]

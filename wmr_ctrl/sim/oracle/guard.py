@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair
@@ -68,8 +69,10 @@ class VelocityGuard:
     def __init__(self, scenario: Scenario, tau_max: float) -> None:
         self.T, self.robot, self.settings = scenario.clock.control, scenario.robot, scenario.guard
         self.alpha = scenario.guard.alpha or 1.0 / self.T
-        self.delay = scenario.actuator.delay
-        self.sent: list[Pair] = [(0.0, 0.0)] * on_their_way(scenario)
+        delay, lag = scenario.actuator.delay, scenario.actuator.lag
+        self.delay = delay + lag
+        self.times = times_that_count(delay, lag, self.T)
+        self.sent: list[Pair] = [(0.0, 0.0)] * len(self.times)
         self.axes = axes_of(scenario)
         self.phi = 2.0 * tau_max / scenario.robot.r
         self.brakes = self._brakes()
@@ -113,8 +116,8 @@ class VelocityGuard:
         """Largest force of axis ``i`` that is safe in direction ``way``."""
         axis, brake = self.axes[i], self.brakes[i]
         coming = sum(
-            axis.rise(way * force[i], min(self.T, self.delay - age * self.T))
-            for age, force in enumerate(self.sent)
+            axis.rise(way * force[i], time)
+            for time, force in zip(self.times, self.sent, strict=True)
         )
         hi = axis.ceiling(way * v[i], self.alpha, self.T, brake, coming)
         return min(hi, axis.largest(self.alpha, self.delay, brake))
@@ -166,6 +169,21 @@ def on_their_way(scenario: Scenario) -> int:
     return math.ceil(scenario.actuator.delay / scenario.clock.control - 1e-9)
 
 
+def times_that_count(delay: float, lag: float, T: float) -> list[float]:
+    """For how long each earlier command counts, the latest first.
+
+    Until the next one takes over in full, and what the lag leaves of it afterwards.
+    """
+    if lag == 0.0:
+        count = math.ceil(delay / T - 1e-9)
+        return [min(T, delay - age * T) for age in range(count)]
+    left = [
+        delay + lag - age * T if age * T <= delay else lag * math.exp((delay - age * T) / lag)
+        for age in range(math.ceil((delay + 50.0 * lag) / T) + 1)
+    ]
+    return [earlier - later for earlier, later in pairwise(left)]
+
+
 def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
     """Both axes' numbers, derived from the robot where the scenario leaves them out."""
     g, bot, noise = scenario.guard, scenario.robot, scenario.disturbance
@@ -179,7 +197,8 @@ def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
     push = (2.0 * wheel / bot.r + g.d_model[0], 2.0 * wheel * bot.l / bot.r + g.d_model[1])
     push = (push[0] + noise.push[0], push[1] + noise.push[1])
     dbar, nbar = g.dbar or push, g.nbar or scenario.sensor.velocity_noise
-    u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + on_their_way(scenario))
+    roundings = on_their_way(scenario) + math.ceil(scenario.actuator.lag / scenario.clock.control)
+    u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + roundings)
     first, second = (
         GuardedAxis(
             u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i], u1[i] * aimed

@@ -30,6 +30,8 @@ class Sight:
     """Tracking error of the measured pose, Eq. (8) [m, m, rad]."""
     applied: Pair = (0.0, 0.0)
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
+    v_c0_dot_reference: Pair = (0.0, 0.0)
+    """What the reference's acceleration adds to v_c0_dot [m/s2, rad/s2]."""
 
 
 class LawTwin(Protocol):

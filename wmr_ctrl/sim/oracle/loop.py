@@ -13,7 +13,12 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LOG_HEAD
 from wmr_ctrl.sim.oracle.actuator import Drives
 from wmr_ctrl.sim.oracle.arrays import FloatArray
-from wmr_ctrl.sim.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
+from wmr_ctrl.sim.oracle.auxiliary import (
+    auxiliary_rate,
+    auxiliary_velocity,
+    reference_rate,
+    tracking_error,
+)
 from wmr_ctrl.sim.oracle.barrier import barrier, clip
 from wmr_ctrl.sim.oracle.guard import VelocityGuard
 from wmr_ctrl.sim.oracle.kanayama import Kanayama
@@ -82,7 +87,7 @@ class _Loop:
         self.law = build_law(law, gains, scenario)
         self.reference = reference_of(scenario.reference)
         self.sensor = Sensors(scenario.sensor, clock, key)
-        self.actuator = Drives(scenario.actuator, clock.plant)
+        self.actuator = Drives(scenario.actuator, clock, key)
         self.applied: Pair = (0.0, 0.0)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
@@ -149,7 +154,8 @@ class _Loop:
             for i, u1 in enumerate(limits.v_u1)
         )
         rate = auxiliary_rate(e, v, target, self.k)
-        return Sight(v, v_c0, rate, (first, second), target, e, self.applied)
+        share = reference_rate(e, target, self.k)
+        return Sight(v, v_c0, rate, (first, second), target, e, self.applied, share)
 
     def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
         """The plant's step number ``n`` with the parameters of the time at which it starts.

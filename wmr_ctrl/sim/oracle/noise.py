@@ -6,6 +6,8 @@ noise, whatever else was drawn before.
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 
 from wmr_ctrl.scenario import Disturbance
@@ -13,6 +15,8 @@ from wmr_ctrl.sim.oracle.arrays import FloatArray, Words
 
 TORQUE, POSE, VELOCITY = 0, 1, 2
 """Streams."""
+LOST, LAG = (16 + zlib.crc32(name) for name in (b"pose_lost", b"lag"))
+"""Streams that are numbered by their names."""
 _ATTEMPTS = 64
 
 

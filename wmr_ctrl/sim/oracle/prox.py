@@ -7,35 +7,66 @@ from collections.abc import Mapping
 from typing import Any
 
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.barrier import barrier
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 from wmr_ctrl.sim.oracle.observer import ForceObserver
+from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 
 
 class Prox:
-    """F = M1 (v+ - v)/T + F1(v) + f, v+ the implicit step of V1's gradient flow."""
+    """F = M1 (v+ - v)/T + F1(v+) + f, v+ the implicit step of V1's gradient flow."""
 
     def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
         self.gains, self.limits = gains, scenario.limits
         self.T, self.bot = scenario.clock.control, scenario.believed
-        self.smooth = gains["barrier"] == "smooth"
+        self.smooth, self.level = gains["barrier"] == "smooth", gains["transport"] == "level"
         self.observer = ForceObserver(gains["wo"], scenario)
 
     def act(self, sight: Sight) -> Pair:
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
         force, moment = self.observer.look(sight)
-        drag = self.observer.friction(sight.v[0])
+        ends = [self._end(i, sight) for i in (0, 1)]
+        drag = self.observer.friction(ends[0])
         return (
-            self.bot.m * self._acceleration(0, sight) + drag + force,
-            self.bot.I * self._acceleration(1, sight) + moment,
+            self.bot.m * (ends[0] - sight.v[0]) / self.T + drag + force,
+            self.bot.I * (ends[1] - sight.v[1]) / self.T + moment,
         )
 
-    def _acceleration(self, i: int, sight: Sight) -> float:
-        v, c = sight.v[i], sight.v_c0[i]
-        c_next = c + self.T * sight.v_c0_dot[i]
+    def _end(self, i: int, sight: Sight) -> float:
+        """v+ of axis ``i``."""
+        c, c_next = sight.v_c0[i], sight.v_c0[i] + self.T * sight.v_c0_dot[i]
+        followed = c + self.T * sight.v_c0_dot_reference[i]
+        start = self._carried(i, sight.v[i], c, c_next if self.level else followed)
         half = self.gains["rho"][i] * self.T / 2.0
         keep, rest = math.exp(-half), -math.expm1(-half)
-        start = v + self._near(i, c_next, 1.0) - self._near(i, c, 1.0)
-        return (self._near(i, keep * start + rest * c_next, rest) - v) / self.T
+        return self._near(i, keep * start + rest * c_next, rest)
+
+    def _carried(self, i: int, v: float, c: float, target: float) -> float:
+        """v carried from c to ``target`` such that V1 does not rise."""
+        if target == c:
+            return v
+        x, x_next, u1 = self._near(i, c, 1.0), self._near(i, target, 1.0), self.limits.v_u1[i]
+        w = v - x
+        nearer = (x_next - x) * (1.0 if w > 0.0 else -1.0)
+        if abs(v) >= u1:
+            share = 0.0 if nearer > 0.0 else 1.0
+        elif abs(x_next + w) >= u1:
+            share = 0.0
+        else:
+            share = self._share(w, self._V1(i, v, c), self._V1(i, x_next + w, target) - w * w / 2.0)
+        if nearer > 0.0 and abs(w) - nearer >= share * abs(w):
+            return v
+        return x_next + share * w
+
+    @staticmethod
+    def _share(w: float, level: float, excess: float) -> float:
+        """The largest s up to 1 with s^2 w^2/2 + s excess <= level."""
+        divisor = excess + math.sqrt(max(excess * excess + 2.0 * w * w * level, 0.0))
+        return min(1.0, 2.0 * level / divisor) if divisor > 0.0 else 1.0
+
+    def _V1(self, i: int, v: float, c: float) -> float:
+        form = smooth_barrier if self.smooth else barrier
+        return form(v, c, self.limits.v_u1[i], self.limits.v_u2[i]).V1
 
     def _near(self, i: int, c: float, k: float) -> float:
         return nearest(c, k, self.limits.v_u1[i], self.limits.v_u2[i], self.smooth)

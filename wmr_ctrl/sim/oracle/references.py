@@ -21,8 +21,9 @@ from wmr_ctrl.scenario import (
 from wmr_ctrl.scenario import Reference as Kind
 from wmr_ctrl.sim.oracle.target import DesiredState, Pair, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
+from wmr_ctrl.world.references.speed_profile import SpeedProfile
 from wmr_ctrl.world.references.spline import SplinePath
-from wmr_ctrl.world.references.waypoints import waypoint_path
+from wmr_ctrl.world.references.waypoints import LOOP, profile_of, waypoint_path
 
 Reference = Callable[[float], DesiredState]
 
@@ -40,7 +41,8 @@ def reference_of(kind: Kind) -> Reference:
     if isinstance(kind, RoundedSquare):
         return splined(square_path(kind))
     if isinstance(kind, Waypoints):
-        return splined(waypoint_path(kind))
+        path, profile = waypoint_path(kind), profile_of(kind)
+        return lambda t: timed(path, profile, kind.at_end == LOOP, t)
     raise ArgumentError(
         f"the NumPy engine has no twin of the reference {type(kind).__name__}; take the native "
         "engine, or another reference.kind."
@@ -96,6 +98,28 @@ def along(path: SplinePath, t: float) -> DesiredState:
         lap = math.floor(t / path.duration)
         return _on_path(path, t - lap * path.duration, lap * path.turn)
     return _on_path(path, t, 0.0) if t <= path.duration else _beyond(path, t - path.duration)
+
+
+def timed(path: SplinePath, profile: SpeedProfile, laps: bool, t: float) -> DesiredState:
+    """Along a path whose parameter has its own, piecewise quadratic law of time."""
+    lap = math.floor(t / profile.duration) if laps else 0
+    inside = t - lap * profile.duration
+    k = min(max(bisect_right(profile.starts, inside) - 1, 0), len(profile.starts) - 1)
+    late, push = inside - float(profile.starts[k]), float(profile.accelerations[k])
+    before = float(profile.rates[k])
+    rate = max(before + push * late, 0.0)
+    place = float(profile.places[k]) + late * (before + push * late / 2.0)
+    here = _on_path(path, min(place, path.duration), lap * path.turn)
+    beyond = max(place - path.duration, 0.0)
+    return DesiredState(
+        here.x - beyond * here.v1 * math.sin(here.theta),
+        here.y + beyond * here.v1 * math.cos(here.theta),
+        here.theta,
+        here.v1 * rate,
+        here.v2 * rate,
+        here.v1_dot * rate**2 + here.v1 * push,
+        here.v2_dot * rate**2 + here.v2 * push,
+    )
 
 
 def _on_path(path: SplinePath, t: float, turned: float) -> DesiredState:

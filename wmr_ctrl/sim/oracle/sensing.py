@@ -9,7 +9,7 @@ import numpy as np
 from wmr_ctrl.scenario import Clock, Sensor
 from wmr_ctrl.sim.oracle.arrays import Words
 from wmr_ctrl.sim.oracle.auxiliary import Pair, Triple
-from wmr_ctrl.sim.oracle.noise import POSE, VELOCITY, symmetric
+from wmr_ctrl.sim.oracle.noise import LOST, POSE, VELOCITY, symmetric
 from wmr_ctrl.sim.oracle.plant import State
 
 
@@ -24,6 +24,7 @@ class Sensors:
         self.velocity_error = np.array(settings.velocity_noise) * symmetric(
             key, clock.samples, VELOCITY
         )
+        self.chance = (symmetric(key, clock.samples, LOST)[:, 0] + 1.0) / 2.0
         self.estimate: Triple = (0.0, 0.0, 0.0)
         self.v_before: Pair = (0.0, 0.0)
 
@@ -35,7 +36,7 @@ class Sensors:
             return state[:3], velocity
         if k > 0:
             self._predict()
-        if k % self.every == 0:
+        if k == 0 or (k % self.every == 0 and self.chance[k] >= self.settings.pose_dropout):
             self._correct(k, state)
         self.v_before = velocity
         return self.estimate, velocity

@@ -35,6 +35,11 @@ class Reference(Section):
         """Time after which the desired velocities repeat [s]; inf if they never do."""
         return math.inf
 
+    @property
+    def arrival(self) -> float | None:
+        """Time at which the desired motion comes to rest for good [s]; None if it never does."""
+        return None
+
 
 R = TypeVar("R", bound=Reference)
 Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
@@ -52,7 +57,8 @@ class ReferenceKind:
 
     ``build(scenario)`` gives a System from time to `signals.REFERENCE`: without state, or sampled
     with the control period.  It takes its numbers from `Parameters`, by the names of ``numbers``.
-    ``read`` turns a raw table into the section's fields.
+    ``read`` turns a raw table into the section's fields; ``example`` is a table to begin with,
+    where the defaults alone are none.
     """
 
     name: str
@@ -60,6 +66,7 @@ class ReferenceKind:
     numbers: Callable[..., Numbers]
     build: Callable[[Scenario], System]
     read: Callable[[Raw], Raw] = as_given
+    example: str = ""
 
 
 def timed(trajectory: Trajectory) -> Callable[[Scenario], System]:

@@ -60,14 +60,14 @@ def fit(points: Array, speed: float, closed: bool) -> SplinePath:
     if closed:
         points = np.vstack([points, points[:1]])
     steps = np.hypot(*np.diff(points, axis=0).T)
-    table = _polynomials(_sums(steps), points, closed)
+    table = _polynomials(sums(steps), points, closed)
     for _ in range(ROUNDS):
-        longer = _arc_lengths(table)
-        trial = _polynomials(_sums(longer), points, closed)
+        longer = arc_lengths(table)
+        trial = _polynomials(sums(longer), points, closed)
         if not _unevenness(trial, longer) < 0.999 * _unevenness(table, steps):
             break
         steps, table = longer, trial
-    knots = _sums(steps) * (_arc_lengths(table).sum() / steps.sum() / speed)
+    knots = sums(steps) * (arc_lengths(table).sum() / steps.sum() / speed)
     theta = headings(table)
     turns = round(float(theta[-1, -1] - theta[0, 0]) / (2 * math.pi)) if closed else 0
     return SplinePath(knots, table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed)
@@ -80,7 +80,8 @@ def _unevenness(table: Array, steps: Array) -> float:
     return float(speeds.max() / max(speeds.min(), 1e-12 * speeds.max()))
 
 
-def _sums(steps: Array) -> Array:
+def sums(steps: Array) -> Array:
+    """Return the places of knots from the steps between them; the first is 0."""
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
@@ -107,7 +108,7 @@ def _evaluate(table: Array, order: int, s: Array) -> Array:
     return np.asarray(np.einsum("kp,npc->nkc", basis, table[:, order:, :]))
 
 
-def _arc_lengths(table: Array) -> Array:
+def arc_lengths(table: Array) -> Array:
     """Length of every segment by Gauss quadrature, (n,) [m]."""
     velocity = _evaluate(table, 1, (_NODES + 1) / 2)
     return np.asarray(np.hypot(velocity[..., 0], velocity[..., 1]) @ _WEIGHTS / 2)

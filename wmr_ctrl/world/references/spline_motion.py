@@ -49,8 +49,15 @@ def trajectory(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     """
     knots = p["ref_knots"]
     lap = p["ref_laps"] * ca.floor(t / knots[-1])
-    tau = t - lap * knots[-1]
-    inside = ca.fmin(tau, knots[-1])
+    return on_path(t - lap * knots[-1], lap, p)
+
+
+def on_path(tau: ca.SX, lap: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """Position, theta_d and `speeds` (7, 1) at the path's parameter ``tau``, in lap ``lap``.
+
+    The speeds are those of a parameter that grows by 1 a second.
+    """
+    inside = ca.fmin(tau, p["ref_knots"][-1])
     row = _row(inside, p)
     position, velocity, acceleration, jerk = _derivatives(inside, row)
     theta = _heading(row[4], velocity) + lap * p["ref_turn"]

@@ -1,8 +1,16 @@
-"""Smooth path through given points, open or closed, checked for what a robot can follow."""
+"""Path through given points, driven as fast as stated limits admit, with a rest at its end.
+
+In place of ``points`` may stand ``file = "way.csv"`` (x,y in m, a point a row) or ``"way.yaml"``
+(a path message: ``poses`` with ``position``).  The smooth path through the points has four
+continuous derivatives; with ``tolerance`` it is straight lines whose corners are rounded.  At the
+beginning and at the end v1_d is 0, and the theorems of the paper, which ask for v1_d > 0, then
+promise nothing: the laws stay defined, and that the robot arrives is what a run shows.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,69 +20,128 @@ import numpy as np
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.world.references.csv_points import read_points
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.references.corners import rounded
+from wmr_ctrl.world.references.csv_points import SAME, read_points
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
+from wmr_ctrl.world.references.path_yaml import read_poses
+from wmr_ctrl.world.references.speed_profile import PathLimits, SpeedProfile, fastest
 from wmr_ctrl.world.references.spline import SAMPLES, Array, SplinePath, fit, headings
-from wmr_ctrl.world.references.spline_motion import path_numbers, trajectory
+from wmr_ctrl.world.references.spline_motion import on_path, path_numbers
 
 MOST_POINTS = 400
-SAME = 1e-9
-"""Points nearer to each other than this, m, are the same."""
 SLOWEST = 0.1
-"""Smallest share of the wanted speed that a path may fall to: below it turns on the spot."""
+"""Smallest share of its mean rate that a path may fall to: below it turns on the spot."""
 SHARPEST = math.pi / 4
 """Largest turn, rad, between two of the samples on a segment."""
 WIDEST = 3.0
 """Largest turn, rad, from the middle of a segment to either end."""
+EXAMPLE = """\
+[reference]
+kind = "waypoints"
+points = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.5], [4.0, 1.5]]
+# or, in place of points: file = "way.csv" (rows x,y in m) or "way.yaml" (poses with position)
+speed = 0.3
+tolerance = 0.2
+at_end = "stop"
+"""
+STOP, CONTINUE, LOOP = "stop", "continue", "loop"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Waypoints(Reference):
-    """Smooth path (four continuous derivatives) through given points at nearly constant speed.
+    """Path through given points, as fast as the limits on it admit, and a rest at its end.
 
-    An open path is left straight on, along its last tangent, when its end is reached before the
-    run's.  A closed path returns from the last point to the first and is repeated.
+    With ``at_end = "stop"`` the desired motion begins and ends at rest; with ``"continue"`` it
+    begins at speed and goes straight on past the end; with ``"loop"`` the path is closed and
+    repeated.  A closed path returns from the last point to the first.
     """
 
     points: tuple[tuple[float, float], ...] = quantity(
         (), unit="m", doc="x, y of each point, in the order of travel", kind="points"
     )
-    speed: float = quantity(0.2, unit="m/s", doc="speed, nearly constant", minimum=1e-6)
-    closed: bool = quantity(False, unit="", doc="whether the path returns to its first point")
+    speed: float = quantity(0.2, unit="m/s", doc="speed wherever no limit is lower", minimum=1e-6)
+    v_max: float | None = quantity(
+        None, unit="m/s", doc="largest v1_d, in place of speed", minimum=1e-6
+    )
+    omega_max: float = quantity(1.0, unit="rad/s", doc="largest |v2_d|", minimum=1e-6)
+    a_max: float = quantity(0.2, unit="m/s2", doc="largest rate of v1_d", minimum=1e-6)
+    alpha_max: float = quantity(1.0, unit="rad/s2", doc="largest rate of v2_d", minimum=1e-6)
+    tolerance: float | None = quantity(
+        None, unit="m", doc="how far a corner may be cut; left out: smooth through all points",
+        minimum=1e-6,
+    )  # fmt: skip
+    at_end: str = quantity(
+        STOP, unit="1", doc="what follows the last point", options=(STOP, CONTINUE, LOOP)
+    )
+    closed: bool = quantity(False, unit="1", doc="whether the path returns to its first point")
 
     def relate(self) -> None:
         """The path must exist: enough points, none twice in a row, no turning on the spot."""
-        waypoint_path(self)
+        profile_of(self)
+
+    @property
+    def returns(self) -> bool:
+        """Whether the path leads back to its first point."""
+        return self.closed or self.at_end == LOOP
 
     @property
     def cycle(self) -> float:
-        """Time of one lap, or of the open path, s."""
-        return waypoint_path(self).duration
+        """Time of one lap, or of the open path [s]."""
+        return profile_of(self).duration
+
+    @property
+    def arrival(self) -> float | None:
+        """Time at which the desired motion comes to rest at the path's end [s]; None: never."""
+        return profile_of(self).duration if self.at_end == STOP else None
 
 
 @lru_cache(maxsize=64)
 def waypoint_path(reference: Waypoints) -> SplinePath:
-    """Return the spline path of waypoints; the speed on it is above 0.
+    """Return the path of waypoints; its parameter is its length, nearly.
 
     Raises ScenarioError if the points do not make a path that can be driven forwards.
     """
     points = _checked_points(reference)
+    closed, tolerance = reference.returns, reference.tolerance
     try:
-        path = fit(points, reference.speed, reference.closed)
+        path = fit(points, 1.0, closed) if tolerance is None else rounded(points, tolerance, closed)
     except (ValueError, np.linalg.LinAlgError) as problem:
         raise ScenarioError(
             f"reference.points: no smooth path runs through them ({problem}). "
             "Space them more evenly."
         ) from None
-    _check_forward(path, reference.speed)
+    _check_forward(path, points)
     return path
 
 
+@lru_cache(maxsize=64)
+def profile_of(reference: Waypoints) -> SpeedProfile:
+    """Return how the path's parameter grows in time.  Raises ScenarioError as its path does."""
+    limits = PathLimits(
+        speed=reference.speed if reference.v_max is None else reference.v_max,
+        turning=reference.omega_max,
+        acceleration=reference.a_max,
+        angular_acceleration=reference.alpha_max,
+    )
+    stop = reference.at_end == STOP
+    try:
+        return fastest(waypoint_path(reference), limits, stop, stop)
+    except ValueError as problem:
+        if isinstance(problem, ScenarioError):
+            raise
+        raise ScenarioError(
+            f"reference.points: the path cannot be driven ({problem}). Raise reference.omega_max "
+            "or reference.alpha_max, or round the path more."
+        ) from None
+
+
 def _checked_points(reference: Waypoints) -> Array:
-    points = list(reference.points)
-    if reference.closed and len(points) > 1 and _distance(points[0], points[-1]) < SAME:
+    points, closed = list(reference.points), reference.returns
+    if closed and len(points) > 1 and _distance(points[0], points[-1]) < SAME:
         points.pop()
-    _check_count(points, 3 if reference.closed else 2, reference.closed)
+    _check_count(points, 3 if closed else 2, closed)
     for i in range(1, len(points)):
         if _distance(points[i - 1], points[i]) < SAME:
             raise ScenarioError(
@@ -89,7 +156,8 @@ def _check_count(points: list[tuple[float, float]], least: int, closed: bool) ->
     if len(points) < least:
         raise ScenarioError(
             f"reference.points has {len(points)} different point(s), but {shape} needs at least "
-            f"{least}. Add points, as x, y in m."
+            f"{least}. Add points, as x, y in m, or name a file of them in reference.file; "
+            "`wmr-ctrl scenarios --reference waypoints` shows an example."
         )
     if len(points) > MOST_POINTS:
         raise ScenarioError(
@@ -102,10 +170,10 @@ def _distance(a: tuple[float, float], b: tuple[float, float]) -> float:
     return float(np.hypot(a[0] - b[0], a[1] - b[1]))
 
 
-def _check_forward(path: SplinePath, speed: float) -> None:
+def _check_forward(path: SplinePath, points: Array) -> None:
     """Refuse a path that nearly stops to turn; where it does not, theta_d's branch is certain."""
     velocity = path.derivatives(1, np.linspace(0, 1, SAMPLES + 1))
-    share = np.hypot(velocity[..., 0], velocity[..., 1]) / speed
+    share = np.hypot(velocity[..., 0], velocity[..., 1])
     theta = headings(path.coefficients)
     steps = np.abs(np.diff(theta, axis=1)).max(axis=1)
     reach = np.abs(theta - path.headings[:, None]).max(axis=1)
@@ -113,29 +181,69 @@ def _check_forward(path: SplinePath, speed: float) -> None:
     if not good.all():
         segment = int(np.argmin(good))
         sample = int(np.argmin(share[segment]))
-        point = (segment + round(sample / SAMPLES)) % (len(good) + (not path.closed)) + 1
+        place = path.derivatives(0, np.array([sample / SAMPLES]))[segment, 0]
+        point = int(np.argmin(np.hypot(*(points - place).T))) + 1
         raise ScenarioError(
-            f"reference.points[{point}]: the smooth path turns almost on the spot near this point "
-            f"(at {100 * share[segment, sample]:.2g} % of reference.speed), which a robot that "
-            "drives forwards cannot follow. Add points that round the turn."
+            f"reference.points[{point}]: the path turns almost on the spot near this point, which "
+            "a robot that drives forwards cannot follow. Add points that round the turn."
         )
 
 
+_ROWS = (
+    ("ref_start", "s", "times at which the speed's rows begin"),
+    ("ref_place", "m", "way at the start of each row"),
+    ("ref_rate", "m/s", "rate of the way at the start of each row"),
+    ("ref_acceleration", "m/s2", "its constant rate in each row"),
+)
+
+
 def numbers(reference: Waypoints) -> Numbers:
-    """Return the table of the path through the points (see ``spline_motion.path_numbers``)."""
-    return path_numbers(waypoint_path(reference))
+    """Return the table of the path (see ``spline_motion.path_numbers``) and of its speed."""
+    profile = profile_of(reference)
+    path = [(s, v) for s, v in path_numbers(waypoint_path(reference)) if s.name != "ref_laps"]
+    columns = profile.starts, profile.places, profile.rates, profile.accelerations
+    rows = [
+        (Signal(name, unit, f"{meaning} of the desired path", len(values)), tuple(values.tolist()))
+        for (name, unit, meaning), values in zip(_ROWS, columns, strict=True)
+    ]
+    laps = Signal("ref_laps", "1", "1: laps of the desired path repeat, 0: they do not")
+    return (*path, *rows, (laps, (float(reference.at_end == LOOP),)))
+
+
+def trajectory(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """Return the reference (7, 1) at time ``t`` [s], in the order of ``signals.REFERENCE``.
+
+    The path's parameter s has constant acceleration in each row of the table, so that
+    v1_d = |p'| s_t and v2_d = k s_t with p' and k of the path alone: defined at rest too.
+    """
+    starts = p["ref_start"]
+    lap = p["ref_laps"] * ca.floor(t / starts[-1])
+    tau = t - lap * starts[-1]
+    table = ca.horzcat(starts, p["ref_place"], p["ref_rate"], p["ref_acceleration"])
+    row = table[0, :]
+    for k in range(1, starts.numel()):
+        row = ca.if_else(tau >= starts[k], table[k, :], row)
+    late, acceleration = tau - row[0], row[3]
+    place = row[1] + late * (row[2] + late * acceleration / 2)
+    rate = ca.fmax(row[2] + late * acceleration, 0)
+    there = on_path(place, lap, p)
+    speeds, slopes = there[3:5], there[5:7]
+    return ca.vertcat(there[:3], speeds * rate, slopes * rate**2 + speeds * acceleration)
 
 
 def read(values: Raw) -> Raw:
-    """Return a raw table with the points of its CSV file, ``reference.file``, in place of it."""
+    """Return a raw table with the points of the file ``reference.file`` in place of its name."""
     if "file" not in values:
         return values
     file = values.pop("file")
     if not isinstance(file, str):
-        raise ScenarioError(f"reference.file = {show(file)} must be the path of a CSV file.")
+        raise ScenarioError(
+            f"reference.file = {show(file)} must be the path of a CSV or YAML file."
+        )
     if "points" in values:
         raise ScenarioError("reference.file and reference.points exclude each other: keep one.")
-    return {"points": read_points(Path(file)), **values}
+    yaml = Path(file).suffix.lower() in (".yaml", ".yml")
+    return {"points": (read_poses if yaml else read_points)(Path(file)), **values}
 
 
-KIND = ReferenceKind("waypoints", Waypoints, numbers, timed(trajectory), read)
+KIND = ReferenceKind("waypoints", Waypoints, numbers, timed(trajectory), read, EXAMPLE)

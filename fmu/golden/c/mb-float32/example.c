@@ -1,6 +1,7 @@
-/* One robot on a circle of 2 m: the law drives a rough model of the robot for 20 s. */
+/* The law drives a rough model of the scenario's robot on a circle of 2 m for 20 s. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "wmr_mb.h"
 
@@ -8,11 +9,15 @@ int main(void)
 {
     wmr_mb_parameters parameters;
     wmr_mb_state memory;
-    wmr_mb_inputs in = {0};
+    wmr_mb_inputs in;
     wmr_mb_outputs torque;
-    const double T = 0.01, radius = 2.0, rate = 0.1, mass = 50.0, inertia = 5.4;
-    double x = -0.5, y = -0.5, theta = -0.7, v = 0.0, omega = 0.0;
+    const double T = 0.01, radius = 2.0, rate = 0.1;
+    const double mass = 50.0, inertia = 5.4, mu = 0.08, g = 9.81;
+    const double wheel = 0.1, half_track = 0.25;
+    double x = -0.5, y = -0.5, theta = -0.7;
+    double v = 0.0, omega = 0.0;
 
+    memset(&in, 0, sizeof in);
     wmr_mb_defaults(&parameters);
     wmr_mb_start(&memory);
     for (int k = 0; k < (int)(20.0 / T + 0.5); ++k) {
@@ -23,15 +28,16 @@ int main(void)
         in.v1_d = (wmr_real)(radius * rate);
         in.v2_d = (wmr_real)rate;
         in.x = (wmr_real)x, in.y = (wmr_real)y, in.theta = (wmr_real)theta;
-        in.v1 = (wmr_real)v, in.omega = (wmr_real)omega;
+        in.v1 = (wmr_real)v;
+        in.omega = (wmr_real)omega;
         if (wmr_mb_step(&parameters, &memory, &in, &torque)) {
             return 1;
         }
         for (int i = 0; i < 10; ++i) {
-            const double h = T / 10.0, force = (torque.tau_right + torque.tau_left) / 0.1;
-            const double moment = 0.25 * (torque.tau_right - torque.tau_left) / 0.1;
+            const double h = T / 10.0, force = (torque.tau_right + torque.tau_left) / wheel;
+            const double moment = half_track * (torque.tau_right - torque.tau_left) / wheel;
             x -= h * v * sin(theta), y += h * v * cos(theta), theta += h * omega;
-            v += h * (force / mass - 0.08 * 9.81 * tanh(v / 0.01)), omega += h * moment / inertia;
+            v += h * (force / mass - mu * g * tanh(v / 0.01)), omega += h * moment / inertia;
         }
     }
     printf("distance %.4f m, v1 %.4f m/s\n", hypot(x - in.x_d, y - in.y_d), v);

@@ -31,6 +31,20 @@
 #define WMR_INF ((double)INFINITY)
 #define WMR_NAN ((double)NAN)
 
+/* Powers of two: 2^52 and 2^-54, say.  C++ before 2017 has no hexadecimal ones. */
+#define WMR_2M600 2.409919865102884e-181
+#define WMR_2M450 3.4395525670743494e-136
+#define WMR_2M54 5.551115123125783e-17
+#define WMR_2M53 1.1102230246251565e-16
+#define WMR_2M27 7.450580596923828e-09
+#define WMR_2P37 137438953472.0
+#define WMR_2P52 4503599627370496.0
+#define WMR_2P53 9007199254740992.0
+#define WMR_2P54 1.8014398509481984e+16
+#define WMR_2P60 1.152921504606847e+18
+#define WMR_2P500 3.273390607896142e+150
+#define WMR_2P600 4.149515568880993e+180
+
 /* What is seldom called and must not swell its callers. */
 #if defined(__GNUC__)
 #define WMR_RARE static __attribute__((noinline, cold, unused))
@@ -163,6 +177,26 @@ static inline wmr_v wmr_copysign(wmr_v size, wmr_v sign)
 
 #endif
 
+/* Four numbers side by side.  Where a processor has vectors they are stored as one, so that a loop
+   that loads them as one need not wait for each of them to reach the memory. */
+#if WMR_LANES == 0 && defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
+typedef double wmr_row_of_four __attribute__((vector_size(32), aligned(8), may_alias));
+
+static inline void wmr_four(wmr_v *to, wmr_v a, wmr_v b, wmr_v c, wmr_v d)
+{
+    const wmr_row_of_four row = {a, b, c, d};
+    *(wmr_row_of_four *)to = row;
+}
+#else
+static inline void wmr_four(wmr_v *to, wmr_v a, wmr_v b, wmr_v c, wmr_v d)
+{
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+    to[3] = d;
+}
+#endif
+
 /* Smaller and larger of two; the second where one is NaN. */
 static inline wmr_v wmr_min(wmr_v a, wmr_v b) { return wmr_choose(wmr_mask(a < b), a, b); }
 static inline wmr_v wmr_max(wmr_v a, wmr_v b) { return wmr_choose(wmr_mask(a > b), a, b); }
@@ -189,9 +223,9 @@ static inline wmr_v wmr_one_nan(wmr_v a)
 
 static inline wmr_v wmr_floor(wmr_v a)
 {
-    const wmr_v size = wmr_abs(a), whole = wmr_copysign((size + 0x1p52) - 0x1p52, a);
+    const wmr_v size = wmr_abs(a), whole = wmr_copysign((size + WMR_2P52) - WMR_2P52, a);
     const wmr_v below = whole - wmr_number(wmr_mask(whole > a));
-    return wmr_choose(wmr_mask(size < 0x1p52), wmr_copysign(below, a), a);
+    return wmr_choose(wmr_mask(size < WMR_2P52), wmr_copysign(below, a), a);
 }
 
 static inline wmr_v wmr_ceil(wmr_v a) { return -wmr_floor(-a); }
@@ -327,7 +361,7 @@ static inline wmr_v wmr_mantissa(wmr_v x, wmr_v *e)
 {
     const wmr_i lifted = wmr_raw(x) - UINT64_C(0x3fe6a09e667f3bcd) + UINT64_C(0x4000000000000000);
     const wmr_i exponent = lifted >> 52; /* e + 1024 */
-    *e = wmr_cooked(exponent | UINT64_C(0x4330000000000000)) - (0x1p52 + 1024.0);
+    *e = wmr_cooked(exponent | UINT64_C(0x4330000000000000)) - (WMR_2P52 + 1024.0);
     return wmr_cooked(wmr_raw(x) - (exponent << 52) + UINT64_C(0x4000000000000000));
 }
 
@@ -336,7 +370,7 @@ static inline wmr_v wmr_lifted(wmr_v a, wmr_v *e)
 {
     const wmr_m tiny = wmr_mask(a < DBL_MIN);
     *e = 54.0 * wmr_number(tiny);
-    return wmr_choose(tiny, a * 0x1p54, a);
+    return wmr_choose(tiny, a * WMR_2P54, a);
 }
 
 static inline wmr_m wmr_normal(wmr_v a) { return wmr_mask(a >= DBL_MIN) & wmr_mask(a <= DBL_MAX); }
@@ -376,7 +410,7 @@ static inline wmr_v wmr_log1p(wmr_v a)
     if (!wmr_every(inside)) {
         value = wmr_choose(inside, value, wmr_log_far(sum));
     }
-    return wmr_choose(wmr_mask(wmr_abs(a) < 0x1p-54), a, value);
+    return wmr_choose(wmr_mask(wmr_abs(a) < WMR_2M54), a, value);
 }
 
 /* Angles from here on lose digits in the reduction by three parts of pi/2. */
@@ -441,7 +475,7 @@ WMR_RARE double wmr_reduced_far(double a, unsigned *quarter)
     }
     bits = (uint64_t)(1023 - 64 - shift) << 52;
     memcpy(&scale, &bits, sizeof scale);
-    const double top = (double)(int64_t)(high >> 37) * 0x1p37; /* 27 bits */
+    const double top = (double)(int64_t)(high >> 37) * WMR_2P37; /* 27 bits */
     const double rest = (double)(int64_t)(high & UINT64_C(0x1fffffffff));
     const double less = top * 1.5893254773528196e-08 + rest * 1.57079632679489661923;
     const double r = (top * 1.5707963109016418 + less) * scale;
@@ -502,7 +536,7 @@ static inline wmr_v wmr_turned_sine(wmr_v r, wmr_i place)
 }
 
 /* Below this an angle is its own sine and tangent, and zeros keep their signs. */
-#define WMR_ANGLE_TINY 0x1p-27
+#define WMR_ANGLE_TINY WMR_2M27
 
 static inline wmr_v wmr_sin(wmr_v a)
 {
@@ -517,6 +551,19 @@ static inline wmr_v wmr_cos(wmr_v a)
     wmr_i quarter;
     const wmr_v r = wmr_reduced(a, &quarter);
     return wmr_turned_sine(r, quarter + 1);
+}
+
+/* Both at once, of one reduction. */
+static inline void wmr_sin_cos(wmr_v a, wmr_v *sine, wmr_v *cosine)
+{
+    wmr_i quarter;
+    const wmr_v r = wmr_reduced(a, &quarter), s = wmr_sine_part(r), c = wmr_cosine_part(r);
+    const wmr_m odd = wmr_mask((quarter & 1) != 0);
+    const wmr_i sign = wmr_raw(wmr_all(-0.0));
+    const wmr_v up = wmr_cooked(wmr_raw(wmr_choose(odd, c, s)) ^ ((quarter << 62) & sign));
+    const wmr_v on = wmr_choose(odd, s, c);
+    *sine = wmr_choose(wmr_mask(wmr_abs(a) < WMR_ANGLE_TINY), a, up);
+    *cosine = wmr_cooked(wmr_raw(on) ^ (((quarter + 1) << 62) & sign));
 }
 
 static inline wmr_v wmr_tan(wmr_v a)
@@ -649,7 +696,7 @@ static inline wmr_v wmr_atan2(wmr_v y, wmr_v x)
     const wmr_m back = wmr_mask(wmr_copysign(wmr_all(1.0), x) < 0.0);
     const wmr_v other = 3.14159265358979311600 - (angle - 1.22464679914735320717e-16);
     const wmr_v turned = wmr_choose(back, other, angle);
-    const wmr_m steep = wmr_mask(ratio > 0x1p60);
+    const wmr_m steep = wmr_mask(ratio > WMR_2P60);
     return wmr_copysign(wmr_choose(steep, wmr_all(1.57079632679489655800), turned), y);
 }
 
@@ -705,9 +752,9 @@ static inline wmr_v wmr_acos(wmr_v a)
 static inline wmr_v wmr_hypot(wmr_v a, wmr_v b)
 {
     const wmr_v x = wmr_abs(a), y = wmr_abs(b);
-    const wmr_m huge = wmr_mask(x > 0x1p500) | wmr_mask(y > 0x1p500);
-    const wmr_m tiny = wmr_mask(x < 0x1p-450) & wmr_mask(y < 0x1p-450);
-    const wmr_v one = wmr_all(1.0), large = wmr_all(0x1p600), little = wmr_all(0x1p-600);
+    const wmr_m huge = wmr_mask(x > WMR_2P500) | wmr_mask(y > WMR_2P500);
+    const wmr_m tiny = wmr_mask(x < WMR_2M450) & wmr_mask(y < WMR_2M450);
+    const wmr_v one = wmr_all(1.0), large = wmr_all(WMR_2P600), little = wmr_all(WMR_2M600);
     const wmr_v down = wmr_choose(huge, little, wmr_choose(tiny, large, one));
     const wmr_v up = wmr_choose(huge, large, wmr_choose(tiny, little, one));
     const wmr_v u = x * down, v = y * down, value = wmr_sqrt(u * u + v * v) * up;
@@ -756,7 +803,7 @@ static inline wmr_v wmr_pow(wmr_v a, wmr_v b)
 {
     const wmr_v size = wmr_abs(a), half = 0.5 * b;
     const wmr_m whole = wmr_mask(wmr_floor(b) == b);
-    const wmr_m odd = whole & wmr_mask(wmr_abs(b) < 0x1p53) & wmr_mask(wmr_floor(half) != half);
+    const wmr_m odd = whole & wmr_mask(wmr_abs(b) < WMR_2P53) & wmr_mask(wmr_floor(half) != half);
     const wmr_m one = wmr_mask(b == 0.0) | wmr_mask(a == 1.0)
                     | (wmr_mask(a == -1.0) & wmr_mask(wmr_abs(b) == WMR_INF));
     const wmr_m refused = wmr_mask(a < 0.0) & wmr_finite(a) & wmr_not(whole) & wmr_mask(b == b);

@@ -1,0 +1,69 @@
+"""The match: its page names every contender, and its parts do what they are called."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks import match
+
+PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text(encoding="utf-8")
+SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
+
+
+def test_the_page_has_a_row_for_every_contender_in_every_case():
+    _, mark, tables = PAGE.partition(match.MARK)
+    rows = [line.split("|")[1].strip() for line in tables.splitlines() if line.startswith("| ")]
+    names = [contender.name for contender in match.contenders()]
+
+    assert mark
+    assert [row for row in rows if row != "contender"] == names * len(match.CASES)
+
+
+def test_the_worst_guarded_row_of_the_page_keeps_the_limit():
+    guarded = [line for line in PAGE.splitlines() if line.startswith("| ") and "+ guard |" in line]
+
+    assert len(guarded) == 4 * len(match.CASES)
+    assert all(line.split("|")[2].strip() == "none" for line in guarded)
+
+
+@pytest.mark.parametrize("ceiling", [match.nominal_ceiling, match.sampled_ceiling])
+def test_a_filter_admits_less_the_faster_it_goes(ceiling):
+    case = match.Case(0.01, 0.0)
+    least = [ceiling(case, share * match.LIMIT) for share in (-0.5, 0.0, 0.5, 1.0)]
+
+    assert (np.diff(least[1:], axis=0) < 0).all()
+    assert (least[-1] <= np.array((40.0, 0.0))).all()  # at the limit: friction's force at most
+
+
+def test_what_a_filter_admits_keeps_the_believed_robot_inside():
+    case = match.Case(0.1, 0.0)
+    v = 0.7 * match.LIMIT
+    force = match.nominal_ceiling(case, v) - np.array((39.24, 0.0))
+
+    assert v + case.period * force / np.array((50.0, 5.4)) == pytest.approx(match.LIMIT, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_quick_mode_plays_a_law_against_a_predictive_controller(capsys):
+    match.main(["--quick"])
+    told = capsys.readouterr().out
+
+    assert "### 100 ms, a delay of 50 ms" in told
+    assert "| prox + guard | none |" in told
+    assert "| NMPC, nominal |" in told
+
+
+def test_the_adversary_breaks_what_has_no_guard():
+    start = np.array((-5.0, -5.0, -0.7, 0.0, 0.0))
+    rows = match._rows(SHORT, SHORT.scenario)
+    robot = match.Plant(SHORT, {"robot.m": 45.0, "robot.I": 4.86, "robot.mu": 0.0})
+    fastest = {}
+    for contender in match.contenders()[1:3]:
+        step = contender.build(SHORT, contender.start(SHORT))
+        fastest[contender.name] = match.run(SHORT, step, robot, 2.0, rows, start).fastest
+
+    assert fastest["kanayama + clip"] > 1.02
+    assert fastest["kanayama + guard"] <= 1 + 1e-9

@@ -1,0 +1,102 @@
+"""A package whose header takes wheel counts gives the loop's torques, here and on the board."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from tests.board.emulated import BOARDS, Emulated, HostBuild, built, missing
+from tests.codegen.measured import BOARD
+from wmr_ctrl.api import scenario_of, simulate
+from wmr_ctrl.codegen.package import packaged, write_package
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import REFERENCE
+
+ENCODED = {"encoder.counts": 1024, "encoder.window": 0.02, "clock.duration": 1.5,
+           "wheels.radius": [0.02, 0.01]}  # fmt: skip
+HOST = pytest.mark.skipif(shutil.which("cc") is None, reason="NOT RUN: no cc")
+
+
+def encoded(**more: object) -> Scenario:
+    return scenario_of("paper-simulation", {**ENCODED, **more})
+
+
+def given(run: Run) -> np.ndarray:
+    """What the package is given in each sample of a run."""
+    names = [*(item.name for item in REFERENCE), "x", "y", "theta"]
+    return np.column_stack([*(run[name] for name in names), run["wheel_counts"]])
+
+
+def torques(run: Run) -> np.ndarray:
+    return np.column_stack([run["tau_right"], run["tau_left"]])
+
+
+def test_counts_take_the_place_of_velocities():
+    names = [item.signal.name for item in packaged(settle(encoded(), "nn")).inputs]
+
+    assert names == [*(item.name for item in REFERENCE), "x", "y", "theta", "wheel_counts"]
+
+
+@HOST
+@pytest.mark.parametrize("law", ["nn", pytest.param("prox", marks=pytest.mark.slow)])
+def test_counts_in_torques_out_as_in_the_native_run(law, tmp_path):
+    run = simulate(encoded(), law, seed=3)
+    host = HostBuild(law, encoded(), tmp_path, float32=False)
+    shown = [host.step(row) for row in given(run)]
+
+    assert not any(status for status, _ in shown)
+    assert np.array_equal([torque for _, torque in shown], torques(run))
+
+
+@HOST
+def test_a_gyro_stays_an_input(tmp_path):
+    scenario = encoded(**{"gyro.enabled": True})
+    names = [item.signal.name for item in packaged(settle(scenario, "nn")).inputs]
+    run = simulate(scenario, "nn", seed=3)
+    rows = np.column_stack([given(run)[:, :-2], run["omega"], given(run)[:, -2:]])
+    host = HostBuild("nn", scenario, tmp_path, float32=False)
+
+    assert names[-2:] == ["omega", "wheel_counts"]
+    assert np.array_equal([host.step(row)[1] for row in rows], torques(run))
+
+
+@HOST
+@pytest.mark.parametrize("float32", [False, True], ids=["double", "float32"])
+def test_its_example_tracks_and_its_vectors_hold(float32, tmp_path):
+    write_package("nn", tmp_path, encoded(), float32=float32)
+    for program in ("example", "check"):
+        subprocess.run(
+            ["cc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
+             "-ffp-contract=off", f"{program}.c", "wmr_nn.c", "-lm", "-o", program],
+            cwd=tmp_path, check=True, capture_output=True,
+        )  # fmt: skip
+    example, check = (
+        subprocess.run([f"./{program}"], cwd=tmp_path, check=False, capture_output=True, text=True)
+        for program in ("example", "check")
+    )
+
+    assert check.returncode == 0, check.stdout
+    assert float(example.stdout.split()[1]) < 0.1
+
+
+def test_counts_at_samples_do_not_tell_the_time_between_them():
+    with pytest.raises(ArgumentError, match=r"encoder\.method = time"):
+        packaged(settle(encoded(**{"encoder.method": "time"}), "nn"))
+
+
+@pytest.mark.skipif(bool(missing()), reason=missing())
+@pytest.mark.slow
+def test_the_emulated_board_gives_the_native_torques(tmp_path):
+    run = simulate(encoded(), "nn", seed=3)
+    firmware = built("nn", encoded(), BOARDS[BOARD], tmp_path, float32=False)
+    with Emulated(firmware, BOARDS[BOARD], float32=False) as emulated:
+        shown = [emulated.step(row)[:2] for row in given(run)]
+
+    assert not any(status for status, _ in shown)
+    assert np.array_equal([torque for _, torque in shown], torques(run))

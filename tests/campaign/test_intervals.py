@@ -1,0 +1,71 @@
+"""Confidence intervals against their definitions, and how often a rule that stops is right."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.campaign.intervals import StopRule, bootstrap, clopper_pearson, wilson
+from wmr_ctrl.errors import ArgumentError
+
+
+def at_most(hits, count, share):
+    """Probability of at most so many hits."""
+    return sum(math.comb(count, k) * share**k * (1 - share) ** (count - k) for k in range(hits + 1))
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 10), (3, 10), (10, 10), (1, 200)])
+def test_the_exact_interval_ends_where_the_tails_are_half_of_the_rest(hits, count):
+    low, high = clopper_pearson(hits, count, 0.95)
+
+    if hits < count:
+        assert at_most(hits, count, high) == pytest.approx(0.025, rel=1e-9)
+    if hits > 0:
+        assert 1 - at_most(hits - 1, count, low) == pytest.approx(0.025, rel=1e-9)
+    assert (low, high)[hits == count] == float(hits == count) or 0 < hits < count
+
+
+def test_wilsons_interval_solves_its_equation():
+    low, high = wilson(7, 40, 0.95)
+    for share in (low, high):
+        z = (7 / 40 - share) / math.sqrt(share * (1 - share) / 40)
+        assert abs(z) == pytest.approx(1.959963984540054, rel=1e-9)
+
+
+def test_the_bootstrap_is_near_the_normal_interval_and_repeats():
+    values = np.random.default_rng(1).normal(3.0, 2.0, 4000)
+    low, high = bootstrap(values, 0.95, 7)
+
+    assert (low, high) == bootstrap(values, 0.95, 7)
+    assert (high - low) / 2 == pytest.approx(1.96 * values.std() / math.sqrt(4000), rel=0.1)
+
+
+def test_a_rule_that_stops_early_still_covers_as_often_as_it_says():
+    """At most 5 % of the studies may end with an interval that misses the share."""
+    rule = StopRule(figure="violated", half_width=0.12, first=16, share=True)
+    looks = rule.looks(512)
+    missed, draw = 0, np.random.default_rng(0)
+    for share in (0.05, 0.3, 0.5, 0.9):
+        for _ in range(150):
+            values = (draw.random(512) < share).astype(float)
+            count = next(n for n in looks if n == 512 or rule.reached(values[:n], len(looks), 0))
+            low, high = rule.bounds(values[:count], 1 - 0.05 / len(looks))
+            missed += not low <= share <= high
+    assert missed <= 0.05 * 600
+
+
+def test_a_missing_value_never_stops_a_study():
+    rule = StopRule(figure="ise_total", half_width=1e9)
+
+    assert rule.reached(np.ones(50), 3, 0)
+    assert not rule.reached(np.array([1.0, np.nan]), 3, 0)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"half_width": 0}, {"confidence": 1.0}, {"first": 1}, {"interval": "exact"}]
+)
+def test_a_rule_without_sense_is_refused(wrong):
+    with pytest.raises(ArgumentError, match="stop"):
+        StopRule(**{"figure": "violated", "half_width": 0.1, "share": True, **wrong})

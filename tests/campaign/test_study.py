@@ -1,0 +1,343 @@
+"""Studies: the same bytes whoever runs them, however often they are interrupted; honest stops."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl import simulate
+from wmr_ctrl.campaign.study_plan import load_plan, plan_of
+from wmr_ctrl.campaign.study_run import run_study
+from wmr_ctrl.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
+
+FACTS = {"version": "1", "kernels": "ab"}
+PLAN = {
+    "laws": ["mb", "prox"],
+    "guard": [False, True],
+    "seeds": {"first": 3, "count": 5},
+    "grid": {"robot.m": [40, 50.5]},
+    "sample": {"method": "latin-hypercube", "n": 3, "robot": {"mu": [0.05, 0.1]}},
+    "figures": ["violated", "position_rms", "ise_total"],
+    "chunk": 7,
+}
+
+
+def figures(chunk, jobs=None):
+    """Numbers that depend on the case and the seed alone; now and then none."""
+    rows = []
+    for case, seed in chunk.runs:
+        mass, mu = case.overrides["robot.m"], case.overrides["robot.mu"]
+        broken = float((seed * 7 + int(mass) + case.guard) % 3 == 0)
+        rows.append((broken, mass * mu / (seed + 1), np.nan if seed == 4 else 1 / 3 + seed))
+    table = np.array(rows).T
+    named = dict(zip(("violated", "position_rms", "ise_total"), table, strict=True))
+    return {"outcome": np.array(["completed"] * len(rows)), **named}
+
+
+def table_of(out, **changes):
+    plan = plan_of({**PLAN, **changes})
+    return run_study(plan, out, figures, FACTS).table.read_bytes()
+
+
+def refuse_after(count, error):
+    """Makes so many chunks and then fails."""
+    left = [count]
+
+    def make(chunk, jobs=None):
+        if left[0] == 0:
+            raise error
+        left[0] -= 1
+        return figures(chunk)
+
+    return make
+
+
+# -- what a plan means --------------------------------------------------------------------
+
+
+def test_every_combination_has_one_row_in_the_order_of_the_index(tmp_path):
+    rows = list(csv.DictReader(table_of(tmp_path / "s").decode().splitlines()))
+
+    assert [int(row["index"]) for row in rows] == list(range(2 * 3 * 2 * 2 * 5))
+    named = ("robot.m", "robot.mu", "law", "guard", "seed")
+    assert len({tuple(row[key] for key in named) for row in rows}) == len(rows)
+    assert list(rows[0])[:7] == ["index", "law", "guard", "seed", "robot.m", "robot.mu", "outcome"]
+    assert {row["ise_total"] for row in rows if row["seed"] == "4"} == {""}
+
+
+def test_a_latin_hypercube_has_one_point_in_each_stratum():
+    sample = plan_of(
+        {**PLAN, "sample": {"n": 20, "robot.mu": [0.0, 1.0], "robot.I": [5, 6]}}
+    ).sample
+
+    for column, low in zip(sample.points.T, (0.0, 5.0), strict=True):
+        assert sorted(np.floor((column - low) * 20).astype(int)) == list(range(20))
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "words"),
+    [
+        ({"grid": {"robot.mm": [1]}}, ScenarioError, "robot.mm"),
+        ({"grid": {"robot.m": []}}, ArgumentError, "at least one value"),
+        ({"grid": {"robot.m": [50, -1]}}, ScenarioError, "robot.m"),
+        ({"grid": {"robot.mu": [0.1]}}, ArgumentError, "not both"),
+        ({"figures": ["speed"]}, UnknownNameError, "speed"),
+        ({"seeds": 10**12}, ArgumentError, "at most 1e\\+09"),
+        ({"seeds": 0}, ArgumentError, "seeds"),
+        ({"sample": {"robot.mu": [0.1, 0.1]}}, ArgumentError, "range"),
+        ({"sample": {"method": "sobl", "robot.mu": [0, 1]}}, UnknownNameError, "sobol"),
+        ({"stop": {"figure": "violated"}}, ArgumentError, "half_width"),
+        ({"stop": {"figure": "tau_rms", "half_width": 0.1}}, UnknownNameError, "tau_rms"),
+        ({"grids": {}}, UnknownNameError, "grid"),
+        ({"laws": []}, ArgumentError, "laws"),
+        ({"guard": ["yes"]}, ArgumentError, "guard"),
+    ],
+)
+def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
+    with pytest.raises(error, match=words):
+        plan_of({**PLAN, **changes})
+
+
+def test_a_file_may_nest_or_quote_its_keys(tmp_path):
+    quoted, nested = tmp_path / "a.toml", tmp_path / "b.toml"
+    quoted.write_text('seeds = 2\n[grid]\n"robot.m" = [40, 50]\n')
+    nested.write_text("seeds = 2\n[grid.robot]\nm = [40, 50]\n")
+
+    assert load_plan(quoted).identity == load_plan(nested).identity
+
+
+# -- the same bytes ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 60, 1000])
+def test_the_table_does_not_depend_on_the_chunks(tmp_path, chunk):
+    assert table_of(tmp_path / "a", chunk=chunk) == table_of(tmp_path / "b")
+
+
+@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_the_table_does_not_depend_on_the_executor(tmp_path, kind):
+    with kind(2) as executor:
+        run_study(plan_of(PLAN), tmp_path / "a", figures, FACTS, executor, 2)
+
+    assert (tmp_path / "a" / "table.csv").read_bytes() == table_of(tmp_path / "b")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("lost worker")])
+def test_an_interrupted_study_goes_on_without_a_lost_or_doubled_run(tmp_path, error):
+    plan, made = plan_of(PLAN), []
+    for count in (0, 2, 5):
+        with pytest.raises(type(error)):
+            run_study(plan, tmp_path / "a", refuse_after(count, error), FACTS)
+
+    def make(chunk, jobs=None):
+        made.append(len(chunk.runs))
+        return figures(chunk)
+
+    run_study(plan, tmp_path / "a", make, FACTS)
+    assert sum(made) == plan.runs - 7 * 7
+    assert (tmp_path / "a" / "table.csv").read_bytes() == table_of(tmp_path / "b")
+
+
+def test_a_chunk_that_is_damaged_is_made_again(tmp_path):
+    before = table_of(tmp_path / "a")
+    chunk = sorted((tmp_path / "a" / "chunks").iterdir())[2]
+    chunk.write_bytes(chunk.read_bytes()[:-40])
+
+    assert table_of(tmp_path / "a") == before
+
+
+def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
+    save, left = np.savez, [4]
+
+    def full(file, **rows):
+        left[0] -= 1
+        if left[0] < 0:
+            file.write(b"half a chunk")
+            raise OSError(errno.ENOSPC, "No space left on device")
+        save(file, **rows)
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(ResultFileError, match="Free some space"):
+        table_of(tmp_path / "a")
+    assert len(list((tmp_path / "a" / "chunks").iterdir())) == 4
+    monkeypatch.undo()
+
+    assert table_of(tmp_path / "a") == table_of(tmp_path / "b")
+
+
+def test_a_folder_of_another_plan_or_version_is_refused_and_kept(tmp_path):
+    before = table_of(tmp_path)
+    with pytest.raises(ResultFileError, match="another plan"):
+        table_of(tmp_path, seeds=4)
+    with pytest.raises(ResultFileError, match="version 1 then, 2 now"):
+        run_study(plan_of(PLAN), tmp_path, figures, {**FACTS, "version": "2"})
+
+    assert (tmp_path / "table.csv").read_bytes() == before
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from tests.campaign.test_study import FACTS, PLAN, figures, plan_of, run_study
+def slow(chunk, jobs=None):
+    time.sleep(0.2)
+    return figures(chunk)
+run_study(plan_of(PLAN), Path(sys.argv[1]), slow, FACTS)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL is not on Windows")
+def test_a_killed_process_leaves_a_study_that_goes_on(tmp_path):
+    root = Path(wmr_ctrl.__file__).parents[1]
+    command = [sys.executable, "-c", KILLED, tmp_path / "a"]
+    process = subprocess.Popen(command, cwd=root, env={**os.environ, "PYTHONPATH": "."})
+    while process.poll() is None and len(list((tmp_path / "a").glob("chunks/0*.npz"))) < 3:
+        time.sleep(0.02)
+    with pytest.raises(ResultFileError, match="another process"):
+        table_of(tmp_path / "a")
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+    assert not (tmp_path / "a" / "table.csv").exists()
+    assert table_of(tmp_path / "a") == table_of(tmp_path / "b")
+
+
+# -- stopping ------------------------------------------------------------------------------
+
+STOP = {"figure": "violated", "half_width": 0.2, "first": 8}
+
+
+def test_a_rule_stops_each_case_at_a_look_and_says_so(tmp_path):
+    plan = plan_of({**PLAN, "seeds": 400, "stop": STOP, "chunk": 50})
+    result = run_study(plan, tmp_path / "a", figures, FACTS)
+    rows = list(csv.DictReader(result.table.read_text().splitlines()))
+    counts = {}
+    for row in rows:
+        cell = int(row["index"]) // 400
+        counts[cell] = counts.get(cell, 0) + 1
+
+    assert set(counts.values()) <= {8, 16, 32, 64, 128, 256, 400}
+    assert result.runs == len(rows) < plan.runs
+    assert result.stopped == plan.cells
+    assert [int(row["index"]) for row in rows] == sorted(int(row["index"]) for row in rows)
+    with pytest.raises(KeyboardInterrupt):
+        run_study(plan, tmp_path / "b", refuse_after(3, KeyboardInterrupt()), FACTS)
+    again = run_study(plan, tmp_path / "b", figures, FACTS)
+    assert again.table.read_bytes() == result.table.read_bytes()
+
+
+# -- the real thing ------------------------------------------------------------------------
+
+REAL = {
+    "scenario": "far-start",
+    "laws": ["mb"],
+    "guard": [False, True],
+    "seeds": 2,
+    "set": {"clock.duration": 1.0, "disturbance.truncate": 3.0},
+    "grid": {"actuator.tau_max": [1.0, 20.0]},
+    "figures": ["position_rms", "max_abs_v1", "violated", "d_start"],
+}
+
+
+def test_rows_are_the_runs_that_they_name(tmp_path):
+    result = wmr_ctrl.study(REAL, tmp_path / "s")
+    rows = list(csv.DictReader(result.table.read_text().splitlines()))
+
+    assert len(rows) == 8
+    for row in rows:
+        guard, torque = row["guard"] == "true", float(row["actuator.tau_max"])
+        if guard and torque == 1.0:
+            assert (row["outcome"], row["max_abs_v1"]) == ("refused", "")
+            continue
+        overrides = {**REAL["set"], "actuator.tau_max": torque}
+        run = simulate("far-start", "mb", seed=int(row["seed"]), guard=guard, overrides=overrides)
+        assert row["outcome"] == run.outcome.value
+        assert float(row["max_abs_v1"]) == run.monitor.max_abs_v[0]
+        assert float(row["position_rms"]) == pytest.approx(run.summary()["position_rms"]["all"])
+        assert float(row["d_start"]) == pytest.approx(np.hypot(5, 5))
+    told = json.loads((tmp_path / "s" / "study.json").read_text())
+    assert told["provenance"]["version"] == wmr_ctrl.__version__
+
+
+@pytest.mark.slow
+def test_pictures_are_drawn_from_the_folder_alone(tmp_path):
+    pytest.importorskip("matplotlib")
+    from wmr_ctrl.report.study_figures import plot_study
+
+    table_of(tmp_path)
+    names = {path.name for path in plot_study(tmp_path)}
+
+    assert {"spread.svg", "factors.png", "map.png", "limit-kept.svg"} <= names
+    assert all((tmp_path / name).stat().st_size > 2000 for name in names)
+
+
+def test_nothing_is_drawn_of_a_folder_without_a_table(tmp_path):
+    from wmr_ctrl.report.study_figures import plot_study
+
+    with pytest.raises(ResultFileError, match="no finished study"):
+        plot_study(tmp_path)
+
+
+# -- Dask ----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
+    pytest.importorskip("distributed")
+    here = wmr_ctrl.study(REAL, tmp_path / "a").table.read_bytes()
+    there = wmr_ctrl.study({**REAL, "chunk": 2}, tmp_path / "b", executor="dask", jobs=2)
+
+    assert there.table.read_bytes() == here
+
+
+@pytest.mark.slow
+def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
+    """Started by their commands; one of two workers is killed on the way."""
+    pytest.importorskip("distributed")
+    port = 18786
+    dask = [sys.executable, "-m", "dask"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"], **silent
+    )
+    one = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard"]
+    workers = [subprocess.Popen([*one, "--no-nanny"], **silent) for _ in range(2)]
+    plan = {**REAL, "seeds": 60, "chunk": 4, "set": {**REAL["set"], "clock.duration": 20.0}}
+    try:
+        with ThreadPoolExecutor(1) as pool:
+            running = pool.submit(
+                wmr_ctrl.study, plan, tmp_path / "b", executor=f"dask://127.0.0.1:{port}", jobs=2
+            )
+            while not running.done() and len(list((tmp_path / "b").glob("chunks/0*.npz"))) < 5:
+                time.sleep(0.05)
+            midway = not running.done()
+            workers[0].kill()
+            there = running.result(timeout=200).table.read_bytes()
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+
+    assert midway, "the study was over before the worker was killed: make it longer"
+    assert there == wmr_ctrl.study(plan, tmp_path / "a").table.read_bytes()
+
+
+def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("wmr_ctrl.campaign.executors.PATIENCE", 0.5)
+
+    with pytest.raises(ArgumentError, match=r"dask://127\.0\.0\.1:9.*does not answer"):
+        wmr_ctrl.study(REAL, tmp_path, executor="dask://127.0.0.1:9")

@@ -1,0 +1,57 @@
+"""`wmr-ctrl study`: what it prints and writes, and one paragraph for what cannot be."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import pytest
+
+PLAN = """\
+laws = ["mb"]
+seeds = 3
+[set]
+clock.duration = 1.0
+[grid]
+limits.v_u2 = [[0.8, 1.3], [0.7, 1.2]]
+"""
+
+
+@pytest.fixture
+def plan(tmp_path):
+    (tmp_path / "plan.toml").write_text(PLAN)
+    return tmp_path / "plan.toml"
+
+
+def test_a_plan_leaves_a_table_and_says_where(wmr, plan, tmp_path):
+    first = wmr("study", plan, "--out", tmp_path / "s", "--json")
+    again = wmr("study", plan, "--out", tmp_path / "s", "--jobs", 1)
+
+    assert first.exit_code == 0, first.stderr
+    assert json.loads(first.stdout)["runs"] == 6
+    assert "6 of 6 planned runs" in again.stdout
+    with (tmp_path / "s" / "table.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["limits.v_u2"] for row in rows] == ["[0.8, 1.3]"] * 3 + ["[0.7, 1.2]"] * 3
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ('laws = ["nno"]', (), "no law is named 'nno'"),
+        ("seeds = ", (), "not valid TOML"),
+        ("[grid]\nrobot.mm = [1.0]", (), "robot.mm"),
+        ("", ("--executor", "spark"), "no executor is named 'spark'"),
+    ],
+)
+def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
+    (tmp_path / "plan.toml").write_text(text)
+    result = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", *options)
+
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
+    assert not (tmp_path / "s").exists()
+
+
+def test_a_study_needs_a_folder(wmr, plan):
+    assert wmr("study", plan).exit_code == 2

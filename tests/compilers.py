@@ -1,0 +1,64 @@
+"""Compilers and emulators that only some tests need: where they are, and how they are called."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.codegen.cache_folder import cache_dir
+
+FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
+QEMU = ("qemu-aarch64", "qemu-aarch64-static")
+WINE = ("wine64", "/usr/lib/wine/wine64")
+NODE = ("node", "nodejs")
+
+
+def where(*names: str) -> str:
+    """The first of these programs that is there; skips where none is."""
+    path = next((path for path in map(shutil.which, names) if path), None)
+    if path is None:
+        pytest.skip(f"NOT RUN: {names[0]} is not on this machine")
+    return path
+
+
+def needs_compiler(command: Sequence[str]) -> None:
+    """Skip where the compiler that a command calls is missing."""
+    if tuple(command[: len(ZIG)]) != ZIG:
+        where(command[0])
+    elif importlib.util.find_spec("ziglang") is None:
+        pytest.skip("NOT RUN: ziglang is not there")
+
+
+def compile_in(folder: Path, command: Sequence[str]) -> None:
+    """Run a compiler's command in a folder, with zig's parts in the tests' cache."""
+    zig = str(cache_dir() / "zig")
+    own = {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig}
+    done = subprocess.run(
+        list(command),
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **own},
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def processor() -> set[str]:
+    """Names of this processor's instructions, as Linux tells them."""
+    path = Path("/proc/cpuinfo")
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return {word for line in text.splitlines() if line.startswith("flags") for word in line.split()}
+
+
+def wine_in(folder: Path) -> dict[str, str]:
+    """Environment in which wine keeps its files in a folder."""
+    return {"WINEDEBUG": "-all", "HOME": str(folder), "WINEPREFIX": str(folder / "wine")}

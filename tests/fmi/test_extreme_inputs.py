@@ -1,0 +1,66 @@
+"""Inputs that no robot has, into every law's FMU and the guard's: refused, or finite outputs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.fmi.raw import DISCARD, ERROR, OK
+from tests.matrix import versioned
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.signals import LARGEST
+
+STEP = 0.01
+SIZES = (1.7e308, 1.0001 * LARGEST, math.inf, math.nan)
+every_law = pytest.mark.parametrize(("what", "version"), versioned((*NAMES, "guard")))
+
+
+def inputs_of(fmu):
+    return [v.name for v in fmu.description.modelVariables if v.causality == "input"]
+
+
+@every_law
+def test_what_is_too_large_is_refused_and_leaves_no_trace(raw, what, version):
+    fmu = raw(what, version)
+    plain, tried = fmu.new().begin(), fmu.new().begin()
+    for k in range(4):
+        for name in inputs_of(fmu):
+            for size in SIZES:
+                assert tried.put({name: size}) == ERROR
+                assert tried.put({name: -size}) == ERROR
+        for one in (plain, tried):
+            assert one.step(k * STEP, STEP) == OK
+        assert tried.all() == plain.all()
+    plain.free()
+    tried.free()
+
+
+@every_law
+def test_what_is_just_small_enough_gives_finite_outputs(raw, what, version):
+    """Many times, in all mixtures; then the inputs of the start again."""
+    fmu = raw(what, version)
+    one, draw, names = fmu.new().begin(), np.random.default_rng(0), inputs_of(fmu)
+    start = one.get(*names)
+    for k in range(200):
+        size = LARGEST * draw.choice([0.0, 1e-12, 1e-6, 1.0], len(names))
+        given = size * draw.choice([-1.0, 1.0], len(names)) if k < 100 else start
+        assert one.put(dict(zip(names, map(float, given), strict=True))) == OK
+        assert one.step(k * STEP, STEP) == OK
+        assert np.isfinite(one.all()).all()
+    one.free()
+
+
+def test_a_step_that_overflows_is_taken_back_whole(raw):
+    """States are start values, and may be anything finite."""
+    for version in (2, 3):
+        one = raw("plant", version).new()
+        assert one.put({"v1": 1.7e308}) == OK
+        one.begin()
+        before = one.all()
+        assert one.step(0.0, 10.0) == DISCARD
+        assert one.all() == before
+        assert one.reset() == OK
+        assert one.begin().step(0.0, STEP) == OK
+        one.free()

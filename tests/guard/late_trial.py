@@ -1,0 +1,183 @@
+"""The product's guard before exact robots that are as adverse as their bounds let them be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tests.guard.exact_axis import PARTS, Robots
+from tests.guard.late_formula import LateGuard
+from wmr_ctrl.control.controller import guard as guard_system
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.effect import Bound
+
+LIMITS = np.array([1.0, 1.5])
+BY_SIGN, BY_TIME, BY_CHANCE = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Case:
+    """Stated numbers of a guarded robot; forces are those of the first axis, a fifth on the second.
+
+    Times in s, but ``lo``, ``hi``, ``age``, ``window`` and ``lag`` in control periods.
+    """
+
+    T: float = 0.1
+    age: float = 0.0
+    window: float = 0.0
+    lo: float = 0.0
+    hi: float = 0.0
+    lag: float = 0.0
+    dbar: float = 30.0
+    nbar: float = 0.0
+    f_min: float = 0.0
+    f_speed: float = 0.0
+    brake: float | None = None
+    alpha: float = 1.0
+    M_min: float = 45.0
+
+    @property
+    def setup(self) -> Setup:
+        """The guard by itself, settled with these numbers."""
+        both = lambda x: [x, 0.2 * x]  # noqa: E731
+        changed = {
+            "guard.enabled": True,
+            "guard.trust": True,
+            "clock.control": self.T,
+            "clock.plant": self.T / PARTS,
+            "clock.duration": 80.0,
+            "disturbance.std": 0.0,
+            "guard.M_min": [self.M_min, 0.2 * self.M_min],
+            "guard.M_max": [70.0, 14.0],
+            "guard.dbar": both(self.dbar),
+            "guard.nbar": [self.nbar, self.nbar],
+            "guard.f_min": both(self.f_min),
+            "guard.f_speed": [self.f_speed, self.f_speed],
+            "guard.alpha": self.alpha / self.T,
+        }
+        if self.brake is not None:
+            changed["guard.brake"] = both(self.brake)
+        scenario = load_scenario("paper-simulation-nominal", changed)
+        lag, old, wide = (x * self.T for x in (self.lag, self.age, self.window))
+        bound = Bound(
+            delay=self.hi * self.T, jitter=(self.hi - self.lo) * self.T, lag=(lag, lag),
+            age=(old, old), window=(wide, wide),
+        )  # fmt: skip
+        stated = settled_guard(scenario, bound, np.inf)
+        return replace(settle(scenario, None), guard=stated)
+
+    def formula(self, axis: int) -> LateGuard:
+        """The same numbers for the formula in NumPy; the limit is shrunk as the product's."""
+        setup, share = self.setup, (1.0, 0.2)[axis]
+        stated = setup.guard
+        count = max(item.roundings for item in stated.lateness(setup.scenario.clock))
+        return LateGuard(
+            T=self.T, u1=LIMITS[axis] * (1 - 2.0**-44 * (1 + count)), M_min=share * self.M_min,
+            M_max=share * 70.0, net=share * (self.dbar - self.f_min), nbar=self.nbar,
+            f_speed=self.f_speed, brake=stated.brake[axis], alpha=self.alpha / self.T,
+            age=self.age * self.T, window=self.window * self.T, lo=self.lo * self.T,
+            hi=self.hi * self.T, lag=self.lag * self.T,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Result:
+    """Largest |v|/limit per axis, d_least/dbar, and how far product and formula are apart [N]."""
+
+    fastest: np.ndarray
+    blamed: float
+    apart: float
+
+
+def trial(
+    case: Case, lanes: int, samples: int, seed: int, true: Case | None = None, compare: bool = True
+) -> Result:
+    """Robots with the numbers of ``true`` (or those stated) behind the guard of a case."""
+    draw, real = np.random.default_rng(seed), true or case
+    system = guard_system(case.setup)
+    act = system.function("guard", [system.update, system.y, system.d]).map(lanes)
+    p = np.tile(np.array(system.p0)[:, None], lanes)
+    x = np.tile(np.array(system.x0)[:, None], lanes)
+    formulas = [case.formula(axis) for axis in (0, 1)]
+    n = max(formulas[0].n, 1) + 1
+    sent = [np.zeros((2, lanes))] * n
+    tails = [[np.full(lanes, item.first_tail)] * 2 for item in formulas]
+    share = np.array([[1.0], [0.2]]) * np.ones((2, lanes))
+    h, robot = case.T / PARTS, case.setup.scenario.robot
+    ways = {name: _ways(draw, lanes, samples) for name in ("asked", "push", "error")}
+    chosen = draw.random((samples, PARTS, 2, lanes))
+    mean_late = draw.choice([0.0, 0.5, 1.0], lanes)
+    lag = case.T * real.lag * draw.choice([0.0, 0.3, 1.0, 1.0], lanes)
+    mass = share * np.where(draw.random(lanes) < 0.2, 70.0, real.M_min)
+    grip = draw.choice([0.0, 0.0, 0.1, 0.5], lanes)
+    robots = Robots(np.zeros(2 * lanes), np.zeros(2 * lanes), np.tile(lag, 2))
+    old, wide = (round(t * PARTS) for t in (real.age, real.window))
+    way_of_part = [np.zeros((2, lanes))] * (old + wide + 1)
+    speeds = [np.zeros((2, lanes))] * (old + wide + 1)
+    acting, coming = np.zeros((2, lanes)), []
+    fastest, blamed, apart = np.zeros(2), 0.0, 0.0
+    for k in range(samples):
+        v = robots.v.reshape(2, lanes)
+        y = sum(way_of_part[old : old + wide]) / (wide * h) if wide else speeds[old]
+        y = y + real.nbar * ways["error"](k, 0, -v)
+        asked = 1e6 * ways["asked"](k, 0, v) * (draw.random(lanes) < 0.95)
+        following, torque, watched = (item.full() for item in act(np.vstack([asked, y]), x, p))
+        x = following
+        force = np.array(
+            [torque[0] + torque[1], robot.l * (torque[0] - torque[1])]
+        ) / robot.r  # fmt: skip
+        if compare:
+            apart = max(apart, _difference(formulas, tails, sent, y, asked, force))
+        blamed = max(blamed, float((watched[2:4] / (share * case.dbar)).max()))
+        sent = [force, *sent[:-1]]
+        later = np.where(draw.random(lanes) < mean_late, real.hi, real.lo)
+        coming = [*coming[-6:], (k * PARTS + np.round(later * PARTS), force)]
+        for i in range(PARTS):
+            for start, new in coming:
+                acting = np.where(start == k * PARTS + i, new, acting)
+            v = robots.v.reshape(2, lanes)
+            push = share * real.dbar * ways["push"](k, i, v)
+            held = np.where(chosen[k, i] < grip, np.inf, 0.0)
+            sure = share * real.f_min * (np.abs(v) > real.f_speed)
+            total = robots.move(
+                acting.ravel(), push.ravel(), mass.ravel(), np.maximum(held, sure).ravel(), h
+            )
+            way_of_part = [total.reshape(2, lanes), *way_of_part[:-1]]
+            speeds = [robots.v.reshape(2, lanes), *speeds[:-1]]
+            fastest = np.maximum(fastest, np.abs(speeds[0]).max(axis=1) / LIMITS)
+    return Result(fastest, blamed, apart)
+
+
+def _ways(draw: np.random.Generator, lanes: int, samples: int):
+    """+-1 per sample, part and lane: with the velocity, by a rhythm, or by chance."""
+    kind = draw.integers(0, 3, lanes)
+    half = np.exp(draw.uniform(0, np.log(6 * PARTS), (2, lanes)))
+    phase, duty = draw.uniform(0, 2, (2, lanes)) * half, draw.uniform(0.1, 0.9, (2, lanes))
+    chance = np.where(draw.random((samples, PARTS, 2, lanes)) < duty, 1.0, -1.0)
+
+    def way(k: int, i: int, v: np.ndarray) -> np.ndarray:
+        rhythm = np.where((k * PARTS + i + phase) % (2 * half) < 2 * half * duty, 1.0, -1.0)
+        other = np.where(kind == BY_TIME, rhythm, chance[k, i])
+        return np.where(kind == BY_SIGN, np.where(v < 0, -1.0, 1.0), other)
+
+    return way
+
+
+def _difference(formulas, tails, sent, y, asked, force) -> float:
+    """How far the product's force is from the formula's; the tails go on."""
+    apart = 0.0
+    for axis, item in enumerate(formulas):
+        own = [each[axis] for each in sent]
+        hi = item.hi_of(y[axis], own, tails[axis][0], 1.0)
+        lo = -item.hi_of(y[axis], own, tails[axis][1], -1.0)
+        assert (lo <= hi + 1e-9 * item.M_min * item.u1 / item.T).all()
+        apart = max(apart, np.abs(np.clip(asked[axis], lo, hi) - force[axis]).max())
+        commands = [force[axis], *own]
+        tails[axis] = [
+            item.next_tail(tail, commands, way)
+            for tail, way in zip(tails[axis], (1.0, -1.0), strict=True)
+        ]
+    return apart

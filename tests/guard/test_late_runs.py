@@ -1,0 +1,102 @@
+"""Sensors and drives as robots have them, stated and guarded: runs, lanes, FMUs, packages."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.guard.harness import LIMITS
+from tests.guard.test_adversary import LIGHTEST
+from tests.guard.test_graph import evaluated
+from wmr_ctrl.api import scenario_of, simulate, simulate_many
+from wmr_ctrl.codegen.package import write_package
+from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.control.controller import guard as guard_alone
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.fmi.cosim import cosimulate
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.scenario import load_scenario
+
+SLOW_SAMPLE = {"clock.control": 0.1}
+KINDS = {
+    "encoder of 256 counts over 100 ms": {**SLOW_SAMPLE, "encoder.counts": 256.0},
+    "mean over 100 ms": {**SLOW_SAMPLE, "sensor.velocity_window": 0.1},
+    "late by 100 ms": {**SLOW_SAMPLE, "sensor.velocity_age": 0.1},
+    "jitter of half a sample": {**SLOW_SAMPLE, "actuator.jitter": 0.05},
+    "untold delay": {**SLOW_SAMPLE, "actuator.untold": 0.05},
+    "lag": {**SLOW_SAMPLE, "actuator.lag": 0.05},
+    "as a robot has it, 10 ms": {
+        "encoder.counts": 1024.0, "actuator.jitter": 0.005, "actuator.lag": 0.02,
+    },
+}  # fmt: skip
+WEAK = {"guard.dbar": [40.0, 6.0], "disturbance.push": [40.0, 6.0]}
+DRIVES = {"actuator.delay": 0.003, "actuator.jitter": 0.004, "actuator.lag": 0.01}
+SHORT = {"actuator.tau_max": 10.0, "clock.duration": 3.0, "changes": [], "disturbance.truncate": 3}
+
+
+def checked(law: str, kind: str) -> None:
+    """The lightest robot without friction, pushed the way it moves."""
+    changed = {**LIGHTEST, **WEAK, **KINDS[kind], "clock.duration": 20.0}
+    run = simulate("paper-simulation-nominal", law, guard=True, overrides=changed)
+    assert run.monitor.violations == 0
+    assert (np.array(run.monitor.max_abs_v) <= LIMITS).all()
+    assert run.outcome == "completed"
+    assert (run["feasible"] == 1).all()
+
+
+@pytest.mark.parametrize("kind", ["encoder of 256 counts over 100 ms", "as a robot has it, 10 ms"])
+def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(kind: str) -> None:
+    checked("pid", kind)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("law", NAMES)
+def test_with_every_law_and_sensor(law: str, kind: str) -> None:
+    checked(law, kind)
+
+
+@pytest.mark.slow
+def test_lanes_and_fmus_equal_the_native_loop() -> None:
+    scenario = scenario_of("safe-simulation", {**SHORT, **DRIVES})
+    native, fmu = simulate(scenario, "prox", seed=2), cosimulate(scenario, "prox", seed=2)
+
+    assert native["clip_active"].any()
+    for signal in fmu.signals:
+        if signal.name in native:
+            assert native[signal.name] == pytest.approx(fmu[signal.name], abs=1e-9), signal.name
+    seen = scenario_of("safe-simulation", {**SHORT, **DRIVES, "encoder.counts": 4096.0})
+    for item in (scenario, seen):
+        table = simulate_many(item, "prox", range(3))
+        runs = [simulate(item, "prox", seed=seed) for seed in range(3)]
+        assert (np.array([run.monitor.max_abs_v for run in runs]) == table["max_abs_v"]).all()
+
+
+@pytest.mark.slow
+def test_package_checks_itself_with_what_the_guard_remembers(tmp_path: Path) -> None:
+    write_package("pid", tmp_path, scenario_of("safe-simulation", {**SHORT, **DRIVES}))
+    header = (tmp_path / "wmr_pid.h").read_text(encoding="utf-8")
+    for name in ("tau_sent1[2]", "guard_tail[4]", "guard_monitor_tail[4]", "guard_samples"):
+        assert name in header
+    sources = [str(tmp_path / name) for name in ("wmr_pid.c", "check.c")]
+    program = tmp_path / "check"
+    command = [*find_toolchain().command, "-O2", *sources, "-o", str(program), "-lm"]
+    subprocess.run(command, check=True, capture_output=True)
+    assert subprocess.run([program], check=False, capture_output=True).returncode == 0
+
+
+@pytest.mark.parametrize("key", DRIVES)
+def test_drives_slower_than_the_graph_was_built_for_are_not_feasible(key: str) -> None:
+    item = guard_alone(
+        settle(load_scenario("safe-simulation", {"guard.enabled": True, **SHORT, **DRIVES}), None)
+    )
+    names = [name for port in item.params for name in port.signal.elements]
+    p = np.array(item.p0)
+    p[names.index(key)] *= 1.01
+    run = item.function("guard", [item.d])
+
+    assert float(run([10.0, 1.0, 0.1, 0.1], item.x0, p)[4]) == 0.0
+    assert evaluated(item, [10.0, 1.0, 0.1, 0.1], item.x0)[2][4] == 1.0

@@ -1,0 +1,207 @@
+"""Late and averaged velocities, jitter and lag: the limit holds, and the bounds are tight."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.guard.late_trial import Case, trial
+from tests.guard.test_delay import ON
+from wmr_ctrl.control.controller import guard as guard_system
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import unbeatable_speed, usable_speed
+from wmr_ctrl.guard.lateness import Counting, lateness, since_last
+from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.effect import Bound
+
+MEAN = Case(window=1, dbar=40.0, nbar=0.05)
+OLD = Case(age=1, window=0.5, dbar=30.0)
+JITTER = Case(lo=0.5, hi=1, dbar=40.0)
+LAG = Case(lag=1, dbar=40.0, brake=40.0)
+ALL = Case(lag=0.5, lo=0.25, hi=1, window=1, age=0.25, dbar=15.0, nbar=0.05)
+STICKY = replace(ALL, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
+CASES = {
+    "mean over a sample": MEAN,
+    "mean, exact": Case(window=1, dbar=55.0),
+    "old": Case(age=1, dbar=50.0),
+    "old mean": OLD,
+    "mean over two samples": Case(window=2, dbar=20.0),
+    "mean behind a delay": Case(window=1, lo=0.5, hi=0.5, dbar=30.0),
+    "jitter": JITTER,
+    "jitter of a whole sample": Case(hi=1, dbar=40.0, nbar=0.05),
+    "jitter behind more than a sample": Case(lo=0.75, hi=1.625),
+    "lag": Case(lag=1, dbar=40.0),
+    "short lag": Case(lag=0.1, dbar=50.0),
+    "lag behind a delay": Case(lag=0.5, lo=0.5, hi=0.5),
+    "lag and mean": Case(lag=0.5, window=1),
+    "lag and jitter": Case(lag=0.5, hi=1, dbar=20.0),
+    "all": ALL,
+    "all with sure friction, weak brakes, slow approach": STICKY,
+    "all at 10 ms": replace(ALL, T=0.01, dbar=150.0),
+}
+BROKEN = {
+    "window": (MEAN, {"window": 1.125}),
+    "age": (OLD, {"age": 1.125}),
+    "push": (MEAN, {"dbar": 42.0}),
+    "error": (MEAN, {"nbar": 0.0525}),
+    "mass": (MEAN, {"M_min": 45 / 1.05}),
+    "latest takeover": (JITTER, {"hi": 1.125}),
+    "earliest takeover": (JITTER, {"lo": 0.375}),
+    "lag": (LAG, {"lag": 1.05}),
+    "lag among all": (ALL, {"lag": 0.525}),
+    "push among all": (ALL, {"dbar": 15.75}),
+    "error among all": (ALL, {"nbar": 0.0525}),
+}
+"""By 5 %, or by one part of the period where times are whole parts."""
+
+
+def held(case: Case, lanes: int, samples: int, seed: int) -> None:
+    found = trial(case, lanes, samples, seed)
+    assert (found.fastest <= 1).all()
+    assert (found.fastest > 1 - 1e-6).any()
+    assert found.blamed <= 1 + 1e-9
+    assert found.apart < 1e-11 * case.M_min / case.T
+
+
+@pytest.mark.parametrize("name", ["mean over a sample", "jitter", "all"])
+def test_hostile_robots_reach_the_limit_and_never_pass_it(name: str) -> None:
+    held(CASES[name], 200, 40, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_hostile_robots_of_every_kind(name: str) -> None:
+    held(CASES[name], 800, 60, 1)
+
+
+def passed(name: str, lanes: int, samples: int) -> bool:
+    case, changed = BROKEN[name]
+    return bool((trial(case, lanes, samples, 0, replace(case, **changed), False).fastest > 1).any())
+
+
+@pytest.mark.parametrize("name", ["window", "latest takeover", "lag"])
+def test_an_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
+    assert passed(name, 200, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BROKEN)
+def test_every_assumption_that_is_broken_breaks_the_limit(name: str) -> None:
+    assert passed(name, 600, 60)
+
+
+@pytest.mark.parametrize("true", [{"window": 1.0, "dbar": 50.0}, {"hi": 1.0, "dbar": 30.0}])
+def test_a_guard_that_is_not_told_breaks(true: dict[str, float]) -> None:
+    told = Case(dbar=true["dbar"])
+    assert (trial(told, 200, 40, 0, Case(**true), False).fastest > 1.05).any()
+
+
+# --- what a command counts for
+
+
+def rows() -> list[tuple[float, ...]]:
+    draw, steps = np.random.default_rng(1), 0.001
+    table = []
+    for _ in range(40):
+        age, window, delay = steps * draw.integers(0, 30, 3) * draw.integers(0, 2, 3)
+        jitter = min(delay, steps * draw.integers(0, 11) * draw.integers(0, 2))
+        table.append((age, window, delay, jitter, draw.choice([0.0, draw.uniform(1e-3, 0.05)])))
+    return table
+
+
+@pytest.mark.parametrize("times", rows())
+def test_pieces_count_for_the_integral_of_what_is_left(times: tuple[float, ...]) -> None:
+    """By the mean over ages sigma, in numbers; together all that may count."""
+    age, window, delay, jitter, lag = (float(t) / 0.01 for t in times)
+    late = lateness(0.01, 0.001, *(float(t) for t in times))
+    sigma = age + window * (np.arange(2000) + 0.5) / 2000
+    for pieces, ages in ((late.mean, sigma), (late.rest, np.array([age + window]))):
+        for which, weight in pieces:
+            begin, end = ends(which, delay - jitter, delay)
+            s = begin + (end - begin) * (np.arange(2000) + 0.5) / 2000
+            beyond = np.maximum(s[:, None] - ages[None, :: max(1, len(ages) // 200)], 0.0)
+            left = np.exp(-beyond / lag) if lag else (beyond == 0) * 1.0
+            assert weight == pytest.approx(float(left.mean()) * (end - begin), abs=6e-3)
+    older = late.tail.steady if late.tail else 0.0
+    assert sum(w for _, w in late.rest) + older + late.jitter == pytest.approx(late.most)
+    older *= late.tail.share if late.tail else 1.0
+    assert sum(w for _, w in late.mean) + older + late.jitter == pytest.approx(late.usual)
+    assert late.mixed <= late.usual + 1e-12
+
+
+def ends(which: tuple[int, ...], lo: float, hi: float) -> tuple[float, float]:
+    """Ages between which a piece lies."""
+    j = which[0]
+    return (j - 1 - lo, j - hi) if len(which) == 1 else (j - 1 - hi, j - 1 - lo)
+
+
+def test_a_constant_delay_counts_as_it_did() -> None:
+    late = lateness(0.01, 0.001, 0.0, 0.0, 0.024, 0.0, 0.0)
+    pieces = (((1,), 1.0), ((2,), 1.0), ((3,), 0.4))
+    assert late == Counting(pieces, pieces, 0.0, 0.0, 0.0, 2.4, 2.4, 0.0, 3)
+    assert lateness(0.01, 0.001, 0.0, 0.0, 0.0, 0.0, 0.0).at_once
+
+
+def test_a_mean_over_one_sample_counts_the_last_command_half() -> None:
+    late = lateness(0.1, 0.001, 0.0, 0.1, 0.0, 0.0, 0.0)
+    assert (late.mean, late.rest) == ((((1,), 0.5),), (((1,), 1.0),))
+    since = since_last(0.1, 0.001, 0.0, 0.1, 0.0, 0.0, 0.0)
+    assert since is not None
+    assert since.mean == (((1,), 0.5), ((2,), 0.5))
+    assert since_last(0.1, 0.001, 0.0, 0.2, 0.0, 0.0, 0.0) is None
+
+
+# --- numbers
+
+
+def test_usable_speed_is_where_a_robot_settles_and_below_what_no_guard_can_beat() -> None:
+    """M 45, dbar 60, friction 39: prices of the table in docs/guarantee.md."""
+    told = {"T": [], "exact": [], "mean": [], "best": []}
+    for period in (0.01, 0.02, 0.05, 0.1):
+        stated = {"guard.dbar": [60.0, 5.0], "guard.M_min": [45.0, 4.86], "guard.trust": True}
+        changed = {**ON, **stated, "clock.control": period, "clock.duration": 80.0}
+        scenario = load_scenario("paper-simulation-nominal", changed)
+        exact = settled_guard(scenario, Bound(), math.inf)
+        mean = settled_guard(scenario, Bound(window=(period, period)), math.inf)
+        told["exact"].append(usable_speed(scenario, exact, (39.0, 0.0))[0])
+        told["mean"].append(usable_speed(scenario, mean, (39.0, 0.0))[0])
+        told["best"].append(unbeatable_speed(scenario, mean, (39.0, 0.0))[0])
+    assert told["exact"] == pytest.approx([0.978, 0.956, 0.890, 0.780], abs=5e-4)
+    assert told["mean"] == pytest.approx([0.967, 0.934, 0.835, 0.670], abs=5e-4)
+    assert told["best"] == pytest.approx(told["exact"])
+
+
+@pytest.mark.parametrize(("case", "said"), [
+    (Case(window=1, dbar=120.0), r"late = window 0\.1 s.*clock\.control <= .*dbar\[1\] <= "),
+    (Case(hi=1.5, lo=0.25), r"varies by 0\.125 s, more than clock\.control.*at most 0\.1"),
+    (Case(hi=0.5, lo=-0.25), r"cannot vary by 0\.075 s.*before it was given"),
+    (Case(hi=1, nbar=0.45), r"jitter of 0\.1 s and nbar\[1\] = 0\.45.*guard\.nbar\[1\] <= "),
+    (Case(lag=3, dbar=100.0), r"late = lag 0\.3 s"),
+])  # fmt: skip
+def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case: Case, said: str) -> None:
+    with pytest.raises(ScenarioError) as refused:
+        guard_system(case.setup)
+
+    assert re.search(said, str(refused.value)), str(refused.value)
+
+
+def test_a_lag_that_varies_and_a_moving_start_of_a_late_sensor_are_refused() -> None:
+    scenario = load_scenario("paper-simulation-nominal", ON)
+    with pytest.raises(ScenarioError, match=r"varies between 0\.01 and 0\.02 s"):
+        settled_guard(scenario, Bound(lag=(0.01, 0.02)), math.inf)
+    moving = load_scenario("paper-simulation-nominal", {**ON, "initial.velocity": [0.5, 0.0]})
+    with pytest.raises(ScenarioError, match=r"initial\.velocity\[1\] = 0\.5.*Start at rest"):
+        settled_guard(moving, Bound(window=(0.01, 0.01)), math.inf)
+
+
+def test_nothing_late_gives_the_graph_of_before() -> None:
+    scenario = load_scenario("paper-simulation", ON)
+    item = guard_system(settle(scenario, None))
+    names = [port.signal.name for port in item.state]
+    assert names == ["tau_applied", "guard_v", "guard_started"]

@@ -1,0 +1,35 @@
+"""Compilers and language standards that the C of this project is for."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
+LANGUAGES = {
+    "gcc-c99": ("gcc", "-std=c99", *STRICT),
+    "gcc-c11": ("gcc", "-std=c11", *STRICT),
+    "clang-c99": ("clang", "-std=c99", *STRICT),
+    "clang-c11": ("clang", "-std=c11", *STRICT),
+    "g++-c++98": ("g++", "-x", "c++", "-std=c++98", *STRICT),
+    "g++-c++11": ("g++", "-x", "c++", "-std=c++11", *STRICT),
+    "clang++-c++98": ("clang++", "-x", "c++", "-std=c++98", *STRICT),
+    "clang++-c++11": ("clang++", "-x", "c++", "-std=c++11", *STRICT),
+    "tcc": ("tcc", "-Wall", "-Werror"),
+}
+"""Name to command.  Nothing is optimised: what is asked is whether it is the language at all."""
+
+
+def compile_all(language: str, folder: Path, units: list[str], *flags: str) -> None:
+    """Compile each unit in ``folder``; skip, saying so, without the compiler."""
+    command = LANGUAGES[language]
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"NOT RUN: {command[0]} is not there")
+    whole = [*command, *flags, "-fsyntax-only", *units]
+    one_by_one = [[*command, *flags, "-c", unit, "-o", "unit.o"] for unit in units]
+    for each in one_by_one if language == "tcc" else [whole]:
+        done = subprocess.run(each, cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr[-3000:]

@@ -1,0 +1,103 @@
+"""Torques at which wheels spin and lift, from the closed form, against the rigid body."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.physics.test_rigid import scenario
+from wmr_ctrl import simulate
+from wmr_ctrl.checks import first_torques, grip_warnings, reference_torque
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.physics.rigid import RigidBody
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.grip import grip
+
+ROBOTS = (
+    {},
+    {"body__tyre": 0.4},
+    {"body__height": 0.3},
+    {"body__caster": 0.15},
+    {"body__tyre": 0.3, "body__height": 0.25, "body__caster": 0.2},
+    {"robot__m": 65.0, "robot__mu": 0.15},
+    {"body__wheel_mass": 4.0},
+)
+
+
+def pulled(case: object, torque: float, steps: int) -> tuple[float, float]:
+    """Largest slip [m/s] and tilt [rad] of a robot that pulls away within 50 ms."""
+    body, slip, tilt = RigidBody(case), 0.0, 0.0
+    for k in range(steps):
+        share = min(1.0, k / 50)
+        body.step((share * torque, share * torque, 0.0, 0.0, 0.0, 0.0))
+        slip, tilt = max(slip, *map(abs, body.slip)), max(tilt, body.tilt)
+    return slip, tilt
+
+
+@pytest.mark.parametrize("overrides", ROBOTS)
+def test_wheels_spin_beyond_the_torque_that_is_named_and_not_below(overrides):
+    case = scenario(**overrides)
+    named = grip(case).spin
+    assert pulled(case, 0.95 * named, 400)[0] < 0.02
+    assert pulled(case, 1.05 * named, 400)[0] > 1.0
+
+
+@pytest.mark.parametrize(
+    "overrides", [{"body__tyre": 0.1}, {"body__tyre": 0.05, "body__caster": 0.15}]
+)
+def test_wheels_that_spin_lift_off_beyond_the_torque_that_is_named(overrides):
+    case = scenario(body__grip=0.1, **overrides)
+    named = grip(case).lift
+    assert pulled(case, 0.9 * named, 500)[1] < 0.1
+    assert pulled(case, 1.1 * named, 500)[1] > 0.2
+
+
+@pytest.mark.parametrize("overrides", ROBOTS)
+def test_what_is_kept_anyhow_is_less_than_what_one_motion_takes(overrides):
+    seen = grip(scenario(**overrides))
+    assert 0 < seen.keep < seen.brake < seen.spin < seen.lift
+
+
+@pytest.mark.parametrize("law", ["mb", "nn", "prox", "pid"])
+@pytest.mark.parametrize("preset", ["paper-simulation", "far-start"])
+def test_at_the_torque_that_is_kept_no_wheel_slides(law, preset):
+    case = load_scenario(preset, {"clock.duration": 6.0, "disturbance.std": 0.0})
+    kept = 0.99 * grip(case).keep
+    limited = load_scenario(
+        preset, {"clock.duration": 6.0, "disturbance.std": 0.0, "actuator.tau_max": kept}
+    )
+    assert grip_warnings(settle(limited, law)) == ()
+    run = simulate(limited, law, plant="mujoco", guard=law == "pid")
+    assert run.monitor.rigid.max_slip < 0.05
+    assert run.monitor.rigid.tipped is None
+
+
+@pytest.mark.parametrize(("law", "falls"), [("mb", True), ("nn", True)])
+def test_spin_and_fall_are_foretold(law, falls):
+    setup = settle(load_scenario("paper-simulation"), law)
+    seen, first = grip(setup.scenario), max(map(abs, first_torques(setup)))
+    run = simulate(setup.scenario, law, plant="mujoco")
+    (told,) = grip_warnings(setup)
+    assert told.key == "actuator.tau_max"
+    assert f"{first:.3g} N m" in told.sentence
+    assert first > seen.spin
+    assert run.monitor.rigid.slipped is not None
+    assert (run.outcome == "tipped") is falls
+
+
+def test_first_torques_are_those_of_the_run():
+    case = load_scenario("paper-simulation-noise-free", {"clock.duration": 0.02})
+    for law in ("mb", "nn", "prox", "pid", "smc"):
+        run = simulate(case, law)
+        logged = run["tau_right"][0], run["tau_left"][0]
+        assert first_torques(settle(case, law)) == pytest.approx(logged, rel=1e-9)
+
+
+def test_torque_on_the_reference():
+    """On the circle it is that of the friction, 0.15 x 65 kg x g after the change."""
+    expected = 0.15 * 65.0 * 9.81 * 0.1 / 2
+    assert reference_torque(load_scenario("paper-simulation")) == pytest.approx(expected)
+
+
+def test_without_grip_in_the_turn_nothing_is_kept():
+    seen = grip(scenario(body__tyre=0.1, limits__v_u1=[2.0, 2.0], limits__v_u2=[1.0, 1.0]))
+    assert seen.keep == 0.0

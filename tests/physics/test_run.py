@@ -1,0 +1,128 @@
+"""Runs on the rigid body: the product's own loop on one side of the wheels."""
+
+from __future__ import annotations
+
+import importlib
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import simulate, simulate_runs
+from wmr_ctrl.engines import ready_plantless
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
+from wmr_ctrl.results import load_run, outcome_of, runs_equal, save_run, summary
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.signals import PLANT_STATE, RIGID
+from wmr_ctrl.sim.coupled import Coupled
+
+SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
+
+
+@pytest.mark.parametrize(
+    ("law", "overrides"),
+    [
+        ("mb", {"disturbance.push": [5.0, 1.0]}),
+        ("nn", {"sensor.velocity_noise": [0.01, 0.02], "sensor.pose_noise": 0.01}),
+        ("prox", {"actuator.delay": 0.013, "guard.enabled": True, "disturbance.truncate": 3.0}),
+    ],
+)
+def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides):
+    """Shown the states of a native run, it logs what that run logged."""
+    chosen = {"clock.duration": 2.0, **overrides}
+    run = simulate("paper-simulation", law, seed=5, overrides=chosen)
+    loop = ready_plantless(load_scenario("paper-simulation", chosen), law)
+    coupled = Coupled(loop.compiled, 5, loop.scenario.clock.plant)
+    names = [name for item in loop.compiled.layout.columns for name in item.elements]
+    native = np.column_stack([run[name] for name in names])
+    states = np.column_stack([run[item.name] for item in PLANT_STATE])
+    step = 0
+    for state, row in zip(states.tolist(), native, strict=True):
+        shown = coupled.sampled(state)
+        assert np.array_equal(shown[-len(names) :], row, equal_nan=True), step
+        for _ in range(loop.scenario.clock.substeps):
+            coupled.acting(shown[: -len(names)])
+            step += 1
+            coupled.ends(state, step)
+    assert coupled.monitor().max_abs_v <= run.monitor.max_abs_v
+
+
+@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+def test_below_traction_it_is_the_plane_model(law):
+    rigid, plane = (
+        simulate("paper-simulation", law, seed=11, plant=plant, overrides=SHORT)
+        for plant in ("mujoco", "ode")
+    )
+    assert rigid.outcome == plane.outcome == "completed"
+    assert rigid.settings.plant_kind == "mujoco"
+    assert np.array_equal(rigid["noise_right"], plane["noise_right"])
+    away = np.hypot(rigid["x"] - plane["x"], rigid["y"] - plane["y"])
+    assert away.max() < 0.05
+    seen = rigid.monitor.rigid
+    assert seen.tipped is None
+    assert seen.slipped is None
+    assert seen.least_tip_margin > 0.5
+
+
+def test_without_a_torque_limit_the_paper_s_law_spins_and_falls(tmp_path):
+    run = simulate("paper-simulation", "nn", plant="mujoco")
+    seen = run.monitor.rigid
+    assert run.outcome == "tipped"
+    assert seen.slipped < 0.05 < seen.tipped < 6.0
+    assert run.rows == pytest.approx(seen.tipped / 0.01, abs=1)
+    assert {"tipped", "slipped"} <= {item.key for item in run.remarks}
+    figures = summary(run)
+    assert figures["plant"] == "mujoco"
+    assert figures["rigid"]["tipped"] == seen.tipped
+    assert f"{seen.tipped:.6g}" in run.explanation
+    for suffix in (".npz", ".csv"):
+        save_run(run, tmp_path / f"run{suffix}")
+        again = load_run(tmp_path / f"run{suffix}")
+        assert runs_equal(again, run)
+        assert again.monitor == run.monitor
+
+
+def test_the_log_tells_wheels_slip_and_tilt():
+    run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)
+    assert run.signals[-len(RIGID) :] == RIGID
+    r, half_track = 0.1, 0.25
+    for i, side in enumerate((1.0, -1.0)):
+        ground = run["v1"] + side * half_track * run["omega"]
+        assert run["slip"][:, i] == pytest.approx(r * run["wheel_speed"][:, i] - ground, abs=1e-12)
+    assert np.abs(run["slip"]).max() <= run.monitor.rigid.max_slip
+    assert run["tilt"].max() <= run.monitor.rigid.max_tilt
+
+
+def test_slip_and_fall_are_outcomes_in_their_order():
+    run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT | {"body.tyre": 0.05})
+    assert run.monitor.rigid.slipped is not None
+    assert run.outcome == outcome_of(run.monitor)
+    assert run.outcome in ("slipped", "limit-violated")
+
+
+@pytest.mark.slow
+def test_many_runs_have_the_bits_of_single_ones():
+    seeds = range(3)
+    alone = [simulate("paper-simulation", "mb", seed=k, plant="mujoco", overrides=SHORT)
+             for k in seeds]  # fmt: skip
+    for jobs in (1, 2):
+        many = simulate_runs("paper-simulation", "mb", seeds, plant="mujoco", jobs=jobs,
+                             overrides=SHORT)  # fmt: skip
+        assert all(map(runs_equal, many, alone))
+
+
+def test_what_it_cannot_be_asked():
+    with pytest.raises(UnknownNameError, match="mujoco"):
+        simulate("paper-simulation", "mb", plant="bullet")
+    with pytest.raises(ArgumentError, match="engine native"):
+        simulate("paper-simulation", "mb", plant="mujoco", engine="numpy")
+
+
+def test_without_the_package_one_sentence_tells_what_to_install(monkeypatch):
+    def absent(name: str) -> object:
+        if name == "mujoco":
+            raise ImportError(name)
+        return importlib.import_module(name)
+
+    monkeypatch.setattr("wmr_ctrl.physics.rigid.import_module", absent)
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
+        simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT)

@@ -1,0 +1,44 @@
+"""What is looked up by name: each name is of one thing, says what it is, and is its own key."""
+
+from __future__ import annotations
+
+import pytest
+
+from wmr_ctrl.campaign.figures import FIGURES
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.registry import EFFECTS
+
+
+@pytest.mark.parametrize("registry", [LAWS, REFERENCES], ids=["laws", "references"])
+def test_an_entry_is_found_by_the_name_that_it_gives_itself(registry):
+    assert len(registry) == len(set(registry)) > 3
+    assert {name: entry.name for name, entry in registry.items()} == {
+        name: name for name in registry
+    }
+
+
+def test_effects_have_names_and_sections_of_their_own():
+    names = [effect.name for effect in EFFECTS]
+
+    assert len(set(names)) == len(names)
+    assert all(effect.section.__doc__ for effect in EFFECTS)
+
+
+def test_every_section_of_a_scenario_stands_under_its_own_key():
+    for key, section in sections().items():
+        assert key == section.KEY
+
+
+def test_a_figure_has_one_unit_wherever_it_is_tabulated():
+    """Tables of whole runs and tables of sums share names; then they share the unit too."""
+    of_runs = {figure.name: figure.unit for figure in FIGURES}
+    of_sums = {column.name: column.unit for column in COLUMNS}
+    shared = of_runs.keys() & of_sums.keys()
+
+    assert len(of_runs) == len(FIGURES)
+    assert len(of_sums) == len(COLUMNS)
+    assert shared >= {"ise_total", "tau_rms"}
+    assert {name: of_runs[name] for name in shared} == {name: of_sums[name] for name in shared}

@@ -1,0 +1,86 @@
+"""Runs in the types of other libraries: the same numbers under the same names, with units."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.results import load_run, runs_equal
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.html import table_html
+
+pandas = pytest.importorskip("pandas")
+
+
+def test_a_table_has_every_logged_number_by_its_name(make_run):
+    run = make_run(v1=0.3, x=np.arange(100.0))
+    frame = run.to_dataframe()
+
+    assert frame.index.name == "t"
+    assert list(frame.columns) == [s.name for s in run.elements if s.name != "t"]
+    np.testing.assert_array_equal(frame.index, run.time)
+    for name in frame.columns:
+        np.testing.assert_array_equal(frame[name], run[name])
+        assert frame.attrs["units"][name] == run.signal(name).unit
+
+
+def test_a_data_set_has_every_signal_with_its_unit(make_run):
+    pytest.importorskip("xarray")
+    run = make_run(v1=0.3)
+    data = run.to_xarray()
+
+    assert set(data.variables) >= {signal.name for signal in run.signals}
+    for signal in run.signals:
+        np.testing.assert_array_equal(data[signal.name].values, run[signal.name])
+        assert data[signal.name].attrs["units"] == signal.unit
+        if signal.size > 1:
+            along = data[f"{signal.name}_element"].values
+            assert tuple(along) == signal.elements
+
+
+def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
+    from wmr_ctrl.results import summary
+
+    run = make_run(x=0.1)
+    run.save(tmp_path / "run.npz")
+    figure = run.plot(tmp_path / "run.png")
+
+    assert runs_equal(load_run(tmp_path / "run.npz"), run)
+    assert (tmp_path / "run.png").stat().st_size > 10_000
+    assert figure.get_size_inches()[0] > 5
+    assert run.summary() == summary(run)
+    assert run.law in run._repr_html_()
+
+
+def test_other_tools_read_the_columns_of_a_parquet_file(make_run, tmp_path):
+    pytest.importorskip("pyarrow")
+    run = make_run(v1=0.3)
+    run.save(tmp_path / "run.parquet")
+
+    frame = pandas.read_parquet(tmp_path / "run.parquet")
+    assert list(frame.columns) == [signal.name for signal in run.elements]
+    np.testing.assert_array_equal(frame["v1"], run["v1"])
+
+
+def test_cells_cannot_break_out_of_their_table():
+    text = table_html("<b>", [("<script>", "&")])
+
+    assert "<script>" not in text
+    assert "&lt;script&gt;" in text
+
+
+def test_a_library_that_is_not_there_is_named_with_its_remedy():
+    with pytest.raises(MissingExtraError, match=r"no_such_library.*pip install"):
+        library("no_such_library")
+
+
+def test_nobody_pays_for_tables_who_does_not_ask():
+    unasked = "print({'pandas', 'xarray', 'pyarrow'} & {*sys.modules})"
+    code = f"import sys, wmr_ctrl; wmr_ctrl.Run; {unasked}"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert shown.stdout.strip() == "set()"

@@ -1,0 +1,53 @@
+"""Tables of many runs: one number a column, the same that a whole Run tells."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import simulate, simulate_many
+from wmr_ctrl.sim.figures import COLUMNS
+
+SHORT = {"clock.duration": 4.0}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return simulate_many("far-start", "mb", range(3), SHORT)
+
+
+def test_columns_are_what_a_run_of_that_seed_says(table):
+    columns = table.columns()
+    for place, seed in enumerate(range(3)):
+        said = simulate("far-start", "mb", seed=seed, overrides=SHORT).summary()
+        pairs = {
+            "violations": said["violations"],
+            "position_rms": said["position_rms"]["all"],
+            "position_rms_last_quarter": said["position_rms"]["last_quarter"],
+            "ise_total": said["ise"]["total"],
+            "ise_after": said["ise"]["after"],
+            "max_abs_v1": said["max_abs_v"][0],
+            "max_abs_v2": said["max_abs_v"][1],
+            "tau_peak": said["tau_peak"],
+            "torque_change_rms": said["torque_change_rms"],
+        }
+        assert columns["outcome"][place] == said["outcome"]
+        assert columns["tracked"][place] == said["tracked"]
+        for name, value in pairs.items():
+            assert columns[name][place] == pytest.approx(value, rel=1e-9), name
+
+
+def test_each_number_of_a_figure_has_one_column():
+    places = [(column.figure, column.index) for column in COLUMNS]
+
+    assert len({column.name for column in COLUMNS}) == len(set(places)) == len(COLUMNS)
+
+
+def test_a_table_goes_on_into_pandas(table):
+    pytest.importorskip("pandas")
+    frame = table.to_dataframe()
+
+    assert len(frame) == table.rows == 3
+    np.testing.assert_array_equal(frame["max_abs_v2"], table["max_abs_v"][:, 1])
+    assert frame.attrs["units"]["max_abs_v2"] == "rad/s"
+    assert "3 runs" in table._repr_html_()

@@ -1,0 +1,3 @@
+function new_system(model)
+note('block', model);
+end

@@ -1,0 +1,4 @@
+function save_system(model)
+lines = note('').lines;
+printf('%s\n', lines{:});
+end

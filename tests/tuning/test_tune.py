@@ -1,0 +1,126 @@
+"""Gains found by search: better on training, the same however often interrupted."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+import wmr_ctrl
+from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.tuning import tunable
+
+SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
+FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
+
+
+@pytest.fixture(scope="module")
+def short():
+    return load_scenario("paper-simulation", SHORT)
+
+
+@pytest.fixture(scope="module")
+def once(short, tmp_path_factory):
+    out = tmp_path_factory.mktemp("tuned") / "prox.toml"
+    return wmr_ctrl.tune(short, "prox", out, **FEW)
+
+
+def test_the_file_is_the_scenario_with_the_gains_that_were_found(short, once):
+    loaded = load_scenario(once.out)
+    run = wmr_ctrl.simulate(loaded, "prox", seed=7)
+
+    assert set(once.gains) == {"gains.prox.rho", "gains.prox.wo", "gains.kinematics.k"}
+    assert loaded.gains["prox"]["rho"] == once.gains["gains.prox.rho"]
+    assert loaded.reference == short.reference
+    assert once.objective[1] < 0.5 * once.objective[0]
+    assert run.outcome.value == "completed"
+    assert [path.name for path in once.out.parent.iterdir()] == ["prox.toml"]
+
+
+def test_the_figures_after_are_those_of_the_file(once):
+    case = load_scenario(once.out)
+    table = wmr_ctrl.simulate_many(case, "prox", [7])
+
+    assert once.after[0].reference == "circle"
+    assert once.after[0].position_rms == table["position_rms"][0, 1]
+    assert {item.mass for item in once.after} == {1.0, 0.6, 1.6}
+    assert {item.reference for item in once.after} == {"circle", "lemniscate", "line"}
+
+
+def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
+    out = tmp_path / "again.toml"
+
+    def stop(share):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        wmr_ctrl.tune(short, "prox", out, **FEW, progress=stop)
+    assert not out.exists()
+    assert len(json.loads((tmp_path / "again.toml.trials.json").read_text())["costs"]) == 1
+    resumed = wmr_ctrl.tune(short, "prox", out, **FEW)
+
+    assert resumed.gains == once.gains
+    assert resumed.after == once.after
+
+
+def test_trials_of_another_search_are_not_taken(short, tmp_path):
+    (tmp_path / "a.toml.trials.json").write_text('{"search": "other", "costs": [[1.0]]}')
+
+    with pytest.raises(ArgumentError, match="another search"):
+        wmr_ctrl.tune(short, "prox", tmp_path / "a.toml", **FEW)
+
+
+def test_every_law_of_ours_has_gains_to_be_tuned():
+    for law in NAMES:
+        assert tunable(LAWS[law])
+        assert ("gains.kinematics.k" in tunable(LAWS[law])) == LAWS[law].traits.auxiliary
+
+
+def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cma", None)
+
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[tune\]"):
+        wmr_ctrl.tune(short, "prox", tmp_path / "a.toml")
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (("--seeds", "3"), "not a range of seeds"),
+        (("--seeds", "5:5"), "not a range of seeds"),
+        (("--seeds", "1:9", "--test-seeds", "8:12"), "8 is trained on and tested with"),
+        (("--trials", "0"), "--trials"),
+        (("--weight", "nan"), "weight"),
+        (("--out", "a.csv"), "must end in .toml"),
+        (("--out", "no/a.toml"), "Create the folder first"),
+        (("--law", "lqr"), "no law is named"),
+        (("--set", "gains.prox.wo=0"), "above zero"),
+    ],
+)
+def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = ["tune", "paper-simulation", "--law", "prox", "--out", "a.toml", *given]
+    done = CliRunner().invoke(root, line)
+
+    assert done.exit_code == 2
+    assert told in " ".join(done.stderr.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = ["tune", "paper-simulation", "--law", "kanayama", "--out", "a.toml", "--trials", "2",
+            "--set", "clock.control=0.1", "--set", "clock.duration=5", "--seeds", "1:2",
+            "--test-seeds", "7:8", "--json"]  # fmt: skip
+    done = CliRunner().invoke(root, line)
+    found = json.loads(done.stdout)
+
+    assert done.exit_code == 0
+    assert set(found) >= {"gains", "before", "after", "objective", "test_seeds"}
+    assert len(found["before"]) == len(found["after"]) == 9

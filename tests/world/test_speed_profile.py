@@ -1,0 +1,156 @@
+"""Goals: limits along the path are kept, little time is given away, and the motion ends at rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.scenario import Scenario, Waypoints, load_scenario, loads_scenario
+from wmr_ctrl.world.references import sample as sample_scenario
+from wmr_ctrl.world.references.path_yaml import read_poses
+from wmr_ctrl.world.references.waypoints import profile_of
+
+ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
+FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
+PATHS = (
+    Waypoints(points=ZIGZAG),
+    Waypoints(points=ZIGZAG, **FAST),
+    Waypoints(points=ZIGZAG, tolerance=0.15, **FAST),
+    Waypoints(points=ZIGZAG, tolerance=0.15, at_end="loop", **FAST),
+    Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4),
+    Waypoints(points=ZIGZAG, tolerance=2.0, closed=True),
+)
+
+
+def sample(reference, times):
+    return sample_scenario(Scenario(reference=reference), np.asarray(times, dtype=float))
+
+
+def limits_of(reference):
+    speed = reference.speed if reference.v_max is None else reference.v_max
+    return np.array([speed, reference.omega_max, reference.a_max, reference.alpha_max])
+
+
+@pytest.mark.parametrize("reference", PATHS, ids=range(len(PATHS)))
+def test_limits_are_kept_everywhere_and_one_of_them_nearly_met(reference):
+    found = np.abs(sample(reference, np.linspace(0, reference.cycle, 20_011))[:, 3:7])
+
+    shares = found / limits_of(reference)
+    assert shares.max() <= 1 + 1e-3
+    inner = shares[200:-200].max(axis=1)
+    assert np.median(inner) > 0.85  # in a cell with a corner the limit is met at one place
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.3, 3.0])
+def test_a_straight_line_takes_the_time_that_a_formula_says(speed):
+    """Bang-coast-bang: d/v + v/a, or 2 sqrt(d/a) where the speed is never reached."""
+    length, a = 2.0, 0.25
+    reference = Waypoints(points=((0, 0), (length, 0)), speed=speed, a_max=a)
+    exact = length / speed + speed / a if speed**2 / a <= length else 2 * math.sqrt(length / a)
+
+    assert exact <= reference.cycle <= exact * 1.02
+
+
+def test_turning_around_a_wide_arc_is_as_fast_as_the_rate_of_turning_admits():
+    angle = np.linspace(0, 1.5 * math.pi, 40)
+    points = tuple(zip(np.sin(angle).tolist(), (1 - np.cos(angle)).tolist(), strict=True))
+    limits = {"speed": 5.0, "a_max": 50.0, "alpha_max": 50.0, "omega_max": 0.5}
+    reference = Waypoints(points=points, **limits)
+
+    # |v2_d| = 0.5 rad/s all the way, but for the straight ends and both ramps
+    assert reference.cycle == pytest.approx(1.5 * math.pi / 0.5, rel=0.06)
+
+
+def test_the_motion_begins_and_ends_at_rest_and_stays_there():
+    reference = PATHS[2]
+    end = reference.arrival
+    at, before, after = sample(reference, [0.0, end - 1e-6, end + 30.0])
+
+    assert at[3] == 0
+    assert before[3] < 1e-5
+    np.testing.assert_array_equal(after[3:], 0.0)
+    np.testing.assert_allclose(after[:2], ZIGZAG[-1], atol=1e-12)
+    assert replace(reference, at_end="continue").arrival is None
+
+
+def test_no_corner_is_cut_by_more_than_the_tolerance():
+    for tolerance in (0.02, 0.15, 0.5):
+        reference = Waypoints(points=ZIGZAG, tolerance=tolerance)
+        found = sample(reference, np.linspace(0, reference.cycle, 4001))[:, :2]
+        cuts = [np.hypot(*(found - corner).T).min() for corner in np.array(ZIGZAG[1:-1])]
+        off = np.min([away(found, *pair) for pair in pairwise(ZIGZAG)], axis=0)
+
+        assert max(cuts) <= tolerance * (1 + 1e-3)  # the samples miss the nearest place
+        assert max(cuts) > min(0.9 * tolerance, 0.2)  # lines are too short for more than that
+        assert off.max() <= tolerance * (1 + 1e-3)
+
+
+def away(points, begin, end):
+    """Distance of points (n, 2) from a straight piece."""
+    begin, way = np.array(begin), np.subtract(end, begin)
+    share = np.clip((points - begin) @ way / (way @ way), 0, 1)
+    return np.hypot(*(points - begin - share[:, None] * way).T)
+
+
+def test_a_lap_ends_as_it_begins():
+    reference = PATHS[3]
+    profile = profile_of(reference)
+
+    assert profile.rates[0] == pytest.approx(profile.rates[-1], rel=1e-9)
+    assert profile.rates.min() > 0
+
+
+def test_the_example_of_the_list_of_keys_runs():
+    from wmr_ctrl.world.references.waypoints import EXAMPLE
+
+    assert loads_scenario(EXAMPLE).reference.arrival > 5
+
+
+PATH = """\
+header: {frame_id: map}
+poses:
+- header: {frame_id: map}
+  pose:
+    position: {x: 0.0, y: 0.0, z: 0.0}
+    orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}
+- pose: {position: {x: 0.0, y: 0.0}}
+- pose: {position: {x: 1.0, y: 0.5}}
+- {x: 2, y: -1}
+---
+"""
+
+
+def test_a_path_message_gives_its_points(tmp_path):
+    pytest.importorskip("yaml")
+    (tmp_path / "way.yaml").write_text(PATH)
+    (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.yaml"\n')
+
+    points = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
+    assert read_poses(tmp_path / "way.yaml") == points
+    assert load_scenario(tmp_path / "mine.toml").reference.points == points
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("poses: 3", "has no list of poses"),
+        ("a: [", "is not YAML"),
+        ("poses: [{x: 1}]", "pose 1"),
+        ("poses: [{x: 1, y: .nan}]", "pose 1, y"),
+        ("poses: [{x: 1, y: true}]", "pose 1, y"),
+        ("poses: [{x: 1, y: 2}, {x: 1, y: 2}]", "1 different position"),
+        ("", "has no list of poses"),
+    ],
+)
+def test_errors_name_the_pose(tmp_path, text, message):
+    pytest.importorskip("yaml")
+    (tmp_path / "way.yaml").write_text(text)
+
+    with pytest.raises(ScenarioError, match=r"way\.yaml") as caught:
+        read_poses(tmp_path / "way.yaml")
+    assert message in str(caught.value)

@@ -1,0 +1,343 @@
+"""The plan of a study: scenario, laws, guards, seeds, a grid, a sample, a rule to stop; as TOML.
+
+Runs are counted by an index: points of grid and sample, then laws, then guards, then seeds (the
+last change fastest).  A run is what its index says, whoever makes it, in whatever order.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.campaign.engine import PlannedCase
+from wmr_ctrl.campaign.figures import FIGURES
+from wmr_ctrl.campaign.intervals import StopRule
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
+from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
+from wmr_ctrl.scenario.toml_io import is_path
+from wmr_ctrl.sim.figures import COLUMNS
+
+Raw: TypeAlias = Mapping[str, object]
+KEYS = ("scenario", "laws", "guard", "seeds", "set", "grid", "sample", "stop", "figures", "chunk")
+MOST_RUNS = 10**9
+SHARES = ("violated", "tracked")
+"""Figures that are 0 or 1 a run."""
+LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
+
+
+@dataclass(frozen=True)
+class SamplePlan:
+    """A sample of a box: method, size, seed, and the range of each key.
+
+    "sobol" makes the n (d + 2) points that Sobol indices need (SALib's scheme of Saltelli).
+    """
+
+    method: str
+    n: int
+    seed: int
+    ranges: Mapping[str, tuple[float, float]]
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """The points, one a row, in the order of ``ranges``."""
+        low, high = np.array(list(self.ranges.values())).T
+        if self.method == SOBOL:
+            sampler: Any = library("SALib.sample.sobol", "study")
+            rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
+            return np.asarray(rows, dtype=np.float64)
+        draw = np.random.Generator(np.random.Philox(self.seed))
+        unit = draw.random((self.n, len(low)))
+        if self.method == LATIN:
+            strata = np.column_stack([draw.permutation(self.n) for _ in low])
+            unit = (strata + unit) / self.n
+        return low + (high - low) * unit
+
+    @property
+    def problem(self) -> dict[str, object]:
+        """The box as SALib wants it."""
+        bounds = [list(pair) for pair in self.ranges.values()]
+        return {"num_vars": len(bounds), "names": list(self.ranges), "bounds": bounds}
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """What a study runs; made by `plan_of`, which checks it."""
+
+    scenario: Scenario
+    laws: tuple[str, ...]
+    guards: tuple[bool, ...]
+    first_seed: int
+    seeds: int
+    fixed: Mapping[str, object]
+    grid: Mapping[str, tuple[object, ...]]
+    sample: SamplePlan | None
+    stop: StopRule | None
+    figures: tuple[str, ...]
+    chunk: int
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Fields that differ from run to run, in the order of the table's columns."""
+        return (*self.grid, *(self.sample.ranges if self.sample else ()))
+
+    @cached_property
+    def combinations(self) -> tuple[tuple[object, ...], ...]:
+        """Values of the grid's keys, the last changing fastest."""
+        return tuple(itertools.product(*self.grid.values()))
+
+    @property
+    def points(self) -> int:
+        """Points of grid and sample."""
+        return len(self.combinations) * (len(self.sample.points) if self.sample else 1)
+
+    @property
+    def cells(self) -> int:
+        """Cases that differ by more than their seed."""
+        return self.points * len(self.laws) * len(self.guards)
+
+    @property
+    def runs(self) -> int:
+        """Runs of the whole plan, if no rule stops it."""
+        return self.cells * self.seeds
+
+    def values(self, cell: int) -> tuple[object, ...]:
+        """Values of `keys` in a cell."""
+        point = cell // (len(self.laws) * len(self.guards))
+        if self.sample is None:
+            return self.combinations[point]
+        row, place = divmod(point, len(self.sample.points))
+        return (*self.combinations[row], *self.sample.points[place].tolist())
+
+    def case(self, cell: int) -> PlannedCase:
+        """The case of a cell."""
+        law, guard = divmod(cell % (len(self.laws) * len(self.guards)), len(self.guards))
+        changes = {**self.fixed, **dict(zip(self.keys, self.values(cell), strict=True))}
+        return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes)
+
+    def run(self, index: int) -> tuple[PlannedCase, int]:
+        """Case and seed of a run."""
+        cell, place = divmod(index, self.seeds)
+        return self.case(cell), self.first_seed + place
+
+    @cached_property
+    def identity(self) -> str:
+        """What two plans must share for one to go on where the other was interrupted."""
+        points = None if self.sample is None else self.sample.points.tobytes().hex()
+        text = json.dumps([self.described(), points], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+    def described(self) -> dict[str, object]:
+        """The plan in plain values; `chunk` is no part of what the results are."""
+        sample = self.sample
+        return {
+            "scenario": {"name": self.scenario.name, **scenario_dict(self.scenario)},
+            "laws": list(self.laws),
+            "guard": list(self.guards),
+            "seeds": {"first": self.first_seed, "count": self.seeds},
+            "set": dict(self.fixed),
+            "grid": {key: list(values) for key, values in self.grid.items()},
+            "sample": sample
+            and {"method": sample.method, "n": sample.n, "seed": sample.seed,
+                 "ranges": {key: list(pair) for key, pair in sample.ranges.items()}},
+            "stop": self.stop and vars(self.stop),
+            "figures": list(self.figures),
+        }  # fmt: skip
+
+
+def load_plan(path: str | Path) -> StudyPlan:
+    """The plan of a TOML file; a scenario in it is relative to the file."""
+    file = Path(path)
+    try:
+        raw = tomllib.loads(read_text(file, "plan"))
+    except tomllib.TOMLDecodeError as problem:
+        raise ScenarioError(f"{file} is not valid TOML: {problem}.") from None
+    return plan_of(raw, file.parent)
+
+
+def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
+    """The plan of a raw table, checked.
+
+    Raises ArgumentError for a bad entry, UnknownNameError for a figure or key of the plan,
+    ScenarioError for a field or value of the scenario; each names the key.
+    """
+    for key in raw:
+        if key not in KEYS:
+            raise UnknownNameError("key of a plan", key, KEYS)
+    scenario = _scenario(raw.get("scenario", "paper-simulation"), folder)
+    fixed = flat(_table(raw, "set"))
+    grid = {key: _values(key, values) for key, values in flat(_table(raw, "grid")).items()}
+    sample = _sample(_table(raw, "sample")) if "sample" in raw else None
+    first, count = _seeds(raw.get("seeds", 20))
+    figures = _figures(raw.get("figures"))
+    plan = StudyPlan(
+        override(scenario, fixed), _texts(raw.get("laws", ["nn"])),
+        _guards(raw.get("guard", [scenario.guard.enabled])), first, count, {}, grid, sample,
+        _stop(raw.get("stop"), figures), figures, _whole(raw.get("chunk", 1024), "chunk", 1),
+    )  # fmt: skip
+    _check(plan)
+    return plan
+
+
+def _check(plan: StudyPlan) -> None:
+    """Raise where keys clash, there are too many runs, or a value by itself is refused."""
+    keys = plan.keys
+    double = {key for key in keys if keys.count(key) > 1}
+    if double:
+        raise ArgumentError(f"{', '.join(sorted(double))}: give it in grid or in sample, not both.")
+    sizes = [len(plan.laws), len(plan.guards), plan.seeds, *map(len, plan.grid.values())]
+    if plan.sample:
+        sizes.append(plan.sample.n)
+    if math.prod(sizes) > MOST_RUNS:
+        raise ArgumentError(
+            f"the plan has {math.prod(sizes):.3g} runs; at most {MOST_RUNS:.0e} can be planned. "
+            "Take fewer seeds or values, or a sample in place of the grid."
+        )
+    ends = plan.sample.ranges.items() if plan.sample else ()
+    for key, values in (*plan.grid.items(), *ends):
+        for value in values:
+            override(plan.scenario, {key: value})
+
+
+def flat(table: Raw, head: str = "") -> dict[str, object]:
+    """Key paths of nested tables: ``"robot.m"`` and robot.m are the same key."""
+    rows: dict[str, object] = {}
+    for key, value in table.items():
+        path = f"{head}.{key}" if head else key
+        rows |= flat(value, path) if isinstance(value, Mapping) else {path: value}
+    return rows
+
+
+def library(name: str, extra: str) -> object:
+    """A module of an optional package; raises MissingExtraError with what to install."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise MissingExtraError(
+            f"this needs {name.partition('.')[0]}, which is not installed: "
+            f"pip install 'wmr_ctrl[{extra}]'."
+        ) from None
+
+
+def _scenario(given: object, folder: Path) -> Scenario:
+    if isinstance(given, Scenario):
+        return given
+    if not isinstance(given, str):
+        raise ArgumentError("scenario must be a preset's name or the path of a TOML file.")
+    return load_scenario(folder / given if is_path(given) or (folder / given).is_file() else given)
+
+
+def _table(raw: Raw, key: str) -> Raw:
+    table = raw.get(key, {})
+    if not isinstance(table, Mapping):
+        raise ArgumentError(f"{key} must be a table, written as [{key}].")
+    return table
+
+
+def _texts(given: object) -> tuple[str, ...]:
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Sequence) or not names or len(set(names)) < len(names):
+        raise ArgumentError("laws must be a list of different names of laws, such as ['nn'].")
+    return tuple(map(str, names))
+
+
+def _guards(given: object) -> tuple[bool, ...]:
+    flags = [given] if isinstance(given, bool) else given
+    good = isinstance(flags, Sequence) and flags and all(isinstance(f, bool) for f in flags)
+    if not good or not isinstance(flags, Sequence) or len(set(flags)) < len(flags):
+        raise ArgumentError("guard must be a list of different flags, such as [false, true].")
+    return tuple(flags)
+
+
+def _seeds(given: object) -> tuple[int, int]:
+    if isinstance(given, Mapping):
+        if set(given) - {"first", "count"}:
+            raise UnknownNameError("key of seeds", min(map(str, given)), ("first", "count"))
+        first = _whole(given.get("first", 0), "seeds.first", 0)
+        return first, _whole(given.get("count", 20), "seeds.count", 1)
+    return 0, _whole(given, "seeds", 1)
+
+
+def _whole(value: object, key: str, least: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**62:
+        raise ArgumentError(f"{key} = {value!r} must be a whole number from {least} up.")
+    return value
+
+
+def _values(key: str, values: object) -> tuple[object, ...]:
+    if not isinstance(values, list | tuple) or not values:
+        raise ArgumentError(f"grid.{key} = {values!r} must be a list with at least one value.")
+    if len({json.dumps(value) for value in values}) < len(values):
+        raise ArgumentError(f"grid.{key} has a value twice; give each once.")
+    return tuple(values)
+
+
+def _sample(table: Raw) -> SamplePlan:
+    rest = {key: value for key, value in table.items() if key not in ("method", "n", "seed")}
+    inner = rest.pop("ranges", {})
+    ranges = {}
+    for key, pair in flat({**rest, **(inner if isinstance(inner, Mapping) else {})}).items():
+        items = pair if isinstance(pair, list | tuple) else ()
+        numbers = [float(v) for v in items if isinstance(v, int | float)]
+        if len(items) != 2 or len(numbers) != 2 or not numbers[0] < numbers[1]:
+            raise ArgumentError(f"sample: {key} = {pair!r} must be a range [low, high].")
+        ranges[key] = (numbers[0], numbers[1])
+    method = table.get("method", LATIN)
+    if method not in (LATIN, SOBOL, UNIFORM):
+        raise UnknownNameError("method of a sample", str(method), (LATIN, SOBOL, UNIFORM))
+    if not ranges:
+        raise ArgumentError("sample has no range: give a key and [low, high].")
+    n, seed = _whole(table.get("n", 64), "sample.n", 1), _whole(table.get("seed", 0), "seed", 0)
+    if n * len(ranges) > 10**8:
+        raise ArgumentError(f"sample.n = {n}: at most 1e8 numbers can be drawn.")
+    return SamplePlan(str(method), n, seed, ranges)
+
+
+def _figures(given: object) -> tuple[str, ...]:
+    ours = [*SHARES, *(column.name for column in COLUMNS)]
+    if given is None:
+        return tuple(ours)
+    known = [*ours, *(figure.name for figure in FIGURES if figure.name not in ours)]
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, list | tuple) or not names:
+        raise ArgumentError("figures must be a list of names of figures.")
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("figure", str(name), known)
+    return tuple(dict.fromkeys(map(str, names)))
+
+
+def _stop(given: object, figures: tuple[str, ...]) -> StopRule | None:
+    if given is None:
+        return None
+    names = ("figure", "half_width", "confidence", "first", "interval")
+    if not isinstance(given, Mapping):
+        raise ArgumentError("stop must be a table, written as [stop].")
+    for key in given:
+        if key not in names:
+            raise UnknownNameError("key of stop", str(key), names)
+    for key in ("figure", "half_width"):
+        if key not in given:
+            raise ArgumentError(f"stop.{key} is missing.")
+    rule = StopRule(**{"share": str(given.get("figure")) in SHARES, **given})
+    if rule.figure not in figures:
+        raise UnknownNameError("figure of the study", rule.figure, figures)
+    return rule
+
+
+def blocks(plan: StudyPlan, indices: Iterator[int]) -> Iterator[list[int]]:
+    """The indices in lists of the plan's chunk."""
+    while block := list(itertools.islice(indices, plan.chunk)):
+        yield block

@@ -1,0 +1,245 @@
+"""Running a study: chunk after chunk by an executor, look after look, until the table is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from wmr_ctrl.campaign.engine import (
+    PhaseProgress,
+    PlannedCase,
+    Prepare,
+    Refusal,
+    Silent,
+    Simulate,
+    prepared_cases,
+)
+from wmr_ctrl.campaign.figures import figure_named
+from wmr_ctrl.campaign.study_plan import SHARES, StudyPlan, blocks
+from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
+from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.sim.batch import Task, run_tasks
+from wmr_ctrl.sim.figures import COLUMNS, SHAPES, column_of, monitor
+from wmr_ctrl.sim.ready import Ready
+
+REFUSED = "refused"
+IN_FLIGHT = 3
+"""Chunks that wait at an executor for each that runs."""
+
+
+@dataclass(frozen=True)
+class StudyChunk:
+    """Some runs of a study, and the figures that are asked of them: what a worker is sent."""
+
+    runs: tuple[tuple[PlannedCase, int], ...]
+    figures: tuple[str, ...]
+
+
+MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
+"""Outcome and figures of a chunk's runs on so many threads; what executors run."""
+
+
+@dataclass(frozen=True)
+class StudyOutcome:
+    """What a study left: its folder, the table's path, the runs made and those of the whole plan.
+
+    ``stopped``: cases that the rule ended before all their seeds.
+    """
+
+    folder: Path
+    table: Path
+    runs: int
+    planned: int
+    stopped: int
+
+    def __str__(self) -> str:
+        early = f"; {self.stopped} cases were settled early" if self.stopped else ""
+        return f"{self.runs} of {self.planned} planned runs{early}; the table: {self.table}"
+
+
+def chunk_rows(
+    chunk: StudyChunk, prepare: Prepare, simulate: Simulate, jobs: int | None
+) -> dict[str, np.ndarray]:
+    """Outcome and figures of each run of a chunk; a guard's refusal has no figures."""
+    loops = prepared_cases(prepare, (case for case, _ in chunk.runs), Silent(), "")
+    places = [place for place, loop in enumerate(loops) if not isinstance(loop, Refusal)]
+    seeds = [seed for _, seed in chunk.runs]
+    ready = [
+        (loop, seed)
+        for loop, seed in zip(loops, seeds, strict=True)
+        if not isinstance(loop, Refusal)
+    ]
+    rows: dict[str, np.ndarray] = {name: np.full(len(loops), np.nan) for name in chunk.figures}
+    outcome = [REFUSED] * len(loops)
+    if ready:
+        sums = _sums(ready, jobs)
+        for place, text in zip(places, sums.pop("outcome"), strict=True):
+            outcome[place] = str(text)
+        whole = [name for name in chunk.figures if name not in sums]
+        if whole:
+            sums |= _logged(ready, whole, simulate, jobs)
+        for name in chunk.figures:
+            rows[name][places] = sums[name]
+    return {"outcome": np.array(outcome), **rows}
+
+
+def _sums(ready: Sequence[tuple[Ready, int]], jobs: int | None) -> dict[str, np.ndarray]:
+    """Figures that the loop adds up by itself."""
+    figures = run_tasks([Task(loop, seed) for loop, seed in ready], jobs=jobs)
+    guarded = np.array([loop.scenario.guard.enabled for loop, _ in ready])
+    figures["guard_share"][~guarded] = 0.0
+    allowed = np.array([loop.settings.tolerance for loop, _ in ready], dtype=float)
+    columns: dict[str, np.ndarray] = {c.name: column_of(c, figures) for c in COLUMNS}
+    columns["violated"] = (columns["violations"] > 0).astype(float)
+    columns["tracked"] = (columns["position_rms_last_quarter"] <= allowed).astype(float)
+    assert set(SHARES) <= set(columns)
+    columns["outcome"] = np.array(
+        [
+            outcome_of(monitor({name: figures[name][k] for name in SHAPES}), bool(guarded[k])).value
+            for k in range(len(ready))
+        ]
+    )
+    return columns
+
+
+def _logged(
+    ready: Sequence[tuple[Ready, int]], names: Sequence[str], simulate: Simulate, jobs: int | None
+) -> dict[str, np.ndarray]:
+    """Figures that need a whole log, from runs made once more."""
+
+    def take(_: int, run: Run) -> list[float]:
+        values = [figure_named(name).of(run) for name in names]
+        return [np.nan if value is None else float(value) for value in values]
+
+    table = np.array(simulate(ready, take, jobs), dtype=float)
+    return dict(zip(names, table.T, strict=True))
+
+
+def run_study(
+    plan: StudyPlan,
+    out: Path,
+    make: MakeRows,
+    facts: Mapping[str, str],
+    executor: Executor | None = None,
+    jobs: int | None = None,
+    progress: PhaseProgress | None = None,
+) -> StudyOutcome:
+    """Run what of ``plan`` the folder ``out`` does not have yet, and write the table.
+
+    ``executor`` None: in this process on ``jobs`` threads; else ``make`` is sent to it, one thread
+    a chunk.  The table's bytes depend on neither, nor on interruptions.  Raises ResultFileError,
+    and whatever a run raises; finished chunks stay.
+    """
+    shown = progress or Silent()
+    with opened(out, plan, facts) as folder:
+        rule = plan.stop
+        counts = [plan.seeds] if rule is None else rule.looks(plan.seeds)
+        cells: Sequence[int] = range(plan.cells)
+        values: dict[int, list[float]] = {}
+        looks: list[list[Path]] = []
+        done, begin = 0, 0
+        for look, end in enumerate(counts):
+            chosen = (cell * plan.seeds + k for cell in cells for k in range(begin, end))
+            shown.start(len(cells) * (end - begin), _phase(look, len(counts)))
+            paths = _finished(folder, look, chosen, make, executor, jobs, shown)
+            shown.done()
+            looks.append(paths)
+            done, begin = done + len(cells) * (end - begin), end
+            if rule is not None and end < plan.seeds:
+                _collect(folder, paths, rule.figure, values)
+                cells = [
+                    cell
+                    for cell in cells
+                    if not rule.reached(np.array(values[cell]), len(counts), cell)
+                ]
+                if not cells:
+                    break
+        stopped = plan.cells - len(cells)
+        return StudyOutcome(out, folder.write_table(looks), done, plan.runs, stopped)
+
+
+def _phase(look: int, looks: int) -> str:
+    return "Running the study" if looks == 1 else f"Running the study, look {look + 1} of {looks}"
+
+
+def _collect(
+    folder: StudyFolder, paths: Sequence[Path], figure: str, values: dict[int, list[float]]
+) -> None:
+    """Add a look's figures to each case's, in the order of the seeds."""
+    for path in paths:
+        rows = folder.rows(path)
+        assert rows is not None, "written or read just now"
+        numbers = rows[figure].tolist()
+        for index, value in zip(rows["index"].tolist(), numbers, strict=True):
+            values.setdefault(index // folder.plan.seeds, []).append(value)
+
+
+def _finished(
+    folder: StudyFolder,
+    look: int,
+    chosen: Iterator[int],
+    make: MakeRows,
+    executor: Executor | None,
+    jobs: int | None,
+    progress: PhaseProgress,
+) -> list[Path]:
+    """Paths of a look's chunks, in order; those that are not there yet are made."""
+    plan, paths = folder.plan, []
+
+    def missing() -> Iterator[tuple[Path, list[int]]]:
+        for block in blocks(plan, chosen):
+            path = folder.chunk_path(look, block)
+            paths.append(path)
+            rows = folder.rows(path)
+            if rows is not None and rows["index"].tolist() == block:
+                progress.advance(len(block))
+            else:
+                yield path, block
+
+    def keep(path: Path, block: list[int], columns: Rows) -> None:
+        folder.keep(path, {"index": np.array(block, dtype=np.int64), **columns})
+        progress.advance(len(block))
+
+    if executor is None:
+        for path, block in missing():
+            keep(path, block, make(_chunk(plan, block), jobs))
+    else:
+        _sent(missing(), plan, make, executor, jobs, keep)
+    return paths
+
+
+def _chunk(plan: StudyPlan, block: Sequence[int]) -> StudyChunk:
+    """The runs of some indices; those of a cell share their case."""
+    cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
+    runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
+    return StudyChunk(tuple(runs), plan.figures)
+
+
+def _sent(
+    missing: Iterator[tuple[Path, list[int]]],
+    plan: StudyPlan,
+    make: MakeRows,
+    executor: Executor,
+    jobs: int | None,
+    keep: Callable[[Path, list[int], Rows], None],
+) -> None:
+    """Send chunks to an executor, few ahead of those that run, and keep what comes back."""
+    ahead = IN_FLIGHT * (jobs or 4)
+    waiting: dict[Future[dict[str, np.ndarray]], tuple[Path, list[int]]] = {}
+    try:
+        for path, block in chain(missing, [(None, [])]):
+            while waiting and (path is None or len(waiting) >= ahead):
+                ended, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    keep(*waiting.pop(future), future.result())
+            if path is not None:
+                waiting[executor.submit(make, _chunk(plan, block), 1)] = (path, block)
+    finally:
+        for future in waiting:
+            future.cancel()

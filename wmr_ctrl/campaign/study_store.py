@@ -1,0 +1,211 @@
+"""The folder of a study: plan, provenance, chunks written whole or not at all, and the table.
+
+study.json      the plan, its identity, what made the results
+chunks/*.npz    rows of finished chunks: index, outcome, figures
+columns.csv     name, unit and meaning of the table's columns
+table.csv       one row a run, in the order of the index; empty where a figure is not finite
+"""
+
+from __future__ import annotations
+
+import csv
+import heapq
+import json
+import math
+import os
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.campaign.figures import FIGURES
+from wmr_ctrl.campaign.study_plan import SHARES, StudyPlan
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.results import atomic_write
+from wmr_ctrl.scenario import Section, quantities
+from wmr_ctrl.sim.figures import COLUMNS
+
+Rows = Mapping[str, NDArray[np.generic]]
+"""``index``, ``outcome`` and an array a figure, one row a run."""
+_QUOTE = '"'
+HEAD = ("index", "law", "guard", "seed")
+FORMAT = "wmr_ctrl study, version 1"
+
+
+class StudyFolder:
+    """Where a study's results are kept; made by `opened`."""
+
+    def __init__(self, folder: Path, plan: StudyPlan) -> None:
+        self.folder, self.plan = folder, plan
+        self.chunks = folder / "chunks"
+
+    def chunk_path(self, look: int, indices: Sequence[int]) -> Path:
+        """Where the rows of some runs stand; the name tells which they are."""
+        return self.chunks / f"{look:02d}-{indices[0]:012d}-{indices[-1]:012d}-{len(indices)}.npz"
+
+    def rows(self, path: Path) -> Rows | None:
+        """Rows of a finished chunk; None where it is not there, or damaged."""
+        try:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                return {name: archive[name] for name in archive.files}
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+            return None
+
+    def keep(self, path: Path, rows: Rows) -> None:
+        """Write the rows of a chunk, whole or not at all.  Raises ResultFileError."""
+        with atomic_write(path) as file:
+            np.savez(file, **rows)  # type: ignore[arg-type]
+
+    def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
+        """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
+        target = self.folder / "table.csv"
+        with atomic_write(self.folder / "columns.csv", text=True) as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(("name", "unit", "meaning"))
+            writer.writerows(described_columns(self.plan))
+        streams = [self._lines(paths) for paths in looks]
+        with atomic_write(target, text=True) as file:
+            file.write(_line((*HEAD, *self.plan.keys, "outcome", *self.plan.figures)))
+            for _, line in heapq.merge(*streams, key=lambda pair: pair[0]):
+                file.write(line)
+        return target
+
+    def _lines(self, paths: Sequence[Path]) -> Iterator[tuple[int, str]]:
+        """Index and line of the table of each run in some chunks."""
+        plan = self.plan
+        for path in paths:
+            rows = self.rows(path)
+            if rows is None:
+                raise ResultFileError(
+                    f"{str(path)!r} is gone or damaged since it was written. Run the study again: "
+                    "only what is missing is made."
+                )
+            columns = [rows[name].tolist() for name in plan.figures]
+            listed = zip(rows["index"].tolist(), rows["outcome"].tolist(), *columns, strict=True)
+            last, labels, values = -1, ("", ""), [""]
+            for index, outcome, *figures in listed:
+                cell, place = divmod(index, plan.seeds)
+                if cell != last:
+                    last, case = cell, plan.case(cell)
+                    labels = case.law, str(case.guard).lower()
+                    values = [_cell(value) for value in plan.values(cell)]
+                numbers = [repr(x) if math.isfinite(x) else "" for x in figures]
+                head = (str(index), *labels, str(plan.first_seed + place))
+                yield index, _line((*head, *values, outcome, *numbers))
+
+
+def _cell(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _line(cells: Sequence[str]) -> str:
+    """A row of CSV."""
+    line = ",".join(cells)
+    if '"' in line or "\n" in line or line.count(",") >= len(cells):
+        line = ",".join(map(_quoted, cells))
+    return line + "\n"
+
+
+def _quoted(text: str) -> str:
+    """A cell in quotes where it needs them."""
+    return f'"{text.replace(_QUOTE, 2 * _QUOTE)}"' if set(text) & set(',"\n') else text
+
+
+def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
+    """Name, unit and meaning of each column of the table."""
+    yield from (
+        ("index", "1", "number of the run in the plan"),
+        ("law", "", "control law"),
+        ("guard", "", "whether the velocity guard is on"),
+        ("seed", "1", "seed of all noise"),
+    )
+    for key in plan.keys:
+        unit, meaning = _field(plan, key)
+        yield key, unit, meaning
+    yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
+    known = {column.name: (column.unit, column.meaning) for column in COLUMNS}
+    known |= {f.name: (f.unit, f.meaning) for f in FIGURES if f.name not in known}
+    known |= {name: ("1", f"1 if {name}, else 0") for name in SHARES}
+    for name in plan.figures:
+        yield name, *known[name]
+
+
+def _field(plan: StudyPlan, key: str) -> tuple[str, str]:
+    """Unit and meaning of a field of the scenario; empty for a gain."""
+    table, _, name = key.partition(".")
+    if table in ("gains", "changes"):
+        return "", "field of the scenario"
+    section: Section = plan.scenario.table(table)
+    what = dict(quantities(type(section))).get(name.partition("[")[0])
+    return ("", "field of the scenario") if what is None else (what.unit, what.doc)
+
+
+@contextmanager
+def opened(folder: Path, plan: StudyPlan, facts: Mapping[str, str]) -> Iterator[StudyFolder]:
+    """The folder of a study, begun or gone on with, for one process at a time.
+
+    Raises ResultFileError for a folder of another plan or another version, one that another
+    process works on, or one that cannot be written.
+    """
+    try:
+        (folder / "chunks").mkdir(parents=True, exist_ok=True)
+        lock = (folder / ".lock").open("a")
+    except OSError as error:
+        raise ResultFileError(f"cannot write {str(folder)!r}: {error.strerror}.") from error
+    with lock:
+        _locked(lock, folder)
+        _same_study(folder, plan, facts)
+        for scratch in (folder / "chunks").glob(".*.npz"):
+            scratch.unlink(missing_ok=True)  # of a process that was killed
+        yield StudyFolder(folder, plan)
+
+
+def _locked(lock: IO[str], folder: Path) -> None:
+    """Take the lock, which ends with its process however that ends."""
+    try:
+        if os.name == "nt":
+            import msvcrt
+
+            vars(msvcrt)["locking"](lock.fileno(), vars(msvcrt)["LK_NBLCK"], 1)
+        else:
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        raise ResultFileError(
+            f"{str(folder)!r}: another process works on this study. Wait for it, or name another "
+            "folder."
+        ) from None
+
+
+def _same_study(folder: Path, plan: StudyPlan, facts: Mapping[str, str]) -> None:
+    file = folder / "study.json"
+    try:
+        begun = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        begun = None
+    except (OSError, ValueError) as error:
+        raise ResultFileError(f"{str(file)!r} cannot be read: {error}.") from error
+    wanted = {"format": FORMAT, "identity": plan.identity, "provenance": dict(facts)}
+    if begun is None:
+        text = json.dumps({**wanted, "runs": plan.runs, "plan": plan.described()}, indent=1)
+        with atomic_write(file, text=True) as stream:
+            stream.write(text + "\n")
+        return
+    if begun.get("identity") != plan.identity:
+        raise ResultFileError(
+            f"{str(folder)!r} holds the results of another plan. Name another folder for this one, "
+            "or give the plan that the folder began with (study.json)."
+        )
+    before = begun.get("provenance", {})
+    differ = [key for key in facts if before.get(key) != facts[key]]
+    if differ:
+        listed = ", ".join(f"{key} {before.get(key)} then, {facts[key]} now" for key in differ)
+        raise ResultFileError(
+            f"{str(folder)!r} was begun with other code ({listed}), whose results may differ. Name "
+            "another folder, or go on with that version."
+        )

@@ -1,0 +1,70 @@
+"""``wmr-ctrl study``: thousands of runs by a plan, resumed where they were interrupted."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import click
+
+from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.options import check_folder, debug_option, examples, json_option
+from wmr_ctrl.cli.progress import Progress
+
+PLOT = "plot"
+
+
+@click.command(
+    short_help="Run a plan of many runs; draw its results.",
+    epilog=examples(
+        "wmr-ctrl study plan.toml --out mass",
+        "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
+        "wmr-ctrl study plot mass",
+    ),
+)
+@click.argument("words", metavar="PLAN.toml | plot DIR", nargs=-1, required=True)
+@click.option("--out", metavar="DIR", help="Folder of the results; an interrupted one goes on.")
+@click.option(
+    "--executor",
+    default="threads",
+    metavar="E",
+    help="threads, dask (processes here) or dask://HOST:PORT.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Threads or processes.")
+@json_option("Print what was made as one JSON document.")
+@debug_option
+def study(
+    words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
+) -> None:
+    """Run all that PLAN.toml asks for, and write DIR/table.csv, one row a run.
+
+    A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
+    ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
+    number of jobs and of interruptions. `study plot DIR` draws its pictures.
+    """
+    if words[0] == PLOT and len(words) == 2:
+        _plot(words[1], as_json)
+        return
+    if len(words) != 1 or out is None:
+        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`.")
+    check_folder(out, "--out")
+    from wmr_ctrl import api
+
+    with Progress("study") as progress:
+        result = api.study(words[0], out, executor=executor, jobs=jobs, progress=progress)
+    if as_json:
+        print_json(
+            {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}
+        )
+    else:
+        click.echo(str(result))
+
+
+def _plot(folder: str, as_json: bool) -> None:
+    from wmr_ctrl.report.study_figures import plot_study
+
+    with Progress("drawing", measured=False):
+        paths = plot_study(folder)
+    if as_json:
+        print_json([str(path) for path in paths])
+    for path in paths:
+        say("wrote", str(path))

@@ -1,0 +1,229 @@
+"""Lateness: what a past command counts for, where velocities are measured late or drives are slow.
+
+Per axis, times in control periods.  The velocity is the mean over a window that ended ``age`` ago,
+L = age + window; a command takes over between lo and hi after it was given; drives follow with one
+time constant of at most b.  With sigma the age of a velocity, uniform on [age, L], a force of age s
+counts in what v may have gained since by
+
+    P(s) = E min(1, exp(-(s - sigma)/b))       (mean),   the same for sigma = L       (rest),
+
+so a piece of time counts by the integral of P, future time (s < 0) in full.  The integrals are
+taken in closed form with 50 digits, once, and rounded to floats.
+
+Command j, sent j periods ago, is sure to act in one piece of time; in the piece before the next one
+is sure, either of the two may act.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from decimal import Context, Decimal, localcontext
+from fractions import Fraction
+from functools import lru_cache
+
+DIGITS = 50
+GRID = 1e-6
+"""Share of a plant step within which a time counts as so many whole steps."""
+
+Piece = tuple[tuple[int, ...], float]
+"""Commands of which any may act (1: the latest sent), and what the piece counts for [periods]."""
+Weight = Callable[[Fraction], Decimal]
+
+
+@dataclass(frozen=True)
+class Tail:
+    """What commands older than those listed count for, behind a lag.
+
+    Each sample ``decay`` of it stays and ``entering`` (sure, mixed) [periods] of the oldest listed
+    command joins; ``share`` of it counts in the mean; ``steady`` is where a force of 1 leads.
+    """
+
+    decay: float
+    entering: tuple[float, float]
+    share: float
+    steady: float
+
+
+@dataclass(frozen=True)
+class Counting:
+    """What is counted on one axis, in periods: see the file's head.
+
+    ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J =
+    hi - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, all that may count, ``usual`` the same
+    for the mean; ``mixed`` what pieces with two commands count for in the mean, ``commands`` how
+    many are listed.
+    """
+
+    mean: tuple[Piece, ...]
+    rest: tuple[Piece, ...]
+    jitter: float
+    lag: float
+    oldest: float
+    most: float
+    usual: float
+    mixed: float
+    commands: int
+    tail: Tail | None = None
+
+    @property
+    def at_once(self) -> bool:
+        """Whether nothing is late."""
+        return not (self.rest or self.jitter or self.tail)
+
+    @property
+    def roundings(self) -> int:
+        """How many commands' roundings may add up."""
+        return self.commands + math.ceil(self.lag)
+
+    @property
+    def averaged(self) -> bool:
+        """Whether a window makes a difference."""
+        return self.mean != self.rest or (self.tail is not None and self.tail.share != 1.0)
+
+
+AT_ONCE = Counting((), (), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
+"""Exact velocities, and drives that act when they are told."""
+
+
+@dataclass(frozen=True)
+class Since:
+    """What counts in how far a velocity may have moved since the previous sample's, in periods.
+
+    ``mean`` for a robot that moved throughout, ``rest`` for one that stood within the window, with
+    the times for which a push counts.
+    """
+
+    mean: tuple[Piece, ...]
+    rest: tuple[Piece, ...]
+    mean_time: float
+    rest_time: float
+    older: Counting
+
+
+@lru_cache(maxsize=1024)
+def lateness(
+    period: float, step: float, age: float, window: float, delay: float, jitter: float, lag: float
+) -> Counting:
+    """From times [s]; a command takes over between ``delay - jitter`` and ``delay``."""
+    old, wide, hi, spread = (
+        _in_periods(time, period, step) for time in (age, window, delay, jitter)
+    )
+    slow = Fraction(lag) / Fraction(period)
+    with localcontext(Context(prec=DIGITS)):
+        return _lateness(old, wide, hi - spread, hi, slow)
+
+
+def since_last(
+    period: float, step: float, age: float, window: float, delay: float, jitter: float, lag: float
+) -> Since | None:
+    """The same times [s] as in `lateness`; None where the window is longer than a period.
+
+    The velocity of age sigma follows that of age sigma + T by at most the integral over the time
+    between of the force that is felt, which behind a lag may stem from any time before.
+    """
+    if _in_periods(window, period, step) > 1:
+        return None
+    older = lateness(period, step, age + period, window, delay, jitter, lag)
+    newer = dict(lateness(period, step, age, window, delay, jitter, 0.0).mean)
+    mean, rest = (
+        tuple((which, time - newer.get(which, 0.0)) for which, time in pieces)
+        for pieces in (older.mean, older.rest)
+    )
+    gone = window / period / 2
+    return Since(_positive(mean), _positive(rest), 1 + older.lag, 1 + gone + older.lag, older)
+
+
+def _lateness(
+    age: Fraction, window: Fraction, lo: Fraction, hi: Fraction, lag: Fraction
+) -> Counting:
+    oldest, jitter = age + window, hi - lo
+    count = math.ceil(oldest + hi)
+    mean, rest = _mean_weight(age, window, lag), _rest_weight(oldest, lag)
+    pieces = [(*_group(j, lo, hi, mean), *_group(j, lo, hi, rest)) for j in range(1, count + 2)]
+    listed = pieces[:count]
+    tail = _tail(pieces[count][2:], window, lag) if lag else None
+    lost = Decimal(1) - _exp(-1 / lag) if lag else Decimal(1)
+    mixed = sum((item[1] for item in listed), Decimal(0)) + (pieces[count][1] / lost if lag else 0)
+    return Counting(
+        mean=_pieces([(item[0], item[1]) for item in listed], bool(jitter)),
+        rest=_pieces([(item[2], item[3]) for item in listed], bool(jitter)),
+        jitter=float(jitter),
+        lag=float(lag),
+        oldest=float(oldest),
+        most=float(oldest + hi + lag),
+        usual=float(age + window / 2 + hi + lag),
+        mixed=float(mixed),
+        commands=count,
+        tail=tail,
+    )
+
+
+def _pieces(weights: list[tuple[Decimal, Decimal]], jittered: bool) -> tuple[Piece, ...]:
+    """Sure and mixed pieces of commands 1, 2, ...; the one of command 1 and the new one is not."""
+    pieces: list[Piece] = []
+    for j, (sure, mixed) in enumerate(weights, 1):
+        pieces.append(((j,), float(sure)))
+        if jittered and j > 1:
+            pieces.append(((j, j - 1), float(mixed)))
+    return _positive(pieces)
+
+
+def _positive(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
+    return tuple(item for item in pieces if item[1] > 0)
+
+
+def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal, Decimal]:
+    """What command j counts for: where it is sure to act, and where the next one may act too."""
+    begin, sure, over = j - hi, j - 1 - lo, j - 1 - hi
+    return weight(sure) - weight(begin), weight(over) - weight(sure)
+
+
+def _tail(entering: tuple[Decimal, Decimal], window: Fraction, lag: Fraction) -> Tail:
+    decay = _exp(-1 / lag)
+    share = _number(lag / window) * (1 - _exp(-window / lag)) if window else Decimal(1)
+    steady = (entering[0] + entering[1]) / (1 - decay)
+    return Tail(float(decay), (float(entering[0]), float(entering[1])), float(share), float(steady))
+
+
+def _rest_weight(oldest: Fraction, lag: Fraction) -> Weight:
+    """Integral of P over all ages from s on, for sigma = ``oldest``."""
+    return lambda s: _once(s - oldest, lag)
+
+
+def _mean_weight(age: Fraction, window: Fraction, lag: Fraction) -> Weight:
+    if not window:
+        return _rest_weight(age, lag)
+    wide = _number(window)
+    return lambda s: (_twice(s - age, lag) - _twice(s - age - window, lag)) / wide
+
+
+def _once(x: Fraction, lag: Fraction) -> Decimal:
+    """Integral from x on of 1 for negative, exp(-x/lag) for positive arguments."""
+    if x <= 0:
+        return _number(lag - x)
+    return _number(lag) * _exp(-x / lag) if lag else Decimal(0)
+
+
+def _twice(x: Fraction, lag: Fraction) -> Decimal:
+    """Integral of `_once` from 0 to x."""
+    if x <= 0:
+        return _number(lag * x - x * x / 2)
+    return _number(lag * lag) * (1 - _exp(-x / lag)) if lag else Decimal(0)
+
+
+def _exp(x: Fraction) -> Decimal:
+    return _number(x).exp()
+
+
+def _number(x: Fraction) -> Decimal:
+    return Decimal(x.numerator) / Decimal(x.denominator)
+
+
+def _in_periods(time: float, period: float, step: float) -> Fraction:
+    """A time in periods: whole plant steps where it is meant so."""
+    steps = round(time / step)
+    if abs(time - steps * step) <= GRID * step:
+        return Fraction(steps, round(period / step))
+    return Fraction(time) / Fraction(period)

@@ -1,0 +1,301 @@
+"""The Modelica package WheeledRobot: plant, reference, every law, closed loops, imported FMUs.
+
+Everything in it comes from the Systems of a scenario: ports with their units, parameters with
+their values, and the graphs themselves.  A law is a block that calls one function at each sample,
+and that function has one vector as its result (next memory, torques, diagnostics): this form is
+ordinary Modelica 3 and the one that the compilers which were tried take.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+import jinja2
+
+from wmr_ctrl import __version__
+from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import Setup, beyond_noise, check_scenario, settle
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.system import Output, Port, System, stack
+from wmr_ctrl.modelica.statements import algorithm, equations, literal
+from wmr_ctrl.results import atomic_write
+from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.signals import TIME, Signal
+from wmr_ctrl.world.references.evaluate import reference
+
+FILE = "WheeledRobot.mo"
+CLOCK = "clock.control"
+RESULT = "y"
+"""Name of a function's one result."""
+_TEMPLATES = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Member:
+    """A port or parameter as Modelica declares it."""
+
+    signal: Signal
+    value: tuple[float, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The signal's name as an identifier: ``gains.mb.rho`` as gains_mb_rho."""
+        return re.sub(r"\W+", "_", self.signal.name).strip("_")
+
+    @property
+    def size(self) -> str:
+        """``[n]`` for a vector, nothing for a scalar."""
+        return "" if self.signal.size == 1 else f"[{self.signal.size}]"
+
+    @property
+    def unit(self) -> str:
+        """Modification of the unit: one, one for all elements, or one for each."""
+        units = self.signal.units
+        if self.signal.size == 1:
+            return f'unit = "{units[0]}"'
+        if len(set(units)) == 1:
+            return f'each unit = "{units[0]}"'
+        return "unit = {" + ", ".join(f'"{item}"' for item in units) + "}"
+
+    @property
+    def start(self) -> str:
+        """The value: a number, or an array of them."""
+        return literal(self.value[0]) if self.signal.size == 1 else vector(self.value)
+
+    @property
+    def meaning(self) -> str:
+        """Comment, without what would end it."""
+        return self.signal.meaning.replace("\\", "/").replace('"', "'")
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Expressions of the elements."""
+        if self.signal.size == 1:
+            return (self.name,)
+        return tuple(f"{self.name}[{k}]" for k in range(1, self.signal.size + 1))
+
+
+def members(items: Iterable[Port | Output]) -> list[Member]:
+    """Members of ports or outputs, in order."""
+    return [Member(p.signal, p.value if isinstance(p, Port) else ()) for p in items]
+
+
+def vector(numbers: Iterable[float]) -> str:
+    """An array constructor."""
+    listed = list(numbers)
+    if len(listed) > 8 and len(set(listed)) == 1:
+        return f"fill({literal(listed[0])}, {len(listed)})"
+    return "{" + ", ".join(map(literal, listed)) + "}"
+
+
+def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
+    """Write WheeledRobot.mo into the folder ``out``, whole or not at all; returns its path.
+
+    Raises what `modelica_package` raises, OSError if the folder cannot be made, ResultFileError for
+    the file.
+    """
+    text = modelica_package(scenario)
+    path = Path(out) / FILE
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path, text=True) as file:
+        file.write(text)
+    return [path]
+
+
+def modelica_package(scenario: Scenario) -> str:
+    """Text of the package for a scenario: its numbers are the defaults, its changes the plant's.
+
+    Noise is left out, as random numbers come from outside.  Raises ArgumentError for effects that
+    a loop of reference, controller and plant would miss, and for a reference with state;
+    ScenarioError or UnknownNameError as building a law does.
+    """
+    check_scenario(scenario)
+    setups = [settle(scenario, name) for name in LAWS]
+    _refuse_more(setups[0].scenario, [item.name for item in beyond_noise(setups[0])])
+    controllers = [controller(setup) for setup in setups]
+    clock = Member(*scenario.number(CLOCK))
+    robot, desired = plant(scenario), members(reference(scenario).outputs)
+    engine = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
+    return engine.get_template("package.mo.j2").render(
+        version=__version__,
+        scenario=scenario,
+        clock=clock,
+        noise=_noise(setups[0]),
+        experiment=_experiment(scenario),
+        imported=list(_imported(controllers[0], desired, robot)),
+        reference=_reference(scenario),
+        controller={
+            "inputs": members(controllers[0].inputs),
+            "outputs": members(controllers[0].outputs),
+        },
+        plant=_plant(scenario, robot),
+        laws=[_law(system, clock) for system in controllers],
+    )
+
+
+def _noise(setup: Setup) -> str:
+    """What is said of noise that the scenario has."""
+    noisy = any(item.acts(setup.scenario) for item in setup.effects)
+    return ", the scenario's own is left out" if noisy else ""
+
+
+def _refuse_more(scenario: Scenario, missed: list[str]) -> None:
+    if missed:
+        raise ArgumentError(
+            "the Modelica package holds reference, controller and plant, and the scenario "
+            f"{scenario.name} has more: {', '.join(missed)}. Export the closed-loop FMU, which has "
+            "all, or take that out of the scenario."
+        )
+
+
+def _experiment(scenario: Scenario) -> str:
+    clock = scenario.clock
+    return (
+        f"annotation(experiment(StartTime = 0, StopTime = {clock.duration!r}, "
+        f"Interval = {clock.control!r}, Tolerance = 1e-8));"
+    )
+
+
+def _imported(
+    controller: System, reference_outputs: list[Member], robot: System
+) -> Iterable[tuple[str, str, list[Member], list[Member]]]:
+    """Name, default class, inputs and outputs of each part that an FMU may be."""
+    yield "Reference", "WheeledRobot.Reference", [], reference_outputs
+    law = f"Laws.{controller.name}"
+    yield "Controller", law, members(controller.inputs), members(controller.outputs)
+    yield "Plant", "WheeledRobot.Plant", members(robot.inputs), members(robot.outputs)
+
+
+def _step(system: System) -> Kernel:
+    """One vector (next memory, outputs, diagnostics) of inputs, memory and parameters."""
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    shown = stack(item.expr for item in (*system.outputs, *system.diagnostics))
+    used = {name: sym for name, sym in given.items() if sym.numel()}
+    return kernel("step", system.title, used, {RESULT: ca.vertcat(system.update, shown)})
+
+
+def _function(system: System) -> Mapping[str, object]:
+    step = _step(system)
+    declared, statements = algorithm(step.graph)
+    sizes = {name: step.function.numel_in(name) for name in step.inputs}
+    return {
+        "sizes": sizes,
+        "result": step.function.numel_out(RESULT),
+        "locals": declared,
+        "statements": statements,
+    }
+
+
+def _law(system: System, clock: Member) -> Mapping[str, object]:
+    """A sampled block: its parameters, memory, and what it shows of the function's result."""
+    parameters, memory = members(system.params), system.x0
+    arguments = ["{" + ", ".join(e for m in members(system.inputs) for e in m.elements) + "}"]
+    arguments += ["pre(memory)"] * bool(memory)
+    arguments += ["{" + ", ".join(e for m in parameters for e in m.elements) + "}"]
+    taken = {item.signal.name for item in system.outputs}
+    shown = [item for item in members(system.diagnostics) if item.signal.name not in taken]
+    return {
+        "name": system.name,
+        "title": system.title,
+        "parameters": [clock, *(item for item in parameters if item.name != clock.name)],
+        "memory": vector(memory) if memory else "",
+        "count": len(memory),
+        "call": f"({', '.join(arguments)})",
+        "diagnostics": shown,
+        "assignments": list(_shown(system, len(memory))),
+        **_function(system),
+    }
+
+
+def _shown(system: System, place: int) -> Iterable[tuple[str, str]]:
+    """Each output and diagnostic with the part of the function's result that it is."""
+    for item in members((*system.outputs, *system.diagnostics)):
+        for element in item.elements:
+            place += 1
+            yield element, f"result[{place}]"
+
+
+def _reference(scenario: Scenario) -> Mapping[str, object]:
+    """The desired trajectory: a function of time and parameters."""
+    system = reference(scenario)
+    if system.x.numel() or [item.signal for item in system.inputs] != [TIME]:
+        raise ArgumentError(
+            f"the reference {scenario.reference_kind.name} has memory, which the Modelica package "
+            "has no form for. Choose another reference.kind, or export the reference as an FMU."
+        )
+    parameters = members(system.params)
+    numbers = "{" + ", ".join(e for m in parameters for e in m.elements) + "}"
+    return {
+        "title": system.title,
+        "parameters": parameters,
+        "outputs": members(system.outputs),
+        "call": f"({', '.join(['{time}', *[numbers] * bool(parameters)])})",
+        "assignments": list(_shown(system, 0)),
+        **_function(system),
+    }
+
+
+def _plant(scenario: Scenario, system: System) -> Mapping[str, object]:
+    """The robot as equations, its changes as parameters with the time of each."""
+    parameters = members(system.params)
+    names = {
+        "u": [e for m in members(system.inputs) for e in m.elements],
+        "x": [e for m in members(system.state) for e in m.elements],
+        "p": [e for m in parameters for e in m.elements],
+    }
+    state = {item.signal.name for item in system.state}
+    more = tuple(item for item in system.outputs if item.signal.name not in state)
+    changes, now = _changes(scenario)
+    names["p"] = [now.get(name, (name, ""))[0] for name in names["p"]]
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    whole = kernel(
+        "plant", system.title, given, {"rate": system.update, "y": stack(o.expr for o in more)}
+    )
+    left = {("rate", k): f"der({name})" for k, name in enumerate(names["x"])}
+    left |= {("y", k): item.name for k, item in enumerate(members(more))}
+    lines = equations(whole.graph, lambda vector, k: names[vector][k], left)
+    return {
+        "title": system.title,
+        "inputs": members(system.inputs),
+        "state": members(system.state),
+        "outputs": members(more),
+        "parameters": [*parameters, *changes],
+        "now": [(name, by_time) for name, by_time in now.values()],
+        "equations": lines,
+        "locals": sorted(set(re.findall(r"^(t\d+) =", "\n".join(lines), flags=re.M))),
+        "disturbances": [m for m in members(system.inputs) if not m.name.startswith("tau")],
+    }
+
+
+def _changes(scenario: Scenario) -> tuple[list[Member], dict[str, tuple[str, str]]]:
+    """Parameters ``changes_1_t`` and so on; by changed parameter its name and value in time."""
+    listed: list[Member] = []
+    now: dict[str, tuple[str, str]] = {}
+    for k, change in enumerate(sorted(scenario.changes, key=lambda item: item.t), start=1):
+        own = {"t": change.t, **change.values()}
+        listed += [
+            Member(Signal(f"changes.{k}.{name}", *_said(name)), (value,))
+            for name, value in own.items()
+        ]
+        for name in change.values():
+            before = now.get(f"robot_{name}", ("", f"robot_{name}"))[1]
+            after = f"(if time < changes_{k}_t then {before} else changes_{k}_{name})"
+            now[f"robot_{name}"] = (f"robot_{name}_now", after)
+    return listed, now
+
+
+def _said(name: str) -> tuple[str, str]:
+    """Unit and meaning of a field of a change."""
+    known = dict(quantities(Change))[name]
+    return known.unit, known.doc

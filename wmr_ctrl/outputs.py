@@ -1,0 +1,39 @@
+"""What is written for other tools: FMUs, SSP package, Modelica package, Simulink kit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from wmr_ctrl.scenario import Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from wmr_ctrl.api_types import ExportOptions, FmuOptions, SspOptions
+
+SCENARIO = "paper-simulation"
+"""The scenario where none is named."""
+
+
+def write_output(what: str, options: ExportOptions) -> list[Path]:
+    """Write ``what`` with the options that it reads; returns the files' paths."""
+    if what == "ssp":
+        from wmr_ctrl.fmi.ssp import export_ssp
+
+        return export_ssp(**cast("SspOptions", options))
+    if what == "modelica":
+        from wmr_ctrl.modelica import export_modelica
+
+        return export_modelica(scenario=_scenario(options), out=options.get("out", "."))
+    if what == "simulink":
+        from wmr_ctrl.simulink import export_simulink
+
+        law, out = options.get("law", "nn"), options.get("out", ".")
+        return export_simulink(law=law, scenario=_scenario(options), out=out)
+    from wmr_ctrl.fmi.export import export_fmu
+
+    return export_fmu(what, **cast("FmuOptions", options))
+
+
+def _scenario(options: ExportOptions) -> Scenario:
+    given = options.get("scenario", SCENARIO)
+    return given if isinstance(given, Scenario) else load_scenario(given)

@@ -1,0 +1,180 @@
+"""The rigid body as a plant: torques and forces in, the plane plant's state out, step by step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib import import_module
+from types import ModuleType
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.physics.description import (
+    CASTERS,
+    CHASSIS,
+    GROUND,
+    LEFT,
+    RIGHT,
+    description,
+    gravity,
+    loads,
+)
+from wmr_ctrl.scenario import Change, Scenario
+
+Floats: TypeAlias = NDArray[np.float64]
+_SETTLING = 0.5
+"""Time [s] that the robot is given to sink into its tyres before a run."""
+
+
+def mujoco() -> ModuleType:
+    """The package `mujoco`; raises MissingExtraError without it."""
+    try:
+        return import_module("mujoco")
+    except ImportError as error:
+        raise MissingExtraError(
+            'the plant "mujoco" needs the package mujoco-core, which is not installed. Install the '
+            "extra physics: pip install wmr_ctrl[physics]."
+        ) from error
+
+
+class RigidBody:
+    """A scenario's robot on its tyres, at the scenario's start.
+
+    ``pose`` x, y [m] of the axle's midpoint, theta [rad], continuous; ``velocity`` v1 [m/s] along
+    the heading, omega [rad/s]; ``path`` [m], the way that both wheels rolled in the mean, whatever
+    the body did; ``wheels``: speed (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s],
+    forward on a wheel that spins; ``tilt`` [rad] between the robot's axis and the ground's normal.
+    Two bodies that are told the same move the same, to the bit, on one machine.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Sunk into its tyres and moving as the scenario begins.
+
+        Raises MissingExtraError, or ScenarioError as `description` does.
+        """
+        self._mujoco, self.scenario = mujoco(), scenario
+        self.model = self._mujoco.MjModel.from_xml_string(description(scenario))
+        self.data = self._mujoco.MjData(self.model)
+        self._robot, self._step = scenario.robot, scenario.clock.plant
+        self._geoms = {self._id("GEOM", name): name for name in (RIGHT, LEFT, *CASTERS)}
+        self._ground = self._id("GEOM", GROUND)
+        self._chassis = self._id("BODY", CHASSIS)
+        self._push = self.data.xfrc_applied[self._chassis]
+        self._pushed = False
+        self._settle()
+        self._place()
+
+    def _id(self, kind: str, name: str) -> int:
+        """Number of an object."""
+        number: int = self._mujoco.mj_name2id(
+            self.model, getattr(self._mujoco.mjtObj, f"mjOBJ_{kind}"), name
+        )
+        return number
+
+    def _settle(self) -> None:
+        """Let it sink under the part of gravity that presses it to the ground."""
+        self.model.opt.gravity[:] = (0.0, 0.0, gravity(self.scenario)[2])
+        for _ in range(round(_SETTLING / self._step)):
+            self._mujoco.mj_step(self.model, self.data)
+        self.model.opt.gravity[:] = gravity(self.scenario)
+        self.data.time = 0.0
+
+    def _place(self) -> None:
+        """Start as the scenario does, with the wheels rolling."""
+        (x, y, theta), (v1, omega) = self.scenario.initial.pose, self.scenario.initial.velocity
+        turned, stands = np.zeros(4), self.data.qpos[3:7].copy()
+        yaw = np.array([math.cos(theta / 2), 0.0, 0.0, math.sin(theta / 2)])
+        self._mujoco.mju_mulQuat(turned, yaw, stands)
+        self.data.qpos[:2], self.data.qpos[3:7] = (x, y), turned
+        r, half_track = self._robot.r, self._robot.l
+        along = (-math.sin(theta) * v1, math.cos(theta) * v1, 0.0)
+        rolling = (v1 + half_track * omega) / r, (v1 - half_track * omega) / r
+        self.data.qvel[:] = (*along, 0.0, 0.0, omega, *rolling)
+        self.data.qpos[7:9] = 0.0
+        self._mujoco.mj_forward(self.model, self.data)
+        self._theta = theta
+        self._read()
+
+    def _read(self) -> None:
+        """State and slip from what MuJoCo has; theta goes on from where it was."""
+        x, y, _, w, qx, qy, qz, *rolled = self.data.qpos.tolist()
+        vx, vy, _, *spin, right, left = self.data.qvel.tolist()
+        ahead = 2 * (qx * qy - w * qz), 1 - 2 * (qx * qx + qz * qz)
+        up = 2 * (qx * qz - w * qy), 2 * (qy * qz + w * qx), 1 - 2 * (qx * qx + qy * qy)
+        facing = math.atan2(-ahead[0], ahead[1])
+        self._theta += math.remainder(facing - self._theta, 2 * math.pi)
+        v1 = math.cos(self._theta) * vy - math.sin(self._theta) * vx
+        omega = up[0] * spin[0] + up[1] * spin[1] + up[2] * spin[2]
+        turning = self._robot.l * omega
+        self.pose, self.velocity = (x, y, self._theta), (v1, omega)
+        self.wheels, self.path = (right, left), self._robot.r * sum(rolled) / 2
+        self.slip = self._robot.r * right - v1 - turning, self._robot.r * left - v1 + turning
+        self.tilt = math.acos(max(-1.0, min(1.0, up[2])))
+
+    def step(self, acting: Sequence[float]) -> None:
+        """One plant step under wheel torques, torques that disturb (2 each), thrust and moment.
+
+        In the order of `signals.TORQUE`, `TORQUE_NOISE`, `BODY_FORCE`; the force acts in the
+        chassis' centre of mass, along the heading.
+        """
+        right, left, noise_right, noise_left, thrust, moment = acting
+        self.data.ctrl[:] = (right + noise_right, left + noise_left)
+        if thrust or moment or self._pushed:
+            s, c = math.sin(self._theta), math.cos(self._theta)
+            self._push[:] = (-s * thrust, c * thrust, 0.0, 0.0, 0.0, moment)
+            self._pushed = bool(thrust or moment)
+        self._mujoco.mj_step(self.model, self.data)
+        self._read()
+
+    def change(self, change: Change) -> None:
+        """New mass, inertia and friction from now on; what the change leaves out stays."""
+        self._robot = robot = replace(self._robot, **change.values())
+        own = loads(self.scenario, robot.m, robot.I, robot.mu)
+        self.model.body_mass[self._chassis] = own.mass
+        self.model.body_inertia[self._chassis] = own.inertia
+        self.model.body_ipos[self._chassis] = (0.0, 0.0, own.lift)
+        self.model.dof_frictionloss[6:8] = own.drag
+        self._mujoco.mj_setConst(self.model, self._mujoco.MjData(self.model))
+
+    @property
+    def tip_margin(self) -> float:
+        """Distance of the load's centre from the edge of the support: 1 over the axle's midpoint.
+
+        1 - |p_x|/l - |p_y|/caster for the centre of pressure p of the last step; 0 where the robot
+        stands on one edge of the rhombus of wheels and casters, or on nothing.
+        """
+        load, force = dict.fromkeys(self._geoms.values(), 0.0), np.zeros(6)
+        for i, contact in enumerate(self.data.contact[: self.data.ncon]):
+            pair = {contact.geom1, contact.geom2} - {self._ground}
+            name = self._geoms.get(pair.pop()) if pair else None
+            if name is not None:
+                self._mujoco.mj_contactForce(self.model, self.data, i, force)
+                load[name] += float(force[0])
+        total = sum(load.values())
+        if not total > 0:
+            return 0.0
+        front, back = (load[name] for name in CASTERS)
+        return 1.0 - (abs(load[RIGHT] - load[LEFT]) + abs(front - back)) / total
+
+    @property
+    def _kind(self) -> int:
+        """What MuJoCo needs to go on from where it was, to the bit."""
+        return int(self._mujoco.mjtState.mjSTATE_INTEGRATION)
+
+    def save(self) -> Floats:
+        """All that the next steps depend on, but for changed parameters."""
+        whole = np.empty(self._mujoco.mj_stateSize(self.model, self._kind))
+        self._mujoco.mj_getState(self.model, self.data, whole, self._kind)
+        return np.array([self._theta, float(self._pushed), *whole])
+
+    def restore(self, saved: Floats) -> None:
+        """Go on from what `save` gave, to the bit."""
+        self._theta, self._pushed = float(saved[0]), bool(saved[1])
+        self._mujoco.mj_setState(self.model, self.data, saved[2:], self._kind)
+        self._mujoco.mj_forward(self.model, self.data)
+        self._mujoco.mj_setState(self.model, self.data, saved[2:], self._kind)
+        self._read()

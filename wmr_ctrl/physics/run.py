@@ -1,0 +1,139 @@
+"""Runs on the rigid body: the compiled loop on one side of the wheels, MuJoCo on the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing import get_context
+from typing import TypeAlias
+
+import numpy as np
+
+from wmr_ctrl.compiled import elements
+from wmr_ctrl.physics.rigid import RigidBody, mujoco
+from wmr_ctrl.results import RigidMonitor, Run
+from wmr_ctrl.signals import RIGID
+from wmr_ctrl.sim.batch import check_jobs, cores
+from wmr_ctrl.sim.coupled import Coupled
+from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.native import split_columns
+from wmr_ctrl.sim.ready import Ready
+
+Progress: TypeAlias = Callable[[float], None]
+_ROWS_PER_REPORT = 100
+
+
+def run_rigid(loop: Ready, seed: int, progress: Progress | None = None) -> Run:
+    """One run of a loop from `codegen.build.build_plantless`; it ends where the robot has tipped.
+
+    Raises MissingExtraError, CompilerError, or ScenarioError for what no rigid body can be.
+    """
+    scenario, layout = loop.scenario, loop.compiled.layout
+    coupling, rows = _Coupling(loop, seed), list[list[float]]()
+    for k in range(scenario.clock.samples):
+        if coupling.ended:
+            break
+        rows.append(coupling.sample())
+        if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
+            progress((k + 1) / scenario.clock.samples)
+    signals = (*layout.columns, *RIGID)
+    table = np.array(rows).reshape(len(rows), len(elements(signals)))
+    monitor = replace(coupling.loop.monitor(), rigid=coupling.seen)
+    logged = (signals, split_columns(signals, table), monitor)
+    facts = {"kernel_hash": loop.compiled.digest, "mujoco": str(mujoco().__version__)}
+    return finished(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
+
+
+def run_rigid_each(
+    runs: Sequence[tuple[Ready, int]], jobs: int | None = None, progress: Progress | None = None
+) -> list[Run]:
+    """The Run of each pair (loop, seed), in their order, on ``jobs`` processes (default: cores).
+
+    The result is the same for any ``jobs``.  ``progress`` is called with the share done.  Errors as
+    in `run_rigid`, and ArgumentError for jobs < 1.
+    """
+    check_jobs(jobs)
+    mujoco()
+    results = list[Run]()
+    with _workers(min(jobs or cores(), len(runs))) as submit:
+        for asked in [submit(loop, seed) for loop, seed in runs]:
+            results.append(asked())
+            if progress is not None:
+                progress(len(results) / len(runs))
+    return results
+
+
+@contextmanager
+def _workers(count: int) -> Iterator[Callable[[Ready, int], Callable[[], Run]]]:
+    """How to ask for a run, and then for its result: here, or in one of several processes."""
+    if count <= 1:
+        yield lambda loop, seed: lambda: run_rigid(loop, seed)
+        return
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        try:
+            yield lambda loop, seed: pool.submit(run_rigid, loop, seed).result
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+class _Coupling:
+    """A compiled loop and a rigid body, sample by sample.
+
+    ``ended``: whether the run must end; ``seen``: what the body showed so far.
+    """
+
+    def __init__(self, loop: Ready, seed: int) -> None:
+        """Everything at t = 0."""
+        self.scenario, self.clock = loop.scenario, loop.scenario.clock
+        self.body, self.loop = (
+            RigidBody(loop.scenario),
+            Coupled(loop.compiled, seed, self.clock.plant),
+        )
+        self._changes = dict(zip(loop.compiled.phase_start[1:], loop.scenario.changes, strict=True))
+        self._row = len(elements(loop.compiled.layout.columns))
+        self._reached = 0
+        self._slip = self._wheel = self._tilt = 0.0
+        self._slipped: float | None = None
+        self._tipped: float | None = None
+        self._margin = 1.0
+        self.ended = self._watched() or self.loop.ended
+
+    def sample(self) -> list[float]:
+        """A row of the log; then the steps of its period, to the run's end at most."""
+        body, margin = self.body, self.body.tip_margin
+        self._margin = min(self._margin, margin)
+        shown = self.loop.sampled((*body.pose, *body.velocity, body.path))
+        held = shown[: -self._row]
+        row = [*shown[-self._row :], *body.wheels, *body.slip, body.tilt, margin]
+        for _ in range(self.clock.substeps):
+            if self._reached in self._changes:
+                body.change(self._changes[self._reached])
+            body.step(self.loop.acting(held))
+            self._reached += 1
+            state = (*body.pose, *body.velocity, body.path)
+            beyond = self.loop.ends(state, self._reached)
+            if self._watched() or beyond:
+                self.ended = True
+                break
+        return row
+
+    def _watched(self) -> bool:
+        """Take note of the body; True where it has tipped."""
+        body, limits = self.body, self.scenario.body
+        slip = max(abs(body.slip[0]), abs(body.slip[1]))
+        self._slip, self._tilt = max(self._slip, slip), max(self._tilt, body.tilt)
+        self._wheel = max(self._wheel, abs(body.wheels[0]), abs(body.wheels[1]))
+        if slip > limits.slip_max and self._slipped is None:
+            self._slipped = self._reached * self.clock.plant
+        if body.tilt > limits.tilt_max:
+            self._tipped = self._reached * self.clock.plant
+        return self._tipped is not None
+
+    @property
+    def seen(self) -> RigidMonitor:
+        """What the body showed so far."""
+        most = self._slip, self._wheel, self._tilt
+        return RigidMonitor(self._tipped, self._slipped, *most, self._margin)

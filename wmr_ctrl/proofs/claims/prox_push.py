@@ -1,0 +1,223 @@
+"""The sampled-data law on its own graph: what a push does to a sample, and what is left of it.
+
+v+, friction and the observer's force stand as free numbers with what other entries say of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import casadi as ca
+
+from wmr_ctrl.laws.prox import next_velocity
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+AXES = (("", "linear", 0), ("-angular", "angular", 1))
+SLOW = Z3(timeout=60)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers."""
+
+    axis: int
+
+    @cached_property
+    def law(self) -> LawGraph:
+        """The law's graph."""
+        return LawGraph("prox")
+
+    @cached_property
+    def free(self) -> dict[str, ca.SX]:
+        """v+, friction there, the observer's force; exp(-wo T) - 1, friction between samples."""
+        return symbols("next friction f fall drag")
+
+    @property
+    def period(self) -> ca.SX:
+        """T."""
+        return self.law.symbols["clock.control"]
+
+    @property
+    def mass(self) -> ca.SX:
+        """Believed mass."""
+        return self.law.own(self.law.sample.mass)[self.axis]
+
+    @property
+    def v(self) -> ca.SX:
+        """Measured velocity."""
+        return self.law.symbols[VELOCITY_NAMES[self.axis]]
+
+    @property
+    def force(self) -> ca.SX:
+        """What the law asks for."""
+        return self.law.force[self.axis]
+
+    @cached_property
+    def force_cuts(self) -> dict[str, ca.SX]:
+        """v+, the friction there, and the observer's force."""
+        law, step = self.law, next_velocity(self.law.sample)
+        both = law.own(ca.vertcat(step, law.sample.friction_at(step)))
+        return {
+            "next": both[self.axis],
+            "friction": both[2 + self.axis],
+            "f": law.system.update[self.axis],
+        }
+
+    @property
+    def applied(self) -> ca.SX:
+        """The force that acted since the previous sample."""
+        t = self.law.symbols
+        torque = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
+        return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
+
+    @property
+    def old(self) -> ca.SX:
+        """The previous measurement."""
+        return self.law.symbols[f"v_previous[{self.axis + 1}]"]
+
+    @property
+    def f_old(self) -> ca.SX:
+        """The observer's previous force."""
+        return self.law.symbols[f"f_hat[{self.axis + 1}]"]
+
+    @cached_property
+    def observer_cuts(self) -> dict[str, ca.SX]:
+        """exp(-wo T) - 1, and the friction at the middle velocity."""
+        law, t = self.law, self.law.symbols
+        old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
+        middle = 0.5 * (law.own(law.sample.v) + old)
+        return {
+            "fall": ca.expm1(-t["gains.prox.wo"] * self.period),
+            "drag": law.own(law.sample.friction_at(middle))[self.axis],
+        }
+
+    @property
+    def observed(self) -> tuple[Relation, ...]:
+        """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
+        t, fall = self.law.symbols, self.free["fall"]
+        numbers = (self.period, self.mass, t["started"], t["robot.r"], t["robot.l"])
+        return (*map(above, numbers), above(fall, -1), above(0, fall))
+
+    def gained(self, d: ca.SX) -> Relation:
+        """M (v - v_old) = T (F - F1 + d) since the previous sample."""
+        pushed = self.applied - self.observer_cuts["drag"] + d
+        return equal(self.mass * (self.v - self.old), self.period * pushed)
+
+    def states(
+        self,
+        goals: tuple[Relation, ...],
+        given: tuple[Relation, ...],
+        cuts: dict[str, ca.SX],
+        more: dict[str, ca.SX],
+    ) -> Statement:
+        """The statement on the law's graph."""
+        kept = {name: x for name, x in self.free.items() if name in cuts}
+        return Statement({**self.law.symbols, **kept, **more}, goals, given, cuts)
+
+
+def _force(axis: int, flip: float) -> Statement:
+    """v + T (F - F1(v+) - f)/M = v+ on the law's graph."""
+    s = Sampled(axis)
+    pushed = s.force - s.force_cuts["friction"] - flip * s.free["f"]
+    end = s.v + s.period * pushed / s.mass
+    given = (above(s.period), above(s.mass))
+    return s.states((equal(end, s.free["next"]),), given, s.force_cuts, {})
+
+
+def _pushed(axis: int, flip: float) -> Statement:
+    """|w| at the next sample, for a push d, a target that comes out as c+ + eps, E (|w| + way)."""
+    s = Sampled(axis)
+    t = symbols("d w way x_next x_real eps E")
+    nearest = at_least(t["E"] * (t["w"] + t["way"]), ca.fabs(s.free["next"] - t["x_next"]))
+    moved = at_least(ca.fabs(t["eps"]), ca.fabs(t["x_real"] - t["x_next"]))
+    end = s.v + s.period * (s.force - s.force_cuts["friction"] + t["d"]) / s.mass
+    push = s.period * ca.fabs(t["d"] + s.free["f"]) / s.mass
+    most = t["E"] * (t["w"] + t["way"]) + (push if flip > 0 else 0.9 * push) + ca.fabs(t["eps"])
+    given = (above(s.period), above(s.mass), nearest, moved)
+    return s.states((at_least(most, ca.fabs(end - t["x_real"])),), given, s.force_cuts, t)
+
+
+def _observer(axis: int, flip: float) -> Statement:
+    """p = f + d, d the push until the next sample: p = exp(-wo T) p_old + d - d_old."""
+    s, t = Sampled(axis), symbols("d d_old")
+    left = (1 + flip * s.free["fall"]) * (s.f_old + t["d_old"]) + t["d"] - t["d_old"]
+    goal = equal(s.law.system.update[axis] + t["d"], left)
+    return s.states((goal,), (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
+
+
+def _observer_bound(axis: int, flip: float) -> Statement:
+    """|f| stays within a bound of |d|; |p| L within one of the change of d."""
+    s, t = Sampled(axis), symbols("d d_old most change")
+    share, f = -s.free["fall"], s.law.system.update[axis]
+    old, new = s.f_old + t["d_old"], f + t["d"]
+    tight = 1 if flip > 0 else 0.9
+    within = ca.logic_and(ca.fabs(t["d_old"]) <= t["most"], ca.fabs(s.f_old) <= t["most"])
+    slow = ca.logic_and(
+        ca.fabs(t["d"] - t["d_old"]) <= t["change"], share * ca.fabs(old) <= t["change"]
+    )
+    goals = (
+        Relation(ca.if_else(within, tight * t["most"] - ca.fabs(f), 0), ">="),
+        Relation(ca.if_else(slow, tight * t["change"] - share * ca.fabs(new), 0), ">="),
+    )
+    return s.states(goals, (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
+
+
+def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
+    return (
+        Claim(
+            f"prox.force{of}",
+            (),
+            OURS,
+            f"on the law's graph v + T (F - F1(v+) - f)/M = v+, {where} axis",
+            "With the model exact the law's force leads to the velocity that it aims at in one "
+            "period; f is what the observer adds.",
+            "T, M > 0; F1(v+) and v+ whatever they are",
+            partial(_force, axis),
+            SLOW,
+        ),
+        Claim(
+            f"prox.pushed{of}",
+            (),
+            OURS,
+            "on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - "
+            f"c_m|) + T |f + d|/M + |eps|, {where} axis",
+            "What a push costs in one sample, at every speed: its part that the observer does not "
+            "make up for, over the mass. There is no speed from which a push is stronger than the "
+            "law.",
+            "T, M > 0, mass right; w+ to the target as it comes out, c+ + eps",
+            partial(_pushed, axis),
+            SLOW,
+            premises=("prox.contracts", "prox.contracts-smooth", "prox.not-expansive"),
+        ),
+        Claim(
+            f"prox.observer{of}",
+            (),
+            OURS,
+            f"on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis",
+            "A push is made up for at the rate wo; what is left comes from its changes.",
+            "after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
+            "and F1 at the middle velocity; d acts from now on",
+            partial(_observer, axis),
+            SLOW,
+        ),
+        Claim(
+            f"prox.observer-bound{of}",
+            (),
+            OURS,
+            "on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; "
+            f"L |f_old + d_old|, |d - d_old| <= D imply L |f + d| <= D, {where} axis",
+            "What the observer leaves over is at most 2 sup |d|, and at most the largest change of "
+            "d from sample to sample over L.",
+            "as prox.observer; 0 < exp(-wo T) < 1",
+            partial(_observer_bound, axis),
+            SLOW,
+        ),
+    )
+
+
+CLAIMS = (*(claim for of, where, axis in AXES for claim in _of_axis(of, where, axis)),)

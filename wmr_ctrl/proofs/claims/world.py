@@ -1,0 +1,246 @@
+"""What sensors, drives and ground add to the guard's assumptions: the bounds, on their graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import System
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.common import scalars
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world import encoder, wheels
+from wmr_ctrl.world.effect import Effect
+
+SLOW = Z3(timeout=60)
+WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
+"""Structure of the graphs alone: their numbers stay symbols."""
+
+
+@dataclass(frozen=True)
+class EffectGraph:
+    """An effect's System for a scenario with some numbers, which stay symbols."""
+
+    effect: Effect
+    numbers: tuple[tuple[str, object], ...]
+
+    @cached_property
+    def system(self) -> System:
+        """The System that code generation is given."""
+        return self.effect.build(self.scenario)
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """All ports' elements by name."""
+        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario whose structure the graph has."""
+        return load_scenario("paper-simulation", dict(self.numbers))
+
+    @property
+    def parameters(self) -> Parameters:
+        """The graph's own symbols by their keys."""
+        return Parameters(self.scenario, self.system.params)
+
+    def __getitem__(self, name: str) -> ca.SX:
+        return self.symbols[name]
+
+
+def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, Relation]:
+    """|value| <= bound."""
+    return at_least(bound, value), at_least(value, -ca.SX(bound))
+
+
+def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
+    """Each is above 0."""
+    return tuple(above(g[name]) for name in names)
+
+
+# Encoders.
+
+
+def _counted(axis: int, flip: float) -> Statement:
+    """The counts of both wheels, now and before, are the whole parts of their turn."""
+    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),))
+    turn = symbols("now_right now_left old_right old_left")
+    whole = ca.vertcat(g["wheel_counts_1[1]"], g["wheel_counts_1[2]"])
+    now, old = (ca.vertcat(turn[f"{k}_right"], turn[f"{k}_left"]) for k in ("now", "old"))
+    counts = g.system.diagnostics[0].expr
+    parts = [(now, counts), (old, whole)]
+    given = [
+        item
+        for real, part in parts
+        for i in (0, 1)
+        for item in (at_least(real[i], part[i]), above(1, real[i] - part[i]))
+    ]
+    rate = (now - old) / g["clock.control"]
+    exact = _velocity(g, rate)
+    count = 2 * ca.pi * g["robot.r"] / (g["encoder.counts"] * g["clock.control"])
+    bound = count if axis == 0 else count / g["robot.l"]
+    off = g.system.outputs[axis].expr - exact[axis]
+    most = bound if flip > 0 else 0.9 * bound
+    sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
+    return Statement(
+        {**g.symbols, **turn},
+        (above(most, off), above(off, -most)),
+        (*sides, *given),
+        {"counts_right": counts[0], "counts_left": counts[1]},
+    )
+
+
+def _velocity(g: EffectGraph, rate: ca.SX) -> ca.SX:
+    """`velocity_of` in the symbols of a graph."""
+    return encoder.velocity_of(rate, g.parameters)
+
+
+def _counted_speed(flip: float) -> Statement:
+    return _counted(0, flip)
+
+
+def _counted_turn(flip: float) -> Statement:
+    return _counted(1, flip)
+
+
+def _misread(axis: int, flip: float) -> Statement:
+    """Turns of other wheels, read as those of the believed ones, for |v1| <= u1, |omega| <= u2."""
+    g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0), *WHEELS))
+    t = symbols("v omega u1 u2")
+    turn = encoder.turned(load_scenario("paper-simulation", dict(g.numbers)), g.parameters,
+                          t["v"], t["omega"])  # fmt: skip
+    shown = _velocity(g, turn)[axis]
+    right, left = (1 / (1 + g[f"wheels.radius[{i}]"]) for i in (1, 2))
+    mean, half, wider = (right + left) / 2, ca.fabs(right - left) / 2, 1 + g["wheels.track"]
+    arm = g["robot.l"]
+    bounds = (
+        ca.fabs(mean - 1) * t["u1"] + half * wider * arm * t["u2"],
+        ca.fabs(mean * wider - 1) * t["u2"] + half * t["u1"] / arm,
+    )
+    off = shown - (t["v"] if axis == 0 else t["omega"])
+    given = (
+        *positive(g, "robot.r", "robot.l", "encoder.counts"),
+        *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
+        *within(t["v"], t["u1"]),
+        *within(t["omega"], t["u2"]),
+        above(t["u1"]),
+        above(t["u2"]),
+    )
+    return Statement(
+        {**g.symbols, **t}, within(off, bounds[axis] * (1 if flip > 0 else 0.9)), given
+    )
+
+
+def _misread_speed(flip: float) -> Statement:
+    return _misread(0, flip)
+
+
+def _misread_turn(flip: float) -> Statement:
+    return _misread(1, flip)
+
+
+# Drives.
+
+
+def _wheels(axis: int, flip: float) -> Statement:
+    """Thrust or moment of true wheels less that of believed ones."""
+    g, most = EffectGraph(wheels.WHEELS, WHEELS), symbols("most")
+    told = ca.vertcat(g["tau_right"], g["tau_left"])
+    r, arm, wider = g["robot.r"], g["robot.l"], 1 + g["wheels.track"]
+    made, meant = (wheel_to_force(r, arm, tau)[axis] for tau in (g.system.y, told))
+    shares = [1 / (1 + g[f"wheels.radius[{i}]"]) for i in (1, 2)]
+    scale = 1 if axis == 0 else wider
+    bound = most["most"] / r * sum(ca.fabs(scale * item - 1) for item in shares)
+    bound = bound if axis == 0 else arm * bound
+    given = (
+        *positive(g, "robot.r", "robot.l"),
+        *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
+        *within(told[0], most["most"]),
+        *within(told[1], most["most"]),
+    )
+    return Statement(
+        {**g.symbols, **most}, within(made - meant, bound * (1 if flip > 0 else 0.9)), given
+    )
+
+
+def _wheels_thrust(flip: float) -> Statement:
+    return _wheels(0, flip)
+
+
+def _wheels_moment(flip: float) -> Statement:
+    return _wheels(1, flip)
+
+
+SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau"
+INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
+WHOLE = (
+    "every turn of both wheels now and a window ago; counts are their whole parts: "
+    "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
+)
+
+
+def ours(
+    key: str,
+    claim: str,
+    meaning: str,
+    hypotheses: str,
+    statement: Callable[[float], Statement],
+    method: Z3 = SLOW,
+) -> Claim:
+    """A claim about an effect, checked by z3."""
+    return Claim(f"world.{key}", (), OURS, claim, meaning, hypotheses, statement, method)
+
+
+CLAIMS = (
+    ours(
+        "encoder.v1",
+        "counts differenced over w show a v1 that is off by less than 2 pi r/(N w)",
+        "What an encoder adds to nbar beside the window.",
+        WHOLE,
+        _counted_speed,
+    ),
+    ours(
+        "encoder.omega",
+        "and an omega that is off by less than 2 pi r/(N w l)",
+        "The same for the turn.",
+        WHOLE,
+        _counted_turn,
+    ),
+    ours(
+        "wheels.misread-v1",
+        "turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, "
+        "c and d the mean and half the difference of 1/(1 + radius_i)",
+        "What wrong radii add to nbar of an encoder.",
+        INSIDE,
+        _misread_speed,
+    ),
+    ours(
+        "wheels.misread-omega",
+        "and omega off by at most |c l'/l - 1| u2 + |d| u1/l",
+        "The same for the turn.",
+        INSIDE,
+        _misread_turn,
+    ),
+    ours(
+        "wheels.thrust",
+        "torques of at most tau make a thrust that is off by at most "
+        "tau sum |1/(1 + radius_i) - 1|/r",
+        "What wrong radii add to dbar.",
+        SIZES,
+        _wheels_thrust,
+    ),
+    ours(
+        "wheels.moment",
+        "and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r",
+        "The same for the moment, with the track.",
+        SIZES,
+        _wheels_moment,
+    ),
+)

@@ -1,0 +1,84 @@
+"""Studies of a user: a plan, a folder, an executor; and what a worker does with a chunk."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wmr_ctrl import __version__
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from wmr_ctrl.campaign.engine import Overrides, PhaseProgress
+    from wmr_ctrl.campaign.study_run import StudyChunk, StudyOutcome
+    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl.sim.ready import Ready
+
+
+def study(
+    plan: str | Path | Mapping[str, object],
+    out: str | Path,
+    *,
+    executor: str | Executor = "threads",
+    jobs: int | None = None,
+    progress: PhaseProgress | None = None,
+) -> StudyOutcome:
+    """Run a plan (a TOML file, or its tables as a mapping) and write ``out``/table.csv.
+
+    ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
+    as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
+    The table has the same bytes for all of them, and however often the study was interrupted:
+    called again, it makes what is missing.  Raises ArgumentError, UnknownNameError, ScenarioError,
+    ResultFileError, MissingExtraError or CompilerError; what is finished stays.
+    """
+    from wmr_ctrl.campaign.executors import executor_named
+    from wmr_ctrl.campaign.study_plan import load_plan, plan_of
+    from wmr_ctrl.campaign.study_run import run_study
+    from wmr_ctrl.sim.batch import check_jobs
+
+    check_jobs(jobs)
+    chosen = plan_of(plan) if isinstance(plan, Mapping) else load_plan(plan)
+    facts = partial(study_facts, chosen.scenario, chosen.laws)
+    known = facts()
+    with executor_named(executor, jobs, known, facts) as running:
+        return run_study(chosen, Path(out), study_rows, known, running, jobs, progress)
+
+
+def study_rows(chunk: StudyChunk, jobs: int | None) -> dict[str, np.ndarray]:
+    """Outcome and figures of a chunk's runs: what an executor's worker calls."""
+    from wmr_ctrl.campaign.study_run import chunk_rows
+    from wmr_ctrl.sim.many import run_each
+
+    return chunk_rows(chunk, prepare_case, run_each, jobs)
+
+
+def prepare_case(
+    scenario: str | Scenario,
+    law: str,
+    overrides: Overrides | None = None,
+    guard: bool | None = None,
+) -> Ready:
+    """The compiled loop of a case.  Raises as `wmr_ctrl.api.compile_loop` does."""
+    from wmr_ctrl.engines import ready_batch
+    from wmr_ctrl.scenario import load_scenario, override
+
+    switch = {} if guard is None else {"guard.enabled": guard}
+    base = load_scenario(scenario) if isinstance(scenario, str) else scenario
+    changed = {**(overrides or {}), **switch}
+    return ready_batch(override(base, changed) if changed else base, law)
+
+
+def study_facts(scenario: Scenario, laws: tuple[str, ...]) -> dict[str, str]:
+    """What decides a result besides the plan: the version, and the code of the plan's laws.
+
+    The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
+    a kind of machine does so before its first chunk.
+    """
+    digests = [prepare_case(scenario, law, None, False).compiled.digest for law in laws]
+    code = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]
+    return {"version": __version__, "kernels": code}

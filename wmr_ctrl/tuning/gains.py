@@ -1,0 +1,274 @@
+"""Tuning: gains of a law found by CMA-ES on runs, for a robot that is not as heavy as believed.
+
+Objective, to be made small: the root of the mean over all training runs of
+
+    position_rms^2 + (weight torque_change_rms)^2
+
+with the position's RMS over the last quarter and the torques' change over the last half of a run.
+The runs: every training seed, once with the scenario as it is and once for each of `MASSES`, the
+true mass and inertia over the believed ones, without the scenario's changes.  A run that ends early
+counts as LOST metres.  Gains are searched as logarithms, from the scenario's own; the guard is off,
+so that it hides nothing.  Seeds of the test, and references that were not trained on, judge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.engines import ready_batch
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.section import Section, numbers_in
+from wmr_ctrl.laws.law import Law
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.results import atomic_write, check_writable
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario.toml_write import to_toml
+from wmr_ctrl.sim.finish import check_seeds
+from wmr_ctrl.sim.many import RunTable, run_many
+from wmr_ctrl.tuning.search import Search, Trials, digest_of
+
+Progress = Callable[[float], None]
+
+MASSES = (0.6, 1.6)
+"""True over believed mass and inertia, beside the scenario's own robot."""
+REFERENCES = ("lemniscate", "line")
+"""References on which the result is tried besides its own."""
+LOST, SEARCH = 10.0, 0.9
+"""What a run that ended early counts [m]; share of the time that the search takes."""
+
+
+RunMany = Callable[[Sequence[Scenario], Sequence[int]], RunTable]
+"""How runs are made: a row of figures for each scenario and its seed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TuningPlan:
+    """What is tuned, on which seeds, for how long; ``weight`` in m per N m."""
+
+    scenario: Scenario
+    law: str
+    seeds: tuple[int, ...] = (1, 2, 3)
+    test_seeds: tuple[int, ...] = (7101, 7102, 7103, 7104, 7105)
+    trials: int = 200
+    weight: float = 1e-3
+
+    def __post_init__(self) -> None:
+        """Raise ArgumentError for what cannot be meant."""
+        if not self.seeds or not self.test_seeds:
+            raise ArgumentError("seeds: there must be at least one of training and one of test.")
+        shared = sorted(set(self.seeds) & set(self.test_seeds))
+        if shared:
+            raise ArgumentError(
+                f"seeds: {shared[0]} is trained on and tested with, so the test would flatter. "
+                "Give ranges that have no seed in common."
+            )
+        if self.trials < 1:
+            raise ArgumentError(f"trials = {self.trials} must be at least 1.")
+        if not (self.weight >= 0 and math.isfinite(self.weight)):
+            raise ArgumentError(f"weight = {self.weight} must be finite and not negative.")
+        if not tunable(LAWS[self.law]):
+            raise ArgumentError(
+                f"the law {self.law!r} names no gains to be tuned: give it `tuned`."
+            )
+
+
+@dataclass(frozen=True)
+class TrialFigures:
+    """Medians over the test seeds on one reference, for one ratio of true to believed mass.
+
+    ``position_rms`` [m] and ``torque_change_rms`` [N m] as in a run; ``max_abs_v`` [m/s, rad/s] and
+    ``lost``, runs that ended early, are the worst and the number of all.
+    """
+
+    reference: str
+    mass: float
+    position_rms: float
+    torque_change_rms: float
+    max_abs_v: tuple[float, float]
+    lost: int
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """The scenario with the gains that were found, and both sides of the comparison."""
+
+    plan: TuningPlan
+    scenario: Scenario
+    gains: Mapping[str, tuple[float, ...]]
+    objective: tuple[float, float]
+    before: tuple[TrialFigures, ...]
+    after: tuple[TrialFigures, ...]
+    out: Path
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        plan = self.plan
+        return {
+            "scenario": plan.scenario.name, "law": plan.law, "out": str(self.out),
+            "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
+            "trials": plan.trials, "weight": plan.weight, "masses": [1.0, *MASSES],
+            "objective": dict(zip(("before", "after"), self.objective, strict=True)),
+            "gains": {key: list(value) for key, value in self.gains.items()},
+            "before": [asdict(item) for item in self.before],
+            "after": [asdict(item) for item in self.after],
+        }  # fmt: skip
+
+
+def tunable(law: Law) -> tuple[str, ...]:
+    """Keys of the gains that are searched: the law's own, then those of Eq. (7) if it has it."""
+    own = tuple(f"gains.{law.name}.{name}" for name in law.tuned)
+    return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
+
+
+def tune(
+    scenario: str | Path | Scenario,
+    law: str,
+    out: str | Path,
+    *,
+    seeds: Iterable[int] = range(1, 4),
+    test_seeds: Iterable[int] = range(7101, 7106),
+    trials: int = 200,
+    weight: float = 1e-3,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Tuning:
+    """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
+
+    ``weight`` [m/(N m)] is what torque change costs; ``trials`` sets of gains are tried, rounded up
+    to whole generations.  What was tried is kept in ``out``.trials.json until the end: the same
+    call goes on from there, and gives the same gains.  Raises MissingExtraError without the extra
+    tune, ArgumentError (that file belongs to another search, say), ScenarioError, ResultFileError.
+    """
+    chosen, trained, tested = scenario_of(scenario), tuple(seeds), tuple(test_seeds)
+    check_seeds([*trained, *tested])
+    plan = TuningPlan(
+        scenario=chosen, law=law, seeds=trained, test_seeds=tested, trials=trials, weight=weight
+    )
+    return _searched(
+        plan, partial(run_many, partial(ready_batch, law=law), jobs=jobs), out, progress
+    )
+
+
+def _searched(plan: TuningPlan, run: RunMany, out: str | Path, progress: Progress | None) -> Tuning:
+    target = check_writable(out)
+    start = _start(plan)
+    tell, tries = progress or (lambda share: None), Trials(target, _digest(plan))
+    search = Search(start)
+    while search.tried < plan.trials:
+        candidates = search.ask()
+        costs = tries.known(search.generation)
+        if costs is None:
+            costs = _costs(plan, run, [search.gains(item) for item in candidates])
+            tries.keep(costs)
+        search.tell(candidates, costs)
+        tell(SEARCH * min(1.0, search.tried / plan.trials))
+    best = search.best()
+    first, last = _costs(plan, run, [start, best])
+    if last > first:
+        best, last = start, first
+    better = with_gains(plan.scenario, best)
+    before, after = (_tested(plan, run, item) for item in (plan.scenario, better))
+    tuning = Tuning(plan, better, best, (first, last), before, after, target)
+    with atomic_write(target, text=True) as file:
+        file.write(_document(tuning))
+    tries.forget()
+    tell(1.0)
+    return tuning
+
+
+def with_gains(scenario: Scenario, gains: Mapping[str, Sequence[float]]) -> Scenario:
+    """The scenario with these gains; a gain of one element is a number."""
+    values = {key: list(item) if len(item) > 1 else item[0] for key, item in gains.items()}
+    return override(scenario, values)
+
+
+def _start(plan: TuningPlan) -> dict[str, tuple[float, ...]]:
+    """The scenario's gains, or the law's defaults, by key."""
+    law, given = LAWS[plan.law], plan.scenario.gains
+    values = {}
+    for key in tunable(law):
+        section, name = key.split(".")[1:]
+        cls: type[Section] = KinematicGains if section == "kinematics" else law.gains
+        named = given.get(section, {}).get(name)
+        value = numbers_in(cls(), name) if named is None else np.atleast_1d(named).tolist()
+        if min(value) <= 0:
+            raise ScenarioError(
+                f"{key} = {named}: gains are searched as logarithms, and one of these is not above "
+                "zero. Give a positive number to start from."
+            )
+        values[key] = tuple(float(number) for number in value)
+    return values
+
+
+def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
+    """The scenario unguarded, as it is, then with robots that are not as heavy as believed."""
+    free = replace(scenario, guard=replace(scenario.guard, enabled=False))
+    yield 1.0, free
+    believed = scenario.believed
+    model = replace(scenario.model, m=believed.m, I=believed.I, mu=believed.mu)
+    for ratio in MASSES:
+        robot = replace(scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
+        yield ratio, replace(free, robot=robot, model=model, changes=())
+
+
+def _costs(
+    plan: TuningPlan, run: RunMany, sets: Sequence[Mapping[str, Sequence[float]]]
+) -> list[float]:
+    """The objective of each set of gains, all runs side by side."""
+    cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
+    rows = [(case, seed) for case in cases for seed in plan.seeds]
+    table = run([case for case, _ in rows], [seed for _, seed in rows])
+    position = np.where(table["stop"] > 0, LOST, table["position_rms"][:, 1])
+    change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
+    squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
+    return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
+
+
+def _tested(plan: TuningPlan, run: RunMany, scenario: Scenario) -> tuple[TrialFigures, ...]:
+    """Figures on the test seeds, on the scenario's reference and on others."""
+    own = scenario.reference_kind.name
+    cases = []
+    for kind in (own, *(item for item in REFERENCES if item != own)):
+        on = scenario if kind == own else override(scenario, {"reference.kind": kind})
+        cases += [(kind, ratio, case) for ratio, case in _robots(on)]
+    rows = [(case, seed) for _, _, case in cases for seed in plan.test_seeds]
+    table = run([case for case, _ in rows], [seed for _, seed in rows])
+    count = len(plan.test_seeds)
+    parts = (slice(k * count, (k + 1) * count) for k in range(len(cases)))
+    return tuple(
+        TrialFigures(
+            kind, ratio,
+            float(np.median(table["position_rms"][part, 1])),
+            float(np.median(table["torque_change_rms"][part])),
+            (float(table["max_abs_v"][part, 0].max()), float(table["max_abs_v"][part, 1].max())),
+            int((table["stop"][part] > 0).sum()),
+        )
+        for part, (kind, ratio, _) in zip(parts, cases, strict=True)
+    )  # fmt: skip
+
+
+def _document(tuning: Tuning) -> str:
+    """The scenario, headed by how its gains came about."""
+    plan, (first, last) = tuning.plan, tuning.objective
+    head = [
+        f"gains of {plan.law} found by wmr-ctrl tune {plan.scenario.name}, without guard:",
+        f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
+        f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
+        f"root of the mean of position_rms^2 + ({plan.weight:g} torque_change_rms)^2: "
+        f"{first:.4g} m before, {last:.4g} m after",
+    ]  # fmt: skip
+    return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
+
+
+def _digest(plan: TuningPlan) -> str:
+    """What a search depends on, but for its length."""
+    text = to_toml(plan.scenario, comments=False)
+    return digest_of(text, plan.law, plan.seeds, plan.weight, MASSES)

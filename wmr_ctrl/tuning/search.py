@@ -1,0 +1,120 @@
+"""The search behind tuning: CMA-ES over logarithms of gains, and what it tried so far on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.results import atomic_write
+
+Floats = NDArray[np.float64]
+
+SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
+"""Of the search in logarithms: its first step and its bound; digits that a gain is given with."""
+
+
+def digest_of(*parts: object) -> str:
+    """What tells one search from another."""
+    return hashlib.sha256(repr((*parts, SPREAD, WIDEST, DIGITS)).encode()).hexdigest()
+
+
+class Search:
+    """CMA-ES over the logarithms of gains relative to the start's; the same for the same plan."""
+
+    def __init__(self, start: Mapping[str, Sequence[float]]) -> None:
+        """From gains by key, all positive; raises MissingExtraError without cma."""
+        self.start, size = start, sum(map(len, start.values()))
+        draws = np.random.RandomState(size)  # cma asks for this kind; nothing global is touched
+        options = {
+            "bounds": [-WIDEST, WIDEST], "verbose": -9, "seed": math.nan, "randn": draws.randn,
+            "CMA_diagonal": 0, "tolfun": 0, "tolfunhist": 0, "tolx": 0, "tolstagnation": 10**9,
+            "tolflatfitness": 10**9,
+        }  # fmt: skip
+        self._engine = _cma().CMAEvolutionStrategy(np.zeros(size), SPREAD, options)
+        self.tried = self.generation = 0
+        self._best: tuple[float, Floats] = (math.inf, np.zeros(size))
+
+    def ask(self) -> list[Floats]:
+        """Candidates of the next generation; the start is one of the first."""
+        asked = [np.asarray(item, dtype=float) for item in self._engine.ask()]
+        if self.generation == 0:
+            asked[0] = np.zeros_like(asked[0])
+        return asked
+
+    def tell(self, candidates: Sequence[Floats], costs: Sequence[float]) -> None:
+        """What they cost."""
+        self._engine.tell(list(candidates), list(costs))
+        at = int(np.argmin(costs))
+        if costs[at] < self._best[0]:
+            self._best = (costs[at], candidates[at])
+        self.tried += len(candidates)
+        self.generation += 1
+
+    def gains(self, logarithms: Floats) -> dict[str, tuple[float, ...]]:
+        """Gains by key, rounded to the digits that they are given with."""
+        factors, scaled_by_key = iter(np.exp(logarithms)), {}
+        for key, values in self.start.items():
+            scaled = (value * next(factors) for value in values)
+            scaled_by_key[key] = tuple(float(f"{number:.{DIGITS}g}") for number in scaled)
+        return scaled_by_key
+
+    def best(self) -> dict[str, tuple[float, ...]]:
+        """The gains that cost least."""
+        return self.gains(self._best[1])
+
+
+class Trials:
+    """Costs of the generations that were tried, in a file beside the result."""
+
+    def __init__(self, target: Path, digest: str) -> None:
+        """Beside ``target``; raises ArgumentError where it holds another search."""
+        self.path, self.digest = target.with_name(f"{target.name}.trials.json"), digest
+        self.costs: list[list[float]] = []
+        if self.path.exists():
+            self.costs = self._read()
+
+    def _read(self) -> list[list[float]]:
+        try:
+            content = json.loads(self.path.read_text(encoding="utf-8"))
+            digest, costs = content["search"], content["costs"]
+        except (OSError, ValueError, KeyError, TypeError):
+            digest, costs = "", []
+        if digest != self.digest:
+            raise ArgumentError(
+                f"{str(self.path)!r} holds the trials of another search (of another scenario, law, "
+                "seeds or weight), or is damaged. Remove it, or write the result elsewhere."
+            )
+        return [[float(cost) for cost in generation] for generation in costs]
+
+    def known(self, generation: int) -> list[float] | None:
+        """Costs of a generation that was tried before."""
+        return self.costs[generation] if generation < len(self.costs) else None
+
+    def keep(self, costs: list[float]) -> None:
+        """One generation more."""
+        self.costs.append(costs)
+        with atomic_write(self.path, text=True) as file:
+            json.dump({"search": self.digest, "costs": self.costs}, file)
+
+    def forget(self) -> None:
+        """The search is over."""
+        self.path.unlink(missing_ok=True)
+
+
+def _cma() -> ModuleType:
+    try:
+        return import_module("cma")
+    except ImportError as error:
+        raise MissingExtraError(
+            "tuning needs the package cma, which is not installed. Install the extra tune: "
+            "pip install wmr_ctrl[tune]."
+        ) from error

@@ -1,0 +1,24 @@
+"""What a value offers though only a higher layer can do it: looked up when it is asked for.
+
+Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
+the user's convenience; these few names are the whole of it, and importing this file loads nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import cast
+
+HOMES = {
+    "save_run": "wmr_ctrl.results.io",
+    "plot_run": "wmr_ctrl.report.plot_run",
+    "animate_run": "wmr_ctrl.report.animate",
+    "gains_by_law": "wmr_ctrl.control.setup",
+}
+"""Each function, and the module that it is found in."""
+
+
+def upward(name: str) -> Callable[..., object]:
+    """The function of that name, one of `HOMES`; its module is imported now."""
+    return cast("Callable[..., object]", vars(import_module(HOMES[name]))[name])

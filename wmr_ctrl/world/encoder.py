@@ -1,0 +1,237 @@
+"""Wheel encoders: whole counts of each wheel's turn, and the velocity that is made of them.
+
+Source: quadrature encoders on the wheels, read at every sample.  The controller knows the counts
+and the wheels' size as believed.  Differenced over a window they show the mean velocity over it;
+the time between counts shows it finer where counts are rare, at the price of an unknown age.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, Port, System, port
+from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
+from wmr_ctrl.world.gyro import axes_without_gyro
+from wmr_ctrl.world.history import History, history
+from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+DIFFERENCE, TIME = "difference", "time"
+COUNTS = Signal("wheel_counts", "1", "whole counts of the wheels' turn (right, left)", 2)
+TURN = Signal("encoder_turn", "1", "turn of the wheels at the previous sample, in counts", 2)
+EDGE = Signal("encoder_edge", "1", "turn at which the last count came, in counts", 2)
+SINCE = Signal("encoder_since", "s", "time from the last count to the previous sample", 2)
+SPEED = Signal("encoder_speed", "1/s", "counts over time of the previous sample", 2)
+
+STARTED = Signal("encoder_started", "1", "0 before the first sample, then 1")
+LONG = 1e9
+"""Time since a last count that there was not yet [s]: the first one shows no speed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encoder(Section):
+    """Counts per turn, and how a velocity is made of counts; left out: no encoders."""
+
+    KEY: ClassVar[str] = "encoder"
+
+    counts: float | None = quantity(
+        None, unit="1", doc="counts in one turn of a wheel, all four edges counted", above=0
+    )
+    window: float = quantity(
+        0.0,
+        unit="s",
+        doc="time over which counts are differenced, a multiple of clock.control; 0: one period",
+        minimum=0,
+    )
+    method: str = quantity(
+        DIFFERENCE,
+        unit="1",
+        doc="counts over a window, or one count over the time that it took",
+        options=(DIFFERENCE, TIME),
+    )
+
+    def relate(self) -> None:
+        """Counts are whole."""
+        if self.counts is not None and not self.counts.is_integer():
+            raise ScenarioError(
+                f"encoder.counts = {self.counts!r} must be a whole number: so many edges pass in "
+                f"one turn of a wheel. The nearest is {max(1, round(self.counts))}."
+            )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: way, orientation and number of the sample to measured velocity."""
+    encoder, path, theta, sample = (
+        scenario.section(Encoder),
+        port(PATH),
+        port(POSE[2]),
+        port(SAMPLE),
+    )
+    p, first = Parameters(scenario), sample.sym == 0
+    turns = turned(scenario, p, path.sym, theta.sym)
+    counts = ca.floor(turns)
+    state: tuple[Port, ...]
+    if encoder.method == DIFFERENCE:
+        seen = history(COUNTS, counts, first, periods_in_window(scenario))
+        rate, state, update = _differenced(scenario, p, seen), seen.state, seen.update
+    else:
+        rate, state, update = _timed(turns, first, p.take("clock.control"))
+    velocity = velocity_of(rate, p)
+    return System(
+        "encoder",
+        "wheel encoders",
+        (path, theta, sample),
+        state,
+        p.ports,
+        update,
+        tuple(Output(signal, velocity[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
+        (Output(COUNTS, counts),),
+        scenario.clock.control,
+    )
+
+
+def reader(scenario: Scenario) -> System:
+    """Sampled System: whole counts to velocity, for a controller that is given counts itself.
+
+    It shows what `build` shows, of the axes that no gyro has; raises ArgumentError where the time
+    between counts is asked for, which counts at a sample do not tell.
+    """
+    if scenario.section(Encoder).method == TIME:
+        raise ArgumentError(
+            "encoder.method = time needs the times at which counts came, and a controller is "
+            "given counts at its samples. Take encoder.method = difference."
+        )
+    p, counts, started = Parameters(scenario), port(COUNTS), port(STARTED)
+    seen = history(COUNTS, counts.sym, started.sym == 0, periods_in_window(scenario))
+    velocity = velocity_of(_differenced(scenario, p, seen), p)
+    return System(
+        "encoder_reader",
+        "velocity from counts",
+        (counts,),
+        (*seen.state, started),
+        p.ports,
+        ca.vertcat(seen.update, 1),
+        tuple(Output(VELOCITY[i], velocity[i]) for i in axes_without_gyro(scenario)),
+        period=scenario.clock.control,
+    )
+
+
+def _differenced(scenario: Scenario, p: Parameters, seen: History) -> ca.SX:
+    """Counts over time (2,) [1/s], over the window."""
+    window = p.take("clock.control") * periods_in_window(scenario)
+    return (seen.aged[0] - seen.aged[-1]) / window
+
+
+def turned(scenario: Scenario, p: Parameters, path: ca.SX, theta: ca.SX) -> ca.SX:
+    """Turn of both wheels (2,) since the start [counts], for a way [m] and orientation [rad]."""
+    radius, arm = p.take("robot.r"), p.take("robot.l")
+    if not scenario.section(Wheels).believed:
+        radius, arm = true_wheels(p)
+    way = ca.vertcat(path + arm * theta, path - arm * theta)
+    return way / radius * (p.take("encoder.counts") / (2 * ca.pi))
+
+
+def velocity_of(rate: ca.SX, p: Parameters) -> ca.SX:
+    """(v1, omega) for counts over time (2,) [1/s] on wheels of the believed size."""
+    speed = rate * (2 * ca.pi * p.take("robot.r") / p.take("encoder.counts"))
+    return ca.vertcat(speed[0] + speed[1], (speed[0] - speed[1]) / p.take("robot.l")) / 2
+
+
+def periods_in_window(scenario: Scenario) -> int:
+    """Control periods over which counts are differenced."""
+    return max(1, round(scenario.section(Encoder).window / scenario.clock.control))
+
+
+def _timed(turns: ca.SX, first: ca.SX, period: ca.SX) -> tuple[ca.SX, tuple[Port, ...], ca.SX]:
+    """Counts over time [1/s] between the last counts of two samples, state and update.
+
+    A wheel's speed is taken as constant over a sample to tell when its last count came.  Without
+    a new count the speed is at most one count over the time that has passed.
+    """
+    state = tuple(port(signal) for signal in (TURN, EDGE, SINCE, SPEED))
+    both = [_one_wheel(turns[i], [item.sym[i] for item in state], first, period) for i in (0, 1)]
+    pairs = [ca.vertcat(*pair) for pair in zip(*both, strict=True)]
+    return pairs[-1], state, ca.vertcat(*pairs)
+
+
+def _one_wheel(
+    turn: ca.SX, old: Sequence[ca.SX], first: ca.SX, period: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Turn, last edge, time since it and speed of one wheel at this sample."""
+    start = (turn, ca.floor(turn), ca.SX(LONG), ca.SX(0))
+    pairs = zip(start, old, strict=True)
+    before, edge, since, speed = (ca.if_else(first, value, item) for value, item in pairs)
+    moved = turn - before
+    came = ca.logic_and(ca.floor(turn) != ca.floor(before), ca.logic_not(first))
+    reached = ca.floor(turn) + (moved < 0)
+    share = (turn - reached) / ca.if_else(came, moved, 1)
+    late = ca.if_else(came, share * period, since + period)
+    passed = ca.if_else(came, since + period - late, since + period)
+    slow = ca.fmin(ca.fabs(speed), 1 / passed)
+    held = ca.if_else(speed < 0, -slow, slow)
+    return turn, ca.if_else(came, reached, edge), late, ca.if_else(
+        came, (reached - edge) / ca.fmax(passed, 1e-12), held
+    )  # fmt: skip
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there are encoders."""
+    return scenario.section(Encoder).counts is not None
+
+
+def check(scenario: Scenario) -> None:
+    """The window is a multiple of the control period, and nothing else averages the velocity."""
+    encoder = scenario.section(Encoder)
+    check_multiple("encoder.window", encoder.window, "clock.control", scenario.clock.control)
+    mean = scenario.sensor.velocity_window
+    if encoder.counts is not None and mean > 0:
+        raise ScenarioError(
+            f"sensor.velocity_window = {mean!r} s and encoder.counts = {encoder.counts:g} both "
+            "make the measured velocity. Leave one of them out; encoder.window averages counts."
+        )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A mean over the window, to within a count of each wheel and what the wheels' size misstates.
+
+    The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
+    the counts' phase is.  So each wheel's speed is off by less than 2 pi r/(N w), v1 by as much,
+    omega by that over l (ledger: world.encoder.*).  By the time between counts the window depends
+    on the speed, which the guard's theorem does not know.
+    """
+    encoder, robot = scenario.section(Encoder), scenario.robot
+    if encoder.method == TIME:
+        return Bound(
+            void="encoder.method = time: the velocity is a mean over a time that depends on it, "
+            "and the guard knows fixed windows."
+        )
+    window = periods_in_window(scenario) * scenario.clock.control
+    count = 2.0 * math.pi * robot.r / (float(encoder.counts or math.inf) * window)
+    off = misread(scenario)
+    return on_axes(
+        axes_without_gyro(scenario),
+        Bound(nbar=(count + off[0], count / robot.l + off[1]), window=(window, window)),
+    )
+
+
+ENCODER = Effect(
+    name="encoder",
+    role=EffectRole.SENSOR,
+    section=Encoder,
+    build=build,
+    acts=acts,
+    bound=bound,
+    shape=("encoder.window", "clock.control"),
+    check=check,
+)

@@ -1,0 +1,76 @@
+"""What the tyres can take: torques at which wheels spin or lift, in closed form.
+
+The robot of [robot] and [body] on level ground, in the quasi-static mechanics of a rigid body with
+its centre of mass over the axle.  With N_c of the weight on one caster and a thrust F = m a,
+
+    2 (tau - drag) = a r (m + m_w),    N_c caster = a (m height + m_w r),    F <= tyre (m g - N_c),
+
+m_w the mass of one wheel, a disc, and drag = mu m g r/2 that of one bearing.  The wheels spin
+beyond a = tyre g/(1 + tyre (height + m_w r/m)/caster), before the caster has all the weight.
+Wheels that spin gain little thrust, and their torque turns the chassis about its caster: it lifts
+the wheels where 2 (tau - drag) exceeds m g caster.
+
+Source: none in the paper, whose robot does neither; tests hold both against MuJoCo.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wmr_ctrl.world.friction import phases
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Wheel torques [N m] of the scenario's robot at its start.
+
+    ``spin``: at which wheels that drive forwards begin to slide; ``brake``: the same where they
+    brake and drag helps them; ``keep``: below which none slides however the robot moves within
+    limits.v_u1, driving, braking or turning; ``lift``: at which wheels that spin lift off.
+    """
+
+    spin: float
+    brake: float
+    keep: float
+    lift: float
+
+
+def grip(scenario: Scenario) -> Grip:
+    """The torques of a scenario's robot; ``keep`` is the least over its phases, 0 where none is.
+
+    The other torques are those of the start.
+    """
+    forces = [_forces(scenario, phase.m, phase.mu) for phase in phases(scenario)]
+    first = forces[0]
+    return Grip(first.spin, first.brake, max(0.0, min(item.keep for item in forces)), first.lift)
+
+
+def _forces(scenario: Scenario, m: float, mu: float) -> Grip:
+    robot, body = scenario.robot, scenario.body
+    r, tyre, wheel = robot.r, body.tyre, body.wheel_mass
+    bearing, lever = mu * m * robot.g * r / 2, (body.height + wheel * r / m) / body.caster
+    most = tyre * robot.g / (1 + tyre * lever)
+    rolling = r * (m + wheel) * most / 2
+    return Grip(
+        rolling + bearing,
+        rolling - bearing,
+        _in_a_turn(scenario, m, most) - bearing,
+        m * robot.g * body.caster / 2 + bearing,
+    )
+
+
+def _in_a_turn(scenario: Scenario, m: float, most: float) -> float:
+    """Torque [N m] that the lighter wheel passes on in the tightest turn at v_u1.
+
+    At an acceleration ``most`` [m/s2] along; what tyres do across is shared as their load is.
+    """
+    robot, body, (v, omega) = scenario.robot, scenario.body, scenario.limits.v_u1
+    load = m * robot.g - most * (m * body.height + body.wheel_mass * robot.r) / body.caster
+    lighter = load / 2 - m * v * omega * body.height / (2 * robot.l)
+    left = body.tyre**2 - (m * v * omega / load) ** 2
+    return robot.r * max(lighter, 0.0) * math.sqrt(max(left, 0.0))

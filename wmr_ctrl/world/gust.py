@@ -1,0 +1,75 @@
+"""Gusts: coloured noise on the body that never exceeds a stated size.
+
+Source: a first-order filter (time constant ``time``) of uniform numbers, one for each control
+period, over which the force is held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port
+from wmr_ctrl.signals import BODY_FORCE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+NUMBERS = Signal("gust", "1", "uniform numbers on [-1, 1)", 2)
+SHARE = Signal("gust_share", "1", "force and moment as shares of their size", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gust(Section):
+    """Size and colour."""
+
+    KEY: ClassVar[str] = "gust"
+
+    size: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="largest force, moment on the body", minimum=0
+    )
+    time: float = quantity(1.0, unit="s", doc="time constant of the noise's filter", above=0)
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: random numbers to force on the body."""
+    p, share = Parameters(scenario), port(SHARE)
+    size = p.take("gust.size")
+    number = draw(NUMBERS, UNIFORM, ca.logic_or(size[0] > 0, size[1] > 0))
+    keep = ca.exp(-p.take("clock.control") / p.take("gust.time"))
+    now = filtered(share.sym, number.port.sym, keep)
+    return System(
+        "gust",
+        "gusts",
+        (),
+        (share,),
+        p.ports,
+        now,
+        tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE)),
+        period=scenario.clock.control,
+        draws=(number,),
+    )
+
+
+def filtered(share: ca.SX, number: ca.SX, keep: ca.SX) -> ca.SX:
+    """The next share: a mean of the last and a new number."""
+    return keep * share + (1 - keep) * number
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there are gusts."""
+    return any(scenario.section(Gust).size)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Their size: a mean of numbers within [-1, 1] stays there (ledger: world.gust)."""
+    return Bound(dbar=scenario.section(Gust).size)
+
+
+GUST = Effect(
+    name="gust", role=EffectRole.DISTURBANCE, section=Gust, build=build, acts=acts, bound=bound
+)

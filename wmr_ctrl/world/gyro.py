@@ -1,0 +1,73 @@
+"""Gyro: omega by itself, at once, with a constant bias and noise.
+
+Source: a gyro's data sheet; its bias over a run is taken as constant.  It shows omega in the place
+of what other sensors make of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port
+from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gyro(Section):
+    """Whether there is one, and its errors."""
+
+    KEY: ClassVar[str] = "gyro"
+
+    enabled: bool = quantity(False, unit="1", doc="whether omega is measured by a gyro")
+    bias: float = quantity(0.0, unit="rad/s", doc="what it shows at rest")
+    noise: float = quantity(0.0, unit="rad/s", doc="half-width of the uniform error", minimum=0)
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: true omega to measured omega."""
+    omega, p = port(VELOCITY[1]), Parameters(scenario)
+    noise = p.take("gyro.noise")
+    error = draw(NUMBERS, UNIFORM, noise > 0)
+    shown = omega.sym + p.take("gyro.bias") + noise * error.port.sym[0]
+    return System(
+        "gyro",
+        "gyro",
+        (omega,),
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        (Output(MEASURED_VELOCITY[1], shown),),
+        period=scenario.clock.control,
+        draws=(error,),
+    )
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether there is a gyro."""
+    return scenario.section(Gyro).enabled
+
+
+def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:
+    """Axes (0 linear, 1 angular) whose measured velocity other sensors make."""
+    return (0,) if acts(scenario) else (0, 1)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """|bias| + noise: the error never exceeds it."""
+    gyro = scenario.section(Gyro)
+    return Bound(nbar=(0.0, abs(gyro.bias) + gyro.noise))
+
+
+GYRO = Effect(
+    name="gyro", role=EffectRole.SENSOR, section=Gyro, build=build, acts=acts, bound=bound
+)

@@ -1,0 +1,119 @@
+"""Jitter: each command comes later than actuator.delay by a time of its own, bounded and drawn.
+
+Source: computation and buses; the time is uniform over whole plant steps from 0 to ``jitter`` and
+anew for each command.  A command never overtakes the one before it, since jitter <= clock.control.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
+from wmr_ctrl.signals import STEP, TORQUE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+NUMBERS = Signal("jitter", "1", "uniform numbers on [-1, 1) of a sample", 2)
+ACTING = Signal("jitter_acting", "N.m", "torque that acts (right, left)", 2)
+WAITING = Signal("jitter_waiting", "N.m", "torque that arrived last (right, left)", 2)
+DUE = Signal("jitter_due", "1", "plant steps from its arrival until it acts")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Jitter(Section):
+    """How much later a command may come."""
+
+    KEY: ClassVar[str] = "actuator"
+
+    jitter: float = quantity(
+        0.0,
+        unit="s",
+        doc="a command comes by up to this later than delay, a multiple of clock.plant",
+        minimum=0,
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: torque behind the constant delay to torque that acts [N m].
+
+    In the plant step in which a command arrives, the number that the sample draws says how many
+    steps it waits; what acted before goes on until then.
+    """
+    torque, step, p = ports(TORQUE), port(STEP), Parameters(scenario)
+    acting, waiting, due = port(ACTING), port(WAITING), port(DUE)
+    T, h, delay, untold, width = (
+        p.take(key)
+        for key in (
+            "clock.control", "clock.plant", "actuator.delay", "actuator.untold", "actuator.jitter",
+        )
+    )  # fmt: skip
+    number = draw(NUMBERS, UNIFORM, width > 0, held=True)
+    steps, most = whole(T / h), whole(width / h)
+    since = step.sym - whole((delay + untold) / h)
+    phase = since - steps * ca.floor(since / steps)
+    arrives = phase == 0
+    drawn = ca.fmin(ca.floor((number.port.sym[0] + 1) / 2 * (most + 1)), steps)
+    before = ca.if_else(ca.logic_and(arrives, due.sym >= steps), waiting.sym, acting.sym)
+    wait = ca.if_else(arrives, drawn, due.sym)
+    arrived = stack(item.sym for item in torque)
+    now = ca.if_else(phase >= wait, arrived, before)
+    return System(
+        "jitter",
+        "jitter of the drives' delay",
+        (*torque, step),
+        (acting, waiting, due),
+        p.ports,
+        ca.vertcat(now, arrived, wait),
+        tuple(Output(signal, now[i]) for i, signal in enumerate(TORQUE)),
+        period=scenario.clock.plant,
+        draws=(number,),
+    )
+
+
+def whole(number: ca.SX) -> ca.SX:
+    """The nearest whole number."""
+    return ca.floor(number + 0.5)
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether the delay varies."""
+    return scenario.section(Jitter).jitter > 0
+
+
+def check(scenario: Scenario) -> None:
+    """It is a multiple of the plant's step and at most one control period."""
+    jitter, clock = scenario.section(Jitter).jitter, scenario.clock
+    if jitter > clock.control:
+        raise ScenarioError(
+            f"actuator.jitter = {jitter!r} s must be at most clock.control = {clock.control!r} s: "
+            "of two commands on their way the later would overtake the earlier, and only one can "
+            f"wait. Lower it to {clock.control:g} s, or put what is sure into actuator.delay."
+        )
+    check_multiple("actuator.jitter", jitter, "clock.plant", clock.plant)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The largest delay grows by it, and by it a command may be less late."""
+    jitter = scenario.section(Jitter).jitter
+    return Bound(delay=jitter, jitter=jitter)
+
+
+JITTER = Effect(
+    name="jitter",
+    role=EffectRole.DRIVE,
+    section=Jitter,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+    shape=("clock.control", "clock.plant"),
+    check=check,
+)

@@ -1,0 +1,162 @@
+"""Motors: torque in steps, a dead zone, and less torque the faster a wheel turns.
+
+Source: a current controller's resolution, a gear's static friction, and the straight line between
+the stall torque and the free speed of a direct-current motor, at the wheel.  A motor brakes
+with its full stall torque.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.signals import TORQUE, VELOCITY
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor(Section):
+    """What the motors make of a torque; the defaults change nothing."""
+
+    KEY: ClassVar[str] = "motor"
+
+    step: float = quantity(
+        0.0, unit="N.m", doc="torque comes in whole steps of this, the nearest; 0: any", minimum=0
+    )
+    dead_zone: float = quantity(
+        0.0, unit="N.m", doc="what is lost of each torque; a smaller one does nothing", minimum=0
+    )
+    stall: float = quantity(
+        math.inf, unit="N.m", doc="torque at rest; inf: no limit", above=0, infinite=True
+    )
+    free: float = quantity(
+        math.inf,
+        unit="rad/s",
+        doc="speed of the wheel at which no torque is left; inf: any",
+        above=0,
+        infinite=True,
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: torque that arrives and true velocity to the motors' torque."""
+    motor, torque, velocity = scenario.section(Motor), ports(TORQUE), ports(VELOCITY)
+    p = Parameters(scenario)
+    r, half_track = p.take("robot.r"), p.take("robot.l")
+    turn = half_track * velocity[1].sym
+    speeds = ((velocity[0].sym + turn) / r, (velocity[0].sym - turn) / r)
+    given = [item.sym for item in torque]
+    if motor.step > 0:
+        given = [stepped(item, p.take("motor.step")) for item in given]
+    if motor.dead_zone > 0:
+        given = [beyond_zone(item, p.take("motor.dead_zone")) for item in given]
+    if math.isfinite(motor.stall):
+        slowing = 1 / p.take("motor.free") if math.isfinite(motor.free) else ca.SX(0)
+        stall = p.take("motor.stall")
+        pairs = zip(given, speeds, strict=True)
+        given = [on_line(item, speed, stall, slowing) for item, speed in pairs]
+    return System(
+        "motor",
+        "motors of the wheels",
+        (*torque, *velocity),
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True)),
+        period=scenario.clock.plant,
+    )
+
+
+def stepped(torque: ca.SX, step: ca.SX) -> ca.SX:
+    """The nearest whole number of steps [N m]."""
+    return step * ca.floor(torque / step + 0.5)
+
+
+def beyond_zone(torque: ca.SX, zone: ca.SX) -> ca.SX:
+    """What a dead zone leaves [N m]."""
+    return torque - ca.fmax(-zone, ca.fmin(zone, torque))
+
+
+def on_line(torque: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
+    """Torque [N m] that the motor of a wheel at ``speed`` [rad/s] gives, slowing = 1/free.
+
+    At most stall (1 - speed/free) the way the wheel turns, at most stall against it.
+    """
+    ahead = stall * ca.fmax(1 - slowing * ca.fmax(speed, 0), 0)
+    back = stall * ca.fmax(1 - slowing * ca.fmax(-speed, 0), 0)
+    return ca.fmax(-back, ca.fmin(ahead, torque))
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether the motors change anything."""
+    motor = scenario.section(Motor)
+    return motor.step > 0 or motor.dead_zone > 0 or math.isfinite(motor.stall)
+
+
+def check(scenario: Scenario) -> None:
+    """A free speed belongs to a stall torque."""
+    motor = scenario.section(Motor)
+    if math.isfinite(motor.free) and math.isinf(motor.stall):
+        raise ScenarioError(
+            f"motor.free = {motor.free!r} rad/s does nothing without motor.stall: torque falls "
+            "from stall at rest to 0 at this speed. State motor.stall [N m], or leave both out."
+        )
+
+
+def largest_torque(scenario: Scenario) -> float:
+    """What a motor is told at most, in its steps [N m]; inf without a torque limit."""
+    return scenario.actuator.tau_max + scenario.section(Motor).step / 2.0
+
+
+def bound(scenario: Scenario) -> Bound:
+    """What both wheels together miss at worst.
+
+    A step is off by at most half of it, the dead zone takes at most its width: twice that over r
+    is missing of the thrust, l times as much of the moment.  On the line a wheel at speed s misses
+    of a torque up to tau_max at most that and d(s) = max(tau_max - stall (1 - s/free), 0), convex
+    and rising in s.  Within the limits the wheels drive the same way at up to u1 + l w and
+    u1 - l w, opposite ways at up to v + l u2 and l u2 - v, and a convex sum is largest at an end:
+    the fastest wheel with the other one (ledger: world.motor.*).
+    """
+    motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
+    lost = 2.0 * (motor.step / 2.0 + motor.dead_zone)
+    fast, edge = u1 + robot.l * u2, u1 - robot.l * u2
+    most = 2.0 * largest_torque(scenario)
+    sums = (sum(_missing(scenario, s / robot.r) for s in (fast, way * edge)) for way in (1.0, -1.0))
+    pair = [lost + min(item, most) for item in sums]
+    if math.isinf(pair[0]):
+        return Bound(
+            void=f"motor.stall = {motor.stall:g} N m: the motors are told torques without limit "
+            "(actuator.tau_max = inf), so nothing bounds what they fall short by."
+        )
+    return Bound(dbar=(pair[0] / robot.r, pair[1] / robot.r * robot.l))
+
+
+def _missing(scenario: Scenario, speed: float) -> float:
+    """d of `bound` [N m] at a wheel's speed [rad/s]; against its turn as at rest."""
+    motor = scenario.section(Motor)
+    if math.isinf(motor.stall):
+        return 0.0
+    left = motor.stall * (1.0 - max(speed, 0.0) / motor.free)
+    return max(largest_torque(scenario) - left, 0.0)
+
+
+MOTOR = Effect(
+    name="motor",
+    role=EffectRole.DRIVE,
+    section=Motor,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+    check=check,
+)

@@ -1,0 +1,82 @@
+"""Pose that comes late: what the pose sensor is given is some time old.
+
+Source: cameras and beacons take time to compute.  The pose sensor corrects its prediction by the
+late pose as if it were new, which is what a controller does that does not know better.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
+from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.history import history
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseDelay(Section):
+    """How old a pose is when it comes."""
+
+    KEY: ClassVar[str] = "sensor"
+
+    pose_delay: float = quantity(
+        0.0, unit="s", doc="age of a pose that comes, a multiple of clock.control", minimum=0
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: pose to the pose some samples ago, that of the start before."""
+    pose, sample = ports(MEASURED_POSE), port(SAMPLE)
+    now = stack(item.sym for item in pose)
+    seen = history(OLD_POSE, now, sample.sym == 0, _periods(scenario))
+    return System(
+        "pose_delay",
+        "late pose",
+        (*pose, sample),
+        seen.state,
+        (),
+        seen.update,
+        tuple(Output(signal, seen.aged[-1][i]) for i, signal in enumerate(MEASURED_POSE)),
+        period=scenario.clock.control,
+    )
+
+
+def _periods(scenario: Scenario) -> int:
+    return round(scenario.section(PoseDelay).pose_delay / scenario.clock.control)
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether poses are late."""
+    return scenario.section(PoseDelay).pose_delay > 0
+
+
+def check(scenario: Scenario) -> None:
+    """It is a multiple of the control period."""
+    late = scenario.section(PoseDelay).pose_delay
+    check_multiple("sensor.pose_delay", late, "clock.control", scenario.clock.control)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Nothing: the guard reads no pose."""
+    return Bound()
+
+
+POSE_DELAY = Effect(
+    name="pose delay",
+    role=EffectRole.SENSOR,
+    section=PoseDelay,
+    build=build,
+    acts=acts,
+    bound=bound,
+    shape=("sensor.pose_delay", "clock.control"),
+    check=check,
+)

@@ -1,0 +1,83 @@
+"""Waypoints from a YAML file as navigation stacks print a path: poses with a position in metres.
+
+Accepted are a list of poses, or a mapping with the key ``poses`` (or ``path`` above it).  A pose is
+a mapping with x and y, perhaps below ``position`` and that below ``pose``; headers, z and
+orientations are passed over, since the path's direction follows from its points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from wmr_ctrl.errors import MissingExtraError, ScenarioError
+from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.world.references.csv_points import SAME, Point
+
+
+def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
+    """Return the points of a YAML path; poses at the place of the one before are left out.
+
+    Raises ScenarioError, starting with the key ``path`` and naming the pose from 1, and
+    MissingExtraError without PyYAML.
+    """
+    place = f"{path}: {file.name}"
+    points: list[Point] = []
+    for number, pose in enumerate(_poses(_document(read_text(file, path), place), place), start=1):
+        point = _point(pose, f"{place}, pose {number}")
+        if not points or math.dist(points[-1], point) >= SAME:
+            points.append(point)
+    if len(points) < 2:
+        raise ScenarioError(
+            f"{place} holds {len(points)} different position(s), but a path needs at least 2."
+        )
+    return tuple(points)
+
+
+def _document(text: str, place: str) -> object:
+    """The first document of a YAML text."""
+    try:
+        import yaml
+    except ImportError:
+        raise MissingExtraError(
+            f"{place}: YAML needs PyYAML, which is not installed: pip install pyyaml. Or give the "
+            "points as CSV."
+        ) from None
+    try:
+        return next(iter(yaml.safe_load_all(text)), None)
+    except (yaml.YAMLError, RecursionError) as problem:
+        detail = " ".join(str(problem).split())[:200]
+        raise ScenarioError(f"{place} is not YAML ({detail}). Save it as YAML or CSV.") from None
+
+
+def _poses(document: object, place: str) -> Iterator[object]:
+    inner = document
+    for key in ("path", "poses"):
+        if isinstance(inner, Mapping) and key in inner:
+            inner = inner[key]
+    if not isinstance(inner, list):
+        raise ScenarioError(
+            f"{place} has no list of poses. Give `poses:` with a position {{x: ..., y: ...}} each."
+        )
+    return iter(inner)
+
+
+def _point(pose: object, place: str) -> Point:
+    inner: Any = pose
+    for key in ("pose", "pose", "position"):  # a pose with covariance has one pose in another
+        if isinstance(inner, Mapping) and key in inner:
+            inner = inner[key]
+    if not isinstance(inner, Mapping) or not {"x", "y"} <= set(inner):
+        raise ScenarioError(f"{place} = {show(pose)} has no position with x and y in m.")
+    x, y = (_coordinate(inner[name], f"{place}, {name}") for name in ("x", "y"))
+    return x, y
+
+
+def _coordinate(value: object, place: str) -> float:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not math.isfinite(float(str(value))):
+        raise ScenarioError(f"{place} = {show(value)} is not a finite number. Give it in m.")
+    return float(str(value))

@@ -1,0 +1,97 @@
+"""Resistance of the ground: each wheel's rolling resistance, and viscous friction.
+
+Source: Coulomb's law for the rolling of each wheel, with half the weight on it and smoothed as the
+robot's friction is; a force in proportion to the velocity for bearings and air.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.signals import BODY_FORCE, VELOCITY
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.friction import heaviest
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Resistance(Section):
+    """Coefficients; the defaults are none."""
+
+    KEY: ClassVar[str] = "resistance"
+
+    rolling: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="1", doc="force over load of the right, left wheel's rolling", minimum=0
+    )
+    viscous: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N.s/m, N.m.s/rad", doc="force, moment over velocity", minimum=0
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: true velocity to force on the body."""
+    velocity, p = ports(VELOCITY), Parameters(scenario)
+    v, turn = (item.sym for item in velocity)
+    half_track, viscous = p.take("robot.l"), p.take("resistance.viscous")
+    load = p.take("robot.m") * p.take("robot.g") / 2
+    smooth = [ca.tanh((v + way * half_track * turn) / p.take("robot.v_s")) for way in (1, -1)]
+    force = resisted(p.take("resistance.rolling") * load, half_track, *smooth)
+    return System(
+        "resistance",
+        "rolling resistance and viscous friction",
+        velocity,
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(
+            Output(signal, force[i] - viscous[i] * velocity[i].sym)
+            for i, signal in enumerate(BODY_FORCE)
+        ),
+        period=scenario.clock.plant,
+    )
+
+
+def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX:
+    """Force on the body (2,) [N, N m] of wheels that resist with ``most`` (2,) [N].
+
+    ``right``, ``left``: by which share, with the sign of the wheel's speed.
+    """
+    forces = (most[0] * right, most[1] * left)
+    return -ca.vertcat(forces[0] + forces[1], half_track * (forces[0] - forces[1]))
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether anything resists."""
+    resistance = scenario.section(Resistance)
+    return any((*resistance.rolling, *resistance.viscous))
+
+
+def bound(scenario: Scenario) -> Bound:
+    """What both wheels have in common only takes speed away, and friction of any size may.
+
+    tanh rises and is odd, so the sum over equal wheels has the sign of v1, their difference that
+    of omega.  What one wheel resists more by, |difference| m g/2 at most, may push the other
+    axis, with the arm l on the moment (ledger: world.resistance.*).
+    """
+    resistance, robot = scenario.section(Resistance), scenario.robot
+    right, left = resistance.rolling
+    more = abs(right - left) * heaviest(scenario) * robot.g / 2.0
+    return Bound(dbar=(more, robot.l * more))
+
+
+RESISTANCE = Effect(
+    name="resistance",
+    role=EffectRole.DISTURBANCE,
+    section=Resistance,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+)

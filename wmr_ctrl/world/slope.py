@@ -1,0 +1,90 @@
+"""Slope: a plane that rises; along the heading it pulls, across it turns a robot heavy at one end.
+
+Source: gravity on an incline.  What pulls across is taken by the wheels; with the centre of mass
+``offset`` ahead of the axle it has an arm.  The wheels' load, and so the friction, stays that of
+level ground.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.signals import BODY_FORCE, POSE
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.friction import heaviest
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slope(Section):
+    """How steep the ground is, whereto it rises, and where the robot is heavy."""
+
+    KEY: ClassVar[str] = "slope"
+
+    angle: float = quantity(
+        0.0, unit="rad", doc="rise of the ground where it is steepest", minimum=0, maximum=1.0
+    )
+    direction: float = quantity(0.0, unit="rad", doc="heading psi of the steepest rise")
+    offset: float = quantity(
+        0.0, unit="m", doc="how far ahead of the axle the slope finds the centre of mass"
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: orientation to force on the body.
+
+    With a = psi - direction: thrust -m g sin(angle) cos(a), moment offset m g sin(angle) sin(a).
+    """
+    theta, p = port(POSE[2]), Parameters(scenario)
+    pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("slope.angle"))
+    a = theta.sym + ca.pi / 2 - p.take("slope.direction")
+    force = pulled(pull, p.take("slope.offset"), ca.cos(a), ca.sin(a))
+    return System(
+        "slope",
+        "slope of the ground",
+        (theta,),
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(signal, force[i]) for i, signal in enumerate(BODY_FORCE)),
+        period=scenario.clock.plant,
+    )
+
+
+def pulled(pull: ca.SX, offset: ca.SX, along: ca.SX, across: ca.SX) -> ca.SX:
+    """Force on the body (2,) [N, N m] of a pull downhill [N] by the shares along and across."""
+    return ca.vertcat(-pull * along, offset * pull * across)
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether the ground rises."""
+    return scenario.section(Slope).angle > 0
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The heaviest robot straight downhill, and straight across: |cos|, |sin| <= 1.
+
+    Ledger: world.slope.
+    """
+    slope, robot = scenario.section(Slope), scenario.robot
+    pull = heaviest(scenario) * robot.g * math.sin(slope.angle)
+    return Bound(dbar=(pull, pull * abs(slope.offset)))
+
+
+SLOPE = Effect(
+    name="slope",
+    role=EffectRole.DISTURBANCE,
+    section=Slope,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+)

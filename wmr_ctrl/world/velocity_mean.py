@@ -1,0 +1,113 @@
+"""Velocity that is late or averaged: the mean over a window that ended some time ago.
+
+Source: the mean is what any device shows that differences positions, the age what a filter or a bus
+adds.  An ideal one: it counts nothing in steps (see `encoder`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.values import check_multiple
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
+from wmr_ctrl.world.gyro import axes_without_gyro
+from wmr_ctrl.world.history import history
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+PLACE = Signal("mean_place", "m, rad", "way and orientation", 2)
+OLD_VELOCITY = Signal("mean_v", "m/s, rad/s", "true velocity", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityMean(Section):
+    """Window and age of the measured velocity."""
+
+    KEY: ClassVar[str] = "sensor"
+
+    velocity_window: float = quantity(
+        0.0,
+        unit="s",
+        doc="time over which the velocity is averaged, a multiple of clock.control",
+        minimum=0,
+    )
+    velocity_age: float = quantity(
+        0.0,
+        unit="s",
+        doc="how long ago that time ended, a multiple of clock.control",
+        minimum=0,
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """Sampled System: way, orientation, true velocity and sample to measured velocity."""
+    sample, p = port(SAMPLE), Parameters(scenario)
+    window, age = _periods(scenario)
+    true = (port(PATH), port(POSE[2])) if window else ports(VELOCITY)
+    now = stack(item.sym for item in true)
+    signal = PLACE if window else OLD_VELOCITY
+    seen = history(signal, now, sample.sym == 0, age + window)
+    shown = seen.aged[age]
+    if window:
+        shown = (shown - seen.aged[-1]) / (p.take("clock.control") * window)
+    return System(
+        "velocity_mean",
+        "late or averaged velocity",
+        (*true, sample),
+        seen.state,
+        p.ports,
+        seen.update,
+        tuple(Output(signal, shown[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
+        period=scenario.clock.control,
+    )
+
+
+def _periods(scenario: Scenario) -> tuple[int, int]:
+    """Window and age in control periods."""
+    mean, period = scenario.section(VelocityMean), scenario.clock.control
+    return round(mean.velocity_window / period), round(mean.velocity_age / period)
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether the velocity is late or averaged."""
+    mean = scenario.section(VelocityMean)
+    return mean.velocity_window > 0 or mean.velocity_age > 0
+
+
+def check(scenario: Scenario) -> None:
+    """Both are multiples of the control period."""
+    mean, period = scenario.section(VelocityMean), scenario.clock.control
+    check_multiple("sensor.velocity_window", mean.velocity_window, "clock.control", period)
+    check_multiple("sensor.velocity_age", mean.velocity_age, "clock.control", period)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Window and age themselves, and for a mean what rounding does to the way that was driven.
+
+    The way is at most u1 times the duration and is rounded by 2^-53 of that in each plant step, so
+    within the window by 2^-53 u1 duration/step; as much again covers its difference.
+    """
+    mean, clock = _periods(scenario), scenario.clock
+    window, age = (item * clock.control for item in mean)
+    share = 2.0**-52 * clock.duration / clock.plant if window else 0.0
+    first, second = (share * limit for limit in scenario.limits.v_u1)
+    late = Bound(age=(age, age), window=(window, window), nbar=(first, second))
+    return on_axes(axes_without_gyro(scenario), late)
+
+
+VELOCITY_MEAN = Effect(
+    name="velocity mean",
+    role=EffectRole.SENSOR,
+    section=VelocityMean,
+    build=build,
+    acts=acts,
+    bound=bound,
+    shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
+    check=check,
+)

@@ -1,0 +1,128 @@
+"""Wheels of another size than believed: radius of each, and half the track.
+
+Laws, guard and map count on robot.r and robot.l; these shares say how the robot differs.  A wheel
+of radius r_i turns a torque into the force tau_i/r_i, and the encoder on it counts v_i/r_i; half
+the true track l' is the arm of both.  Source: geometry; tyres wear and lose pressure.
+Noise and push are torques at wheels of the believed size.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.signals import TORQUE
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate
+from wmr_ctrl.world.motor import largest_torque
+
+if TYPE_CHECKING:
+    from wmr_ctrl.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheels(Section):
+    """By which shares the wheels differ from what is believed; the defaults are none."""
+
+    KEY: ClassVar[str] = "wheels"
+
+    radius: tuple[float, float] = quantity(
+        (0.0, 0.0),
+        unit="1",
+        doc="share by which the right, left wheel's radius exceeds robot.r",
+        minimum=-0.5,
+        maximum=0.5,
+    )
+    track: float = quantity(
+        0.0, unit="1", doc="share by which the track exceeds robot.l", minimum=-0.5, maximum=0.5
+    )
+
+    @property
+    def believed(self) -> bool:
+        """Whether they are as believed."""
+        return self.radius == (0.0, 0.0) and self.track == 0.0
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: torques at true wheels to those that act alike on believed ones.
+
+    Thrust tau_r/r_r + tau_l/r_l and moment l' (tau_r/r_r - tau_l/r_l) are those of the true ones.
+    """
+    torque, p = ports(TORQUE), Parameters(scenario)
+    r, half_track = p.take("robot.r"), p.take("robot.l")
+    radius, arm = true_wheels(p)
+    right, left = torque[0].sym / radius[0], torque[1].sym / radius[1]
+    acting = force_to_wheel(r, half_track, ca.vertcat(right + left, arm * (right - left)))
+    return System(
+        "wheels",
+        "wheels of another size than believed",
+        torque,
+        (),
+        p.ports,
+        ca.SX(0, 1),
+        tuple(Output(signal, acting[i]) for i, signal in enumerate(TORQUE)),
+        period=scenario.clock.plant,
+    )
+
+
+def true_wheels(p: Parameters) -> tuple[ca.SX, ca.SX]:
+    """Radii (2,) and half the track [m], for parameters that include those of this effect."""
+    radius = p.take("robot.r") * (1 + p.take("wheels.radius"))
+    return radius, p.take("robot.l") * (1 + p.take("wheels.track"))
+
+
+def acts(scenario: Scenario) -> bool:
+    """Whether they differ."""
+    return not scenario.section(Wheels).believed
+
+
+def bound(scenario: Scenario) -> Bound:
+    """What torques of at most tau do otherwise than believed.
+
+    With a_i = 1/(1 + radius_i) and k = 1 + track, thrust and moment are off by
+    sum (a_i - 1) tau_i/r and l sum +-(k a_i - 1) tau_i/r, so by at most tau sum |a_i - 1|/r and
+    l tau sum |k a_i - 1|/r (ledger: world.wheels.*).  Without torque limit there is no bound.
+    """
+    wheels, robot, most = scenario.section(Wheels), scenario.robot, largest_torque(scenario)
+    if math.isinf(most):
+        return Bound(
+            void="actuator.tau_max = inf: wheels of another size than believed ([wheels]) are off "
+            "by a share of the torque, which nothing bounds here."
+        )
+    shares = [1.0 / (1.0 + item) for item in wheels.radius]
+    thrust = most / robot.r * sum(abs(item - 1.0) for item in shares)
+    moment = most / robot.r * sum(abs((1.0 + wheels.track) * item - 1.0) for item in shares)
+    return Bound(dbar=(thrust, robot.l * moment))
+
+
+def misread(scenario: Scenario) -> Pair:
+    """By how much wheel speeds, read as those of the believed wheels, misstate v1 and omega.
+
+    With c = (a_r + a_l)/2 and d = (a_r - a_l)/2 they show c v1 + d l' omega and
+    (d v1 + c l' omega)/l, so they are off by at most |c - 1| u1 + |d| l' u2 [m/s] and
+    |c l'/l - 1| u2 + |d| u1/l [rad/s] within the limits u1, u2 (ledger: world.wheels.misread*).
+    """
+    wheels, robot, (u1, u2) = scenario.section(Wheels), scenario.robot, scenario.limits.v_u1
+    right, left = (1.0 / (1.0 + item) for item in wheels.radius)
+    mean, half = (right + left) / 2.0, abs(right - left) / 2.0
+    wider = 1.0 + wheels.track
+    return (
+        abs(mean - 1.0) * u1 + half * wider * robot.l * u2,
+        abs(mean * wider - 1.0) * u2 + half * u1 / robot.l,
+    )
+
+
+WHEELS = Effect(
+    name="wheels",
+    role=EffectRole.DRIVE,
+    section=Wheels,
+    build=build,
+    acts=acts,
+    bound=bound,
+    rate=Rate.STEP,
+)
