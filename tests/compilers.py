@@ -7,7 +7,9 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
 QEMU = ("qemu-aarch64", "qemu-aarch64-static")
 WINE = ("wine64", "/usr/lib/wine/wine64")
 NODE = ("node", "nodejs")
+WINE_SETS_UP = threading.Lock()
 
 
 def where(*names: str) -> str:
@@ -59,6 +62,17 @@ def processor() -> set[str]:
     return {word for line in text.splitlines() if line.startswith("flags") for word in line.split()}
 
 
+@lru_cache
 def wine_in(folder: Path) -> dict[str, str]:
-    """Environment in which wine keeps its files in a folder."""
-    return {"WINEDEBUG": "-all", "HOME": str(folder), "WINEPREFIX": str(folder / "wine")}
+    """Environment in which wine keeps its files in a folder, which it has set up there.
+
+    Two programs that start wine at the same time in an empty folder both set it up, and then one of
+    them may die: so it is done here, once and before either runs.
+    """
+    own = {"WINEDEBUG": "-all", "HOME": str(folder), "WINEPREFIX": str(folder / "wine")}
+    with WINE_SETS_UP:
+        subprocess.run(
+            [where(*WINE), "wineboot", "-i"],
+            capture_output=True, timeout=300, check=False, env={**os.environ, **own},
+        )  # fmt: skip
+    return own

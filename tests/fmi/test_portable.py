@@ -17,6 +17,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
+from tests.compilers import WINE, where, wine_in
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi import targets
@@ -124,11 +125,7 @@ def test_five_platforms_in_one_file(tmp_path):
 @zig
 @pytest.mark.slow
 def test_the_windows_library_computes_the_same_under_wine(tmp_path):
-    wine = shutil.which("wine64") or next(
-        (p for p in ("/usr/lib/wine/wine64",) if Path(p).exists()), None
-    )
-    if wine is None:
-        pytest.skip("NOT RUN: wine64 is not there, so the Windows library was not run")
+    wine = where(*WINE)
     outputs = []
     for target, suffix in (("x86_64-linux", ""), ("x86_64-windows", ".exe")):
         (path,) = export_fmu("plant", fmi=2, target=target, out=tmp_path / target)
@@ -169,12 +166,7 @@ def test_the_windows_library_computes_the_same_under_wine(tmp_path):
             *refs,
             "200",
         ]
-        environment = {
-            **os.environ,
-            "WINEPREFIX": str(tmp_path / "wine"),
-            "WINEDEBUG": "-all",
-            "HOME": str(tmp_path),
-        }
+        environment = {**os.environ, **(wine_in(tmp_path) if suffix else {})}
         done = subprocess.run(
             command, capture_output=True, text=True, env=environment, timeout=300, check=False
         )
