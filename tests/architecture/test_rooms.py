@@ -94,11 +94,7 @@ def test_a_class_name_stands_for_one_class():
                 places[node.name].append(module.name)
     doubles = {name: where for name, where in places.items() if len(where) > 1}
 
-    assert {name: w for name, w in doubles.items() if not _elsewhere(w)} == {}
-
-
-def _elsewhere(places: list[str]) -> bool:
-    return any(place.startswith(ELSEWHERE) for place in places)
+    assert doubles == {}
 
 
 def test_values_are_named_by_nouns():

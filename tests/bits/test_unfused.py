@@ -11,7 +11,7 @@ import pytest
 
 from tests.bits.cases import case
 from tests.bits.platforms import processor
-from wmr_ctrl.codegen.build import X86, Vectors, flags_of, vector_sets
+from wmr_ctrl.codegen.build import X86, Instructions, flags_of, vector_sets
 from wmr_ctrl.codegen.compiler import Toolchain
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.laws.registry import NAMES
@@ -45,7 +45,7 @@ def test_builds_for_this_processor(compiler: str, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("vectors", X86, ids=lambda item: item.name)
-def test_builds_for_vectors(vectors: Vectors) -> None:
+def test_builds_for_vectors(vectors: Instructions) -> None:
     if vectors not in vector_sets():
         pytest.skip("NOT RUN: not an x86 processor")
     toolchain = find_toolchain()

@@ -12,15 +12,15 @@ import wmr_ctrl
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.proofs.claims.common import LawGraph, scalars
-from wmr_ctrl.proofs.graph import _NAMES, Graph, graph_of, is_parameter
+from wmr_ctrl.proofs.graph import _NAMES, ProvedGraph, graph_of, is_parameter
 from wmr_ctrl.proofs.statement import symbols
 
 
-def operations(graph: Graph) -> list[str]:
+def operations(graph: ProvedGraph) -> list[str]:
     return [node.op for node in graph.nodes if node.op not in ("input", "const")]
 
 
-def written(graph: Graph, k: int) -> str:
+def written(graph: ProvedGraph, k: int) -> str:
     """A value with all that it is computed from, as text."""
     node = graph.nodes[k]
     if node.op in ("input", "const"):

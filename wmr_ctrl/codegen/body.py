@@ -8,16 +8,16 @@ from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.fold import folded
 from wmr_ctrl.codegen.items import (
-    Block,
     Four,
+    IfElse,
     Item,
-    Line,
+    Operation,
     Roll,
     Slice,
     Together,
     Turn,
     Writing,
-    line,
+    operation,
     ordered,
     writing,
 )
@@ -30,7 +30,7 @@ _STEP = "    "
 
 def body(graph: Graph, dialect: Dialect) -> list[str]:
     """Statements of a function that computes the graph: branches, loops, and results last."""
-    lines = [line(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
+    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
     scope = branched(graph, scope)
     scope = together(graph, scope) if dialect.together else scope
@@ -74,12 +74,12 @@ class _Writer:
     def _lines(self, items: Iterable[Item], indent: str) -> list[str]:
         found: list[str] = []
         for item in items:
-            if isinstance(item, Line):
+            if isinstance(item, Operation):
                 found.append(indent + self._assignment(item.node))
             elif isinstance(item, Writing):
                 target = f"{item.store.vector}[{item.store.index}]"
                 found.append(f"{indent}{target} = {self._real(item.store.node)};")
-            elif isinstance(item, Block):
+            elif isinstance(item, IfElse):
                 found.extend(self._block(item, indent))
             elif isinstance(item, Four):
                 found.append(
@@ -171,10 +171,10 @@ class _Writer:
                 return roll if roll in self.folded else None
         return None
 
-    def _block(self, block: Block, indent: str) -> list[str]:
+    def _block(self, block: IfElse, indent: str) -> list[str]:
         return (self._lane_block if self.dialect.lanes else self._branch)(block, indent)
 
-    def _branch(self, block: Block, indent: str) -> list[str]:
+    def _branch(self, block: IfElse, indent: str) -> list[str]:
         found = [f"{indent}{self._type(k)} {self._name(k)};" for k in block.defines]
         found.append(f"{indent}if ({self._truth(block.condition)}) {{")
         found += self._arm(block.then, block.defines, 1, indent + _STEP)
@@ -193,7 +193,7 @@ class _Writer:
         operand = self.graph.nodes[choice].operands[side]
         return self._truth(operand) if self.graph.is_logical(choice) else self._real(operand)
 
-    def _lane_block(self, block: Block, indent: str) -> list[str]:
+    def _lane_block(self, block: IfElse, indent: str) -> list[str]:
         """Each side where any lane wants it; the second is put in by lane."""
         condition, inner = self._truth(block.condition), indent + _STEP
         found = [

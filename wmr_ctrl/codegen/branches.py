@@ -7,9 +7,9 @@ the operations that only one side needs; if those are worth a branch they move i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from wmr_ctrl.codegen.items import Block, Item, Line, ordered, values
+from wmr_ctrl.codegen.items import IfElse, Item, Operation, ordered, values
 from wmr_ctrl.model.graph import SELECT, Graph
 
 WORTH = 15
@@ -25,8 +25,8 @@ def branched(
     """
     outside, items = frozenset(needed), list(items)
     while True:
-        scope = _Scope(items, outside)
-        candidates = [_Branch(graph, scope, c, worth) for c in _conditions(graph, items)]
+        scope = _Scope(graph, items, outside)
+        candidates = [_Branch(graph, scope, condition, worth) for condition in scope.choices]
         best = max(candidates, key=lambda item: item.cost, default=None)
         if best is None or best.cost < worth:
             return items
@@ -34,9 +34,12 @@ def branched(
 
 
 class _Scope:
-    """Items in order, who makes and who reads each value, and what is read outside."""
+    """Items in order, who makes and who reads each value, the choices on each condition.
 
-    def __init__(self, items: list[Item], outside: frozenset[int]) -> None:
+    ``outside`` are the values that are read outside of it.
+    """
+
+    def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
         self.items, self.outside = items, outside
         self.position = {item: place for place, item in enumerate(items)}
         self.maker = {number: item for item in items for number in item.defines}
@@ -44,16 +47,30 @@ class _Scope:
         for item in items:
             for number in item.reads:
                 self.users.setdefault(number, []).append(item)
+        self.choices = _choices(graph, items)
+
+    def dependents(self, start: Item, last: int) -> Iterator[Item]:
+        """What needs an item, as far as position ``last``."""
+        waiting, known = [start], {start}
+        while waiting:
+            item = waiting.pop()
+            for number in item.defines:
+                for user in self.users.get(number, ()):
+                    if user not in known and self.position[user] <= last:
+                        known.add(user)
+                        waiting.append(user)
+                        yield user
 
 
-def _conditions(graph: Graph, items: Sequence[Item]) -> list[int]:
-    """Conditions of the choices that stand as lines, in order."""
-    found = {
-        graph.nodes[item.node].operands[0]: None
-        for item in items
-        if isinstance(item, Line) and graph.nodes[item.node].op == SELECT
-    }
-    return [number for number in found if not graph.nodes[number].leaf]
+def _choices(graph: Graph, items: Iterable[Item]) -> dict[int, list[Operation]]:
+    """The choices that stand as lines, in order, by their conditions."""
+    found: dict[int, list[Operation]] = {}
+    for item in items:
+        if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
+            condition = graph.nodes[item.node].operands[0]
+            if not graph.nodes[condition].leaf:
+                found.setdefault(condition, []).append(item)
+    return found
 
 
 class _Branch:
@@ -70,7 +87,7 @@ class _Branch:
         gone = {*self.choices, *self.then, *self.other}
         return [*(item for item in self.scope.items if item not in gone), self._block()]
 
-    def _block(self) -> Block:
+    def _block(self) -> IfElse:
         defines = tuple(item.node for item in self.choices)
         arms = [values(self.graph, self._arms(side)) for side in (1, 2)]
         inner = [
@@ -81,30 +98,24 @@ class _Branch:
         made = {number for item in parts for number in item.defines}
         reads = frozenset({self.condition}).union(*arms, *(item.reads for item in parts)) - made
         cost = _cost(parts) + len(defines)
-        return Block(defines, reads, cost, self.condition, tuple(inner[0]), tuple(inner[1]))
+        return IfElse(defines, reads, cost, self.condition, tuple(inner[0]), tuple(inner[1]))
 
     def _arms(self, side: int) -> list[int]:
         return [self.graph.nodes[item.node].operands[side] for item in self.choices]
 
-    def _independent_choices(self) -> list[Line]:
+    def _independent_choices(self) -> list[Operation]:
         """Choices on the condition none of which depends on another."""
-        lines = (item for item in self.scope.items if isinstance(item, Line))
-        listed = [item for item in lines if self._is_choice(item)]
-        if len(listed) == 1:
-            return listed
-        chosen: list[Line] = []
-        tainted: set[int] = set()
-        for item in self.scope.items:
-            if not item.reads.isdisjoint(tainted):
-                tainted.update(item.defines)
-            elif isinstance(item, Line) and self._is_choice(item):
+        listed = self.scope.choices[self.condition]
+        last = self.scope.position[listed[-1]]
+        chosen: list[Operation] = []
+        dependent: set[Item] = set()
+        for item in listed:
+            if item not in dependent:
                 chosen.append(item)
-                tainted.update(item.defines)
+                dependent.update(
+                    self.scope.dependents(item, last) if item is not listed[-1] else ()
+                )
         return chosen
-
-    def _is_choice(self, item: Line) -> bool:
-        node = self.graph.nodes[item.node]
-        return node.op == SELECT and node.operands[0] == self.condition
 
     def _cone(self, side: int) -> list[Item]:
         """Items that nothing needs but this side of the choices, in order."""
@@ -120,7 +131,7 @@ class _Branch:
                 waiting.extend(item.reads)
         return sorted(inside, key=self.scope.position.__getitem__)
 
-    def _only(self, number: int, side: int, inside: set[Item], choices: set[Line]) -> bool:
+    def _only(self, number: int, side: int, inside: set[Item], choices: set[Operation]) -> bool:
         return number not in self.scope.outside and all(
             user in inside or (user in choices and self._on_side(user, number, side))
             for user in self.scope.users.get(number, ())

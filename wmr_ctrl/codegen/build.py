@@ -47,7 +47,7 @@ _DISPATCH = "dispatch.c"
 
 
 @dataclass(frozen=True)
-class Vectors:
+class Instructions:
     """A set of vector instructions: its name, how many doubles it takes, the x86-64 level."""
 
     name: str
@@ -55,12 +55,12 @@ class Vectors:
     target: str | None
 
 
-BASELINE = Vectors("baseline", 2, None)
+BASELINE = Instructions("baseline", 2, None)
 """Runs on every processor of the platform's kind."""
-X86 = (Vectors("avx512", 8, "x86-64-v4"), Vectors("avx2", 4, "x86-64-v3"))
+X86 = (Instructions("avx512", 8, "x86-64-v4"), Instructions("avx2", 4, "x86-64-v3"))
 
 
-def vector_sets() -> tuple[Vectors, ...]:
+def vector_sets() -> tuple[Instructions, ...]:
     """The sets of this platform's kind of processor, best first."""
     return (*(X86 if platform.machine().lower() in ("x86_64", "amd64") else ()), BASELINE)
 
@@ -276,7 +276,7 @@ def _first_step_at(time: float, step: float) -> int:
     return index if abs(index * step - time) <= 1e-9 * max(1.0, time) else int(-(-time // step))
 
 
-def flags_of(vectors: Vectors, toolchain: Toolchain) -> Iterator[str]:
+def flags_of(vectors: Instructions, toolchain: Toolchain) -> Iterator[str]:
     """Flags that compile for a set of vector instructions."""
     yield f"-DWMR_SET={vectors.name}"
     yield f"-DWMR_LANES={vectors.lanes}"

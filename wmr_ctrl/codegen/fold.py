@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.codegen.items import Block, Four, Item, Line, Roll, Slice, Together, Turn, Writing
+from wmr_ctrl.codegen.items import (
+    Four,
+    IfElse,
+    Item,
+    Operation,
+    Roll,
+    Slice,
+    Together,
+    Turn,
+    Writing,
+)
 from wmr_ctrl.model.graph import Graph
 
 LONG_ENOUGH = 8
@@ -39,14 +49,14 @@ def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
             for number in item.defines:
                 count.update(graph.nodes[number].operands)
             count.update(item.reads if item.op is None else ())
-        elif isinstance(item, Line | Four | Turn):
+        elif isinstance(item, Operation | Four | Turn):
             for number in item.defines:
                 count.update(graph.nodes[number].operands)
         elif isinstance(item, Together):
             count.update(item.operands)
         elif isinstance(item, Writing):
             count[item.store.node] += 1
-        elif isinstance(item, Block):
+        elif isinstance(item, IfElse):
             count.update(dict.fromkeys(item.reads, 2))
     return count
 

@@ -18,7 +18,7 @@ class Item:
 
 
 @dataclass(frozen=True, eq=False)
-class Line(Item):
+class Operation(Item):
     """One operation."""
 
     @property
@@ -35,7 +35,7 @@ class Writing(Item):
 
 
 @dataclass(frozen=True, eq=False)
-class Block(Item):
+class IfElse(Item):
     """``if (condition) then else other``; it defines the choices that share the condition."""
 
     condition: int = 0
@@ -86,9 +86,9 @@ class Together(Item):
     operands: tuple[int, ...] = ()
 
 
-def line(graph: Graph, number: int) -> Line:
+def operation(graph: Graph, number: int) -> Operation:
     """The item of one operation."""
-    return Line((number,), values(graph, graph.nodes[number].operands), graph.cost(number))
+    return Operation((number,), values(graph, graph.nodes[number].operands), graph.cost(number))
 
 
 def writing(graph: Graph, store: Store) -> Writing:

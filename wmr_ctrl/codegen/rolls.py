@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import Four, Item, Line, Roll, Slice, Writing, ordered, values
+from wmr_ctrl.codegen.items import Four, Item, Operation, Roll, Slice, Writing, ordered, values
 from wmr_ctrl.model.graph import Graph
 
 SHORTEST = 8
@@ -35,7 +35,7 @@ def rolled(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, P
     rolling = _Rolling(graph, items)
     rolling.find()
     gone = {number for roll in rolling.rolls for number in roll.defines}
-    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    kept = [item for item in items if not (isinstance(item, Operation) and item.node in gone)]
     local = {
         number: place for number, place in rolling.place.items() if number not in rolling.given
     }
@@ -47,7 +47,9 @@ def rolled(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, P
 def in_fours(items: Sequence[Item], places: Mapping[int, Place]) -> list[Item]:
     """The items with the single lines that fill four elements of an array as one item."""
     lines = {
-        places[item.node]: item for item in items if isinstance(item, Line) and item.node in places
+        places[item.node]: item
+        for item in items
+        if isinstance(item, Operation) and item.node in places
     }
     made: list[Item] = []
     for array, start in lines:
@@ -65,7 +67,7 @@ class _Rolling:
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
         self.graph, self.rolls = graph, list[Roll]()
         self.depth = _depths(items)
-        self.lines = {item.node for item in items if isinstance(item, Line)}
+        self.lines = {item.node for item in items if isinstance(item, Operation)}
         self.place = {k: node.place for k, node in enumerate(graph.nodes) if node.place}
         self.given = frozenset(self.place)
         self.arrays = 0
@@ -266,7 +268,7 @@ def _copy(run: list[Writing], local: dict[int, Place]) -> Roll:
     return Roll((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))
 
 
-def _four(lines: Sequence[Line], target: Slice) -> Four:
+def _four(lines: Sequence[Operation], target: Slice) -> Four:
     defines = tuple(line.node for line in lines)
     reads = frozenset().union(*(line.reads for line in lines))
     return Four(defines, reads, sum(line.cost for line in lines), target)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import Item, Line, Together, Turn, ordered, values
+from wmr_ctrl.codegen.items import Item, Operation, Together, Turn, ordered, values
 from wmr_ctrl.model.graph import Graph
 
 FEWEST = 4
@@ -17,14 +17,14 @@ def together(graph: Graph, items: Sequence[Item]) -> list[Item]:
     """The items with exponentials of one rank, of which none needs another, as one item each."""
     groups = [group for group in _ranks(graph, items).values() if len(group) >= FEWEST]
     gone = {number for group in groups for number in group}
-    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    kept = [item for item in items if not (isinstance(item, Operation) and item.node in gone)]
     made = [_together(graph, group, f"e{place}") for place, group in enumerate(groups, 1)]
     return ordered([*made, *kept])
 
 
 def turns(graph: Graph, items: Sequence[Item]) -> list[Item]:
     """The items with sine and cosine of one angle as one item."""
-    lines = [item for item in items if isinstance(item, Line)]
+    lines = [item for item in items if isinstance(item, Operation)]
     sines, cosines = (_of_angles(graph, lines, op) for op in (ca.OP_SIN, ca.OP_COS))
     made = [
         Turn((sine, cosines[angle]), values(graph, (angle,)), graph.cost(sine), angle)
@@ -32,11 +32,11 @@ def turns(graph: Graph, items: Sequence[Item]) -> list[Item]:
         if angle in cosines
     ]
     gone = {number for item in made for number in item.defines}
-    kept = [item for item in items if not (isinstance(item, Line) and item.node in gone)]
+    kept = [item for item in items if not (isinstance(item, Operation) and item.node in gone)]
     return ordered([*made, *kept])
 
 
-def _of_angles(graph: Graph, lines: Sequence[Line], op: int) -> dict[int, int]:
+def _of_angles(graph: Graph, lines: Sequence[Operation], op: int) -> dict[int, int]:
     """Of each angle its sine, or cosine."""
     found = [item.node for item in lines if graph.nodes[item.node].op == op]
     return {graph.nodes[number].operands[0]: number for number in found}
@@ -48,7 +48,7 @@ def _ranks(graph: Graph, items: Sequence[Item]) -> dict[int, list[int]]:
     groups: dict[int, list[int]] = {}
     for item in items:
         before = max((rank.get(number, 0) for number in item.reads), default=0)
-        if isinstance(item, Line) and graph.nodes[item.node].op == ca.OP_EXP:
+        if isinstance(item, Operation) and graph.nodes[item.node].op == ca.OP_EXP:
             groups.setdefault(before, []).append(item.node)
             before += 1
         rank.update(dict.fromkeys(item.defines, before))

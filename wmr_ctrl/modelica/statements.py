@@ -15,7 +15,17 @@ import casadi as ca
 
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS
-from wmr_ctrl.codegen.items import Block, Item, Line, Roll, Slice, Writing, line, ordered, writing
+from wmr_ctrl.codegen.items import (
+    IfElse,
+    Item,
+    Operation,
+    Roll,
+    Slice,
+    Writing,
+    operation,
+    ordered,
+    writing,
+)
 from wmr_ctrl.codegen.rolls import rolled
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.graph import SELECT, Graph
@@ -65,10 +75,10 @@ def indexed(vector: str, index: int) -> str:
 
 def algorithm(graph: Graph) -> tuple[list[str], list[str]]:
     """Declarations of what a function keeps, and its statements; vectors bear the graph's names."""
-    lines = [line(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
+    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
     items, places = rolled(graph, branched(graph, scope, worth=1))
-    writer = _Writer(graph, indexed, ":=", places, items)
+    writer = _Statements(graph, indexed, ":=", places, items)
     statements = writer.statements(items, _STEP)
     return writer.declarations(), statements
 
@@ -81,13 +91,13 @@ def equations(graph: Graph, names: Names, results: Mapping[tuple[str, int], str]
     """
     if any(node.op == SELECT for node in graph.nodes):
         raise ArgumentError("a graph with choices has no equations: give it as a function.")
-    lines = [line(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
+    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     items = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
-    writer = _Writer(graph, names, "=", {}, items, results)
+    writer = _Statements(graph, names, "=", {}, items, results)
     return writer.statements(items, "")
 
 
-class _Writer:
+class _Statements:
     """Writes items; what is used once and is short stands where it is used."""
 
     def __init__(
@@ -122,11 +132,11 @@ class _Writer:
         """Lines of one scope."""
         text: list[str] = []
         for item in items:
-            if isinstance(item, Line):
+            if isinstance(item, Operation):
                 text += self._line(item, indent)
             elif isinstance(item, Writing):
                 text.append(f"{indent}{self._target(item)} {self.sign} {self._free(item)};")
-            elif isinstance(item, Block):
+            elif isinstance(item, IfElse):
                 text += self._block(item, indent)
             elif isinstance(item, Roll):
                 text += self._roll(item, indent)
@@ -135,10 +145,10 @@ class _Writer:
     def _count(self, items: Iterable[Item]) -> None:
         """How often each value is read; what another scope or a loop reads counts twice."""
         for item in items:
-            if isinstance(item, Line):
+            if isinstance(item, Operation):
                 node = self.graph.nodes[item.node]
                 self.readers.update(node.operands * (1 + (node.op in _TWICE_READ)))
-            elif isinstance(item, Block):
+            elif isinstance(item, IfElse):
                 self._count((*item.then, *item.other))
                 arms = [self.graph.nodes[k].operands[s] for k in item.defines for s in (1, 2)]
                 self.readers.update((item.condition, *arms, *arms))
@@ -156,7 +166,7 @@ class _Writer:
     def _free(self, item: Writing) -> str:
         return _bare(self._real(item.store.node))
 
-    def _line(self, item: Line, indent: str) -> list[str]:
+    def _line(self, item: Operation, indent: str) -> list[str]:
         text = self._expression(item.node)
         own = item.node in self.places
         if not own and self.readers[item.node] == 1 and len(text) <= _LONGEST:
@@ -204,7 +214,7 @@ class _Writer:
         name = self._name(number)
         return name if self.graph.is_logical(number) else f"({name} <> 0.0)"
 
-    def _block(self, block: Block, indent: str) -> list[str]:
+    def _block(self, block: IfElse, indent: str) -> list[str]:
         text = [f"{indent}if {_bare(self._truth(block.condition))} then"]
         for side, (word, items) in enumerate((("else", block.then), ("end if;", block.other)), 1):
             text += self.statements(items, indent + _STEP)

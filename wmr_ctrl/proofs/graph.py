@@ -23,7 +23,7 @@ LOGICAL = frozenset(_NAMES[op] for op in compiled_graph.LOGICAL)
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class ProvedNode:
     """One operation: its name, the nodes it reads, its constant or the name of its input."""
 
     op: str
@@ -33,10 +33,10 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Graph:
+class ProvedGraph:
     """Nodes in an order of evaluation, and the node of each output."""
 
-    nodes: tuple[Node, ...]
+    nodes: tuple[ProvedNode, ...]
     outputs: tuple[int, ...]
 
     @property
@@ -73,8 +73,8 @@ def graph_of(
     outputs: Sequence[ca.SX],
     cuts: Mapping[str, ca.SX] | None = None,
     numbers: Mapping[str, float] | None = None,
-) -> Graph:
-    """Graph of scalar expressions in named scalar symbols, as the compiler is given it.
+) -> ProvedGraph:
+    """ProvedGraph of scalar expressions in named scalar symbols, as the compiler is given it.
 
     A cut replaces the node that computes its expression by an input of that name (a constant
     stays: the same number may stand elsewhere for something else); ``numbers`` are
@@ -87,10 +87,10 @@ def graph_of(
     nodes = [_named(node, list(given)) for node in compiled.nodes]
     for name, place in zip(cut, places[len(outputs) :], strict=True):
         if nodes[place].op != "const":
-            nodes[place] = Node("input", name=name)
+            nodes[place] = ProvedNode("input", name=name)
     known = numbers or {}
-    nodes = [Node("const", value=known[n.name]) if n.name in known else n for n in nodes]
-    graph = Graph(tuple(nodes), tuple(places[: len(outputs)]))
+    nodes = [ProvedNode("const", value=known[n.name]) if n.name in known else n for n in nodes]
+    graph = ProvedGraph(tuple(nodes), tuple(places[: len(outputs)]))
     _refuse_unnamed(graph)
     return _compact(graph)
 
@@ -109,7 +109,7 @@ def _unnamed(inputs: Mapping[str, ca.SX], exprs: Sequence[ca.SX]) -> dict[str, c
     return {f"?{symbol.name()}": symbol for symbol in loose}
 
 
-def _refuse_unnamed(graph: Graph) -> None:
+def _refuse_unnamed(graph: ProvedGraph) -> None:
     free = [name for name in graph.input_names if name.startswith("?")]
     if free:
         raise ValueError(
@@ -131,16 +131,16 @@ def _compiled(
     return graph, [store.node for store in sorted(graph.stores, key=lambda store: store.index)]
 
 
-def _named(node: compiled_graph.Node, names: Sequence[str]) -> Node:
+def _named(node: compiled_graph.Node, names: Sequence[str]) -> ProvedNode:
     if node.place is not None:
-        return Node("input", name=names[node.place[1]])
-    return Node(_NAMES[node.op], node.operands, node.number)
+        return ProvedNode("input", name=names[node.place[1]])
+    return ProvedNode(_NAMES[node.op], node.operands, node.number)
 
 
-def _compact(graph: Graph) -> Graph:
+def _compact(graph: ProvedGraph) -> ProvedGraph:
     """Only the nodes that an output needs, in an order fixed by the outputs alone."""
     place: dict[int, int] = {}
-    nodes: list[Node] = []
+    nodes: list[ProvedNode] = []
     stack = [(k, False) for k in reversed(graph.outputs)]
     while stack:
         k, ready = stack.pop()
@@ -152,5 +152,7 @@ def _compact(graph: Graph) -> Graph:
             stack.extend((arg, False) for arg in reversed(node.args))
             continue
         place[k] = len(nodes)
-        nodes.append(Node(node.op, tuple(place[arg] for arg in node.args), node.value, node.name))
-    return Graph(tuple(nodes), tuple(place[k] for k in graph.outputs))
+        nodes.append(
+            ProvedNode(node.op, tuple(place[arg] for arg in node.args), node.value, node.name)
+        )
+    return ProvedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs))

@@ -24,7 +24,7 @@ CHARTED = ("far", "middle", "near", "beyond", "out", "in")
 
 
 @dataclass(frozen=True)
-class Axis:
+class AxisName:
     """Suffix of the inputs of one axis: v<suffix>, c<suffix>, u1<suffix>, u2<suffix>."""
 
     suffix: str = ""
@@ -40,7 +40,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class _Chart:
-    axis: Axis
+    axis: AxisName
     target: str
     side: str
     order: str
@@ -84,12 +84,12 @@ def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
     return -size if side.endswith("-") else size
 
 
-def open_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+def open_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
     """The 35 open regions, where everything is differentiable."""
     return tuple(axis.case(t, s) for t in TARGETS for s in SIDES)
 
 
-def all_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+def all_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
     """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
     return tuple(
         axis.case(t, s, order)
@@ -99,7 +99,7 @@ def all_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
     )
 
 
-def off_target_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
+def off_target_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
     """The open regions without v = v_c1, where A is 0."""
     return tuple(
         axis.case(t, s, order)
@@ -111,7 +111,7 @@ def off_target_cases(axis: Axis = Axis()) -> tuple[Case, ...]:
 
 
 def smooth_cases(
-    axis: Axis = Axis(), sides: Iterable[str] = SIDES + SIDE_EDGES
+    axis: AxisName = AxisName(), sides: Iterable[str] = SIDES + SIDE_EDGES
 ) -> tuple[Case, ...]:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
     return tuple(
@@ -124,7 +124,7 @@ def smooth_cases(
     )
 
 
-def target_cases(axis: Axis = Axis(), edges: bool = True) -> tuple[Case, ...]:
+def target_cases(axis: AxisName = AxisName(), edges: bool = True) -> tuple[Case, ...]:
     """Regions of v_c0 alone (v at 0)."""
     return tuple(axis.case(t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS))
 

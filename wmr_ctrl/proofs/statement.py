@@ -8,7 +8,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.proofs.graph import Graph, graph_of
+from wmr_ctrl.proofs.graph import ProvedGraph, graph_of
 
 EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
 
@@ -57,7 +57,7 @@ class Statement:
     numbers: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
-    def graph(self) -> Graph:
+    def graph(self) -> ProvedGraph:
         """Outputs: the goals' expressions, then those of ``given``."""
         exprs = [r.expr for r in (*self.goals, *self.given)]
         return graph_of(self.symbols, exprs, self.cuts, self.numbers)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from typing import Any, Protocol
 
-from wmr_ctrl.proofs.graph import LOGICAL, Graph
+from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph
 
 
 class UndecidedError(ArithmeticError):
@@ -46,7 +46,7 @@ class Walk:
     """One evaluation of a graph along decided conditions, only of what is needed."""
 
     def __init__(
-        self, graph: Graph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]
+        self, graph: ProvedGraph, arithmetic: Arithmetic, ask: Callable[[Hashable], bool]
     ) -> None:
         self.graph, self.arithmetic, self.ask = graph, arithmetic, ask
         self.values: dict[int, Any] = {}

@@ -22,7 +22,7 @@ from wmr_ctrl.proofs.claims.authority_table import (
 )  # fmt: skip
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
-from wmr_ctrl.proofs.regions import Axis, off_target_cases, open_cases
+from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 
@@ -236,7 +236,7 @@ CLAIMS = (
         "The shape of the barrier's resistance far from the target.",
         "v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2",
         _shape,
-        Ring(tuple(Axis().case("far+", "out+", order) for order in ("<", ">"))),
+        Ring(tuple(AxisName().case("far+", "out+", order) for order in ("<", ">"))),
     ),
     Claim(
         "authority.limit",

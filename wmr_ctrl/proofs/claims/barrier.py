@@ -11,7 +11,7 @@ from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis
 from wmr_ctrl.proofs.claims.pairs import paired_cases
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
-from wmr_ctrl.proofs.regions import Axis, all_cases, open_cases, target_cases
+from wmr_ctrl.proofs.regions import AxisName, all_cases, open_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
 
 
@@ -126,7 +126,7 @@ def _lower_bound(flip: float) -> Statement:
     return Statement(a.symbols, (at_least(a.V, (0.5 if flip > 0 else 0.6) * a.w**2),))
 
 
-ONE, TWO = Axis("1"), Axis("2")
+ONE, TWO = AxisName("1"), AxisName("2")
 PAIRS = paired_cases(ONE, TWO)
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)

@@ -8,9 +8,9 @@ from wmr_ctrl.proofs.claims import lyapunov_steps as steps
 from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES
 from wmr_ctrl.proofs.claims.pairs import law_cases, paired_cases
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
-from wmr_ctrl.proofs.regions import Axis, off_target_cases, open_cases, target_cases
+from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases, target_cases
 
-ONE, TWO = Axis("1"), Axis("2")
+ONE, TWO = AxisName("1"), AxisName("2")
 OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(ONE, TWO), spare=12)
 TARGETS7 = Ring(target_cases(edges=False))
 LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))

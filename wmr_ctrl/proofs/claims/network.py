@@ -9,7 +9,7 @@ from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
 from wmr_ctrl.proofs.claims import network_steps as steps
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.regions import Axis
+from wmr_ctrl.proofs.regions import AxisName
 
 NODES, DIMENSIONS = nn.NODES, 6
 GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
@@ -124,7 +124,7 @@ CLAIMS = (
         "The regressor of the network blows up in normal operation, which is why the code caps it.",
         "every 0 < v_u2 < v_u1",
         steps.ratio,
-        Ring(tuple(Axis().case("middle+", side) for side in ("zero", "in+"))),
+        Ring(tuple(AxisName().case("middle+", side) for side in ("zero", "in+"))),
     ),
     Claim(
         "eq63-66",

@@ -64,7 +64,7 @@ def _pair(y_side: str, v_side: str, jump: str) -> Case:
 
 
 @dataclass(frozen=True)
-class Step:
+class NewtonStep:
     """One period of one axis under decay = "exact", with free numbers for the law's inner ones."""
 
     axis: int
@@ -120,7 +120,7 @@ class Step:
 
 def _side(axis: int, flip: float) -> Statement:
     """exp(-rho T) w^2 <= (v+ - v_c1) w <= w^2, from 0 <= (V1/A) w <= w^2."""
-    s = Step(axis)
+    s = NewtonStep(axis)
     w, fall = s.free["w"], s.free["fall"]
     after, share = w * (w + s.moved), s.free["quotient"] * w
     goals = (at_least(after, (1 + flip * fall) * w**2), at_least(w**2, after))
@@ -129,7 +129,7 @@ def _side(axis: int, flip: float) -> Statement:
 
 def _falls(axis: int, flip: float) -> Statement:
     """V1 at v+, from tangents at v (towards v+) and at v+ (towards v and v_c1, where V1 = 0)."""
-    s = Step(axis)
+    s = NewtonStep(axis)
     _, _, _, fall, w, before, after, slope, slope_after = s.free.values()
     given = (
         equal(slope * s.free["quotient"], before),

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from wmr_ctrl.proofs.case import POSITIVE, Case
-from wmr_ctrl.proofs.regions import Axis, open_cases
+from wmr_ctrl.proofs.regions import AxisName, open_cases
 
 
 def joined(one: Case, two: Case) -> Case:
@@ -28,7 +28,7 @@ def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
     return tuple(joined(a, b) for a, b in zip(one, two, strict=True))
 
 
-def paired_cases(one: Axis, two: Axis) -> tuple[Case, ...]:
+def paired_cases(one: AxisName, two: AxisName) -> tuple[Case, ...]:
     """Every open region of each axis once, against a different one of the other.
 
     Enough where the statement is a sum of one term per axis: terms of independent variables whose

@@ -21,7 +21,7 @@ BOX = (
 
 
 @dataclass(frozen=True)
-class Wheels:
+class MappedWheels:
     """A guard's box, a force in it, and wheels with reach phi."""
 
     @cached_property
@@ -63,7 +63,7 @@ class Wheels:
 
 
 def _map(name: str, flip: float) -> Statement:
-    w = Wheels()
+    w = MappedWheels()
     found = w.mapped(name, w.safe if flip > 0 else ca.SX.zeros(2))
     return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
 
@@ -78,7 +78,7 @@ def _rotation(flip: float) -> Statement:
 
 def _clip_per_wheel(flip: float) -> Statement:
     """Each torque clipped by itself."""
-    w = Wheels()
+    w = MappedWheels()
     t = w.symbols
     most = t["phi"] * t["r"] / 2
     torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
@@ -88,7 +88,7 @@ def _clip_per_wheel(flip: float) -> Statement:
 
 def _torques(flip: float) -> Statement:
     """|F| + |N|/l <= phi is |tau| <= tau_max = phi r/2 on both wheels."""
-    w = Wheels()
+    w = MappedWheels()
     t = w.symbols
     torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
@@ -98,7 +98,7 @@ def _torques(flip: float) -> Statement:
 
 def _necessary(flip: float) -> Statement:
     """At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger."""
-    w = Wheels()
+    w = MappedWheels()
     t = {**w.symbols, **symbols("dbar1 dbar2")}
     torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
