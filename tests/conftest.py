@@ -1,18 +1,21 @@
 """Settings for all tests: a build cache of their own, no windows, repeatable random examples.
 
-Libraries are compiled at the level -O1, which takes half the time of -O3 and gives the same bits:
-tests/bits compares builds at -O2 and -O3 with them, for every law.
+Libraries are compiled at the level -O0, or at -O1 where slow tests run them often. That takes a
+quarter, or half, of the time of -O3 and gives the same bits: tests/bits compares builds at -O2 and
+-O3 with them, for every law.
 """
 
 from __future__ import annotations
 
 import os
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")
-os.environ.setdefault("WMR_CTRL_OPTIMIZE", "1")
 settings.register_profile(
     "project",
     deadline=None,
@@ -25,6 +28,41 @@ settings.load_profile("project")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched."""
+    quick = "not slow" in config.getoption("markexpr")
+    os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0" if quick else "1")
     cache = getattr(config, "cache", None)
     if cache is not None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the cases slow that shown_cases.txt does not show."""
+    shown, collected = shown_cases(), defaultdict(list)
+    for item in items:
+        function = item.nodeid.partition("[")[0]
+        if function in shown:
+            collected[function].append(item)
+    for function, cases in collected.items():
+        kept = [item for item in cases if case_of(item) in shown[function]]
+        for item in set(cases).difference(kept):
+            item.add_marker(pytest.mark.slow)
+
+
+def case_of(item: pytest.Item) -> str:
+    """Its parameters' id; a test without parameters has none."""
+    return item.nodeid.partition("[")[2].removesuffix("]")
+
+
+def shown_cases() -> Mapping[str, frozenset[str]]:
+    """Of each test function in shown_cases.txt the ids of its cases that are run by default."""
+    cases: dict[str, set[str]] = {}
+    for line in lines_of(Path(__file__).with_name("shown_cases.txt")):
+        function, _, case = line.partition(" ")
+        cases.setdefault(function, set()).update({case} - {""})
+    return {function: frozenset(ids) for function, ids in cases.items()}
+
+
+def lines_of(path: Path) -> Iterable[str]:
+    """Lines of a file without comments and empty ones."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line for line in lines if line and not line.startswith("#")]

@@ -9,6 +9,7 @@ import subprocess
 import pytest
 
 from tests.architecture.tree import ROOT, project_files, text_files
+from tests.conftest import shown_cases
 
 MACHINE_PATH = re.compile(r"(?<![\w.$}/-])/(?:home|root|work|tmp|Users|mnt|scratch)/[\w.]")
 LONGEST_TEXT = 3_000_000
@@ -69,3 +70,9 @@ def test_what_users_commands_write_is_no_part_of_the_project(tmp_path, tracked):
 )
 def test_the_pattern_tells_machine_paths_from_others(text, told):
     assert bool(MACHINE_PATH.search(text)) is told
+
+
+def test_cases_that_are_shown_are_of_tests_that_are_there():
+    for function in shown_cases():
+        path, _, name = function.partition("::")
+        assert f"def {name}(" in (ROOT / path).read_text(encoding="utf-8"), function

@@ -59,7 +59,7 @@ def test_reader_that_leaves_early_is_no_error(started, args):
     process.stdout.close()
 
     _, stderr = process.communicate(timeout=60)
-    assert stderr == ""
+    assert all(line.endswith(" left") for line in stderr.splitlines())  # progress, if it is slow
     assert process.returncode == 141
 
 
