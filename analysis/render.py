@@ -17,10 +17,18 @@ from nbconvert import MarkdownExporter
 
 HERE = Path(__file__).resolve().parent
 TARGET = HERE.parent / "docs" / "notebooks"
+INDEX = """\
+# Notebooks: one question each
+
+Each ends in a cell of facts that asserts every number of its prose. This page and those below are
+written by `python analysis/render.py`, which runs the notebooks in `analysis/`.
+"""
 LONGEST_RUN = 300
 """Seconds that one cell may take."""
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+NOTEBOOK = re.compile(r"(\]\((?:\d\d-[\w-]+))\.ipynb(#[\w-]*)?\)")
+"""A link to a notebook, beside which the rendered ones have their own."""
 
 
 def notebooks(names: list[str]) -> list[Path]:
@@ -51,12 +59,32 @@ def write(book: nbformat.NotebookNode, name: str) -> Path:
         (TARGET / file).write_bytes(content)
     clean = "\n".join(line.rstrip().replace("\t", "    ") for line in text.splitlines())
     target = TARGET / f"{name}.md"
-    target.write_text(re.sub(r"\n{3,}", "\n\n", COLOUR.sub("", clean)) + "\n", encoding="utf-8")
+    text = re.sub(r"\n{3,}", "\n\n", linked(COLOUR.sub("", clean)))
+    target.write_text(text + "\n", encoding="utf-8")
+    return target
+
+
+def linked(text: str) -> str:
+    """Text whose links to notebooks lead to the rendered ones."""
+    return NOTEBOOK.sub(r"\1.md\2)", text)
+
+
+def index() -> Path:
+    """The rendered notebooks' contents: questions and answers of the notebooks' own index."""
+    rows = re.findall(
+        r"^\| (.+?) \| \[(\d\d)\]\(([\w-]+)\.ipynb\) \| (.+?) \|$",
+        (HERE / "README.md").read_text(encoding="utf-8"),
+        re.M,
+    )
+    entries = [f"- [{question}]({name}.md) {answer}" for question, _, name, answer in rows]
+    target = TARGET / "index.md"
+    target.write_text("\n".join([INDEX, *entries, ""]), encoding="utf-8")
     return target
 
 
 def main(names: list[str]) -> None:
     """Render what is named, or everything."""
+    sys.stderr.write(f"{index().relative_to(HERE.parent)}\n")
     for path in notebooks(names):
         sys.stderr.write(f"{path.stem} ... ")
         sys.stderr.flush()

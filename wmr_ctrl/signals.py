@@ -13,7 +13,7 @@ from dataclasses import dataclass
 class Signal:
     """One named quantity: a scalar (size 1) or a vector of ``size`` elements in one unit list.
 
-    ``unit`` is one SI unit, or one per element joined by ``, `` where they differ
+    ``unit`` is one SI unit, or one per element with commas between where they differ
     (``"m/s, rad/s"``).  Indices in names and messages count from 1.
     """
 

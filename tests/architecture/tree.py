@@ -12,8 +12,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "wmr_ctrl"
-FOLDERS = (".ci", "analysis", "benchmarks", "docs", "fmu", "tests", "wmr_ctrl")
-AT_ROOT = ("CHANGELOG.md", "LICENSE", "README.md", "pyproject.toml")
+FOLDERS = (".ci", "analysis", "benchmarks", "docs", "fmu", "paper", "tests", "wmr_ctrl")
+AT_ROOT = (
+    "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md", "pyproject.toml",
+)  # fmt: skip
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

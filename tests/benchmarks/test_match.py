@@ -51,7 +51,7 @@ def test_the_quick_mode_plays_a_law_against_a_predictive_controller(capsys):
     match.main(["--quick"])
     told = capsys.readouterr().out
 
-    assert "### 100 ms, a delay of 50 ms" in told
+    assert "## 100 ms, a delay of 50 ms" in told
     assert "| prox + guard | none |" in told
     assert "| NMPC, nominal |" in told
 

@@ -38,7 +38,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
 
 
 def load_run(path: str | os.PathLike[str]) -> Run:
-    """Read a run that :func:`save_run` wrote; it compares equal to the one that was saved.
+    """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
 
     Raises ResultFileError where the file is missing, damaged, or something else.
     """

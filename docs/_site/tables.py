@@ -1,0 +1,307 @@
+"""Reference pages from the program itself: each function returns the Markdown of one part.
+
+They need no Sphinx, so that tests read them without it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from importlib.resources import files
+
+from markdown import code, number, table
+
+import wmr_ctrl
+from wmr_ctrl import errors, signals
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.cli.scenarios import gains_docs
+from wmr_ctrl.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.fields.values import Quantity, Range
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.paper.equations import equations
+from wmr_ctrl.paper.symbols import symbols
+from wmr_ctrl.results.outcomes import Outcome
+from wmr_ctrl.results.remarks import SHORT
+from wmr_ctrl.scenario import preset_titles
+from wmr_ctrl.scenario.change import Change
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.world.registry import EFFECTS
+
+
+def summary(thing: object) -> str:
+    """First paragraph of a docstring, in one line."""
+    return " ".join((inspect.getdoc(thing) or "").split("\n\n")[0].split()).replace("``", "`")
+
+
+# --- the scenario file ---------------------------------------------------------------------------
+
+
+def scenario_keys() -> str:
+    """Every table of a scenario with its fields."""
+    parts = [_section(key, cls) for key, cls in sections().items()]
+    return "\n\n".join([*parts, _section("changes", Change, "[[changes]]")])
+
+
+def _section(key: str, cls: type[Section], written: str = "") -> str:
+    return "\n\n".join([f"### `{written or f'[{key}]'}`", summary(cls), fields(cls)])
+
+
+def fields(cls: type[Section]) -> str:
+    """A section's fields: key, default, unit, range, meaning."""
+    header = ("key", "default", "unit", "range", "meaning")
+    return table(header, (_field(name, what) for name, what in quantities(cls)))
+
+
+def _field(name: str, what: Quantity) -> tuple[str, ...]:
+    default = "must be given" if what.default is REQUIRED else code(number(what.default))
+    allowed = ", ".join(map(code, what.options)) or _range(what.bounds)
+    return code(name), default or "left out", what.unit, allowed, what.doc
+
+
+def _range(bounds: Range) -> str:
+    sides = (
+        ("above", bounds.above),
+        ("from", bounds.minimum),
+        ("below", bounds.below),
+        ("to", bounds.maximum),
+    )
+    return " ".join(f"{word} {value:g}" for word, value in sides if value is not None)
+
+
+def references() -> str:
+    """Every kind of reference with its fields and an example."""
+    return "\n\n".join(_reference(kind) for kind in REFERENCES)
+
+
+def _reference(kind: str) -> str:
+    entry = REFERENCES[kind]
+    parts = [f'### `kind = "{kind}"`', summary(entry.section), fields(entry.section)]
+    example = [f"```toml\n{entry.example.strip()}\n```"] if entry.example else []
+    return "\n\n".join(parts + example)
+
+
+def gains() -> str:
+    """Gains of Eq. (7) and of every law."""
+    header = ("key", "default", "unit", "meaning")
+    return "\n\n".join(
+        f"### `[gains.{law}]`\n\n"
+        + (f"{LAWS[law].title}.\n\n" if law in LAWS else "The velocities of Eq. (7).\n\n")
+        + table(
+            header,
+            ((code(k), code(number(d)), unit, doc) for k, (d, unit, doc) in rows.items()),
+        )
+        for law, rows in gains_docs().items()
+    )
+
+
+def presets() -> str:
+    """The scenarios that come along."""
+    return table(("preset", "what it is"), ((code(k), v) for k, v in preset_titles().items()))
+
+
+def laws() -> str:
+    """The laws and what they are."""
+    return table(("law", "what it is"), ((code(law), LAWS[law].title) for law in LAWS))
+
+
+def effects() -> str:
+    """Sensors, disturbances and drives, with the table that switches them on."""
+    rows = ((e.name, e.role.value, code(f"[{e.section.KEY}]"), summary(e.section)) for e in EFFECTS)
+    return table(("effect", "role", "table", "what its fields are"), rows)
+
+
+# --- signals -------------------------------------------------------------------------------------
+
+GROUPS: Mapping[str, str] = {
+    "Time and samples": "TIME SAMPLE STEP",
+    "True state": "PLANT_STATE PSI TRAVEL PATH",
+    "Measured": "MEASURED_POSE MEASURED_VELOCITY",
+    "Desired motion": "REFERENCE",
+    "Torque and force": "TORQUE TORQUE_NOISE BODY_FORCE TAU_APPLIED FORCE",
+    "Error and diagnostics": "TRACKING_ERROR DIAGNOSTICS D_HAT",
+    "Guard and monitor": "GUARD_DIAGNOSTICS",
+    "Rigid body": "RIGID",
+}
+"""Heading to names of `wmr_ctrl.signals`; a test holds that none is missing."""
+
+
+def catalogue() -> dict[str, list[Signal]]:
+    """Signals by heading."""
+    return {
+        head: _flat(getattr(signals, n) for n in names.split()) for head, names in GROUPS.items()
+    }
+
+
+def _flat(items: Iterable[Signal | tuple[Signal, ...]]) -> list[Signal]:
+    return [s for item in items for s in ((item,) if isinstance(item, Signal) else item)]
+
+
+def signal_tables() -> str:
+    """The glossary of signals."""
+    return "\n\n".join(
+        f"### {head}\n\n" + table(("signal", "size", "unit", "meaning"), map(_signal, rows))
+        for head, rows in catalogue().items()
+    )
+
+
+def _signal(signal: Signal) -> tuple[str, ...]:
+    return code(signal.name), str(signal.size), signal.unit, signal.meaning
+
+
+def columns() -> str:
+    """Columns of every run's log, in order."""
+    return ", ".join(code(name) for item in signals.LOG_HEAD for name in item.elements)
+
+
+def paper_symbols() -> str:
+    """The paper's letters and the names that the code has for them."""
+    header = ("in the paper", "in the code", "unit", "meaning")
+    return table(header, ((s.symbol, code(s.code), s.unit, s.meaning) for s in symbols()))
+
+
+# --- results -------------------------------------------------------------------------------------
+
+
+def figures() -> str:
+    """Columns of tables of many runs."""
+    rows = ((code(c.name), c.unit, c.meaning) for c in COLUMNS)
+    return table(("column", "unit", "meaning"), rows)
+
+
+def outcomes() -> str:
+    """The words for how a run ended, and the further remarks."""
+    ended = ", ".join(code(outcome.value) for outcome in Outcome)
+    remarks = table(("remark", "in short"), ((code(key), text) for key, text in SHORT.items()))
+    return f"Outcomes: {ended}.\n\n{remarks}"
+
+
+def failures() -> str:
+    """The exceptions that a user can cause."""
+    found = (
+        v for v in vars(errors).values() if inspect.isclass(v) and issubclass(v, errors.WmrError)
+    )
+    return table(("exception", "what it is"), ((code(e.__name__), summary(e)) for e in found))
+
+
+# --- the paper -----------------------------------------------------------------------------------
+
+
+def errata() -> str:
+    """Equations that do not stand as printed."""
+    found = (e for e in equations() if e.status != "as printed")
+    rows = ((f"({e.number})", e.title, e.status, e.note) for e in found)
+    return table(("equation", "what it is", "status", "what is wrong, or missing"), rows)
+
+
+def readings() -> str:
+    """What had to be read into the paper."""
+    text = files("wmr_ctrl.report").joinpath("readings.toml").read_text(encoding="utf-8")
+    header = ("topic", "the paper says", "read as", "because", "keys")
+    rows = (
+        (r["topic"], r["said"], r["reading"], r["why"], ", ".join(map(code, r["keys"])))
+        for r in tomllib.loads(text)["reading"]
+    )
+    return table(header, rows)
+
+
+def errata_count() -> str:
+    """How many equations stand as printed, and how many do not."""
+    stand = sum(e.status == "as printed" for e in equations())
+    fixed = sum(e.status == "corrected" for e in equations())
+    rest = len(equations()) - stand - fixed
+    return (
+        f"Of the {len(equations())} numbered equations {stand} stand as printed, {fixed} had to be "
+        f"corrected, {rest} are stated and not needed in that form."
+    )
+
+
+# --- commands and Python -------------------------------------------------------------------------
+
+
+def commands() -> str:
+    """Every command, from click itself."""
+    lines = (".. click:: wmr_ctrl.cli.root:root", "   :prog: wmr-ctrl", "   :nested: full")
+    return "\n".join(("```{eval-rst}", *lines, "```"))
+
+
+def command_table() -> str:
+    """The commands in one line each."""
+    rows = ((f"`wmr-ctrl {name}`", item.short_help or "") for name, item in root.commands.items())
+    return table(("command", "what it does"), rows)
+
+
+def public_names() -> str:
+    """Every public name of the package, documented."""
+    return "\n\n".join(_documented(f"wmr_ctrl.{name}") for name in wmr_ctrl.__all__)
+
+
+RESULTS = (
+    "wmr_ctrl.sim.many.RunTable",
+    "wmr_ctrl.sim.compiled_law.CompiledLaw",
+    "wmr_ctrl.linear.LinearReport",
+    "wmr_ctrl.proofs.Ledger",
+    "wmr_ctrl.tuning.Tuning",
+)
+BUILDING = (
+    "wmr_ctrl.signals.Signal",
+    "wmr_ctrl.fields.section.quantity",
+    "wmr_ctrl.fields.section.Section",
+    "wmr_ctrl.model.system.System",
+    "wmr_ctrl.model.parameters.Parameters",
+    "wmr_ctrl.laws.law.Law",
+    "wmr_ctrl.laws.law.Traits",
+    "wmr_ctrl.laws.sample.Sample",
+    "wmr_ctrl.world.effect.Effect",
+    "wmr_ctrl.world.effect.Bound",
+    "wmr_ctrl.world.references.kind.ReferenceKind",
+    "wmr_ctrl.campaign.figures.Figure",
+)
+
+
+def results() -> str:
+    """What the functions return."""
+    return "\n\n".join(map(_documented, RESULTS))
+
+
+def building() -> str:
+    """What an extension is made of."""
+    return "\n\n".join(map(_documented, BUILDING))
+
+
+def _documented(path: str) -> str:
+    module, _, name = path.rpartition(".")
+    if inspect.isclass(getattr(import_module(module), name)):
+        text = f".. autoclass:: {path}\n   :members:"
+    else:
+        text = f".. autofunction:: {path}"
+    return f"```{{eval-rst}}\n{text}\n```"
+
+
+TABLES: Mapping[str, Callable[[], str]] = {
+    "scenario-keys": scenario_keys,
+    "references": references,
+    "gains": gains,
+    "presets": presets,
+    "laws": laws,
+    "effects": effects,
+    "signals": signal_tables,
+    "columns": columns,
+    "symbols": paper_symbols,
+    "figures": figures,
+    "outcomes": outcomes,
+    "errors": failures,
+    "readings": readings,
+    "errata": errata,
+    "errata-count": errata_count,
+    "commands": commands,
+    "command-table": command_table,
+    "public-names": public_names,
+    "results": results,
+    "building": building,
+}
+"""Parts by the name that pages ask for."""

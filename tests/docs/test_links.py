@@ -1,0 +1,61 @@
+"""Links lead somewhere: to a file of the tree, and to a heading in it. Needs no Sphinx."""
+
+from __future__ import annotations
+
+import re
+import urllib.parse
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import DOCS, ROOT, Page, pages
+
+LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^)\s]+)\)")
+HEADING = re.compile(r"^#+ (.+?)\s*#*$", re.M)
+PAGES = pages()
+
+
+def slug(heading: str) -> str:
+    """The anchor that forges and the site give to a heading."""
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "")
+    return re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
+
+
+@cache
+def anchors(path: Path) -> frozenset[str]:
+    return frozenset(map(slug, HEADING.findall(Page(path).prose)))
+
+
+def broken(page: Page) -> list[str]:
+    found = []
+    for target in LINK.findall(re.sub(r"`[^`\n]*`", "", page.prose)):
+        if re.match(r"\w+:", target):
+            continue
+        file, _, anchor = urllib.parse.unquote(target).partition("#")
+        path = (page.path.parent / file).resolve() if file else page.path
+        inside = path.exists() and path.is_relative_to(ROOT)
+        if not inside or (anchor and path.suffix == ".md" and anchor not in anchors(path)):
+            found.append(target)
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_internal_links_lead_to_files_and_headings(page):
+    assert broken(page) == []
+
+
+def test_a_broken_link_is_seen(tmp_path):
+    page = Page(DOCS / "nowhere.md")
+    page.__dict__["text"] = "[a](none.md) [b](index.md#none) [c](index.md#tutorials) [d](index.md)"
+
+    assert broken(page) == ["none.md", "index.md#none"]
+
+
+def test_every_page_of_the_site_is_in_its_contents():
+    listed = {DOCS / "index.md"}
+    for index in (DOCS / "index.md", DOCS / "notebooks" / "index.md"):
+        links = re.findall(r"^- \[.+?\]\(([^)#:]+\.md)\)", index.read_text("utf-8"), re.M)
+        listed |= {(index.parent / link).resolve() for link in links}
+
+    assert set(DOCS.rglob("*.md")) - listed == set()

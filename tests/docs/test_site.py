@@ -1,0 +1,85 @@
+"""The documentation site builds without warnings and without a network; its tables are complete."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import DOCS, ROOT
+from wmr_ctrl import signals
+from wmr_ctrl.cli.root import root
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.signals import Signal
+
+
+@pytest.fixture
+def tables(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "_site"))
+    import tables
+
+    return tables
+
+
+def test_every_key_of_a_scenario_is_on_the_page(tables):
+    text = tables.scenario_keys()
+
+    for key, section in sections().items():
+        part = text.partition(f"### `[{key}]`\n")[2].partition("### ")[0]
+        for field in dataclasses.fields(section):
+            assert f"| `{field.name}` |" in part, f"{key}.{field.name}"
+
+
+def test_every_signal_of_the_catalogue_is_in_the_glossary(tables):
+    values = [v for name, v in vars(signals).items() if name.isupper() and name != "LOG_HEAD"]
+    flat = [s for v in values for s in (v if isinstance(v, tuple) else (v,))]
+    told = {s.name for group in tables.catalogue().values() for s in group}
+
+    assert {s.name for s in flat if isinstance(s, Signal)} == told
+
+
+def test_every_law_has_its_gains_and_every_command_its_line(tables):
+    assert all(f"[gains.{law}]" in tables.gains() for law in LAWS)
+    assert all(f"`wmr-ctrl {name}`" in tables.command_table() for name in root.commands)
+
+
+def test_every_part_is_asked_for_by_a_page(tables):
+    text = "".join(path.read_text("utf-8") for path in DOCS.rglob("*.md"))
+
+    assert set(re.findall(r"\{made-from\} ([\w-]+)", text)) == set(tables.TABLES)
+
+
+@pytest.mark.slow
+def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_path):
+    pytest.importorskip("sphinx", reason="needs the extra docs")
+    out = tmp_path / "site"
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
+    proxies = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
+    done = subprocess.run(
+        [*command, "-d", str(tmp_path / "doctrees"), str(DOCS), str(out)],
+        cwd=ROOT, env={**os.environ, **proxies}, capture_output=True, text=True, check=False,
+        timeout=600,
+    )  # fmt: skip
+
+    assert done.returncode == 0, done.stdout + done.stderr
+    pages = list(out.rglob("*.html"))
+    assert len(pages) > 40
+    loaded = r"<(?:script|img|iframe)[^>]+src=\"(https?:[^\"]+)|<link[^>]+href=\"(https?:[^\"]+)"
+    assert {m for page in pages for m in re.findall(loaded, page.read_text("utf-8"))} == set()
+    assert leading_nowhere(out) == []
+
+
+def leading_nowhere(out: Path) -> list[str]:
+    """Links of the built pages to files that are not there."""
+    found = []
+    for page in out.rglob("*.html"):
+        for target in re.findall(r"<a [^>]*?href=\"([^\"#]+)", page.read_text("utf-8")):
+            if not re.match(r"\w+:", target) and not (page.parent / target).exists():
+                found.append(f"{page.relative_to(out)}: {target}")
+    return found
