@@ -10,7 +10,7 @@ sys.path[:0] = [str(Path(__file__).parent / "_site"), str(Path(__file__).parents
 import wmr_ctrl  # noqa: E402  # the line above makes it found
 
 project = "wmr_ctrl"
-copyright = "the wmr_ctrl authors"
+copyright = "the wmr_ctrl developers"
 release = version = wmr_ctrl.__version__
 
 extensions = [
