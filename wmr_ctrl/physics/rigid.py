@@ -45,8 +45,8 @@ class RigidBody:
     """A scenario's robot on its tyres, at the scenario's start.
 
     ``pose`` x, y [m] of the axle's midpoint, theta [rad], continuous; ``velocity`` v1 [m/s] along
-    the heading, omega [rad/s]; ``path`` [m], the way that both wheels rolled in the mean, whatever
-    the body did; ``wheels``: speed (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s],
+    the heading, omega [rad/s]; ``path`` [m], the way that both wheels rolled in the mean, and
+    ``turned`` [rad], theta as their rolling tells it, whatever the body did; ``wheels``: speed (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s],
     forward on a wheel that spins; ``tilt`` [rad] between the robot's axis and the ground's normal.
     Two bodies that are told the same move the same, to the bit, on one machine.
     """
@@ -96,7 +96,7 @@ class RigidBody:
         self.data.qvel[:] = (*along, 0.0, 0.0, omega, *rolling)
         self.data.qpos[7:9] = 0.0
         self._mujoco.mj_forward(self.model, self.data)
-        self._theta = theta
+        self._theta = self._start = theta
         self._read()
 
     def _read(self) -> None:
@@ -112,6 +112,7 @@ class RigidBody:
         turning = self._robot.l * omega
         self.pose, self.velocity = (x, y, self._theta), (v1, omega)
         self.wheels, self.path = (right, left), self._robot.r * sum(rolled) / 2
+        self.turned = self._start + self._robot.r * (rolled[0] - rolled[1]) / (2 * self._robot.l)
         self.slip = self._robot.r * right - v1 - turning, self._robot.r * left - v1 + turning
         self.tilt = math.acos(max(-1.0, min(1.0, up[2])))
 

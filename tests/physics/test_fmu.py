@@ -1,0 +1,70 @@
+"""The rigid body as an FMU from C, driven by our exported controllers in FMPy and in libcosim."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+
+from tests.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
+from tests.physics.fmu.together import Together
+from wmr_ctrl import cosimulate, simulate
+from wmr_ctrl.physics.rigid import RigidBody
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.signals import PLANT_STATE
+
+SHORT = {"clock.duration": 3.0, "actuator.tau_max": 10.0}
+ROUGH = np.random.default_rng(3).normal(0.0, 40.0, (300, 4)).tolist()
+
+
+def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
+    """Also with wheels that spin and lift, and under a push."""
+    case = load_scenario("paper-simulation")
+    path, _ = build_rigid(case, tmp_path)
+    assert validate_fmu(str(path)) == []
+    described, body = read_model_description(str(path)), RigidBody(case)
+    slave = FMU2Slave(guid=described.guid, unzipDirectory=extract(str(path), str(tmp_path / "x")),
+                      modelIdentifier="rigid", instanceName="body")  # fmt: skip
+    slave.instantiate()
+    inputs, outputs = range(len(INPUTS)), range(len(INPUTS), len(INPUTS) + len(OUTPUTS))
+    for step, (right, left, thrust, moment) in enumerate(ROUGH):
+        slave.setReal(inputs, [right, left, thrust, moment])
+        slave.doStep(step * 1e-3, 1e-3)
+        body.step((right, left, 0.0, 0.0, thrust, moment))
+        seen = [*body.pose, *body.velocity, body.path, body.turned, *body.wheels, *body.slip,
+                body.tilt]  # fmt: skip
+        assert slave.getReal(outputs) == seen, step
+    assert max(map(abs, body.slip)) > 0.1
+    slave.freeInstance()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(law, tmp_path):
+    """Our controllers and reference as FMUs, their noise, in the order of our master."""
+    case = load_scenario("paper-simulation-no-switch", SHORT)
+    plant, names = build_rigid(case, tmp_path)
+    coupled = cosimulate(case, law, plant=plant, map_file=names, seed=12)
+    native = simulate(case, law, plant="mujoco", seed=12)
+    for name in (*(item.name for item in PLANT_STATE), "tau_right", "tau_left"):
+        assert np.array_equal(coupled[name], native[name]), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+def test_libcosim_and_fmpy_agree_to_the_bit_and_below_traction_with_the_plane_model(law, tmp_path):
+    case = load_scenario("paper-simulation-nominal", SHORT)
+    seen = {}
+    for rigid in (False, True):
+        folder = Path(tmp_path, str(rigid))
+        folder.mkdir()
+        parts = Together(case, law, folder, rigid=rigid)
+        seen[rigid], again = parts.by_libcosim(), parts.by_fmpy(folder)
+        for name, column in seen[rigid].items():
+            assert np.array_equal(column, again[name]), name
+    away = np.hypot(seen[True]["x"] - seen[False]["x"], seen[True]["y"] - seen[False]["y"])
+    assert 0 < away.max() < 0.02
