@@ -13,10 +13,12 @@ from fmpy.validation import validate_fmu
 from tests.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
 from tests.physics.fmu.together import Together
 from wmr_ctrl import cosimulate, simulate
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.physics.rigid import RigidBody
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import PLANT_STATE
 
+ENCODERS = {"encoder.counts": 4096}
 SHORT = {"clock.duration": 3.0, "actuator.tau_max": 10.0}
 ROUGH = np.random.default_rng(3).normal(0.0, 40.0, (300, 4)).tolist()
 
@@ -68,3 +70,19 @@ def test_libcosim_and_fmpy_agree_to_the_bit_and_below_traction_with_the_plane_mo
             assert np.array_equal(column, again[name]), name
     away = np.hypot(seen[True]["x"] - seen[False]["x"], seen[True]["y"] - seen[False]["y"])
     assert 0 < away.max() < 0.02
+
+
+@pytest.mark.slow
+def test_encoders_on_a_foreign_plant_see_its_wheels(tmp_path):
+    """Wheels that spin too: the map's rows for path and skid tell how they turn."""
+    case = load_scenario("paper-simulation-no-switch", {"clock.duration": 3.0, **ENCODERS})
+    plant, names = build_rigid(case, tmp_path)
+    with pytest.raises(ArgumentError, match="path"):
+        cosimulate(case, "mb", plant=plant, map_file=names)
+    rows = 'path = "rolled"\nskid = { terms = { turned = 1.0, yaw = -1.0 } }\n'
+    names.write_text(names.read_text(encoding="utf-8") + rows, encoding="utf-8")
+    coupled = cosimulate(case, "mb", plant=plant, map_file=names, seed=12)
+    native = simulate(case, "mb", plant="mujoco", seed=12)
+    assert np.abs(native["slip"]).max() > 1.0
+    for name in ("x", "v1", "wheel_counts", "tau_right"):
+        assert np.array_equal(coupled[name], native[name]), name

@@ -92,6 +92,17 @@ def test_the_log_tells_wheels_slip_and_tilt():
     assert run["tilt"].max() <= run.monitor.rigid.max_tilt
 
 
+def test_encoders_read_the_wheels_and_not_the_body():
+    """Counts are whole parts of each wheel's own turn, also while it spins."""
+    run = simulate("paper-simulation", "mb", plant="mujoco",
+                   overrides={"encoder.counts": 4096, "clock.duration": 1.0})  # fmt: skip
+    counted = np.diff(run["wheel_counts"], axis=0).sum(axis=0) / 4096 * 2 * np.pi
+    turned = run["wheel_speed"].mean(axis=0) * run["t"][-1]
+    assert np.abs(run["slip"]).max() > 1.0
+    assert counted == pytest.approx(turned, rel=0.15)
+    assert run.monitor.violations == 0
+
+
 def test_slip_and_fall_are_outcomes_in_their_order():
     run = simulate("paper-simulation", "mb", plant="mujoco", overrides=SHORT | {"body.tyre": 0.05})
     assert run.monitor.rigid.slipped is not None

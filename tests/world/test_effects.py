@@ -72,7 +72,6 @@ PARTS = ("encoder over a window", "gyro", "late pose", "lost poses", "jitter of 
          "lag that varies", "motor", "wheels", "slope", "resistance", "gust")  # fmt: skip
 TOGETHER = {key: value for part in PARTS for key, value in EFFECTS[part].items()}
 ALL: Mapping[str, Changes] = {**EFFECTS, "all at once": TOGETHER}
-COUNTING = ("encoder", "encoder over a window", "encoder by time", "averaged velocity")
 TWINNED = ("lost poses", "untold delay", "lag that varies")
 LAW = "mb"
 
@@ -117,7 +116,7 @@ def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
 
 DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],
           **EFFECTS["wheels"], **EFFECTS["gust"], **EFFECTS["lost poses"]}  # fmt: skip
-COUPLED = {**{n: c for n, c in EFFECTS.items() if n not in COUNTING}, "drives": DRIVES}
+COUPLED = {**EFFECTS, "drives": DRIVES}
 
 
 @pytest.mark.parametrize("name", quick(COUPLED, "drives"))
@@ -127,12 +126,6 @@ def test_co_simulation_has_the_bits_of_the_native_loop(name):
 
     assert set(different(run, coupled)) <= {"e"}
     assert run.monitor == coupled.monitor
-
-
-@pytest.mark.parametrize("name", COUNTING)
-def test_co_simulation_refuses_what_counts_the_way(name):
-    with pytest.raises(ArgumentError, match="counts the way"):
-        cosimulate(scenario(EFFECTS[name]), LAW)
 
 
 def test_a_package_refuses_each_by_its_table(tmp_path):

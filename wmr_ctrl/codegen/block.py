@@ -12,13 +12,16 @@ import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import guard, watched_controller
+from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import Output, System, port, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
+from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.registry import EFFECTS
 
 PARALLEL = Signal(
     "clock.parallel",
@@ -49,8 +52,12 @@ class Block:
 
 
 def plant_block(scenario: Scenario) -> Block:
-    """The plant with the native loop's Runge-Kutta step; parameters end with that step [s]."""
-    system = plant(scenario)
+    """The plant with the native loop's Runge-Kutta step; parameters end with that step [s].
+
+    It tells the way that it drives where a sensor of the scenario asks for it.
+    """
+    sensors = [item.build(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
+    system = plant(scenario, rolling=rolling_of(sensors)[:1])
     p = Parameters(scenario, system.params)
     following = rk4_step(system, p.take("clock.plant"))
     stepped = replace(system, params=p.ports)

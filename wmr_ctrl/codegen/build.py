@@ -36,9 +36,9 @@ from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
 from wmr_ctrl.control.loop import SUMS, Graphs, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
-from wmr_ctrl.errors import ArgumentError, CompilerError
+from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.model.system import System, values
-from wmr_ctrl.signals import PATH, PLANT_STATE, Signal
+from wmr_ctrl.signals import PLANT_STATE, Signal
 
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *LOOP)
@@ -83,25 +83,18 @@ def build_batch(setup: Setup) -> CompiledLoop:
 def build_plantless(setup: Setup) -> CompiledLoop:
     """The same for one robot whose plant is elsewhere; it has the columns of `build_loop`.
 
-    That plant tells the state of ours, and the way where an odometer asks for it; ArgumentError
-    for a plant with further state.
+    That plant tells the state of ours, and the way and skid where a sensor asks for them.
     """
-    program = program_of(setup)
-    for item in program.loop.plant.state:
-        if item.signal not in (*PLANT_STATE, PATH):
-            raise ArgumentError(
-                f"the plant keeps {item.signal.name} ({item.signal.meaning}), which a plant that "
-                "is coupled from outside does not tell. Take the plant ode."
-            )
+    program = program_of(setup, apart=True)
     return _filled(program, setup, program.plantless, program.digest)
 
 
 class Program:
     """Graphs, C text and libraries of one structure, made when they are asked for."""
 
-    def __init__(self, setup: Setup, structure: Hashable) -> None:
-        """Compose the graphs of a setup that has this structure."""
-        self.loop = LoopGraphs(setup)
+    def __init__(self, setup: Setup, structure: Hashable, *, apart: bool = False) -> None:
+        """Compose the graphs of a setup that has this structure; ``apart``: its plant is elsewhere."""
+        self.loop = LoopGraphs(setup, apart=apart)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         self.layout = layout_of(self.loop)
 
@@ -164,14 +157,15 @@ _PROGRAMS: dict[Hashable, Program] = {}
 _MOST_PROGRAMS = 256
 
 
-def program_of(setup: Setup) -> Program:
+def program_of(setup: Setup, *, apart: bool = False) -> Program:
     """The program of a setup's structure, kept for the next setup that shares it."""
     structure = structure_of(setup)
-    if structure not in _PROGRAMS:
+    place = structure, apart
+    if place not in _PROGRAMS:
         if len(_PROGRAMS) >= _MOST_PROGRAMS:
             _PROGRAMS.pop(next(iter(_PROGRAMS)))
-        _PROGRAMS[structure] = Program(setup, structure)
-    return _PROGRAMS[structure]
+        _PROGRAMS[place] = Program(setup, structure, apart=apart)
+    return _PROGRAMS[place]
 
 
 def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:

@@ -9,6 +9,7 @@ one.  Compiled loops and FMUs are made from these graphs and know no System by n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, cast
 
@@ -25,7 +26,6 @@ from wmr_ctrl.control.wiring import (
     held_signals,
     pushes,
 )
-from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
@@ -39,6 +39,7 @@ from wmr_ctrl.signals import (
     POSE,
     PSI,
     REFERENCE,
+    SKID,
     TORQUE,
     TRACKING_ERROR,
     TRAVEL,
@@ -137,20 +138,19 @@ class LoopGraphs(Graphs):
     ``columns`` and ``row``: a line of the log; ``seen``: see SEEN.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        """Compose all Systems of ``setup``."""
+    def __init__(self, setup: Setup, *, apart: bool = False) -> None:
+        """Compose all Systems of ``setup``; ``apart``: for a plant that is elsewhere, and skids."""
         self.setup, self.parameters = setup, Parameters(setup)
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
         sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sampled.effects(EffectRole.SENSOR)
-        odometer = bool(_readers(sensors, PATH, TRAVEL))
-        self.plant = plant(setup.scenario, odometer=odometer)
+        rolling = rolling_of(sensors)
+        self.plant = plant(setup.scenario, rolling=rolling if apart else rolling[:1])
         true = {item.signal.name: item.sym for item in self.plant.state}
-        sampled.known |= true
+        sampled.known |= {SKID.name: ca.SX(0), **true}
         self.sample = sampled
         self.step = Wiring(setup, self.parameters, Rate.STEP, true)
-        if _readers(sensors, TRAVEL):
-            self._add_travel()
+        add_travel(sampled, sensors)
         self._compose_sample(sensors)
         self._compose_step()
 
@@ -208,13 +208,6 @@ class LoopGraphs(Graphs):
         known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
         self.held = rate.column(held_signals(self._pushed))
 
-    def _add_travel(self) -> None:
-        """Way and turn since the previous sample."""
-        now, mark = self.sample.column((PATH, POSE[2])), port(TRAVELLED)
-        moved = ca.if_else(self.sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
-        self.sample.known[TRAVEL.name] = moved
-        self.sample.add((mark,), now)
-
     def _compose_step(self) -> None:
         """The fast state after one plant step, from what is held and has arrived."""
         rate, signals = self.step, held_signals(self._pushed)
@@ -234,18 +227,21 @@ class OutsideGraphs(Graphs):
     """The loop without reference, controller and plant, which are coupled from outside.
 
     ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
-    ``steady``: whether what acts is the same in all steps of a sample.
+    ``steady``: whether what acts is the same in all steps of a sample; ``rolling``: what the
+    sensors ask of the plant beside its state.
     """
 
     def __init__(self, setup: Setup) -> None:
-        """Compose sensors, disturbances and drives; ArgumentError for an odometer."""
+        """Compose sensors, disturbances and drives."""
         self.parameters = Parameters(setup)
-        self.plant = plant(setup.scenario)
-        true: Named = {item.signal.name: item.sym for item in self.plant.state}
-        self.sample = Wiring(setup, self.parameters, Rate.SAMPLE, dict(true))
-        self.step = Wiring(setup, self.parameters, Rate.STEP, dict(true))
+        self.sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = self.sample.effects(EffectRole.SENSOR)
-        _refuse_odometer(sensors)
+        self.rolling = rolling_of(sensors)
+        self.plant = plant(setup.scenario, rolling=self.rolling)
+        true: Named = {item.signal.name: item.sym for item in self.plant.state}
+        self.sample.known |= true
+        self.step = Wiring(setup, self.parameters, Rate.STEP, dict(true))
+        add_travel(self.sample, sensors)
         self.sample.measure(sensors)
         disturbances = self.sample.effects(EffectRole.DISTURBANCE)
         self.sample.disturb(disturbances)
@@ -277,14 +273,17 @@ def _squared(pair: ca.SX) -> ca.SX:
     return pair[0] * pair[0] + pair[1] * pair[1]
 
 
-def _readers(systems: list[System], *signals: Signal) -> list[System]:
-    """Those that read any of some signals."""
-    return [s for s in systems if any(item.signal in signals for item in s.inputs)]
+def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:
+    """What sensors ask of a plant beside its state: nothing, PATH, or PATH and SKID."""
+    asked = {item.signal for system in sensors for item in system.inputs}
+    way = (PATH,) if asked & {PATH, SKID, TRAVEL} else ()
+    return (*way, *((SKID,) if SKID in asked else ()))
 
 
-def _refuse_odometer(sensors: list[System]) -> None:
-    for system in _readers(sensors, PATH, TRAVEL):
-        raise ArgumentError(
-            f"the sensor {system.name!r} counts the way that is driven, which a plant that is "
-            "coupled from outside does not tell. Use the native loop or the closed-loop FMU."
-        )
+def add_travel(sample: Wiring, sensors: Sequence[System]) -> None:
+    """Way and turn since the previous sample, where a sensor reads them."""
+    if all(item.signal != TRAVEL for system in sensors for item in system.inputs):
+        return
+    now, mark = sample.column((PATH, POSE[2])), port(TRAVELLED)
+    sample.known[TRAVEL.name] = ca.if_else(sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
+    sample.add((mark,), now)

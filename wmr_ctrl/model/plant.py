@@ -8,22 +8,22 @@ from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass, wheel_
 from wmr_ctrl.model.kinematics import pose_rate
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port, ports, stack
-from wmr_ctrl.signals import BODY_FORCE, PATH, PLANT_STATE, PSI, TORQUE, TORQUE_NOISE
+from wmr_ctrl.signals import BODY_FORCE, PATH, PLANT_STATE, PSI, SKID, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-def plant(scenario: Scenario, *, odometer: bool = False) -> System:
+def plant(scenario: Scenario, *, rolling: tuple[Signal, ...] = ()) -> System:
     """Continuous System: torques, disturbance torques (right, left), force on the body to motion.
 
-    State x, y [m], theta [rad], v1 [m/s], omega [rad/s], and with an ``odometer`` the way [m]
-    that was driven.  Parameters are the robot's.
+    State x, y [m], theta [rad], v1 [m/s], omega [rad/s], and what else ``rolling`` names: PATH, or
+    SKID, which rests here.  Parameters are the robot's.
     """
     torque, noise, pushed = ports(TORQUE), ports(TORQUE_NOISE), ports(BODY_FORCE)
     start = (*scenario.initial.pose, *scenario.initial.velocity)
-    state, way = ports(PLANT_STATE, start), (port(PATH),) if odometer else ()
+    state, rolled = ports(PLANT_STATE, start), ports(rolling)
     p = Parameters(scenario)
     m, inertia, mu, r, half_track, g, v_s = (
         p.take(f"robot.{name}") for name in ("m", "I", "mu", "r", "l", "g", "v_s")
@@ -32,14 +32,15 @@ def plant(scenario: Scenario, *, odometer: bool = False) -> System:
     tau = stack(item.sym for item in torque) + stack(item.sym for item in noise)
     force = wheel_to_force(r, half_track, tau) + stack(item.sym for item in pushed)
     v_dot = acceleration(reduced_mass(m, inertia), force, friction(mu, m, g, v_s, x[3:5]))
-    rate = ca.vertcat(pose_rate(x[2], x[3:5]), v_dot, *(x[3] for _ in way))
-    outputs = tuple(Output(item.signal, item.sym) for item in state)
+    rates = {PATH: x[3], SKID: ca.SX(0)}
+    rate = ca.vertcat(pose_rate(x[2], x[3:5]), v_dot, *(rates[item] for item in rolling))
+    outputs = tuple(Output(item.signal, item.sym) for item in (*state, *rolled))
     heading = Output(PSI, x[2] + ca.pi / 2)
     return System(
         "plant",
         "wheeled robot",
         (*torque, *noise, *pushed),
-        (*state, *way),
+        (*state, *rolled),
         p.ports,
         rate,
         (*outputs, heading),

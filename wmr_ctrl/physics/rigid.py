@@ -142,6 +142,11 @@ class RigidBody:
         self._mujoco.mj_setConst(self.model, self._mujoco.MjData(self.model))
 
     @property
+    def told(self) -> tuple[float, ...]:
+        """State of the plane plant, then what sensors on the wheels may ask: PATH and SKID."""
+        return *self.pose, *self.velocity, self.path, self.turned - self._theta
+
+    @property
     def tip_margin(self) -> float:
         """Distance of the load's centre from the edge of the support: 1 over the axle's midpoint.
 

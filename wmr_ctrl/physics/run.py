@@ -105,7 +105,7 @@ class _Coupling:
         """A row of the log; then the steps of its period, to the run's end at most."""
         body, margin = self.body, self.body.tip_margin
         self._margin = min(self._margin, margin)
-        shown = self.loop.sampled((*body.pose, *body.velocity, body.path))
+        shown = self.loop.sampled(body.told)
         held = shown[: -self._row]
         row = [*shown[-self._row :], *body.wheels, *body.slip, body.tilt, margin]
         for _ in range(self.clock.substeps):
@@ -113,8 +113,7 @@ class _Coupling:
                 body.change(self._changes[self._reached])
             body.step(self.loop.acting(held))
             self._reached += 1
-            state = (*body.pose, *body.velocity, body.path)
-            beyond = self.loop.ends(state, self._reached)
+            beyond = self.loop.ends(body.told, self._reached)
             if self._watched() or beyond:
                 self.ended = True
                 break

@@ -17,7 +17,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port
-from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
+from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
@@ -71,15 +71,11 @@ class Encoder(Section):
 
 
 def build(scenario: Scenario) -> System:
-    """Sampled System: way, orientation and number of the sample to measured velocity."""
-    encoder, path, theta, sample = (
-        scenario.section(Encoder),
-        port(PATH),
-        port(POSE[2]),
-        port(SAMPLE),
-    )
+    """Sampled System: way, orientation, skid and number of the sample to measured velocity."""
+    encoder = scenario.section(Encoder)
+    path, theta, skid, sample = (port(item) for item in (PATH, POSE[2], SKID, SAMPLE))
     p, first = Parameters(scenario), sample.sym == 0
-    turns = turned(scenario, p, path.sym, theta.sym)
+    turns = turned(scenario, p, path.sym, theta.sym + skid.sym)
     counts = ca.floor(turns)
     state: tuple[Port, ...]
     if encoder.method == DIFFERENCE:
@@ -91,7 +87,7 @@ def build(scenario: Scenario) -> System:
     return System(
         "encoder",
         "wheel encoders",
-        (path, theta, sample),
+        (path, theta, skid, sample),
         state,
         p.ports,
         update,

@@ -19,7 +19,6 @@ from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, limited_torque, ready
 from wmr_ctrl.scenario import Change, Scenario
 
 Progress = Callable[[float], None]
-State = tuple[float, float, float, float, float]
 _ROWS_PER_REPORT = 100
 
 
@@ -41,7 +40,8 @@ class Master:
         self.scenario, self.clock, self.parts = scenario, scenario.clock, parts
         self.outside = outside
         self.stride = self.clock.substeps if parts.plant.foreign else 1
-        self.state: State = (*scenario.initial.pose, *scenario.initial.velocity)
+        start = (*scenario.initial.pose, *scenario.initial.velocity)
+        self.state = (*start, *tuple(parts.plant.read())[len(start) :])
         self.applied: Sequence[float] = (0.0, 0.0)
         self.changes = sorted(scenario.changes, key=lambda change: change.t)
         self.rows: list[tuple[float, ...]] = []
@@ -90,7 +90,7 @@ class Master:
         further: Sequence[float],
     ) -> None:
         """One row: state at t, torques over the step, what effects and controller published."""
-        head = (t, *self.state, *desired, *torque, *now.noise, *now.logged)
+        head = (t, *self.state[: len(STATE)], *desired, *torque, *now.noise, *now.logged)
         self.rows.append((*head, *further))
 
     def drive(self, k: int, torque: Sequence[float], now: Measurement) -> bool:
@@ -113,7 +113,7 @@ class Master:
         """The plant from one cut to the next, watched after each of its communication steps."""
         dt = self.clock.plant
         for reached in self.parts.plant.steps(start * dt, (end - start) * dt, end * dt):
-            self.state = state_of(self.parts.plant.read())
+            self.state = tuple(self.parts.plant.read())
             if self.outside.ends(self.state, round(reached / dt)):
                 return True
         return False
@@ -162,12 +162,6 @@ class Jacobi(Master):
             self.now = self.outside.sample(self.state)
             self.shown = self.seen(self.desired, self.now)
         return ended
-
-
-def state_of(values: Sequence[float]) -> State:
-    """Pose and velocity as five numbers."""
-    x, y, theta, v1, omega = values
-    return x, y, theta, v1, omega
 
 
 def driven(acting: Sequence[float]) -> tuple[float, ...]:

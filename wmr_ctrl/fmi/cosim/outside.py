@@ -34,14 +34,15 @@ class Outside:
     """What lies between controller and plant of one run; its counters move with every call.
 
     ``columns``: signals of the log that effects bring; ``steady``: whether what acts stays the same
-    over a sample; ``ended``: whether the run ends before its first step.
+    over a sample; ``rolling``: what the sensors ask of the plant beside its state; ``ended``:
+    whether the run ends before its first step.
     """
 
     def __init__(self, setup: Setup, seed: int) -> None:
         """Everything at t = 0.  Raises CompilerError or ArgumentError."""
         graphs = OutsideGraphs(setup)
         compiled = build_outside(setup, graphs)
-        self.columns, self.steady = graphs.columns, graphs.steady
+        self.columns, self.steady, self.rolling = graphs.columns, graphs.steady, graphs.rolling
         self._coupled = Coupled(compiled, seed, setup.scenario.clock.plant)
         self.ended = self._coupled.ended
 

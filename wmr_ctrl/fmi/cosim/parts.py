@@ -15,7 +15,17 @@ from wmr_ctrl.fmi.cosim.slave import FmuFile, Slave
 from wmr_ctrl.guard.wheel_map import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.signals import BODY_FORCE, PLANT_STATE, REFERENCE, TAU_APPLIED, TORQUE, TORQUE_NOISE
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    PATH,
+    PLANT_STATE,
+    REFERENCE,
+    SKID,
+    TAU_APPLIED,
+    TORQUE,
+    TORQUE_NOISE,
+    Signal,
+)
 
 STATE = tuple(s.name for s in PLANT_STATE)
 DESIRED = tuple(s.name for s in REFERENCE)
@@ -25,6 +35,7 @@ PUSHED = tuple(s.name for s in BODY_FORCE)
 APPLIED = TAU_APPLIED.elements
 UNITS = {
     **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
+    **{s.name: s.unit for s in (PATH, SKID)},
     **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
     "psi": "rad",
     "w_right": "rad/s",
@@ -115,16 +126,22 @@ def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[st
     )
 
 
-def plant_part(slave: Slave, part: PartMap | None, robot: Robot) -> Part:
-    """Ours, by its own names, or one with a map; pose and velocity may come from ready names."""
+def plant_part(
+    slave: Slave, part: PartMap | None, robot: Robot, rolling: Sequence[Signal] = ()
+) -> Part:
+    """Ours, by its own names, or one with a map; pose and velocity may come from ready names.
+
+    ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
+    """
+    told = (*STATE, *(item.name for item in rolling[:1]))
     if part is None:
-        _need(slave, (*STATE, *TORQUES))
+        _need(slave, (*told, *TORQUES))
         inputs = [name for name in (*TORQUES, *NOISES, *PUSHED) if name in slave.variables]
-        return Part(slave, identity(inputs), identity(STATE), DRIVEN)
+        return Part(slave, identity(inputs), identity(told), DRIVEN)
     return Part(
         slave,
         input_rows(part.inputs, UNITS, slave.unit, "plant"),
-        plant_outputs(slave, part, robot),
+        plant_outputs(slave, part, robot, rolling),
         DRIVEN,
         part.step,
         foreign=True,
@@ -138,11 +155,24 @@ def controller_outputs(file: FmuFile, part: PartMap) -> list[MapRow]:
     return _sorted(rows, TORQUES)
 
 
-def plant_outputs(file: FmuFile, part: PartMap, robot: Robot) -> list[MapRow]:
-    """Rows that give pose and velocity from a foreign plant's outputs."""
+def plant_outputs(
+    file: FmuFile, part: PartMap, robot: Robot, rolling: Sequence[Signal] = ()
+) -> list[MapRow]:
+    """Rows that give pose and velocity from a foreign plant's outputs, and the wheels' way.
+
+    Raises ArgumentError where one is missing; without a row for the skid it is zero.
+    """
     rows = _without_ready(output_rows(part.outputs, UNITS, file.unit, "plant"), robot)
     _complete(rows, STATE, "plant")
-    return _sorted(rows, STATE)
+    given = {row.target for row in rows}
+    if rolling and PATH.name not in given:
+        raise ArgumentError(
+            f"a sensor of the scenario counts the way that the wheels roll, and the map's "
+            f"[plant.outputs] does not give {PATH.name}. Add a row for it [m] (and one for "
+            f"{SKID.name} [rad] if the wheels slip), or leave that sensor out."
+        )
+    further = [item.name for item in rolling if item.name in given]
+    return _sorted(rows, (*STATE, *further))
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:

@@ -136,10 +136,11 @@ def _run(
     """``own`` is what the controller is built for, ``setup`` what stands around it."""
     scenario, system = setup.scenario, watched_controller(own)
     further = [name for item in system.diagnostics for name in item.signal.elements]
+    outside = Outside(setup, seed)
     parts = Parts(
         reference_part(slaves["reference"]),
         controller_part(slaves["controller"], maps.get("controller"), further),
-        plant_part(slaves["plant"], maps.get("plant"), scenario.robot),
+        plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
     check_parts(setup, parts.plant, parts.controller)
@@ -148,7 +149,7 @@ def _run(
         starts = maps[name].start if ours is None else _starts(ours, slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
-    loop: Master = MASTERS[master](scenario, parts, Outside(setup, seed))
+    loop: Master = MASTERS[master](scenario, parts, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
     facts |= {"delay": "known to the controller"} if own is not setup else {}
     controlled = slaves["controller"].description.modelName if "controller" in maps else setup.name
