@@ -157,7 +157,7 @@ def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
     w = np.cumsum(rng.normal(0, 0.1 * size, count))
     columns = {
         "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
-        "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01,
+        "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,
     }  # fmt: skip
     numbers = {n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust")}
     torque = np.repeat(rng.uniform(-10, 10, (count // 10 + 1, 2)), 10, axis=0)
@@ -264,7 +264,7 @@ def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
     for speed in (0.5, -0.3, 0.004):
         motion = rows(400, np.random.default_rng(1))
         for k, row in enumerate(motion):
-            row |= {"path": [0.01 * k * speed], "theta": [0.0]}
+            row |= {"path": [0.01 * k * speed], "theta": [0.0], "skid": [0.0]}
         shown = fed(effect, motion)
 
         assert np.abs(shown[-100:, 0] - speed).max() < 1e-9 * abs(speed)
@@ -275,7 +275,7 @@ def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
 def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
     motion = rows(300, np.random.default_rng(1))
     for k, row in enumerate(motion):
-        row |= {"path": [0.005 * min(k, 100)], "theta": [0.0]}
+        row |= {"path": [0.005 * min(k, 100)], "theta": [0.0], "skid": [0.0]}
     shown = fed(ENCODER.build(scenario(EFFECTS["encoder by time"])), motion)[:, 0]
     count = 2 * math.pi * 0.1 / 1024
 
@@ -333,7 +333,7 @@ def test_an_encoder_is_off_the_mean_by_less_than_its_bound(window, wheels):
     for _ in range(6):
         motion, place = rows(300, rng), np.zeros(2)
         for row in motion:
-            row |= {"path": [place[0]], "theta": [place[1]]}
+            row |= {"path": [place[0]], "theta": [place[1]], "skid": [0.0]}
             place = place + 0.01 * rng.choice([-1.0, 1.0], 2) * rng.uniform(0.9, 1, 2) * (1.0, 1.5)
         shown = fed(system, motion)
         true = np.array([[row["path"][0], row["theta"][0]] for row in motion])

@@ -93,7 +93,7 @@ class Program:
     """Graphs, C text and libraries of one structure, made when they are asked for."""
 
     def __init__(self, setup: Setup, structure: Hashable, *, apart: bool = False) -> None:
-        """Compose the graphs of a setup that has this structure; ``apart``: its plant is elsewhere."""
+        """Compose the graphs of a setup of this structure; ``apart``: its plant is elsewhere."""
         self.loop = LoopGraphs(setup, apart=apart)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         self.layout = layout_of(self.loop)

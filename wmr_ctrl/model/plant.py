@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass, wheel_to_force
 from wmr_ctrl.model.kinematics import pose_rate
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.model.system import Output, System, ports, stack
 from wmr_ctrl.signals import BODY_FORCE, PATH, PLANT_STATE, PSI, SKID, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
 
