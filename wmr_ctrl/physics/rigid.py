@@ -143,7 +143,7 @@ class RigidBody:
         self._mujoco.mj_setConst(self.model, self._mujoco.MjData(self.model))
 
     @property
-    def told(self) -> tuple[float, ...]:
+    def plane_state(self) -> tuple[float, ...]:
         """State of the plane plant, then what sensors on the wheels may ask: PATH and SKID."""
         return *self.pose, *self.velocity, self.path, self.turned - self._theta
 

@@ -105,7 +105,7 @@ class _Coupling:
         """A row of the log; then the steps of its period, to the run's end at most."""
         body, margin = self.body, self.body.tip_margin
         self._margin = min(self._margin, margin)
-        shown = self.loop.sampled(body.told)
+        shown = self.loop.sampled(body.plane_state)
         held = shown[: -self._row]
         row = [*shown[-self._row :], *body.wheels, *body.slip, body.tilt, margin]
         for _ in range(self.clock.substeps):
@@ -113,7 +113,7 @@ class _Coupling:
                 body.change(self._changes[self._reached])
             body.step(self.loop.acting(held))
             self._reached += 1
-            beyond = self.loop.ends(body.told, self._reached)
+            beyond = self.loop.ends(body.plane_state, self._reached)
             if self._watched() or beyond:
                 self.ended = True
                 break

@@ -133,11 +133,11 @@ def plant_part(
 
     ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
     """
-    told = (*STATE, *(item.name for item in rolling[:1]))
+    shown = (*STATE, *(item.name for item in rolling[:1]))
     if part is None:
-        _need(slave, (*told, *TORQUES))
+        _need(slave, (*shown, *TORQUES))
         inputs = [name for name in (*TORQUES, *NOISES, *PUSHED) if name in slave.variables]
-        return Part(slave, identity(inputs), identity(told), DRIVEN)
+        return Part(slave, identity(inputs), identity(shown), DRIVEN)
     return Part(
         slave,
         input_rows(part.inputs, UNITS, slave.unit, "plant"),
