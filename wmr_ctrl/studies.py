@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,9 +44,11 @@ def study(
     check_jobs(jobs)
     chosen = plan_of(plan) if isinstance(plan, Mapping) else load_plan(plan)
     facts = partial(study_facts, chosen.scenario, chosen.laws)
-    known = facts()
-    with executor_named(executor, jobs, known, facts) as running:
-        return run_study(chosen, Path(out), study_rows, known, running, jobs, progress)
+    with ThreadPoolExecutor(1) as beside:
+        known = beside.submit(facts)  # while processes start
+        with executor_named(executor, jobs, known.result, facts, prepare_case) as running:
+            made_by = known.result()
+            return run_study(chosen, Path(out), study_rows, made_by, running, jobs, progress)
 
 
 def study_rows(chunk: StudyChunk, jobs: int | None) -> dict[str, np.ndarray]:

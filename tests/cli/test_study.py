@@ -35,6 +35,28 @@ def test_a_plan_leaves_a_table_and_says_where(wmr, plan, tmp_path):
     assert [row["limits.v_u2"] for row in rows] == ["[0.8, 1.3]"] * 3 + ["[0.7, 1.2]"] * 3
 
 
+def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    folder = tmp_path / "s"
+    nothing = wmr("study", "parquet", folder)
+    wmr("study", plan, "--out", folder)
+    told = wmr("study", "parquet", folder)
+
+    assert nothing.exit_code == 2
+    assert "no finished study" in nothing.stderr
+    assert told.exit_code == 0, told.stderr
+    columns = parquet.read_table(folder / "table.parquet").to_pydict()
+    with (folder / "table.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert columns["seed"] == [int(row["seed"]) for row in rows]
+    assert columns["guard"] == [row["guard"] == "true" for row in rows]
+    assert columns["limits.v_u2"] == [row["limits.v_u2"] for row in rows]
+    for name in ("position_rms", "settling_time", "max_abs_v1"):
+        if name in columns:
+            given = [float(row[name]) if row[name] else None for row in rows]
+            assert columns[name] == given
+
+
 @pytest.mark.parametrize(
     ("text", "options", "words"),
     [

@@ -17,7 +17,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from tests.compilers import WINE, where, wine_in
+from tests.compilers import QEMU, WINE, ZIG, compile_in, where, wine_in
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi import targets
@@ -122,58 +122,63 @@ def test_five_platforms_in_one_file(tmp_path):
         }
 
 
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
+"""Where Debian's libc6-arm64-cross puts the C library of that processor."""
+
+
 @zig
 @pytest.mark.slow
 def test_the_windows_library_computes_the_same_under_wine(tmp_path):
     wine = where(*WINE)
-    outputs = []
-    for target, suffix in (("x86_64-linux", ""), ("x86_64-windows", ".exe")):
-        (path,) = export_fmu("plant", fmi=2, target=target, out=tmp_path / target)
-        with zipfile.ZipFile(path) as archive:
-            name = next(n for n in archive.namelist() if n.startswith("binaries/"))
-            archive.extract(name, tmp_path / target)
-        triple = {"": "x86_64-linux-gnu", ".exe": "x86_64-windows-gnu"}[suffix]
-        program = tmp_path / f"step{suffix}"
-        subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "ziglang",
-                "cc",
-                "-target",
-                triple,
-                "-I",
-                str(HEADERS),
-                "-o",
-                str(program),
-                str(fmu_dir() / "examples" / "fmi2_step.c"),
-            ],
-            check=True,
-            cwd=tmp_path,
+    here, there = (
+        stepped(tmp_path / target, target, suffix, command)
+        for target, suffix, command in (
+            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [wine]),
         )
-        described = read_model_description(str(path), validate=False)
-        refs = [
-            str(v.valueReference)
-            for n in ("tau_right", "omega")
-            for v in described.modelVariables
-            if v.name == n
-        ]
-        command = [
-            *([wine] if suffix else []),
-            str(program),
-            str(tmp_path / target / name),
-            described.guid,
-            *refs,
-            "200",
-        ]
-        environment = {**os.environ, **(wine_in(tmp_path) if suffix else {})}
-        done = subprocess.run(
-            command, capture_output=True, text=True, env=environment, timeout=300, check=False
+    )  # fmt: skip
+    assert there == pytest.approx(here, rel=1e-12, abs=1e-14)
+
+
+@zig
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["plant", "closed-loop"])
+def test_the_arm_library_computes_the_same_bits_under_qemu(tmp_path, what):
+    """The dynamic linker and C library of that processor load the FMU's library, as on a board."""
+    qemu = where(*QEMU)
+    if not ARM_LIBRARIES.is_dir():
+        pytest.skip("NOT RUN: libc6-arm64-cross is not there")
+    here, there = (
+        stepped(tmp_path / target, target, "", command, what)
+        for target, command in (
+            ("x86_64-linux", []), ("aarch64-linux", [qemu, "-L", str(ARM_LIBRARIES)]),
         )
-        assert done.returncode == 0, done.stderr
-        outputs.append([float.fromhex(line) for line in done.stdout.split()])
-    assert len(outputs[0]) == 200
-    assert outputs[1] == pytest.approx(outputs[0], rel=1e-12, abs=1e-14)
+    )  # fmt: skip
+    assert there == here
+
+
+def stepped(folder, target, suffix, run, what="plant"):
+    """What 200 steps of an FMU for a platform show, by a C program for that platform."""
+    (path,) = export_fmu(what, fmi=2, target=target, out=folder)
+    with zipfile.ZipFile(path) as archive:
+        name = next(n for n in archive.namelist() if n.startswith("binaries/"))
+        archive.extract(name, folder)
+    program = folder / f"step{suffix}"
+    source = str(fmu_dir() / "examples" / "fmi2_step.c")
+    command = [*ZIG, "-target", f"{target}-gnu", "-I", str(HEADERS), "-o", str(program), source]
+    compile_in(folder, command)
+    described = read_model_description(str(path), validate=False)
+    refs = {v.name: str(v.valueReference) for v in described.modelVariables}
+    given = {"plant": "tau_right", "closed-loop": "disturbance.std"}[what]
+    command = [*run, str(program), str(folder / name), described.guid, refs[given], refs["omega"]]
+    environment = {**os.environ, **(wine_in(folder) if suffix else {})}
+    done = subprocess.run(
+        [*command, "200"], capture_output=True, text=True, env=environment, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    values = [float.fromhex(line) for line in done.stdout.split()]
+    assert len(values) == 200
+    return values
 
 
 def test_unknown_targets_list_the_known_ones(tmp_path):

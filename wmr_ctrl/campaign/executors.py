@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
+from wmr_ctrl.campaign.engine import Prepare
 from wmr_ctrl.campaign.study_plan import library
+from wmr_ctrl.campaign.study_run import StudyChunk
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.sim.batch import cores
 
@@ -18,15 +20,22 @@ RETRIES = 3
 """How often a chunk is sent again after its worker was lost."""
 
 Facts = Mapping[str, str]
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @contextmanager
 def executor_named(
-    name: str | Executor, jobs: int | None, facts: Facts, asked: Callable[[], Facts]
+    name: str | Executor,
+    jobs: int | None,
+    facts: Callable[[], Facts],
+    asked: Callable[[], Facts],
+    prepare: Prepare,
 ) -> Iterator[Executor | None]:
     """The executor of that name, closed at the end; None for threads of this process.
 
-    ``facts`` are this process's versions; ``asked`` is what each worker is asked to compare.
+    ``facts`` gives this process's versions; ``asked`` is what each worker is asked to compare.
+    Processes of this machine use its libraries: they are sent loops by ``prepare``.
     Raises UnknownNameError, MissingExtraError without distributed, ArgumentError for a scheduler
     that does not answer or a worker of another version.
     """
@@ -34,30 +43,44 @@ def executor_named(
         yield name
     elif name == THREADS:
         yield None
-    elif name == DASK or name.startswith(SCHEME):
-        with _dask(name, jobs, facts, asked) as executor:
-            yield executor
+    elif name == DASK:
+        with _local(jobs) as executor:
+            yield _SendsLoops(executor, prepare)
+    elif name.startswith(SCHEME):
+        distributed: Any = library("distributed", "cluster")
+        with _client(distributed, f"tcp://{name.removeprefix(SCHEME)}", name) as client:
+            _compare(client, facts(), asked)
+            yield client.get_executor(pure=False, retries=RETRIES)
     else:
         raise UnknownNameError("executor", name, (THREADS, DASK, f"{SCHEME}HOST:PORT"))
 
 
+class _SendsLoops(Executor):
+    """An executor whose workers get the loops of a chunk, and so need no graphs of their own."""
+
+    def __init__(self, executor: Executor, prepare: Prepare) -> None:
+        self._executor, self._prepare = executor, prepare
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Send a call with its chunk."""
+        sent: list[Any] = [
+            item.with_loops(self._prepare) if isinstance(item, StudyChunk) else item
+            for item in args
+        ]
+        return self._executor.submit(fn, *sent, **kwargs)
+
+
 @contextmanager
-def _dask(
-    name: str, jobs: int | None, facts: Facts, asked: Callable[[], Facts]
-) -> Iterator[Executor]:
+def _local(jobs: int | None) -> Iterator[Executor]:
+    """Processes of this machine."""
     distributed: Any = library("distributed", "cluster")
-    local = None
-    if name == DASK:
-        local = distributed.LocalCluster(
+    with (
+        distributed.LocalCluster(
             n_workers=jobs or cores(), threads_per_worker=1, processes=True, dashboard_address=None
-        )
-    try:
-        with _client(distributed, local or f"tcp://{name.removeprefix(SCHEME)}", name) as client:
-            _compare(client, facts, asked)
-            yield client.get_executor(pure=False, retries=RETRIES)
-    finally:
-        if local is not None:
-            local.close()
+        ) as cluster,
+        _client(distributed, cluster, DASK) as client,
+    ):
+        yield client.get_executor(pure=False, retries=RETRIES)
 
 
 @contextmanager

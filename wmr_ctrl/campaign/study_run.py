@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import TypeAlias
@@ -29,16 +29,29 @@ from wmr_ctrl.sim.figures import COLUMNS, SHAPES, column_of, monitor
 from wmr_ctrl.sim.ready import Ready
 
 REFUSED = "refused"
+MOST_LOOPS = 16
+"""Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
 
 
 @dataclass(frozen=True)
 class StudyChunk:
-    """Some runs of a study, and the figures that are asked of them: what a worker is sent."""
+    """Some runs of a study, and the figures that are asked of them: what a worker is sent.
+
+    ``loops``: that of each run, where the worker need not build them.
+    """
 
     runs: tuple[tuple[PlannedCase, int], ...]
     figures: tuple[str, ...]
+    loops: tuple[Ready | Refusal, ...] = ()
+
+    def with_loops(self, prepare: Prepare) -> StudyChunk:
+        """The same with its loops; as it is where almost every run has a case of its own."""
+        cases = [case for case, _ in self.runs]
+        if len(set(map(id, cases))) > MOST_LOOPS:
+            return self
+        return replace(self, loops=tuple(prepared_cases(prepare, cases, Silent(), "")))
 
 
 MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
@@ -67,7 +80,8 @@ def chunk_rows(
     chunk: StudyChunk, prepare: Prepare, simulate: Simulate, jobs: int | None
 ) -> dict[str, np.ndarray]:
     """Outcome and figures of each run of a chunk; a guard's refusal has no figures."""
-    loops = prepared_cases(prepare, (case for case, _ in chunk.runs), Silent(), "")
+    cases = (case for case, _ in chunk.runs)
+    loops = chunk.loops or prepared_cases(prepare, cases, Silent(), "")
     places = [place for place, loop in enumerate(loops) if not isinstance(loop, Refusal)]
     seeds = [seed for _, seed in chunk.runs]
     ready = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 
 import click
 
@@ -10,7 +11,7 @@ from wmr_ctrl.cli.console import print_json, say
 from wmr_ctrl.cli.options import check_folder, debug_option, examples, json_option
 from wmr_ctrl.cli.progress import Progress
 
-PLOT = "plot"
+PLOT, PARQUET = "plot", "parquet"
 
 
 @click.command(
@@ -19,9 +20,10 @@ PLOT = "plot"
         "wmr-ctrl study plan.toml --out mass",
         "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
         "wmr-ctrl study plot mass",
+        "wmr-ctrl study parquet mass",
     ),
 )
-@click.argument("words", metavar="PLAN.toml | plot DIR", nargs=-1, required=True)
+@click.argument("words", metavar="PLAN.toml | plot DIR | parquet DIR", nargs=-1, required=True)
 @click.option("--out", metavar="DIR", help="Folder of the results; an interrupted one goes on.")
 @click.option(
     "--executor",
@@ -39,13 +41,14 @@ def study(
 
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
-    number of jobs and of interruptions. `study plot DIR` draws its pictures.
+    number of jobs and of interruptions. `study plot DIR` draws its pictures,
+    `study parquet DIR` writes the table by columns too.
     """
-    if words[0] == PLOT and len(words) == 2:
-        _plot(words[1], as_json)
+    if words[0] in (PLOT, PARQUET) and len(words) == 2:
+        _written((_plot if words[0] == PLOT else _columns)(words[1]), as_json)
         return
     if len(words) != 1 or out is None:
-        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`.")
+        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
     check_folder(out, "--out")
     from wmr_ctrl import api
 
@@ -59,11 +62,22 @@ def study(
         click.echo(str(result))
 
 
-def _plot(folder: str, as_json: bool) -> None:
+def _plot(folder: str) -> list[Path]:
     from wmr_ctrl.report.study_figures import plot_study
 
     with Progress("drawing", measured=False):
-        paths = plot_study(folder)
+        return plot_study(folder)
+
+
+def _columns(folder: str) -> list[Path]:
+    from wmr_ctrl.campaign.study_columns import write_columns
+
+    with Progress("writing", measured=False):
+        return [write_columns(folder)]
+
+
+def _written(paths: list[Path], as_json: bool) -> None:
+    """Tell what was written."""
     if as_json:
         print_json([str(path) for path in paths])
     for path in paths:
