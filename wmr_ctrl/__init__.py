@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         simulate_many,
         simulate_runs,
         study,
+        write_page,
     )
     from wmr_ctrl.tuning import tune
 
@@ -49,6 +50,7 @@ __all__ = [
     "simulate_runs",
     "study",
     "tune",
+    "write_page",
 ]
 
 

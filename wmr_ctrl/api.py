@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         ExportOptions,
         Measurements,
         Overrides,
+        PageOptions,
         Progress,
     )
     from wmr_ctrl.campaign import PhaseProgress
@@ -258,6 +259,15 @@ def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
     from wmr_ctrl.outputs import write_output
 
     return write_output(what, options)
+
+
+def write_page(
+    out: str | Path,
+    scenario: str | Path | Scenario = "paper-simulation",
+    **options: Unpack[PageOptions],
+) -> Path:
+    """Write one HTML file that runs the loop live; options of `wmr_ctrl.page.write_page`."""
+    return import_module("wmr_ctrl.page").write_page(out, scenario_of(scenario), **options)
 
 
 def cosimulate(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeAlias, TypedDict
 
@@ -55,6 +55,14 @@ class CosimulationOptions(TypedDict, total=False):
     delay_known: bool
     seed: int
     fmi: int
+    progress: Progress | None
+
+
+class PageOptions(TypedDict, total=False):
+    """What `write_page` may be given, as in `wmr_ctrl.page.write_page`."""
+
+    laws: Sequence[str] | None
+    seed: int
     progress: Progress | None
 
 

@@ -14,6 +14,13 @@ CASES = {
     "law": (("run", "--law", "mbb"), "no law is named 'mbb' (near: mb"),
     "scenario": (("run", "papersimulation"), "near: paper-simulation"),
     "engine": (("run", "--engine", "numpi"), "no engine is named 'numpi' (near: numpy"),
+    "law of a page": (
+        ("page", "--out", "a.html", "--law", "mbb"),
+        "no law is named 'mbb' (near: mb",
+    ),
+    "page's scenario": (("page", "--out", "a.html", "--scenario", "far"), "near: far-start"),
+    "page's suffix": (("page", "--out", "a.png"), "must end in .html"),
+    "page's folder": (("page", "--out", "none/a.html"), "'none' does not exist"),
     "option": (("run", "--sed", "1"), "No such option '--sed'"),
     "option's value": (("run", "--seed", "one"), "'one' is not a whole number from 0 up"),
     "negative seed": (("run", "--seed", "-1"), "'-1' is not a whole number from 0 up"),

@@ -22,6 +22,7 @@ from wmr_ctrl.cli.failures import BROKEN_PIPE, explain
 from wmr_ctrl.cli.laws import laws
 from wmr_ctrl.cli.linearize import linearize
 from wmr_ctrl.cli.options import debug_option
+from wmr_ctrl.cli.page import page
 from wmr_ctrl.cli.prove import prove
 from wmr_ctrl.cli.reproduce import reproduce
 from wmr_ctrl.cli.run import run
@@ -121,7 +122,7 @@ def root(ctx: click.Context) -> None:
 
 _COMMANDS = (
     *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune),
-    *(prove, linearize, export, cosim, codegen, bench),
+    *(prove, linearize, page, export, cosim, codegen, bench),
 )
 for _command in _COMMANDS:
     root.add_command(_command)

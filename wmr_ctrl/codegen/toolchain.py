@@ -151,8 +151,8 @@ def _find(named: str, path: str | None, cache: Path) -> Toolchain:
 
 def _named(text: str) -> Toolchain:
     command = shlex.split(text, posix=os.name != "nt")
-    if command[0] == "zig" and shutil.which("zig") is None and _zig():
-        command = [*_zig(), *command[1:]]
+    if command[0] == "zig" and shutil.which("zig") is None and zig_command():
+        command = [*zig_command(), *command[1:]]
     try:
         return _working(tuple(command))
     except CacheError:
@@ -167,10 +167,10 @@ def _named(text: str) -> Toolchain:
 def _candidates(path: str | None) -> list[tuple[str, ...]]:
     found = [shutil.which(name, path=path) for name in _ON_PATH]
     commands: list[tuple[str, ...]] = [(name,) for name in found if name]
-    return [*commands, (*_zig(), "cc")] if _zig() else commands
+    return [*commands, (*zig_command(), "cc")] if zig_command() else commands
 
 
-def _zig() -> tuple[str, ...]:
+def zig_command() -> tuple[str, ...]:
     """Return the command of the ziglang wheel, () without it; -P: not from the work folder."""
     if importlib.util.find_spec("ziglang") is None:
         return ()

@@ -1,0 +1,35 @@
+"""What cannot be written is refused before anything is compiled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.errors import ArgumentError, CompilerError, ResultFileError, UnknownNameError
+from wmr_ctrl.page import module
+
+
+def test_unknown_law_and_scenario(tmp_path: Path) -> None:
+    out = tmp_path / "robot.html"
+    with pytest.raises(UnknownNameError, match="no law is named 'mbb'"):
+        wmr_ctrl.write_page(out, laws=["mbb"])
+    with pytest.raises(UnknownNameError, match="scenario"):
+        wmr_ctrl.write_page(out, "moon")
+    with pytest.raises(ArgumentError, match="seed"):
+        wmr_ctrl.write_page(out, seed=-1)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written_to(tmp_path: Path) -> None:
+    with pytest.raises(ResultFileError, match="does not exist"):
+        wmr_ctrl.write_page(tmp_path / "nowhere" / "robot.html")
+    with pytest.raises(ResultFileError, match="folder"):
+        wmr_ctrl.write_page(tmp_path)
+
+
+def test_without_zig_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "zig_command", tuple)
+    with pytest.raises(CompilerError, match="pip install ziglang"):
+        module.build_module([], module.Room(1, 0), print)

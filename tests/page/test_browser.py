@@ -1,0 +1,198 @@
+"""The page in a real browser: what is moved changes the outcome, and nothing goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.page.browser import Browser, browser
+
+READY = "window.wmr && window.wmr.page && window.wmr.page.frames > 1"
+PHONE, SCREEN = (390, 844), (1300, 900)
+
+
+@pytest.fixture(scope="module")
+def opened(page: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Browser, str]]:
+    with browser(tmp_path_factory.mktemp("browser")) as one:
+        yield one, page.as_uri()
+
+
+@pytest.fixture
+def shown(opened: tuple[Browser, str]) -> Iterator[Browser]:
+    """The page's first scene, standing still at its start; then nothing may have been said."""
+    one, url = opened
+    show(one, url)
+    yield one
+    assert one.said == []
+
+
+def show(one: Browser, url: str, link: str = "", size: tuple[int, int] = SCREEN) -> None:
+    one.show(*size, touch=size == PHONE)
+    one.open("about:blank")
+    one.open(f"{url}#{link}", READY)
+    one.value("wmr.page.play(false), wmr.page.restart()")
+
+
+def fastest(one: Browser, law: str, seconds: float) -> float:
+    """Largest |v1| [m/s] of a law after some seconds from the start."""
+    one.value("wmr.page.restart()")
+    one.value(f"wmr.page.fleet.advance({seconds}, 1e9)")
+    return float(one.value(f"wmr.page.fleet.members.get('{law}').found().most[0]"))
+
+
+def slide(one: Browser, name: str, share: float) -> None:
+    """Move the slider of a number, as a hand would."""
+    one.value(
+        f"(() => {{ const range = document.getElementById('set-{name}');"
+        f" range.value = {share} * range.max; range.dispatchEvent(new Event('input')); }})()"
+    )
+
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_slider_changes_the_outcome(shown: Browser) -> None:
+    before = fastest(shown, "mb", 5.0)
+    slide(shown, "limits.v_u1[1]", 0.2)
+    lower = float(shown.value("wmr.page.fleet.value('limits.v_u1[1]')"))
+    after = fastest(shown, "mb", 5.0)
+
+    assert lower < 0.5
+    assert before > 0.75
+    assert after < lower
+    assert "limits.v_u1[1]" in str(shown.value("wmr.page.link"))
+
+
+def test_the_guard_is_switched_on_while_it_drives(shown: Browser) -> None:
+    shown.value("wmr.page.fleet.advance(20, 1e9)")
+    before = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
+    shown.value("document.getElementById('guard').click()")
+    after = shown.value("wmr.page.fleet.members.get('mb').robot.state.slice(0, 3).join()")
+
+    assert shown.value("wmr.page.fleet.stand.guard")
+    assert before == after
+    assert shown.value("wmr.page.fleet.time") == pytest.approx(20.0)
+    assert fastest(shown, "pid", 5.0) <= 1.0
+
+
+def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
+    drove = shown.value(
+        """(async () => {
+          const { page } = wmr, laws = page.told.laws.map((law) => law.name);
+          let driven = 0;
+          for (const scene of page.told.scenes) {
+            page.fleet.overrides = {};
+            page.fleet.begin(scene, scene.stands[0], laws);
+            for (const stand of scene.stands) {
+              if (stand.refusal) continue;
+              page.fleet.take(stand);
+              page.refresh();
+              page.fleet.advance(1, 1e9);
+              page.draw();
+              driven += 1;
+            }
+          }
+          return driven;
+        })()"""
+    )
+    assert drove > 50
+
+
+def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
+    one, url = opened
+    link = "scene=slow&laws=mb.prox&guard=1&period=0.05&seed=3&speed=2&set=robot.m:70"
+    show(one, url, link)
+
+    assert one.value("wmr.page.link") == link
+    assert one.value("wmr.page.fleet.members.get('mb').robot.period") == 0.05
+    assert one.value("wmr.page.fleet.value('robot.m')") == 70
+    assert one.said == []
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        "scene=moon&laws=nobody&guard=x&period=0.03&delay=9&seed=-1&speed=1e9",
+        "set=robot.m:-5,robot.z:1,limits.v_u1[1]:NaN,__proto__:1,:,robot.mu:1e99",
+        "%ff%00&set=%",
+    ],
+)
+def test_a_bad_link_does_no_harm(opened: tuple[Browser, str], link: str) -> None:
+    one, url = opened
+    show(one, url, link)
+    one.value("wmr.page.fleet.advance(2, 1e9), wmr.page.draw()")
+
+    assert one.value("wmr.page.fleet.members.size") >= 1
+    assert one.value("wmr.page.fleet.value('robot.m')") > 0
+    assert one.said == []
+
+
+def test_a_robot_is_dragged_and_thrown(shown: Browser) -> None:
+    shown.value("wmr.page.draw()")
+    x, y = shown.value(
+        "(() => { const { plane, fleet } = wmr.page, seen = fleet.members.get('pid').seen;"
+        " const box = plane.canvas.getBoundingClientRect();"
+        " return [box.left + plane.X(seen.x), box.top + plane.Y(seen.y)]; })()"
+    )
+    shown.mouse("Pressed", x, y)
+    for k in range(6):
+        shown.mouse("Moved", x + 20 * k, y - 20 * k)
+    held = shown.value("wmr.page.held.member.law")
+    shown.mouse("Released", x + 100, y - 100)
+    state = f"wmr.page.fleet.members.get('{held}').robot.state"
+
+    assert shown.value(f"{state}[0]") > -0.4
+    assert shown.value(f"{state}[1]") > -0.4
+    assert shown.value(f"{state}[3]") != 0.0
+    assert shown.value("wmr.page.held") is None
+
+
+def test_keys(shown: Browser) -> None:
+    shown.press(" ")
+    assert shown.value("wmr.page.playing")
+    shown.press(" ")
+    shown.press("3")
+    assert shown.value("wmr.page.fleet.scene.key") == "guard"
+    shown.value("wmr.page.play(false), wmr.page.restart()")
+    shown.press(".")
+    assert shown.value("wmr.page.fleet.sampled") == 1
+    shown.press("g")
+    assert not shown.value("wmr.page.fleet.stand.guard")
+
+
+def test_a_push_ends(shown: Browser) -> None:
+    """It is gone after half a second, and the scene's own numbers hold again."""
+    shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")
+    pushed = "wmr.page.fleet.members.get('mb').robot"
+    at = f"{pushed}.places.parameters['disturbance.push[1]']"
+    size = f"{pushed}.numbers({pushed}.parametersAt, 200)[{at}]"
+
+    assert shown.value(size) == 100
+    shown.value("wmr.page.fleet.advance(0.6, 1e9)")
+    assert shown.value(size) == 0
+
+
+def test_columns_for_scripts(shown: Browser) -> None:
+    columns = shown.value(
+        "wmr.run('mb', 2).then((c) => [Object.keys(c), c.t.length, c['e[1]'][0]])"
+    )
+
+    assert {"t", "x", "e[3]", "V1", "margin"} <= set(columns[0])
+    assert columns[1] == 200
+    assert isinstance(columns[2], float)
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("size", [PHONE, SCREEN])
+def test_nothing_is_wider_than_the_window(
+    opened: tuple[Browser, str], size: tuple[int, int], dark: bool
+) -> None:
+    one, url = opened
+    one.show(*size, dark=dark, touch=size == PHONE)
+    one.open("about:blank")
+    one.open(url, READY)
+
+    assert one.value("document.documentElement.scrollWidth") <= size[0]
+    assert one.said == []

@@ -1,0 +1,60 @@
+"""What the steps of the story claim, with the seed of the page."""
+
+from __future__ import annotations
+
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.page.story import STORY
+from wmr_ctrl.results import Run
+
+STEPS = {step.key: step for step in STORY}
+
+
+def run_of(key: str, law: str) -> Run:
+    step = STEPS[key]
+    return wmr_ctrl.simulate(step.preset, law, overrides=step.overrides)
+
+
+def first_time(run: Run) -> float:
+    assert run.monitor.first_violation is not None
+    return run.monitor.first_violation[0]
+
+
+@pytest.mark.slow
+def test_the_barrier_holds_and_pid_does_not() -> None:
+    assert run_of("barrier", "mb").monitor.violations == 0
+    assert run_of("barrier", "pid").monitor.max_abs_v[0] == pytest.approx(3.0, abs=0.15)
+
+
+@pytest.mark.slow
+def test_far_away_both_break_and_mb_for_good() -> None:
+    mb, nn = run_of("far", "mb"), run_of("far", "nn")
+
+    assert 3.0 < first_time(mb) < 3.1
+    assert abs(mb["v1"][-1000:]).min() > 1.0
+    assert 0 < nn.monitor.violations < 1000
+    assert first_time(nn) > 3.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["mb", "nn", "pid", "smc", "prox", "kanayama"])
+def test_the_guard_holds_there(law: str) -> None:
+    assert run_of("guard", law).monitor.violations == 0
+
+
+@pytest.mark.slow
+def test_at_100_ms_the_papers_laws_break_at_once() -> None:
+    mb, nn = run_of("slow", "mb"), run_of("slow", "nn")
+
+    assert max(first_time(mb), first_time(nn)) < 0.1
+    assert mb.summary()["position_rms"]["last_quarter"] > 1.0
+
+
+@pytest.mark.slow
+def test_prox_needs_no_guard_where_nn_does() -> None:
+    prox, nn = run_of("tuned", "prox"), run_of("tuned", "nn")
+
+    assert prox.summary()["tracked"]
+    assert max(prox.summary()["guard_share"]) < 0.02
+    assert max(nn.summary()["guard_share"]) > 0.5

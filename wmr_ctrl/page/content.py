@@ -1,0 +1,219 @@
+"""Everything that the page's script is told, as plain data: loops, scenes, numbers, looks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from wmr_ctrl import __version__
+from wmr_ctrl.codegen.build import numbers_of, phases_of
+from wmr_ctrl.compiled import elements
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.page.controls import GROUPS, Control, controls_of
+from wmr_ctrl.page.module import PageLoop, PageLoops, Room
+from wmr_ctrl.page.stands import SettledStand, settled_stands
+from wmr_ctrl.page.story import PageScene
+from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
+from wmr_ctrl.report.style import look, unit_text
+from wmr_ctrl.signals import Signal
+
+Plain = dict[str, Any]
+Row = dict[str, float]
+DARK = (0x12, 0x16, 0x1C)
+"""The page's background in the dark."""
+CONTRAST = (5.0, 10.0)
+"""How much the lightest and the darkest colours stand out from it, more than the 4.5 that
+guidelines ask of text: those that were dark on white are light on black."""
+LIGHT = 0.2
+"""Luminance of the lightest."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What is compiled, with room for how much, and what the script is told beside it."""
+
+    loops: tuple[PageLoop, ...]
+    room: Room
+    data: Plain
+
+
+def content_of(
+    scenes: Sequence[PageScene], laws: tuple[str, ...], seed: int, progress: Callable[[float], None]
+) -> Content:
+    """Settle every stand of every scene for every law; ``progress`` hears of the share done.
+
+    Raises what `settle` raises for a scene's own stand.
+    """
+    loops, phases, steps = PageLoops(), 1, 0
+    scenery = list[Plain]()
+    for scene in scenes:
+        stands = list(settled_stands(scene.scenario, laws))
+        setups = [setup for item in stands for setup in item.setups.values()]
+        phases = max(phases, 1 + len(scene.scenario.changes))
+        steps = max([steps, *(_delay_steps(setup) for setup in setups)])
+        scenery.append(_scene(scene, stands, loops))
+        progress(len(scenery) / len(scenes))
+    known = [item for loop in loops for item in (*loop.layout.columns, *loop.layout.parameters)]
+    return Content(
+        tuple(loops),
+        Room(phases, steps),
+        {
+            "version": __version__,
+            "seed": seed,
+            "body": {"size": BODY, "wheel": WHEEL, "track": TRACK},
+            "laws": [_look(name, LAWS[name].title) for name in laws],
+            "names": _names(known),
+            "loops": [_loop(item) for item in loops],
+            "groups": [{"key": g.key, "title": g.title, "hint": g.hint} for g in GROUPS],
+            "scenes": scenery,
+        },
+    )
+
+
+def _delay_steps(setup: Setup) -> int:
+    actuator, step = setup.scenario.actuator, setup.scenario.clock.plant
+    return round((actuator.delay + actuator.untold) / step)
+
+
+def _names(signals: Iterable[Signal]) -> Plain:
+    """Unit and meaning of every element."""
+    return {
+        name: [_unit(unit), signal.meaning]
+        for signal in signals
+        for name, unit in zip(signal.elements, signal.units, strict=True)
+    }
+
+
+def _loop(loop: PageLoop) -> Plain:
+    layout = loop.layout
+    return {
+        "name": loop.name,
+        "columns": elements(layout.columns),
+        "state": elements(layout.state),
+        "parameters": elements(layout.parameters),
+        "findings": layout.findings,
+        "start": loop.start,
+    }
+
+
+def _scene(scene: PageScene, stands: list[SettledStand], loops: PageLoops) -> Plain:
+    scenario, setups = scene.scenario, stands[0].setups
+    base = {law: _rows(setup, loops.of(setup))[0] for law, setup in setups.items()}
+    ports = [item for setup in setups.values() for item in loops.of(setup).layout.parameters]
+    values = {name: value for row in base.values() for name, value in row.items()}
+    return {
+        "key": scene.key,
+        "title": scene.title,
+        "text": scene.text,
+        "scenario": scenario.name,
+        "shown": scene.shown,
+        "speed": scene.speed,
+        "duration": scenario.clock.duration,
+        "start": [*scenario.initial.pose, *scenario.initial.velocity],
+        "base": {law: _spelled(row) for law, row in base.items()},
+        "stands": [_stand(item, base, loops) for item in stands],
+        "controls": [_control(item) for item in controls_of(scenario, ports, values)],
+    }
+
+
+def _control(control: Control) -> Plain:
+    numbers = {"span": control.span, "bounds": control.bounds}
+    return {
+        **asdict(control),
+        **{name: [_number(value) for value in pair] for name, pair in numbers.items()},
+        "unit": _unit(control.unit),
+    }
+
+
+def _stand(item: SettledStand, base: Mapping[str, Row], loops: PageLoops) -> Plain:
+    stand = item.stand
+    return {
+        "guard": stand.guard,
+        "period": stand.period,
+        "delay": stand.delay,
+        "refusal": item.refusal,
+        "laws": {
+            law: _law(setup, base[law], loops.of(setup)) for law, setup in item.setups.items()
+        },
+    }
+
+
+def _law(setup: Setup, base: Row, loop: PageLoop) -> Plain:
+    """A law's loop, first plant steps of its phases, and rows: what differs from the row before."""
+    rows = _rows(setup, loop)
+    before = [base, *rows[:-1]]
+    return {
+        "loop": int(loop.name[1:]),
+        "phases": [step for step, _ in _phases(setup, loop)],
+        "rows": [_spelled(_changed(old, new)) for old, new in zip(before, rows, strict=True)],
+        "void": setup.bound.void,
+    }
+
+
+def _changed(old: Row, new: Row) -> Row:
+    return {name: value for name, value in new.items() if old.get(name) != value}
+
+
+def _rows(setup: Setup, loop: PageLoop) -> list[Row]:
+    names = elements(loop.layout.parameters)
+    return [dict(zip(names, row, strict=True)) for _, row in _phases(setup, loop)]
+
+
+def _phases(setup: Setup, loop: PageLoop) -> list[tuple[int, tuple[float, ...]]]:
+    parameters = loop.layout.parameters
+    return phases_of(setup, parameters, numbers_of(setup, parameters))
+
+
+def _spelled(row: Row) -> Plain:
+    return {name: _number(value) for name, value in row.items()}
+
+
+def _number(value: float) -> float | str:
+    """JSON has no infinity: a text that JavaScript's Number reads."""
+    return value if math.isfinite(value) else "Infinity" if value > 0 else "-Infinity"
+
+
+def _unit(unit: str) -> str:
+    """A unit as readers write it: kg m² for kg.m2."""
+    return unit_text(unit).replace(".", " ").translate(str.maketrans("23", "²³"))
+
+
+def _look(law: str, title: str) -> Plain:
+    """Name, label, title, colours (on white, on black) and dashes of a law."""
+    chosen = look(law)
+    dash = [] if isinstance(chosen.dash, str) else list(chosen.dash[1])
+    return {
+        "name": law,
+        "label": chosen.label,
+        "title": title,
+        "colour": chosen.colour,
+        "dark": _in_the_dark(chosen.colour),
+        "dash": dash,
+    }
+
+
+def _in_the_dark(colour: str) -> str:
+    """A colour mixed with as much white as makes it stand out from black."""
+    own = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    shares = (step / 50 for step in range(51))
+    mixes = ([part + share * (1 - part) for part in own] for share in shares)
+    darkness = max(1.0 - _luminance(*own) / LIGHT, 0.0)
+    wanted = CONTRAST[0] + darkness * (CONTRAST[1] - CONTRAST[0])
+    lighter = next(mix for mix in mixes if _contrast(*mix) >= wanted)
+    return "#" + "".join(f"{round(255 * part):02x}" for part in lighter)
+
+
+def _contrast(red: float, green: float, blue: float) -> float:
+    """Contrast of a colour (0 to 1 each) with the dark background, as WCAG 2 defines it."""
+    dark = _luminance(*(part / 255 for part in DARK))
+    return (_luminance(red, green, blue) + 0.05) / (dark + 0.05)
+
+
+def _luminance(red: float, green: float, blue: float) -> float:
+    linear = (
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)
+    )
+    return sum(share * part for share, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))

@@ -1,0 +1,245 @@
+// The robots that are shown: one for each law, all at the same sample, with what they left behind.
+
+const KEPT = ["t", "x", "y", "theta", "v1", "omega", "torque", "V1", "margin", "distance", "jump"];
+const MOST_ROWS = 160000;
+const PUSH_SECONDS = 0.5;
+
+// Columns of numbers that grow, and forget their older half when they are too long.
+class History {
+  constructor() {
+    this.length = 0;
+    this.columns = Object.fromEntries(KEPT.map((name) => [name, new Float32Array(4096)]));
+  }
+
+  add(values) {
+    if (this.length === this.columns.t.length) this.makeRoom();
+    for (let i = 0; i < KEPT.length; ++i) this.columns[KEPT[i]][this.length] = values[i];
+    this.length += 1;
+  }
+
+  makeRoom() {
+    const full = this.length >= MOST_ROWS, from = full ? this.length >> 1 : 0;
+    for (const name of KEPT) {
+      const old = this.columns[name], next = full ? old : new Float32Array(2 * old.length);
+      next.set(old.subarray(from, this.length));
+      this.columns[name] = next;
+    }
+    this.length -= from;
+  }
+
+  // Index of the first row at or after a time.
+  after(time) {
+    let low = 0, high = this.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.columns.t[middle] < time) low = middle + 1; else high = middle;
+    }
+    return low;
+  }
+
+  last(name) { return this.length ? this.columns[name][this.length - 1] : NaN; }
+}
+
+class Member {
+  constructor(engine, law) {
+    this.engine = engine;
+    this.law = law;
+    this.robot = null;
+  }
+
+  begin(plan, seed) {
+    this.free();
+    this.robot = this.engine.robot(plan.loop).begin(plan, seed);
+    this.void = plan.void;
+    this.step0 = plan.rows[0]["clock.plant"];
+    this.history = new History();
+    this.carried = { violations: 0, samples: 0, clipped: [0, 0], most: [0, 0], least: [0, 0], first: null, feasible: 1 };
+    this.jumped = 0;
+    return this;
+  }
+
+  // Goes on with another loop, whose state takes over what the two have in common.
+  handOver(plan, seed, time) {
+    const before = this.robot, names = before.loop.state, state = Float64Array.from(before.state);
+    this.carry();
+    this.robot = this.engine.robot(plan.loop);
+    const places = this.robot.places.state;
+    names.forEach((name, i) => { if (name in places) plan.start[places[name]] = state[i]; });
+    this.robot.begin(plan, seed);
+    this.robot.resume(Math.round(time / this.robot.period));
+    this.void = plan.void;
+    before.free();
+  }
+
+  // Keeps what the loop has found so far, for another loop begins at nothing.
+  carry() {
+    const { violations, first, most } = this.found();
+    Object.assign(this.carried, { violations, first, most });
+  }
+
+  sample() {
+    const robot = this.robot;
+    if (!robot.running) return;
+    robot.sample();
+    this.watch(robot);
+    const torque = Math.max(Math.abs(robot.column("tau_right")), Math.abs(robot.column("tau_left")));
+    const off = Math.hypot(robot.column("x") - robot.column("x_d"), robot.column("y") - robot.column("y_d"));
+    this.history.add([
+      robot.column("t"), robot.column("x"), robot.column("y"), robot.column("theta"), robot.column("v1"),
+      robot.column("omega"), torque, robot.column("V1"), robot.column("margin"), off, this.jumped,
+    ]);
+    this.jumped = 0;
+  }
+
+  watch(robot) {
+    const kept = this.carried;
+    kept.samples += 1;
+    kept.feasible = robot.column("feasible");
+    for (const i of [0, 1]) {
+      kept.clipped[i] += robot.column(`clip_active[${i + 1}]`);
+      kept.least[i] = Math.max(kept.least[i], robot.column(`d_least[${i + 1}]`));
+    }
+  }
+
+  // Plant steps beyond a limit, time and axis of the first, largest |v1| and |omega|.
+  found() {
+    const robot = this.robot, kept = this.carried, step = robot.finding("first_step");
+    const first = step < 0 ? null : { time: step * this.step0, axis: robot.finding("first_axis") };
+    return {
+      violations: kept.violations + robot.finding("violations"),
+      first: kept.first ?? first,
+      most: [Math.max(kept.most[0], robot.finding("max_v1")), Math.max(kept.most[1], robot.finding("max_omega"))],
+    };
+  }
+
+  get ended() { return !this.robot.running; }
+
+  place(values) {
+    for (const [name, value] of Object.entries(values)) this.robot.put(name, value);
+    this.jumped = 1;
+  }
+
+  free() {
+    if (this.robot) this.robot.free();
+    this.robot = null;
+  }
+}
+
+class Fleet {
+  constructor(engine) {
+    this.engine = engine;
+    this.told = engine.told;
+    this.members = new Map();
+    this.overrides = {};
+    this.seed = engine.told.seed;
+    this.sampled = 0;
+    this.pushed = null;
+  }
+
+  get period() { return this.stand.period; }
+  get time() { return this.sampled * this.period; }
+  get laws() { return [...this.members.keys()]; }
+
+  plan(law) { return planOf(this.told, this.scene, this.stand, law, this.overrides); }
+
+  begin(scene, stand, laws) {
+    this.scene = scene;
+    this.stand = stand;
+    this.choose(laws);
+    this.restart();
+  }
+
+  restart() {
+    this.sampled = 0;
+    this.behind = 0;
+    this.pushed = null;
+    for (const [law, member] of this.members) member.begin(this.plan(law), this.seed);
+    this.path = this.desiredPath();
+  }
+
+  // Shows these laws; one that is new catches up from the start, with the settings of now.
+  choose(laws) {
+    for (const [law, member] of this.members) if (!laws.includes(law)) { member.free(); this.members.delete(law); }
+    const order = this.told.laws.map((item) => item.name).filter((law) => laws.includes(law));
+    const members = new Map();
+    for (const law of order) members.set(law, this.members.get(law) ?? this.arrived(law));
+    this.members = members;
+  }
+
+  arrived(law) {
+    const member = new Member(this.engine, law).begin(this.plan(law), this.seed);
+    for (let k = 0; k < this.sampled && !member.ended; ++k) member.sample();
+    return member;
+  }
+
+  // Another stand of the scene, while the robots drive on.
+  take(stand) {
+    const time = this.time;
+    this.stand = stand;
+    this.sampled = Math.round(time / stand.period);
+    for (const [law, member] of this.members) member.handOver(this.plan(law), this.seed, time);
+  }
+
+  // Parameters that hold for all laws from now on, in place of the scene's.
+  set(values) { this.replace({ ...this.overrides, ...values }); }
+
+  replace(overrides) {
+    const before = this.overrides;
+    this.overrides = overrides;
+    for (const [law, member] of this.members) member.robot.load(this.plan(law).rows);
+    if ([before, overrides].some((set) => Object.keys(set).some((name) => name.startsWith("ref_")))) this.path = this.desiredPath();
+  }
+
+  // The value that holds for a parameter, of whichever law has it.
+  value(name) {
+    if (name in this.overrides) return this.overrides[name];
+    for (const law of [...this.laws, ...this.told.laws.map((item) => item.name)]) {
+      const row = this.stand.laws[law]?.rows[0] ?? {}, base = this.scene.base[law];
+      if (name in row) return Number(row[name]);
+      if (name in base) return Number(base[name]);
+    }
+    return NaN;
+  }
+
+  push(force) {
+    this.pushed = { until: this.time + PUSH_SECONDS, force };
+    for (const member of this.members.values()) member.robot.set({ "disturbance.push[1]": force });
+  }
+
+  sample() {
+    if (this.pushed && this.time >= this.pushed.until) {
+      this.pushed = null;
+      this.replace(this.overrides);
+    }
+    for (const member of this.members.values()) member.sample();
+    this.sampled += 1;
+  }
+
+  // So much simulated time, unless it takes longer than `budget` ms; true if all of it was done.
+  advance(seconds, budget) {
+    this.behind += seconds;
+    const begun = performance.now();
+    for (let k = 0; this.behind >= this.period; ++k) {
+      this.sample();
+      this.behind -= this.period;
+      if (k % 32 === 31 && performance.now() - begun > budget) { this.behind = 0; return false; }
+    }
+    return true;
+  }
+
+  // The desired path over the scene's duration, from the loop with the longest period.
+  desiredPath() {
+    const stands = this.scene.stands.filter((item) => !item.refusal);
+    const slow = stands.reduce((a, b) => (b.period > a.period ? b : a));
+    const law = this.told.laws[0].name;
+    const robot = this.engine.robot(slow.laws[law].loop);
+    robot.begin(planOf(this.told, this.scene, slow, law, this.overrides), 0);
+    const count = Math.min(Math.round(this.scene.duration / slow.period), 20000), points = [];
+    for (let k = 0; k < count; ++k) {
+      robot.sample();
+      points.push([robot.column("x_d"), robot.column("y_d")]);
+    }
+    robot.free();
+    return points;
+  }
+}

@@ -1,0 +1,44 @@
+// Settings in the address: only what differs from the scene is written.
+
+function linkOf(fleet, speed) {
+  const { scene, stand } = fleet, own = scene.stands[0], out = new URLSearchParams();
+  if (scene !== fleet.told.scenes[0]) out.set("scene", scene.key);
+  if (String(fleet.laws) !== String(inOrder(fleet.told, scene.shown))) out.set("laws", fleet.laws.join("."));
+  if (stand.guard !== own.guard) out.set("guard", Number(stand.guard));
+  if (!same(stand.period, own.period)) out.set("period", stand.period);
+  if (!same(stand.delay, own.delay)) out.set("delay", stand.delay);
+  if (fleet.seed !== fleet.told.seed) out.set("seed", fleet.seed);
+  if (speed !== scene.speed) out.set("speed", speed);
+  const moved = Object.entries(fleet.overrides).map(([name, value]) => `${name}:${value}`);
+  if (moved.length) out.set("set", moved.join(","));
+  return out.toString().replaceAll("%3A", ":").replaceAll("%2C", ",").replaceAll("%5B", "[").replaceAll("%5D", "]");
+}
+
+const inOrder = (told, laws) => told.laws.map((item) => item.name).filter((law) => laws.includes(law));
+
+// What a link asks for, of what there is: nobody has to trust a link.
+function asked(told, text) {
+  const given = new URLSearchParams(text.replace(/^#/, ""));
+  const scene = told.scenes.find((item) => item.key === given.get("scene")) ?? told.scenes[0], own = scene.stands[0];
+  const number = (name, other) => (given.has(name) && Number.isFinite(Number(given.get(name))) ? Number(given.get(name)) : other);
+  const guard = given.has("guard") ? given.get("guard") === "1" : own.guard;
+  const wanted = findStand(scene, guard, number("period", own.period), number("delay", own.delay));
+  const laws = inOrder(told, (given.get("laws") ?? "").split("."));
+  return {
+    scene,
+    stand: wanted && !wanted.refusal ? wanted : own,
+    laws: laws.length ? laws : inOrder(told, scene.shown),
+    seed: Math.min(Math.max(Math.round(number("seed", told.seed)), 0), Number.MAX_SAFE_INTEGER),
+    speed: Math.min(Math.max(number("speed", scene.speed), 0.05), 20),
+    overrides: Object.fromEntries((given.get("set") ?? "").split(",").map((item) => moved(scene, item)).filter(Boolean)),
+  };
+}
+
+function moved(scene, item) {
+  const at = item.lastIndexOf(":"), name = item.slice(0, at), value = Number(item.slice(at + 1));
+  const control = scene.controls.find((one) => one.name === name || one.along.includes(name));
+  if (at < 1 || !control || item.slice(at + 1) === "" || Number.isNaN(value)) return null;
+  return [name, clamp(value, Number(control.bounds[0]), Number(control.bounds[1]))];
+}
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);

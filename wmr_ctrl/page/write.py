@@ -1,0 +1,99 @@
+"""Write the page: settle, compile, and put everything into one file."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import jinja2
+
+from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.page.content import Content, content_of
+from wmr_ctrl.page.module import build_module
+from wmr_ctrl.page.story import scenes
+from wmr_ctrl.results.files import atomic_write, check_writable
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.finish import check_seeds
+
+ALONE = ("engine.js", "run.js")
+"""Scripts that need no document, in order: node runs them too."""
+SETTLING = 0.3
+"""Share of the time before anything is compiled, about."""
+SHOWING = ("fleet.js", "settings.js", "link.js", "charts.js", "plane.js", "page.js")
+
+
+def write_page(
+    out: str | Path,
+    scenario: Scenario,
+    laws: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write the page to the file ``out``, whole or not at all; returns its path.
+
+    For the paper's simulation it tells a story in five steps.  ``laws``: which can be chosen;
+    without, all.  ``progress`` is called with the share that is done.  Raises UnknownNameError for
+    a law, ArgumentError for the seed, ScenarioError for what the scenario cannot be,
+    CompilerError without zig, ResultFileError where the file cannot be written.
+    """
+    check_seeds([seed])
+    target = check_writable(out)
+    chosen = _laws(laws)
+    said = progress or _nothing
+    content = content_of(
+        scenes(scenario, chosen), chosen, seed, lambda share: said(SETTLING * share)
+    )
+    module = build_module(
+        content.loops, content.room, lambda share: said(SETTLING + (1 - SETTLING) * share)
+    )
+    text = page_text(content, module)
+    with atomic_write(target, text=True) as file:
+        file.write(text)
+    return target
+
+
+def _laws(laws: Sequence[str] | None) -> tuple[str, ...]:
+    if not laws:
+        return tuple(LAWS)
+    for name in laws:
+        if name not in LAWS:
+            raise UnknownNameError("law", name, tuple(LAWS))
+    return tuple(dict.fromkeys(laws))
+
+
+def page_text(content: Content, module: bytes) -> str:
+    """The page with its module."""
+    folder = Path(__file__).parent / "templates"
+    engine = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder), autoescape=True, trim_blocks=True,
+        lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
+    scripts = {name: (folder / name).read_text(encoding="utf-8") for name in (*ALONE, *SHOWING)}
+    return engine.get_template("page.html.j2").render(
+        title=content.data["scenes"][0]["scenario"],
+        scenes=content.data["scenes"],
+        laws=content.data["laws"],
+        groups=content.data["groups"],
+        loops=len(content.loops),
+        size=len(module),
+        version=content.data["version"],
+        style=(folder / "page.css").read_text(encoding="utf-8"),
+        told=_inside_script(json.dumps(content.data, allow_nan=False, separators=(",", ":"))),
+        module=base64.b64encode(gzip.compress(module, 9, mtime=0)).decode(),
+        alone="\n".join(scripts[name] for name in ALONE),
+        showing="\n".join(scripts[name] for name in SHOWING),
+    )
+
+
+def _inside_script(text: str) -> str:
+    """JSON that ends no script element."""
+    return text.replace("<", "\\u003c")
+
+
+def _nothing(share: float) -> None:
+    """Tell nobody."""
