@@ -19,6 +19,8 @@ def test_unknown_law_and_scenario(tmp_path: Path) -> None:
         wmr_ctrl.write_page(out, "moon")
     with pytest.raises(ArgumentError, match="seed"):
         wmr_ctrl.write_page(out, seed=-1)
+    with pytest.raises(ArgumentError, match="2\\^53"):
+        wmr_ctrl.write_page(out, seed=2**53)
     assert list(tmp_path.iterdir()) == []
 
 

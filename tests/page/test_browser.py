@@ -83,14 +83,14 @@ def test_every_stand_of_every_scene_drives_on(shown: Browser) -> None:
           const { page } = wmr, laws = page.told.laws.map((law) => law.name);
           let driven = 0;
           for (const scene of page.told.scenes) {
+            page.draw();
             page.fleet.overrides = {};
             page.fleet.begin(scene, scene.stands[0], laws);
             for (const stand of scene.stands) {
               if (stand.refusal) continue;
               page.fleet.take(stand);
               page.refresh();
-              page.fleet.advance(1, 1e9);
-              page.draw();
+              page.fleet.advance(0.2, 1e9);
               driven += 1;
             }
           }

@@ -56,5 +56,5 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
     prox, nn = run_of("tuned", "prox"), run_of("tuned", "nn")
 
     assert prox.summary()["tracked"]
-    assert max(prox.summary()["guard_share"]) < 0.02
+    assert max(prox.summary()["guard_share"]) == pytest.approx(1 / 200)
     assert max(nn.summary()["guard_share"]) > 0.5

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import jinja2
 
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
 from wmr_ctrl.page.module import build_module
@@ -21,6 +21,8 @@ from wmr_ctrl.sim.finish import check_seeds
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""
+LARGEST_SEED = 2**53
+"""Numbers of a browser are doubles."""
 SETTLING = 0.3
 """Share of the time before anything is compiled, about."""
 SHOWING = ("fleet.js", "settings.js", "link.js", "charts.js", "plane.js", "page.js")
@@ -42,6 +44,10 @@ def write_page(
     CompilerError without zig, ResultFileError where the file cannot be written.
     """
     check_seeds([seed])
+    if seed >= LARGEST_SEED:
+        raise ArgumentError(
+            f"seed = {seed} is beyond what a browser counts to; take one below 2^53."
+        )
     target = check_writable(out)
     chosen = _laws(laws)
     said = progress or _nothing

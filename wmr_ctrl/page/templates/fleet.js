@@ -145,6 +145,7 @@ class Fleet {
   begin(scene, stand, laws) {
     this.scene = scene;
     this.stand = stand;
+    this.sampled = 0;
     this.choose(laws);
     this.restart();
   }

@@ -79,6 +79,7 @@ class Page {
     for (const button of document.querySelectorAll("[data-scene]")) {
       const chosen = button.dataset.scene === fleet.scene.key;
       button.setAttribute("aria-current", chosen ? "step" : "false");
+      if (chosen) this.bringIntoView(button);
     }
     byId("scene-title").textContent = fleet.scene.title;
     byId("scene-text").textContent = fleet.scene.text;
@@ -93,6 +94,12 @@ class Page {
     this.remember();
     this.board();
     this.dirty = true;
+  }
+
+  // Sideways only: the page itself stays where it is.
+  bringIntoView(button) {
+    const row = button.closest("ol"), box = button.getBoundingClientRect(), frame = row.getBoundingClientRect();
+    row.scrollLeft += box.left + box.width / 2 - frame.left - frame.width / 2;
   }
 
   // Values of period or delay that the scene has a stand for.
