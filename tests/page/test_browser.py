@@ -162,6 +162,21 @@ def test_keys(shown: Browser) -> None:
     assert not shown.value("wmr.page.fleet.stand.guard")
 
 
+def test_names_of_many_robots_in_one_place_find_room(shown: Browser) -> None:
+    """Wherever they stand: labels move on in one direction."""
+    shown.value(
+        """(() => {
+          const { page } = wmr, { fleet, plane } = page;
+          fleet.choose(page.told.laws.map((law) => law.name));
+          for (let share = 0; share <= 1; share += 0.02) {
+            const [x, y] = plane.world(plane.width * share, plane.height * share);
+            for (const member of fleet.members.values()) member.place({ x, y });
+            page.draw();
+          }
+        })()"""
+    )
+
+
 def test_a_push_ends(shown: Browser) -> None:
     """It is gone after half a second, and the scene's own numbers hold again."""
     shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")

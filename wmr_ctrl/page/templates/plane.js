@@ -161,7 +161,8 @@ class Plane extends Sheet {
       const px = this.X(seen.x), py = this.Y(seen.y), edge = 16;
       const away = !(px > 0 && px < this.width && py > 0 && py < this.height);
       let x = clamp(px + (away ? 0 : 24), edge, this.width - 60), y = clamp(py - (away ? 0 : 22), edge, this.height - edge);
-      while (taken.some((other) => Math.abs(other.x - x) < 70 && Math.abs(other.y - y) < 17)) y += y > this.height / 2 ? -17 : 17;
+      const way = y > this.height / 2 ? -17 : 17;
+      while (taken.some((other) => Math.abs(other.x - x) < 70 && Math.abs(other.y - y) < 17)) y += way;
       taken.push({ x, y });
       const word = member.ended ? `${label} gave up` : seen.beyond ? `${label} too fast` : label;
       const metres = Math.hypot(seen.x - this.view.x, seen.y - this.view.y);
