@@ -220,9 +220,10 @@ class Fleet {
   advance(seconds, budget) {
     this.behind += seconds;
     const begun = performance.now();
-    for (let k = 0; this.behind >= this.period; ++k) {
+    const count = Math.floor(this.behind / this.period + 1e-6);
+    this.behind -= count * this.period;
+    for (let k = 0; k < count; ++k) {
       this.sample();
-      this.behind -= this.period;
       if (k % 32 === 31 && performance.now() - begun > budget) { this.behind = 0; return false; }
     }
     return true;
