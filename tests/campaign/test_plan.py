@@ -6,13 +6,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import PAPER_LAWS, STUDIES, paper_plan
+from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, paper_plan
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.scenario import preset_names
+from wmr_ctrl.scenario import load_scenario, preset_names
 
 
-def test_every_study_is_a_preset():
-    assert {study.scenario for study in STUDIES} <= set(preset_names())
+def test_every_study_is_a_preset_or_changes_one_under_a_name_of_its_own():
+    assert {study.preset for study in STUDIES} <= set(preset_names())
+    assert len({study.scenario for study in STUDIES}) == len(STUDIES)
+    for study in STUDIES:
+        load_scenario(study.preset, study.overrides)
+        assert bool(study.overrides) == bool(study.name) == bool(study.title)
+        assert not study.name or study.name not in preset_names()
+
+
+@pytest.mark.parametrize("name", AS_STATED)
+def test_the_theorems_own_case_has_neither_noise_nor_a_wrong_model_nor_a_start_outside(name):
+    study = next(one for one in STUDIES if one.scenario == name)
+    scenario = load_scenario(study.preset, study.overrides)
+
+    assert scenario.disturbance.std == 0
+    assert scenario.changes == ()
+    assert scenario.believed.m == scenario.robot.m
+    assert scenario.believed.mu == scenario.robot.mu
+    assert scenario.clock.control <= 1e-4
+    assert all(
+        abs(v) < limit
+        for v, limit in zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
+    )
 
 
 @given(seeds=st.integers(1, 30), first=st.integers(0, 100))

@@ -5,16 +5,34 @@ from __future__ import annotations
 import pytest
 
 from tests.campaign.synthetic import Watch, in_turn, prepared
-from wmr_ctrl.campaign import PlannedRun, paper_plan, run_campaign
+from wmr_ctrl.campaign import PlannedRun, Study, paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
 
-PLAN = [PlannedRun("paper-simulation", law, seed) for seed in (4, 3, 5) for law in ("mb", "nn")]
+STUDY = Study("paper-simulation")
+PLAN = [PlannedRun(STUDY, law, seed) for seed in (4, 3, 5) for law in ("mb", "nn")]
 
 
 def test_rows_stand_in_the_order_of_the_plan(fake_simulate):
     table = run_campaign(in_turn, prepared(fake_simulate), PLAN).table
 
-    assert [PlannedRun(row.scenario, row.law, row.seed) for row in table] == PLAN
+    assert [(row.scenario, row.law, row.seed) for row in table] == [
+        (task.scenario, task.law, task.seed) for task in PLAN
+    ]
+
+
+def test_a_study_that_changes_fields_has_its_own_name_and_rows(fake_simulate):
+    asked = []
+
+    def prepare(scenario, law, overrides=None, guard=None):
+        asked.append((scenario, overrides))
+        return lambda seed: fake_simulate(scenario, law, seed)
+
+    own = Study("paper-simulation", 1, "mine", "title", overrides={"clock.control": 0.001})
+    done = run_campaign(in_turn, prepare, [PlannedRun(STUDY, "mb", 0), PlannedRun(own, "mb", 0)])
+
+    assert done.table.scenarios == ("paper-simulation", "mine")
+    assert set(done.runs) == {("paper-simulation", "mb"), ("mine", "mb")}
+    assert asked == [("paper-simulation", {}), ("paper-simulation", {"clock.control": 0.001})]
 
 
 def test_only_the_first_seed_of_a_case_is_kept_whole(fake_simulate):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
-from tests.campaign.synthetic import in_turn, prepared, simulate
-from wmr_ctrl.campaign import Campaign, paper_plan, run_campaign
+from tests.campaign.conftest import campaign as campaign
+from tests.campaign.conftest import fake_simulate as fake_simulate
+from tests.campaign.synthetic import in_turn, simulate
 from wmr_ctrl.campaign.comparison import (
     ComparisonCase,
     GuardComparison,
@@ -16,17 +15,6 @@ from wmr_ctrl.campaign.comparison import (
 )
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.results import Run
-
-
-@pytest.fixture(scope="session")
-def fake_simulate() -> Callable[[str, str, int], Run]:
-    return simulate
-
-
-@pytest.fixture(scope="session")
-def campaign() -> Campaign:
-    return run_campaign(in_turn, prepared(simulate), paper_plan(seeds=2), jobs=1)
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import FIGURES, PAPER_LAWS, STUDIES, FigureRow, FigureTable
+from wmr_ctrl.campaign import AS_STATED, FIGURES, PAPER_LAWS, STUDIES, FigureRow, FigureTable
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.report.claims import (
     Divisor,
@@ -63,6 +63,7 @@ def test_tests_name_what_a_campaign_has(claim, spec):
     assert {*spec.scenarios, other.scenario} <= {"", *(study.scenario for study in STUDIES)}
     assert {*spec.laws, other.law} <= {"", *PAPER_LAWS}
     assert spec.laws or spec.figure in TIMES
+    assert spec.laws == ("smc",) or "smc" not in spec.laws, "the stand-in has tests of its own"
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)
@@ -87,6 +88,49 @@ def test_all_some_or_none_of_the_tests(passed):
     expected = Verdict.HOLDS if all(passed) else Verdict.IN_PART if any(passed) else Verdict.FAILS
 
     assert verdict_of([*tests, measured(99.0)]) == expected
+
+
+def of_smc(value, **bound):
+    return Measured(TestSpec("k", "text", "ise_total", laws=("smc",), **bound), {0: value})
+
+
+GOOD, BAD = measured(1.0, at_most=2.0), measured(3.0, at_most=2.0)
+GOOD_SMC, BAD_SMC = of_smc(1.0, at_most=2.0), of_smc(3.0, at_most=2.0)
+
+
+@pytest.mark.parametrize(
+    ("tests", "verdict"),
+    [
+        ([GOOD_SMC], Verdict.STAND_IN),
+        ([GOOD_SMC, BAD_SMC], Verdict.STAND_IN_PART),
+        ([BAD_SMC], Verdict.STAND_IN_FAILS),
+        ([GOOD, GOOD_SMC], Verdict.IN_PART),
+        ([GOOD, BAD_SMC], Verdict.IN_PART),
+        ([BAD, GOOD_SMC], Verdict.FAILS),
+    ],
+)
+def test_the_stand_in_never_makes_a_claim_hold(tests, verdict):
+    assert verdict_of(tests) == verdict
+
+
+@pytest.mark.parametrize(
+    ("tests", "verdict"), [([GOOD, GOOD], Verdict.UNBROKEN), ([GOOD, BAD], Verdict.FAILS)]
+)
+def test_what_never_happens_is_refuted_by_one_run_and_shown_by_none(tests, verdict):
+    assert verdict_of(tests, never=True) == verdict
+
+
+def test_both_sides_of_the_theorems_are_judged_and_told_apart():
+    stated, practice = (
+        next(one for one in CLAIMS if one.id == f"limits-{which}")
+        for which in ("as-stated", "in-practice")
+    )
+
+    assert (stated.expected, practice.expected) == (Verdict.UNBROKEN, Verdict.FAILS)
+    assert stated.never
+    assert not practice.never
+    deciding = {name for test in stated.tests if test.decides for name in test.scenarios}
+    assert deciding == set(AS_STATED)
 
 
 @pytest.mark.parametrize(
@@ -145,7 +189,7 @@ def test_our_times_count_only_where_they_were_measured(campaign):
         return next(one for one in judged if one.claim.id == "V-time").tests
 
     assert [test.spec.key for test in time_tests({})] == ["paper"]
-    ours = time_tests({"mb": 0.5, "nn": 2.0})[1]
+    ours = time_tests({"pid": 0.1, "smc": 9.0, "mb": 0.5, "nn": 2.0})[1]
     assert ours.values == {0: pytest.approx(0.02)}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import json
 import re
@@ -11,12 +12,13 @@ import pytest
 from tests.campaign.synthetic import Watch, in_turn, prepared
 from wmr_ctrl.campaign import paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report.claims import Evidence, judge_all
+from wmr_ctrl.report.claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.comparison_text import shortfalls
 from wmr_ctrl.report.guarantee_figures import STRESS
 from wmr_ctrl.report.measure_figures import HIDDEN
 from wmr_ctrl.report.paper_figures import PANELS
 from wmr_ctrl.report.reproduction import Facts, Reproduction
+from wmr_ctrl.report.tables import least, scenario_table
 from wmr_ctrl.report.write import FILES, write_reproduction
 
 PNG = b"\x89PNG"
@@ -95,6 +97,47 @@ def test_links_lead_somewhere_and_every_claim_is_told(written, page):
     assert all(one.verdict.value in page for one in written.judged)
 
 
+def test_the_navigation_lists_all_sections_in_their_order(page):
+    listed = re.findall(r'href="#([^"]+)"', page[page.index("<nav>") : page.index("</nav>")])
+
+    assert listed == re.findall(r'<section id="([^"]+)"', page)
+    assert len(listed) > 10
+
+
+def test_on_a_phone_no_table_is_wider_than_the_page(page):
+    """Rows of every table become cards there, or it has two short columns."""
+    kinds = re.findall(r'<table class="([^"]+)"', page)
+
+    assert len(kinds) == page.count("<table")
+    assert all({"cards", "stack", "pairs"} & set(kind.split()) for kind in kinds)
+
+
+def test_pictures_have_colours_for_light_and_dark(page):
+    pictures = re.findall(r"data:image/svg\+xml;base64,([^\"]+)", page)
+    texts = [base64.b64decode(one).decode() for one in pictures]
+
+    assert "prefers-color-scheme: dark" in page
+    for text in texts:
+        style, _, drawing = text.partition("</style>")
+        assert "prefers-color-scheme:dark" in style
+        assert not re.search(r"(fill|stroke): #[0-9a-f]{6}", drawing)
+
+
+def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
+    with_, without = (
+        [row[0] for row in scenario_table(campaign.table, name, "", changes=changes).rows]
+        for name, changes in (("paper-simulation", True), ("paper-experiment", False))
+    )
+
+    assert sum("40" in row for row in with_) > 8
+    assert not any("40 s" in row or "40–" in row for row in without)
+
+
+def test_the_best_of_a_row_is_marked_unless_all_are_alike():
+    assert least([3.0, 1.0, None, 1.0]) == {2, 4}
+    assert least([2.0, 2.0]) == least([None]) == set()
+
+
 def test_texts_from_outside_are_escaped(page):
     assert "Adaptive &lt;network&gt;" in page
 
@@ -132,7 +175,7 @@ def test_claims_json_has_all_that_the_verdicts_rest_on(written):
     assert content["seeds"] == [0, 1]
     assert len(content["read_into_the_paper"]) > 10
     for claim in content["claims"]:
-        assert claim["verdict"] in ("HOLDS", "HOLDS IN PART", "DOES NOT HOLD")
+        assert claim["verdict"] in set(Verdict)
         assert all(test["found"]["seeds"] >= 1 for test in claim["tests"])
 
 
@@ -141,7 +184,7 @@ def test_tables_have_units_and_a_row_per_case_and_statistic(written):
 
     assert header[:4] == ["scenario", "law", "seeds", "statistic"]
     assert all(re.search(r" \[.+\]$", name) for name in header[4:])
-    assert len(rows) == 11 * 4 * 7
+    assert len(rows) == (11 * 4 + 5 * 2) * 7
 
 
 def test_statistics_are_those_of_the_runs(written):

@@ -8,11 +8,22 @@ knows nothing of laws, kernels or engines.
 
 from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Prepare, Silent, Simulate
 from wmr_ctrl.campaign.figures import FIGURES, Figure, figure_named
-from wmr_ctrl.campaign.plan import PAPER_LAWS, QUICK_SEEDS, STUDIES, PlannedRun, Study, paper_plan
+from wmr_ctrl.campaign.plan import (
+    AS_STATED,
+    BARRIER_LAWS,
+    PAPER_LAWS,
+    QUICK_SEEDS,
+    STUDIES,
+    PlannedRun,
+    Study,
+    paper_plan,
+)
 from wmr_ctrl.campaign.run import Campaign, run_campaign
 from wmr_ctrl.campaign.table import STATISTICS, FigureRow, FigureTable, Spread, row_of, spread
 
 __all__ = [
+    "AS_STATED",
+    "BARRIER_LAWS",
     "FIGURES",
     "PAPER_LAWS",
     "QUICK_SEEDS",

@@ -153,8 +153,8 @@ def _max_abs(axis: int, run: Run) -> float:
 _MIXED = "m2.s + rad2.s"
 _ISE = (
     Figure("ise_total", _MIXED, "ISE over the whole run", partial(_ise, "total")),
-    Figure("ise_before", _MIXED, "ISE up to the change at 40 s", partial(_ise, "before")),
-    Figure("ise_after", _MIXED, "ISE from 40 s on", partial(_ise, "after")),
+    Figure("ise_before", _MIXED, "ISE up to the split (40 s)", partial(_ise, "before")),
+    Figure("ise_after", _MIXED, "ISE from the split on", partial(_ise, "after")),
     Figure("ise_position", "m2.s", "ISE of the whole run without theta", partial(_ise, "position")),
     Figure("ise_orientation", "rad2.s", "ISE of the whole run of theta alone", _ise_orientation),
 )

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
-from wmr_ctrl.campaign.engine import PlannedCase
+from wmr_ctrl.campaign.engine import Overrides, PlannedCase
 from wmr_ctrl.errors import ArgumentError
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""
+
+BARRIER_LAWS = ("mb", "nn")
+"""The laws that Theorems 1 and 2 are about."""
 
 QUICK_SEEDS = 3
 """Seeds of a campaign that is only to be seen working."""
@@ -20,31 +24,84 @@ FEW = 5
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A scenario to be run with every law, over at most ``seeds`` seeds (None: all of them)."""
+    """A preset to be run with every law, over at most ``seeds`` seeds (None: all of them).
 
-    scenario: str
+    One that changes fields (``overrides``) has a ``name`` and a ``title`` of its own; ``laws``
+    restricts it to some laws (None: all that are run).
+    """
+
+    preset: str
     seeds: int | None = None
+    name: str = ""
+    title: str = ""
+    laws: tuple[str, ...] | None = None
+    overrides: Overrides = field(default_factory=dict, hash=False)
+
+    @property
+    def scenario(self) -> str:
+        """What tables, claims and figures call it."""
+        return self.name or self.preset
+
+    def takes(self, law: str, offset: int) -> bool:
+        """Whether a law's run number ``offset`` belongs to it."""
+        return (self.seeds is None or offset < self.seeds) and (
+            self.laws is None or law in self.laws
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedRun:
     """One run to be made."""
 
-    scenario: str
+    study: Study
     law: str
     seed: int
 
     @property
+    def scenario(self) -> str:
+        """The study's name."""
+        return self.study.scenario
+
+    @property
     def case(self) -> PlannedCase:
         """What it shares with the runs of other seeds."""
-        return PlannedCase(self.scenario, self.law)
+        return PlannedCase(self.study.preset, self.law, overrides=self.study.overrides)
 
+
+IDEAL = "paper-simulation-nominal"
+"""Neither noise nor a change, and a model that is exact: what Theorems 1 and 2 assume."""
+
+FARTHER: Overrides = MappingProxyType({"initial.pose": [-20.0, 10.0, 2.0]})
+_STARTS: Mapping[str, tuple[str, Overrides]] = MappingProxyType(
+    {
+        "as-stated": ("the paper's start", {}),
+        "as-stated-fast-start": (
+            "a start at 0.99 of both limits",
+            {"initial.velocity": [0.99, -1.485]},
+        ),
+        "as-stated-far-start": ("the far start", {"initial.pose": [-5.0, -5.0, -0.7]}),
+        "as-stated-farther-start": ("a start 22 m away", FARTHER),
+    }
+)
+_FINE: Overrides = MappingProxyType(
+    {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
+)
+"""As near to continuous time as is worth it: a tenth of it changes the fifth digit of |v|/limit."""
+
+
+def _as_stated(name: str, start: str, overrides: Overrides) -> Study:
+    title = f"The theorems' own case, from {start}: no noise, the exact model, samples of 0.1 ms"
+    return Study(IDEAL, 1, name, title, BARRIER_LAWS, {**_FINE, **overrides})
+
+
+AS_STATED = tuple(_STARTS)
+"""Names of the studies that come as near to the theorems' hypotheses as a simulation can."""
 
 STUDIES = (
     Study("paper-simulation"),
     Study("paper-simulation-no-switch"),
     Study("paper-simulation-noise-free", seeds=1),
-    Study("paper-simulation-nominal", seeds=1),
+    Study(IDEAL, seeds=1),
     Study("paper-experiment"),
     Study("paper-experiment-literal", seeds=FEW),
     Study("far-start"),
@@ -52,8 +109,17 @@ STUDIES = (
     Study("far-start-drop"),
     Study("outside-start", seeds=FEW),
     Study("fast-reference", seeds=FEW),
+    *(_as_stated(name, *start) for name, start in _STARTS.items()),
+    Study(
+        IDEAL,
+        1,
+        "farther-start-1ms",
+        "A start 22 m away: no noise, the exact model, samples of 1 ms",
+        BARRIER_LAWS,
+        {**FARTHER, "clock.control": 1e-3, "clock.plant": 1e-3, "clock.duration": 5.0},
+    ),
 )
-"""What Sections V and VI need, their controls, and the cases in which the theorems end."""
+"""What Sections V and VI need, their controls, the theorems as stated, and where they end."""
 
 
 def paper_plan(
@@ -71,9 +137,9 @@ def paper_plan(
     if len(set(laws)) != len(laws):
         raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")
     return tuple(
-        PlannedRun(study.scenario, law, first_seed + offset)
+        PlannedRun(study, law, first_seed + offset)
         for offset in range(seeds)
         for study in STUDIES
-        if study.seeds is None or offset < study.seeds
         for law in laws
+        if study.takes(law, offset)
     )

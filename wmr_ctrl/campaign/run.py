@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from wmr_ctrl.campaign.engine import PhaseProgress, Prepare, Refusal, Silent, Simulate, run_cases
@@ -45,7 +45,8 @@ def run_campaign(
     first = _first_seeds(plan)
 
     def result(place: int, run: Run) -> tuple[FigureRow, Run | None]:
-        return row_of(run), run if plan[place] in first else None
+        row = replace(row_of(run), scenario=plan[place].scenario)
+        return row, run if plan[place] in first else None
 
     texts = "Compiling the laws", "Running the simulations"
     runs = [(task.case, task.seed) for task in plan]
@@ -54,7 +55,7 @@ def run_campaign(
         for item in run_cases(simulate, prepare, runs, result, jobs, shown, texts)
         if not isinstance(item, Refusal)  # nobody switches a guard on here
     ]
-    whole = {(run.scenario, run.law): run for _, run in results if run is not None}
+    whole = {(row.scenario, row.law): run for row, run in results if run is not None}
     return Campaign(FigureTable(row for row, _ in results), MappingProxyType(whole))
 
 

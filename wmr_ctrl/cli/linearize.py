@@ -20,7 +20,11 @@ from wmr_ctrl.cli.progress import Progress
 @scenario_argument
 @click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
 @set_option
-@click.option("--plot", metavar="DIR", help="Also draw Bode, Nyquist and pole figures into DIR.")
+@click.option(
+    "--plot",
+    metavar="DIR",
+    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into DIR.",
+)
 @json_option("Print all figures as one JSON document.")
 @debug_option
 def linearize(

@@ -1,10 +1,10 @@
-"""Figures of a LinearReport: poles, sample times, Nyquist curves, the barrier's pull."""
+"""Figures of a LinearReport: poles, sample times, Bode and Nyquist, the barrier's pull."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,27 +24,37 @@ _FORCES = ("thrust", "moment")
 INK, SECOND, LIMIT, MUTED = "#1F77C9", "#E69F00", "#c62828", "#6b6b6b"
 SIZE = (6.4, 4.0)
 PERIODS = np.geomspace(1e-3, 0.5, 300)
+BODE = (1e-2, 1e3)
+"""Frequencies that are shown [rad/s]."""
+
+
+Panels: TypeAlias = "np.ndarray[tuple[int, int], np.dtype[np.object_]]"
+"""The axes of a figure, by row and column."""
 
 
 def draw(report: LinearReport, folder: Path) -> list[Path]:
     """Write the figures as PNG into ``folder``, which is made; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    parts = {"poles": _poles, "sample-time": _sample_time, "nyquist": _nyquist}
+    parts: dict[str, tuple[Callable[[LinearReport, Panels], None], int, int]] = {
+        "poles": (_poles, 1, 1),
+        "sample-time": (_sample_time, 1, 1),
+        "bode": (_bode, 2, 2),
+        "nyquist": (_nyquist, 1, 2),
+    }
     if law_loop(report.scenario, report.law).has_barrier:
-        parts["pull"] = _pull
+        parts["pull"] = (_pull, 1, 2)
     paths = []
-    for name, plot in parts.items():
-        figure = Figure(SIZE, layout="constrained")
-        count = 1 if name in ("poles", "sample-time") else 2
-        plot(report, figure.subplots(1, count, squeeze=False)[0])
+    for name, (plot, rows, columns) in parts.items():
+        figure = Figure((SIZE[0], SIZE[1] * (0.6 + 0.4 * rows)), layout="constrained")
+        plot(report, figure.subplots(rows, columns, squeeze=False))
         path = folder / f"{report.scenario.name}-{report.law}-{name}.png"
         figure.savefig(path, dpi=160)
         paths.append(path)
     return paths
 
 
-def _poles(report: LinearReport, panels: Sequence[Axes]) -> None:
-    (axes,) = panels
+def _poles(report: LinearReport, panels: Panels) -> None:
+    axes = panels[0, 0]
 
     def put(poles: Floats, marker: str, colour: str, label: str) -> None:
         axes.plot(poles.real, poles.imag, marker, color=colour, mfc="none", label=label)
@@ -60,8 +70,8 @@ def _poles(report: LinearReport, panels: Sequence[Axes]) -> None:
     _finish(axes)
 
 
-def _sample_time(report: LinearReport, panels: Sequence[Axes]) -> None:
-    (axes,) = panels
+def _sample_time(report: LinearReport, panels: Panels) -> None:
+    axes = panels[0, 0]
     scenario, law = report.scenario, report.law
     axes.plot(PERIODS, spectral_radius(scenario, law, PERIODS), color=INK, label="linear loop")
     rest = learned_point(scenario, law)
@@ -76,25 +86,74 @@ def _sample_time(report: LinearReport, panels: Sequence[Axes]) -> None:
     _finish(axes)
 
 
-def _nyquist(report: LinearReport, panels: Sequence[Axes]) -> None:
-    for axis, panel in enumerate(panels):
-        period = report.scenario.clock.control if report.late else None
+def _curves(report: LinearReport, axis: int) -> Iterator[tuple[str, str, Floats, Floats]]:
+    """Name, colour, frequencies [rad/s] and values of the loop cut at a force, as there are.
+
+    Continuous, unless something is late, and sampled with the scenario's clock up to half its rate.
+    """
+    clock = report.scenario.clock.control
+    for period in (clock,) if report.late else (None, clock):
         loop = open_loop(report.scenario, report.law, axis, period=period)
-        w = 1j * frequencies(loop)
-        curve = np.squeeze(loop(w if period is None else np.exp(w * period)))
-        panel.plot(curve.real, curve.imag, color=INK, label="L(jw), w > 0")
+        w = frequencies(loop)
+        at = 1j * w if period is None else np.exp(1j * w * period)
+        name = "continuous" if period is None else f"sampled, {period:g} s"
+        yield name, INK if period is None else SECOND, w, np.squeeze(loop(at))
+
+
+def _bode(report: LinearReport, panels: Panels) -> None:
+    for axis in (0, 1):
+        size, angle = panels[:, axis]
+        for name, colour, w, curve in _curves(report, axis):
+            size.plot(w, 20 * np.log10(np.abs(curve)), color=colour, label=name)
+            angle.plot(w, _phase(curve), color=colour)
+        size.axhline(0, color=LIMIT, lw=0.8)
+        angle.axhline(-180, color=LIMIT, lw=0.8)
+        size.set_title(f"{report.law}: cut at the {_FORCES[axis]}")
+        size.set(xscale="log", xlim=BODE, ylim=(-60, 100))
+        angle.set(xscale="log", xlim=BODE, ylim=(-270, 0), xlabel="frequency [rad/s]")
+        angle.set_yticks(range(-270, 1, 90))
+        _note_margins(angle, report, axis)
+        _finish(size)
+        _finish(angle, legend=False)
+    panels[0, 0].set_ylabel("size [dB]")
+    panels[1, 0].set_ylabel("phase [deg]")
+
+
+def _phase(curve: Floats) -> Floats:
+    """Phase [deg] without jumps, between -315 and 45 where the size comes nearest to 1."""
+    phase = np.degrees(np.unwrap(np.angle(curve)))
+    there = phase[np.argmin(np.abs(np.log(np.abs(curve))))]
+    return phase - 360 * np.ceil((there - 45) / 360)
+
+
+def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
+    """The margins of the sampled loop, in words."""
+    item = report.sampled_margins[axis]
+    if item is None:
+        text = "sampled loop: unstable"
+    else:
+        gain = "any" if item.gain is None else f"{item.gain:.3g}"
+        phase = "any" if item.phase is None else f"{item.phase:.3g} deg"
+        text = f"margins, sampled:\ngain up to {gain}, phase {phase}"
+    axes.text(0.03, 0.05, text, transform=axes.transAxes, size=7.5, color=MUTED)
+
+
+def _nyquist(report: LinearReport, panels: Panels) -> None:
+    for axis, panel in enumerate(panels[0]):
+        for name, colour, _, curve in _curves(report, axis):
+            panel.plot(curve.real, curve.imag, color=colour, label=name)
         angle = np.linspace(0, 2 * np.pi, 200)
         panel.plot(np.cos(angle), np.sin(angle), color=MUTED, lw=0.8, label="unit circle")
         panel.plot(-1, 0, "+", color=LIMIT, ms=9, label="-1")
         panel.set(xlim=(-3, 1.5), ylim=(-3, 1.5), aspect="equal", xlabel="real part")
         panel.set_title(f"{report.law}: cut at the {_FORCES[axis]}")
         _finish(panel)
-    panels[0].set_ylabel("imaginary part")
+    panels[0, 0].set_ylabel("imaginary part")
 
 
-def _pull(report: LinearReport, panels: Sequence[Axes]) -> None:
+def _pull(report: LinearReport, panels: Panels) -> None:
     asked = law_loop(report.scenario, report.law).start.v_c0
-    for axis, panel in enumerate(panels):
+    for axis, panel in enumerate(panels[0]):
         u1 = report.scenario.limits.v_u1[axis]
         v = np.linspace(-u1, u1, 800)[1:-1]
         panel.plot(

@@ -123,7 +123,7 @@ class LinearReport:
         return "\n".join(line for part in parts for line in part(self))
 
     def plots(self, folder: str | Path) -> list[Path]:
-        """Draw poles, sample times, Nyquist curves and the barrier's pull into ``folder``."""
+        """Draw poles, sample times, Bode, Nyquist and the barrier's pull into ``folder``."""
         from wmr_ctrl.linear.plots import draw
 
         return draw(self, Path(folder))

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Scene, frames, scene_of
 from wmr_ctrl.report.style import LIMIT, MUTED, look
+from wmr_ctrl.report.web import page_environment
 from wmr_ctrl.results import Run, atomic_path, check_writable
 
 SUFFIXES = (".gif", ".mp4", ".html")
@@ -73,16 +73,15 @@ def _animate(run: Run, target: Path, suffix: str, progress: PhaseProgress) -> No
 
 def write_page(scene: Scene, path: Path) -> None:
     """Write the page."""
-    environment = Environment(
-        loader=PackageLoader("wmr_ctrl.report", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-    )
     run = scene.run
-    text = environment.get_template("animation.html.j2").render(
-        title=f"{look(run.law).label}, {run.scenario}, seed {run.seed}",
-        explanation=run.explanation,
-        data=_json(scene),
+    text = (
+        page_environment()
+        .get_template("animation.html.j2")
+        .render(
+            title=f"{look(run.law).label}, {run.scenario}, seed {run.seed}",
+            explanation=run.explanation,
+            data=_json(scene),
+        )
     )
     path.write_text(text, encoding="utf-8", newline="\n")
 

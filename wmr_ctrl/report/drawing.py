@@ -14,7 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, house_style, look
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, house_style, look
 from wmr_ctrl.results import FloatArray, atomic_path
 
 SUFFIXES = (".svg", ".png")
@@ -113,6 +113,17 @@ def law_handles(laws: Iterable[str]) -> list[Line2D]:
     ]
 
 
+def plot_reference(axes: Axes, x: FloatArray, y: FloatArray) -> Line2D:
+    """Points of the reference's path (N,) [m]: dots with a rim, to be seen on any law's line."""
+    (line,) = axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
+    return line
+
+
+def reference_handle() -> Line2D:
+    """The legend's entry for the reference."""
+    return Line2D([], [], ls="", marker="o", ms=3.2, mfc=INK, mec="white", label="reference")
+
+
 def switch_handle(time: float) -> Line2D:
     """The legend's entry for :func:`mark_switch`."""
     return Line2D([], [], color=MUTED, lw=0.9, ls=(0, (2, 2)), label=f"new parameters, {time:g} s")
@@ -198,7 +209,7 @@ def rows_of(axes: Axes, labels: Sequence[str]) -> None:
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="y", visible=False)
     for edge in range(1, len(labels)):
-        axes.axhline(edge - 0.5, color="#ececec", lw=0.8, zorder=0)
+        axes.axhline(edge - 0.5, color=RULE_LINE, lw=0.8, zorder=0)
 
 
 def law_marks(laws: Iterable[str]) -> list[Line2D]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import base64
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
-from wmr_ctrl.campaign import Campaign, FigureTable
+from wmr_ctrl.campaign import BARRIER_LAWS, STUDIES, Campaign, FigureTable
 from wmr_ctrl.proofs.ledger import Entry, load
 from wmr_ctrl.report.claims import RULE, Verdict
 from wmr_ctrl.report.comparison_text import GuardSection
@@ -19,11 +17,14 @@ from wmr_ctrl.report.data_files import CITATION
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guarantee_figures import STRESS
 from wmr_ctrl.report.measure_figures import HIDDEN
+from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.reproduction import Reproduction
 from wmr_ctrl.report.style import shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
+from wmr_ctrl.report.web import page_environment, picture
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import preset_titles
+from wmr_ctrl.sim.compiled_law import ROUNDS
 
 _STRESS_CASES = {
     "far-start": "far start, exact model",
@@ -33,7 +34,54 @@ _STRESS_CASES = {
     "paper-experiment-literal": "Section VI, torque held for 100 ms",
     "fast-reference": "reference at 0.9 m/s",
 }
-_SIGNS = {Verdict.HOLDS: "✓", Verdict.IN_PART: "◐", Verdict.FAILS: "✗"}
+_STATED_CASES = {
+    "as-stated": "the paper’s start, a sample every 0.1 ms",
+    "as-stated-fast-start": "a start at 0.99 of both limits, 0.1 ms",
+    "as-stated-far-start": "the far start, 0.1 ms",
+    "as-stated-farther-start": "a start 22 m away, 0.1 ms",
+    "farther-start-1ms": "the same start, a sample every 1 ms",
+}
+_SIGNS = {
+    Verdict.HOLDS: "✓",
+    Verdict.UNBROKEN: "○",
+    Verdict.IN_PART: "◐",
+    Verdict.FAILS: "✗",
+    Verdict.STAND_IN: "✓",
+    Verdict.STAND_IN_PART: "◐",
+    Verdict.STAND_IN_FAILS: "✗",
+}
+_SLUGS = {
+    Verdict.HOLDS: "holds",
+    Verdict.UNBROKEN: "unbroken",
+    Verdict.IN_PART: "part",
+    Verdict.FAILS: "fails",
+}
+_ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of the page: its address, its title, and what the navigation calls it."""
+
+    id: str
+    title: str
+    short: str
+
+
+_SECTIONS = (
+    Section("verdicts", "What holds, what does not", "Verdicts"),
+    Section("simulation", "Section V: the simulation", "Section V"),
+    Section("experiment", "Section VI: the experiment, simulated", "Section VI"),
+    Section("measure", "What the paper’s measure hides", "What the measure hides"),
+    Section("guarantee", "Where the guarantee ends", "Where the guarantee ends"),
+    Section("ours", "Past the paper: the guard and our law", "Past the paper"),
+    Section("ledger", "The mathematics, checked by machine", "Proofs"),
+    Section("readings", "What was read into the paper", "Readings"),
+    Section("made", "How it was made", "How it was made"),
+    Section("evidence", "Appendix A. Evidence, claim by claim", "A. Evidence"),
+    Section("tables", "Appendix B. All figures", "B. All figures"),
+    Section("ledger-tables", "Appendix C. What is refuted, what is open", "C. Refuted and open"),
+)
 
 
 @dataclass(frozen=True)
@@ -61,13 +109,7 @@ class LedgerSection:
 
 def write_page(path: Path, page: Page) -> None:
     """Render the page into one file, whole or not at all."""
-    environment = Environment(
-        loader=PackageLoader("wmr_ctrl.report", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters.update(shown=shown, sign=_SIGNS.__getitem__, slug=_slug)
     text = environment.get_template("report.html.j2").render(_content(page))
     with atomic_write(path, text=True) as file:
@@ -98,36 +140,55 @@ def _content(page: Page) -> dict[str, object]:
     campaign, judged = page.reproduction.campaign, page.reproduction.judged
     facts, table = page.reproduction.facts, campaign.table
     pictures = {drawing.name: drawing for drawing in page.drawings}
+    counted = Counter(one.verdict for one in judged)
     return {
         "citation": CITATION,
         "rule": RULE,
         "judged": judged,
-        "counts": [(v, sum(1 for one in judged if one.verdict == v)) for v in Verdict],
+        "counts": [(v, counted[v]) for v in Verdict if counted[v] or v in _ALWAYS_COUNTED],
         "changed": [one for one in judged if not one.as_expected],
         "seeds": _seeds(table),
         "runs": len(table),
-        "picture": lambda name: _picture(page.figures / f"{name}.svg"),
+        "picture": lambda name: picture(page.figures / f"{name}.svg"),
         "panels": {n: [d for d in page.drawings if _is_panel(d.name, n)] for n in (3, 5)},
         "hidden": [pictures[name] for name in HIDDEN],
         "stress": [pictures[name] for name in STRESS],
-        "tables": _tables(table, facts.timings),
+        "tables": _tables(campaign, facts.timings),
         "readings": load_readings(),
+        "rounds": ROUNDS,
         "titles": facts.titles,
         "versions": facts.versions,
         "scenarios": _scenarios(campaign),
         "guard": page.guard,
         "ledger": ledger_section(facts.stale),
+        "sections": {one.id: one for one in _SECTIONS if page.guard or one.id != "ours"},
     }
 
 
-def _tables(table: FigureTable, timings: Mapping[str, float]) -> dict[str, TextTable]:
-    spread = "median (least … greatest) over the seeds"
-    return {
-        "simulation": scenario_table(table, "paper-simulation", f"Section V: {spread}"),
-        "control": scenario_table(
-            table, "paper-simulation-no-switch", f"The same without the change at 40 s: {spread}"
+def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextTable]:
+    table, spread = campaign.table, "median (least … greatest) over the seeds"
+    whole = {
+        "simulation": ("paper-simulation", f"Section V: {spread}"),
+        "control": (
+            "paper-simulation-no-switch",
+            f"Section V without the change at 40 s: {spread}",
         ),
-        "experiment": scenario_table(table, "paper-experiment", f"Section VI, simulated: {spread}"),
+        "experiment": ("paper-experiment", f"Section VI, simulated: {spread}"),
+    }
+    made = {
+        f"{key}{'_short' if short else ''}": scenario_table(
+            table,
+            scenario,
+            caption,
+            changes=switch_time(campaign.runs[scenario, table.laws[0]]) is not None,
+            short=short,
+        )
+        for key, (scenario, caption) in whole.items()
+        for short in (False, True)
+    }
+    return {
+        **made,
+        "stated": stress_table(table, _STATED_CASES, BARRIER_LAWS),
         "stress": stress_table(table, _STRESS_CASES),
         "times": times_table(timings, table.laws),
     }
@@ -141,12 +202,14 @@ def _seeds(table: FigureTable) -> str:
 def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
     """Name, title, seeds and hash of every scenario, for the record."""
     titles, table = preset_titles(), campaign.table
+    own = {study.scenario: study.title for study in STUDIES if study.title}
+    first = dict(reversed(table.cases))
     return [
         {
             "name": name,
-            "title": titles.get(name, ""),
-            "seeds": len(table.case(name, table.laws[0])),
-            "hash": campaign.runs[name, table.laws[0]].provenance.get("scenario_hash", ""),
+            "title": own.get(name) or titles.get(name, ""),
+            "seeds": len(table.case(name, first[name])),
+            "hash": campaign.runs[name, first[name]].provenance.get("scenario_hash", ""),
         }
         for name in table.scenarios
     ]
@@ -156,10 +219,5 @@ def _is_panel(name: str, number: int) -> bool:
     return name.startswith(f"fig{number}") and not name.endswith("_sheet")
 
 
-def _picture(path: Path) -> str:
-    """An SVG file as the address of an image, so that the page needs no other file."""
-    return "data:image/svg+xml;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
-
-
 def _slug(verdict: Verdict) -> str:
-    return {Verdict.HOLDS: "holds", Verdict.IN_PART: "part", Verdict.FAILS: "fails"}[verdict]
+    return _SLUGS.get(verdict, "stand-in")

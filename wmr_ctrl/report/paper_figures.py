@@ -22,6 +22,8 @@ from wmr_ctrl.report.drawing import (
     legend_row,
     mark_switch,
     one_axes,
+    plot_reference,
+    reference_handle,
     row_of_axes,
     running_mean,
     shade_limits,
@@ -29,7 +31,7 @@ from wmr_ctrl.report.drawing import (
     thin,
     thin_path,
 )
-from wmr_ctrl.report.style import DOTTED, INK, MUTED, look
+from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import FloatArray, Run, distance
 from wmr_ctrl.scenario import loads_scenario
 
@@ -43,7 +45,8 @@ Draw: TypeAlias = Callable[[Place, Group, Padding], None]
 class Panel:
     """One panel: its letter in the paper, a name for files, a title, and what draws it.
 
-    ``laws`` restricts it to laws that have what it shows (None: all).
+    ``laws`` restricts it to laws that have what it shows (None: all); a ``path`` has the reference
+    in its legend, all others the change of parameters.
     """
 
     letter: str
@@ -51,6 +54,7 @@ class Panel:
     title: str
     draw: Draw
     laws: tuple[str, ...] | None = None
+    path: bool = False
 
     def of(self, group: Group) -> Group:
         """The runs of ``group`` that this panel shows."""
@@ -181,9 +185,9 @@ def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
     """Paths of all laws with their reference; on the right the first seconds; equal scales."""
     whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.45)
     draw_paths(whole, group, 800)
-    draw_paths(start, group, 8000)
+    draw_paths(start, group, 8000, START)
     whole.set(xlabel="x [m]", ylabel="y [m]")
-    start.set(xlabel=f"x [m], first {START:g} s")
+    start.set(xlabel=f"x [m], first {START:g} s only")
     whole.set_aspect("equal", adjustable="datalim")
     frame = _frame(group)
     start.set(xlim=frame[:2], ylim=frame[2:])
@@ -192,13 +196,18 @@ def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
     whole.add_patch(Rectangle(frame[::2], *size, fill=False, ec=MUTED, lw=0.6, zorder=3))
 
 
-def draw_paths(axes: Axes, group: Group, points: int = 800) -> None:
-    """The reference, dotted, then each law's path, and a ring where the robot starts."""
+def draw_paths(axes: Axes, group: Group, points: int = 800, end: float | None = None) -> None:
+    """Each law's path, the reference as dots on top of them, and a ring where the robot starts.
+
+    ``end`` [s]: nothing after it is drawn.
+    """
     any_run = next(iter(group.values()))
-    axes.plot(*thin_path(any_run["x_d"], any_run["y_d"], 400), color=MUTED, ls=DOTTED, lw=1.4)
+    rows = slice(None if end is None else any_run.settings.index(end) + 1)
     for law, run in group.items():
-        seen = look(law)
-        axes.plot(*thin_path(run["x"], run["y"], points), color=seen.colour, ls=seen.dash, lw=1.1)
+        seen, path = look(law), (run["x"][rows], run["y"][rows])
+        axes.plot(*thin_path(*path, points), color=seen.colour, ls=seen.dash, lw=1.1)
+    path = any_run["x_d"][rows], any_run["y_d"][rows]
+    plot_reference(axes, *thin_path(*path, 64 if end is None else 20))
     axes.plot(any_run["x"][0], any_run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
 
 
@@ -215,7 +224,7 @@ def _frame(group: Group) -> tuple[float, float, float, float]:
 
 def _early(run: Run, name: str) -> np.ndarray:
     """A coordinate of the robot and of its reference over the first seconds."""
-    rows = slice(0, run.settings.index(START))
+    rows = slice(0, run.settings.index(START) + 1)
     return np.concatenate([run[name][rows], run[f"{name}_d"][rows]])
 
 
@@ -241,7 +250,7 @@ _W1 = Plain("‖W₁‖", _column("W_norm[1]"))
 _W2 = Plain("‖W₂‖", _column("W_norm[2]"))
 
 PANELS = (
-    Panel("a", "trajectory", "Trajectory", draw_trajectory),
+    Panel("a", "trajectory", "Trajectory", draw_trajectory, path=True),
     Panel("b", "lyapunov", "Lyapunov function values V₁", _V1.draw),
     Panel("c", "v1", "Linear velocity and its limit", _LINEAR.draw),
     Panel("d", "omega", "Angular velocity and its limits", _ANGULAR.draw),
@@ -284,14 +293,14 @@ def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
     visible = panel.of(group)
     panel.draw(figure, visible, Padding())
     heading(figure, f"({panel.letter}) {panel.title}")
-    _legend(figure, visible, with_switch=panel.letter != "a")
+    _legend(figure, visible, path=panel.path, switch=not panel.path)
 
 
 def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
     width, height = SHEET_SIZE
     head = 0.62
     figure.text(0.1 / width, 1 - 0.12 / height, title, weight="bold", size=12, va="top")
-    _legend(figure, group, with_switch=True, below=0.40)
+    _legend(figure, group, path=True, switch=True, below=0.40)
     ratios = (head, *6 * ((height - head) / 6,))
     grid = figure.add_gridspec(7, 2, height_ratios=ratios, hspace=0.0, wspace=0.0)
     for index, panel in enumerate(PANELS):
@@ -306,9 +315,11 @@ def _draw_part(part: SubFigure, panel: Panel, group: Group) -> None:
         panel.draw(part, visible, _SHEET_PADDING)
 
 
-def _legend(figure: Figure, group: Group, *, with_switch: bool, below: float = 0.24) -> None:
+def _legend(figure: Figure, group: Group, *, path: bool, switch: bool, below: float = 0.24) -> None:
     handles = law_handles(group)
+    if path:
+        handles.append(reference_handle())
     time = switch_time(next(iter(group.values())))
-    if with_switch and time is not None:
+    if switch and time is not None:
         handles.append(switch_handle(time))
     legend_row(figure, handles, below)

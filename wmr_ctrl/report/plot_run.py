@@ -94,7 +94,7 @@ def _path(part: SubFigure, run: Run) -> None:
     draw_paths(axes, {run.law: run}, 3000)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_title("Path (dotted: reference)", weight="normal")
+    axes.set_title("Path (dots: reference)", weight="normal")
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -108,9 +108,10 @@ def _figures(run: Run) -> list[str]:
     (v1, omega), (limit_v, limit_w) = run.monitor.max_abs_v, run.settings.v_u1
     end = run.settings.duration
     errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
+    before, after = shown(square["before"]), shown(square["after"])
+    parts = f" (before {run.settings.split:g} s {before}, after {after})"
     return [
-        f"ISE {shown(square['total'])} (before {run.settings.split:g} s {shown(square['before'])}, "
-        f"after {shown(square['after'])})",
+        f"ISE {shown(square['total'])}{'' if switch_time(run) is None else parts}",
         f"largest |v₁| {shown(v1)} of {limit_v:g} m/s, |ω| {shown(omega)} of {limit_w:g} rad/s",
         f"plant steps beyond a limit: {run.monitor.violations}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",

@@ -74,11 +74,12 @@ class Verdicts:
 
     def __str__(self) -> str:
         """One line per claim, then a summary; lines on changed verdicts if there are any."""
+        wide = max((len(one.verdict.value) for one in self.judged), default=0)
         lines = [
-            f"{one.verdict.value:<14} {one.claim.section:<18} {one.claim.title}"
+            f"{one.verdict.value:<{wide}} {one.claim.section:<18} {one.claim.title}"
             for one in self.judged
         ]
-        counts = ", ".join(f"{self.count(v)} {v.value}" for v in Verdict)
+        counts = ", ".join(f"{self.count(v)} {v.value}" for v in Verdict if self.count(v))
         changed = [
             f"CHANGED: {one.claim.id} is {one.verdict.value}, committed is {one.claim.expected}."
             for one in self.changed

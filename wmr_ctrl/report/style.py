@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import matplotlib as mpl
@@ -18,6 +19,12 @@ MUTED = "#6b6b6b"
 
 LIMIT = "#c62828"
 """Edges and shade of the region beyond a velocity limit."""
+
+GRID = "#e4e4e4"
+"""Lines behind the data."""
+
+RULE_LINE = "#ececec"
+"""Lines between rows of marks."""
 
 DASHED = (0, (5, 1.6))
 DASH_DOT = (0, (6, 1.5, 1.2, 1.5))
@@ -50,6 +57,27 @@ _LOOKS = {
 
 _SPARE = (("#7F7F7F", DOTTED, "v"), ("#B0408F", DASHED, "P"), ("#4C4C9D", DASH_DOT, "X"))
 
+AFTER_DARK: Mapping[str, str] = MappingProxyType(
+    {
+        INK: "#dfe3e8",
+        MUTED: "#9aa4b0",
+        GRID: "#343b44",
+        RULE_LINE: "#2a3038",
+        "#ffffff": "#15191e",
+        LIMIT: "#ff6b5e",
+        "#e69f00": "#f0b429",
+        "#00956d": "#2fc79a",
+        "#1f77c9": "#5aaaf5",
+        "#5b0e3b": "#d987b8",
+        "#d6336c": "#ff7aa2",
+        "#6b7a1e": "#b9c94f",
+        "#7f7f7f": "#a3a9b0",
+        "#b0408f": "#e08fc6",
+        "#4c4c9d": "#9f9ff0",
+    }
+)
+"""What each colour of a drawing becomes where a reader has asked for dark pages."""
+
 
 def look(law: str) -> Look:
     """The look of a law; laws of other origin get one of the spare looks, by their name."""
@@ -75,7 +103,7 @@ _SETTINGS: dict[Any, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.unicode_minus": True,
-    "grid.color": "#e4e4e4",
+    "grid.color": GRID,
     "grid.linewidth": 0.5,
     "xtick.color": INK,
     "ytick.color": INK,

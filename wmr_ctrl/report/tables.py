@@ -17,86 +17,162 @@ from wmr_ctrl.campaign.comparison import (
     e1_before_of,
     ise_of,
     median,
+    overrides_of,
     position_max_of,
     position_rms_of,
     tau_peak_of,
 )
-from wmr_ctrl.report.claims import PAPER_TIMES
+from wmr_ctrl.report.claims import PAPER_TIMES, STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Outcome
 
 
 @dataclass(frozen=True, slots=True)
 class TextTable:
-    """A table for readers: what it shows, its headings, and rows whose first cell names them."""
+    """A table for readers: what it shows, its headings, and rows whose first cell names them.
+
+    ``best``: for each row the places of its best cells; empty for a row or a table without any.
+    """
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    best: tuple[frozenset[int], ...] = ()
+
+    def is_best(self, row: int, place: int) -> bool:
+        """Whether a cell is marked; both count from 0, the row's name included."""
+        return bool(self.best) and place in self.best[row]
+
+
+def least(values: Sequence[float | None]) -> frozenset[int]:
+    """Places of the least value, counted from 1; none where all are as good, or none is there."""
+    there = [value for value in values if value is not None]
+    if not there or (len(there) == len(values) and min(there) == max(there)):
+        return frozenset()
+    return frozenset(k + 1 for k, value in enumerate(values) if value == min(there))
 
 
 _W = ((30, 40), (40, 45), (70, 80))
+_LATE = _W[-1:]
 _KILO = {"m": "mm", "rad": "mrad"}
 """Units in which errors are short to read; the files keep metres and radians."""
 
-_TRACKING = (
-    ("ise_total", "ISE, 0–80 s"),
-    ("ise_before", "ISE, 0–40 s"),
-    ("ise_after", "ISE, 40–80 s"),
-    ("ise_position", "ISE without θ"),
-    *((f"e1_rms_{a}_{b}", f"RMS e₁, {a}–{b} s") for a, b in _W),
-    *((f"e2_rms_{a}_{b}", f"RMS e₂, {a}–{b} s") for a, b in _W),
-    *((f"e3_rms_{a}_{b}", f"RMS e₃, {a}–{b} s") for a, b in _W),
-    *((f"d_rms_{a}_{b}", f"RMS distance, {a}–{b} s") for a, b in _W),
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A row of a scenario's table: a figure, what it is called, and whether less of it is better.
+
+    ``change``: only where the robot's parameters change; ``short``: also in the short table.
+    """
+
+    figure: str
+    label: str
+    better: bool = True
+    change: bool = False
+    short: bool = False
+
+
+def _windows(figure: str, text: str) -> tuple[_Line, ...]:
+    return tuple(
+        _Line(
+            f"{figure}_rms_{a}_{b}",
+            f"RMS {text}, {a}–{b} s",
+            change=(a, b) not in _LATE,
+            short=(a, b) in _LATE and figure in ("e1", "d"),
+        )
+        for a, b in _W
+    )
+
+
+_BROKEN = "seeds that broke a limit"
+_LINES = (
+    _Line("ise_total", "ISE, 0–80 s", short=True),
+    _Line("ise_before", "ISE, 0–40 s", change=True),
+    _Line("ise_after", "ISE, 40–80 s", change=True),
+    _Line("ise_position", "ISE without θ"),
+    *_windows("e1", "e₁"),
+    *_windows("e2", "e₂"),
+    *_windows("e3", "e₃"),
+    *_windows("d", "distance"),
+    _Line("max_abs_v1", "largest |v₁|", better=False),
+    _Line("max_abs_omega", "largest |ω|", better=False),
+    _Line("violated", _BROKEN, short=True),
+    _Line("tau_peak", "peak wheel torque", short=True),
+    _Line("tau_rms", "RMS wheel torque, 2–80 s"),
+    _Line("V1_rises", "rises of V₁ in the first 4000 samples", better=False),
+    _Line("W1_end", "‖W₁‖ at the end", better=False),
+    _Line("W2_end", "‖W₂‖ at the end", better=False),
 )
-_EFFORT = (
-    ("max_abs_v1", "largest |v₁|"),
-    ("max_abs_omega", "largest |ω|"),
-    ("tau_peak", "peak wheel torque"),
-    ("tau_rms", "RMS wheel torque, 2–80 s"),
-    ("V1_rises", "rises of V₁ in the 4000 samples up to 40 s"),
-    ("W1_end", "‖W₁‖ at the end"),
-    ("W2_end", "‖W₂‖ at the end"),
-)
 
 
-def scenario_table(table: FigureTable, scenario: str, caption: str) -> TextTable:
-    """Median and range of the chief figures of a scenario, a column per law."""
-    laws = table.laws
-    rows = [
-        (_named(name, label), *(_figure(table, name, scenario, law) for law in laws))
-        for name, label in (*_TRACKING, *_EFFORT)
-    ]
-    shares = tuple(_share(table, scenario, law) for law in laws)
-    place = len(_TRACKING) + 2
-    rows.insert(place, ("seeds that broke a limit", *shares))
-    return TextTable(caption, ("", *(look(law).label for law in laws)), tuple(rows))
+def scenario_table(
+    table: FigureTable, scenario: str, caption: str, *, changes: bool, short: bool = False
+) -> TextTable:
+    """Median and range of the chief figures of a scenario, a column per law.
 
-
-def stress_table(table: FigureTable, scenarios: Mapping[str, str]) -> TextTable:
-    """Share of seeds beyond the limit and the largest |v|/limit, per case and law."""
+    ``changes``: whether the robot's parameters change in it; without, nothing is told of a before
+    and an after.  ``short``: the few figures that tell the laws apart.
+    """
+    lines = [line for line in _LINES if (changes or not line.change) and (line.short or not short)]
     rows = tuple(
-        (title, *(_limit_cell(table, scenario, law) for law in table.laws))
+        (
+            _named(line.figure, line.label),
+            *(_line_cell(table, line, scenario, law) for law in table.laws),
+        )
+        for line in lines
+    )
+    best = tuple(_best(table, line, scenario) for line in lines)
+    return TextTable(caption, ("", *map(headed, table.laws)), rows, best)
+
+
+def headed(law: str) -> str:
+    """A law's name above a column."""
+    return f"{look(law).label} (stand-in)" if law == STAND_IN_LAW else look(law).label
+
+
+def _line_cell(table: FigureTable, line: _Line, scenario: str, law: str) -> str:
+    if line.label == _BROKEN:
+        return _share(table, scenario, law)
+    return _figure(table, line.figure, scenario, law)
+
+
+def _best(table: FigureTable, line: _Line, scenario: str) -> frozenset[int]:
+    """The least median, or the least number of broken seeds."""
+    if not line.better:
+        return frozenset()
+    spreads = [table.spread(line.figure, scenario, law) for law in table.laws]
+    return least([one.mean if line.label == _BROKEN else one.median for one in spreads])
+
+
+def stress_table(
+    table: FigureTable, scenarios: Mapping[str, str], laws: Sequence[str] | None = None
+) -> TextTable:
+    """Share of seeds beyond the limit and the largest |v|/limit, per case and law."""
+    shown_laws = tuple(laws or table.laws)
+    rows = tuple(
+        (title, *(_limit_cell(table, scenario, law) for law in shown_laws))
         for scenario, title in scenarios.items()
     )
-    head = ("case", *(look(law).label for law in table.laws))
     caption = "Seeds that broke a limit, and the largest |v|/limit: median (least … greatest)"
-    return TextTable(caption, head, rows)
+    return TextTable(caption, ("case", *map(headed, shown_laws)), rows)
 
 
 def times_table(times: Mapping[str, float], laws: Sequence[str]) -> TextTable:
-    """Seconds per 10,000 evaluations: the paper's and ours, side by side."""
+    """Milliseconds per 10,000 evaluations: the paper's and ours [s], side by side."""
     rows = tuple(
-        (look(law).label, _seconds(PAPER_TIMES.get(law)), _seconds(times.get(law))) for law in laws
+        (headed(law), _milliseconds(PAPER_TIMES.get(law)), _milliseconds(times.get(law)))
+        for law in laws
     )
     return TextTable(
-        "Seconds for 10,000 evaluations of the law",
-        ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, called from Python)"),
+        "Milliseconds for 10,000 evaluations of the law",
+        ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, each call from Python)"),
         rows,
     )
 
 
 def _named(name: str, label: str) -> str:
+    if label == _BROKEN:
+        return label
     unit = figure_named(name).unit
     shown_unit = _KILO.get(unit, unit_text(unit))
     return f"{label} [{shown_unit}]" if shown_unit else label
@@ -124,62 +200,79 @@ def _limit_cell(table: FigureTable, scenario: str, law: str) -> str:
     return f"{_share(table, scenario, law)}: {ratio}"
 
 
-def _seconds(value: float | None) -> str:
-    return ABSENT if value is None else shown(value, 4)
+def _milliseconds(value: float | None) -> str:
+    return ABSENT if value is None else shown(1e3 * value, 2)
 
 
 _PAIR = "without | with the guard"
-_AWAY = "{} distance from the reference over {:g}–{:g} s, after the change of parameters [mm]"
-_E1 = "mean |e₁| over {:g}–{:g} s"
+_AWAY = "{} distance from the reference over {:g}–{:g} s [mm]"
+_E1 = "mean |e₁| over {:g}–{:g} s [mm]"
 
 
 @dataclass(frozen=True, slots=True)
 class _ComparedColumn:
+    """A figure of the comparison; ``before``: it is told only where a change at 40 s follows."""
+
     figure: ComparedFigure
     label: str
     factor: float = 1.0
+    before: bool = False
 
 
 _COMPARED = (
     _ComparedColumn(position_rms_of, _AWAY.format("RMS", *AFTER), 1e3),
     _ComparedColumn(position_max_of, _AWAY.format("largest", *AFTER), 1e3),
-    _ComparedColumn(e1_after_of, f"{_E1.format(*AFTER)}, after the change of parameters [mm]", 1e3),
-    _ComparedColumn(e1_before_of, f"{_E1.format(*BEFORE)}, before it [mm]", 1e3),
+    _ComparedColumn(e1_after_of, _E1.format(*AFTER), 1e3),
+    _ComparedColumn(
+        e1_before_of, f"{_E1.format(*BEFORE)}, before the change of parameters", 1e3, before=True
+    ),
     _ComparedColumn(ise_of, "ISE over the whole run [m² s + rad² s]"),
     _ComparedColumn(tau_peak_of, "peak wheel torque [N m]"),
 )
 
 
 def comparison_tables(rows: GuardComparison, base: str) -> tuple[TextTable, ...]:
-    """All tables of a base case."""
+    """All tables of a base case; the best law of a row is that with the guard."""
     runs = f"runs that broke a limit, and the median number of plant steps beyond it; {_PAIR}"
     clip = "share of samples in which the guard changed the force, thrust and moment [%]; median"
+    cases = rows.factors(base)
     return (
-        _table(rows, base, runs, lambda law, case: _pair(rows, base, case, law, _broken)),
+        _table(rows, cases, runs, lambda law, case: _pair(rows, base, case, law, _broken)),
         *(_median_table(rows, base, column) for column in _COMPARED),
-        _table(rows, base, clip, lambda law, case: _clip(rows.of(base, case, law, True))),
+        _table(rows, cases, clip, lambda law, case: _clip(rows.of(base, case, law, True))),
     )
 
 
 def _median_table(rows: GuardComparison, base: str, column: _ComparedColumn) -> TextTable:
-    def cell(runs: Sequence[ComparedRun]) -> str:
-        value = median(column.figure(row) for row in runs)
-        return _refused(runs) or shown(None if value is None else column.factor * value)
+    def value(runs: Sequence[ComparedRun]) -> float | None:
+        return median(column.figure(row) for row in runs)
 
-    return _table(
-        rows,
-        base,
-        f"{column.label}; median, {_PAIR}",
-        lambda law, case: _pair(rows, base, case, law, cell),
+    def cell(runs: Sequence[ComparedRun]) -> str:
+        middle = value(runs)
+        return _refused(runs) or shown(None if middle is None else column.factor * middle)
+
+    cases = [
+        case
+        for case in rows.factors(base)
+        if not column.before or "changes" not in overrides_of(base, case)
+    ]
+    best = tuple(
+        least([value(rows.of(base, case, law, True)) for law in rows.laws]) for case in cases
     )
+    text = f"{column.label}; median, {_PAIR}; marked: the least with the guard"
+    return _table(rows, cases, text, lambda law, case: _pair(rows, base, case, law, cell), best)
 
 
 def _table(
-    rows: GuardComparison, base: str, text: str, cell: Callable[[str, str], str]
+    rows: GuardComparison,
+    cases: Sequence[str],
+    text: str,
+    cell: Callable[[str, str], str],
+    best: tuple[frozenset[int], ...] = (),
 ) -> TextTable:
-    head = ("case", *(look(law).label for law in rows.laws))
-    body = tuple((case, *(cell(law, case) for law in rows.laws)) for case in rows.factors(base))
-    return TextTable(f"{text[0].upper()}{text[1:]}", head, body)
+    head = ("case", *map(headed, rows.laws))
+    body = tuple((case, *(cell(law, case) for law in rows.laws)) for case in cases)
+    return TextTable(f"{text[0].upper()}{text[1:]}", head, body, best)
 
 
 def _pair(

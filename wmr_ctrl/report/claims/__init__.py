@@ -1,6 +1,7 @@
 """The paper's claims: how each is put to the test, and the verdict."""
 
 from wmr_ctrl.report.claims.claim import (
+    STAND_IN_LAW,
     Divisor,
     Judged,
     Measured,
@@ -14,6 +15,7 @@ from wmr_ctrl.report.claims.judge import PAPER_TIMES, RULE, Evidence, judge, jud
 __all__ = [
     "PAPER_TIMES",
     "RULE",
+    "STAND_IN_LAW",
     "Divisor",
     "Evidence",
     "Judged",

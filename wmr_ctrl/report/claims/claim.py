@@ -14,11 +14,22 @@ from wmr_ctrl.report.style import shown
 
 
 class Verdict(StrEnum):
-    """What became of a claim; the value is the phrase that files and pages show."""
+    """What became of a claim; the value is the phrase that files and pages show.
+
+    The last three are about a law that only stands in for the paper's.
+    """
 
     HOLDS = "HOLDS"
+    UNBROKEN = "NOT VIOLATED"
     IN_PART = "HOLDS IN PART"
     FAILS = "DOES NOT HOLD"
+    STAND_IN = "STAND-IN AGREES"
+    STAND_IN_PART = "STAND-IN AGREES IN PART"
+    STAND_IN_FAILS = "STAND-IN DISAGREES"
+
+
+STAND_IN_LAW = "smc"
+"""The paper's reference [32] is not in its text: whatever this law does says nothing about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +67,13 @@ class TestSpec:
         return self.at_least is not None or self.at_most is not None
 
     @property
+    def stand_in(self) -> bool:
+        """Whether the number is one of the law that stands in for reference [32]."""
+        return STAND_IN_LAW in self.laws or (
+            self.over is not None and self.over.law == STAND_IN_LAW
+        )
+
+    @property
     def bound(self) -> str:
         """The bound as readers write it, empty if there is none."""
         if self.at_least is not None:
@@ -79,6 +97,7 @@ class PaperClaim:
     """A claim of the paper and how it is judged; every text is a plain sentence or two.
 
     ``explanation`` may quote medians by ``{key}`` and is written for the verdict ``expected``.
+    ``never``: the claim is that something never happens, which runs can refute but not show.
     """
 
     id: str
@@ -89,6 +108,7 @@ class PaperClaim:
     explanation: str
     tests: tuple[TestSpec, ...]
     expected: Verdict
+    never: bool = False
 
 
 @dataclass(frozen=True, slots=True)
