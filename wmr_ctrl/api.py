@@ -238,11 +238,12 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
     from wmr_ctrl.proofs.staleness import stale_entries
     from wmr_ctrl.report.reproduction import Facts
-    from wmr_ctrl.sim.compiled_law import seconds_of
+    from wmr_ctrl.sim.compiled_law import ROUNDS, seconds_of
 
     return Facts(
         titles={row["name"]: row["title"] for row in law_table()},
         timings={law: seconds_of(compile_law(law)) for law in laws},
+        rounds=ROUNDS,
         versions=versions(),
         stale=None if quick else stale_entries(),
     )

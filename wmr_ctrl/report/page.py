@@ -24,7 +24,6 @@ from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, time
 from wmr_ctrl.report.web import page_environment, picture
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import preset_titles
-from wmr_ctrl.sim.compiled_law import ROUNDS
 
 _STRESS_CASES = {
     "far-start": "far start, exact model",
@@ -60,7 +59,7 @@ _ALWAYS_COUNTED = (Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS)
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class PagePart:
     """A part of the page: its address, its title, and what the navigation calls it."""
 
     id: str
@@ -69,18 +68,18 @@ class Section:
 
 
 _SECTIONS = (
-    Section("verdicts", "What holds, what does not", "Verdicts"),
-    Section("simulation", "Section V: the simulation", "Section V"),
-    Section("experiment", "Section VI: the experiment, simulated", "Section VI"),
-    Section("measure", "What the paper’s measure hides", "What the measure hides"),
-    Section("guarantee", "Where the guarantee ends", "Where the guarantee ends"),
-    Section("ours", "Past the paper: the guard and our law", "Past the paper"),
-    Section("ledger", "The mathematics, checked by machine", "Proofs"),
-    Section("readings", "What was read into the paper", "Readings"),
-    Section("made", "How it was made", "How it was made"),
-    Section("evidence", "Appendix A. Evidence, claim by claim", "A. Evidence"),
-    Section("tables", "Appendix B. All figures", "B. All figures"),
-    Section("ledger-tables", "Appendix C. What is refuted, what is open", "C. Refuted and open"),
+    PagePart("verdicts", "What holds, what does not", "Verdicts"),
+    PagePart("simulation", "Section V: the simulation", "Section V"),
+    PagePart("experiment", "Section VI: the experiment, simulated", "Section VI"),
+    PagePart("measure", "What the paper’s measure hides", "What the measure hides"),
+    PagePart("guarantee", "Where the guarantee ends", "Where the guarantee ends"),
+    PagePart("ours", "Past the paper: the guard and our law", "Past the paper"),
+    PagePart("ledger", "The mathematics, checked by machine", "Proofs"),
+    PagePart("readings", "What was read into the paper", "Readings"),
+    PagePart("made", "How it was made", "How it was made"),
+    PagePart("evidence", "Appendix A. Evidence, claim by claim", "A. Evidence"),
+    PagePart("tables", "Appendix B. All figures", "B. All figures"),
+    PagePart("ledger-tables", "Appendix C. What is refuted, what is open", "C. Refuted and open"),
 )
 
 
@@ -155,7 +154,7 @@ def _content(page: Page) -> dict[str, object]:
         "stress": [pictures[name] for name in STRESS],
         "tables": _tables(campaign, facts.timings),
         "readings": load_readings(),
-        "rounds": ROUNDS,
+        "rounds": facts.rounds,
         "titles": facts.titles,
         "versions": facts.versions,
         "scenarios": _scenarios(campaign),
@@ -175,7 +174,7 @@ def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextT
         ),
         "experiment": ("paper-experiment", f"Section VI, simulated: {spread}"),
     }
-    made = {
+    scenario_tables = {
         f"{key}{'_short' if short else ''}": scenario_table(
             table,
             scenario,
@@ -187,7 +186,7 @@ def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextT
         for short in (False, True)
     }
     return {
-        **made,
+        **scenario_tables,
         "stated": stress_table(table, _STATED_CASES, BARRIER_LAWS),
         "stress": stress_table(table, _STRESS_CASES),
         "times": times_table(timings, table.laws),

@@ -15,13 +15,14 @@ from wmr_ctrl.report.claims import Judged, Verdict
 class Facts:
     """What stands in a report beside the runs' numbers.
 
-    ``titles``: law -> text; ``timings``: law -> s per 10,000 evaluations, empty where they were not
-    taken; ``versions``: name -> text; ``stale``: ids of the proof ledger whose graph has changed
-    since, None where that was not compared.
+    ``titles``: law -> text; ``timings``: law -> s per 10,000 evaluations, the least of ``rounds``,
+    empty where they were not taken; ``versions``: name -> text; ``stale``: ids of the proof ledger
+    whose graph has changed since, None where that was not compared.
     """
 
     titles: Mapping[str, str] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)
+    rounds: int = 0
     versions: Mapping[str, str] = field(default_factory=dict)
     stale: Sequence[str] | None = None
 

@@ -42,8 +42,8 @@ def two_schemes(svg: str) -> str:
     return head + tag + attributes + end + _STYLE + _COLOUR.sub(_name, rest)
 
 
-def _name(found: re.Match[str]) -> str:
-    return f"var(--{found[0][1:]})" if found[0] in AFTER_DARK else found[0]
+def _name(match: re.Match[str]) -> str:
+    return f"var(--{match[0][1:]})" if match[0] in AFTER_DARK else match[0]
 
 
 def _values(dark: bool) -> str:
