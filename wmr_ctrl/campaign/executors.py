@@ -16,6 +16,12 @@ from wmr_ctrl.sim.batch import cores
 THREADS, DASK, SCHEME = "threads", "dask", "dask://"
 PATIENCE = 20.0
 """Seconds within which a scheduler has to answer."""
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.tick.interval": "5s",
+}
+"""Half of Dask's own work in a process that only computes."""
 RETRIES = 3
 """How often a chunk is sent again after its worker was lost."""
 
@@ -72,9 +78,11 @@ class _SendsLoops(Executor):
 
 @contextmanager
 def _local(jobs: int | None) -> Iterator[Executor]:
-    """Processes of this machine."""
+    """Processes of this machine, without Dask's looks at what they do 100 times a second."""
     distributed: Any = library("distributed", "cluster")
+    configured: Any = library("dask.config", "cluster")
     with (
+        configured.set(QUIET),
         distributed.LocalCluster(
             n_workers=jobs or cores(), threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
