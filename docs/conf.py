@@ -16,7 +16,6 @@ release = version = wmr_ctrl.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx_click",
     "sphinx_copybutton",
     # Ours, in docs/_site.
@@ -34,8 +33,13 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|casadi|ca|control|pandas|xarray|matplotlib|click|os|pathlib)\b.*"),
     ("py:.*", r"(collections\.abc|typing)\..*"),
-    ("py:obj", ".*"),  # what docstrings put into single quotes, most of it names
-    ("py:class", ".*"),  # annotations
+    ("py:obj", ".*"),  # what docstrings put into single quotes, commands too
+    # Annotations: names that only type checkers import, type variables, and values whose
+    # fields are on another page.
+    ("py:class", r"[A-Z]\w*"),
+    ("py:class", r"(.*\.)?S|tuple\[.*"),
+    ("py:class", r"wmr_ctrl\.(scenario|world|compiled|barrier)\..*"),
+    ("py:class", r"wmr_ctrl\..*\.(KeyedNumbers|LawNumbers|ModelError|RigidMonitor|TuningPlan)"),
 ]
 suppress_warnings = ["config.cache"]
 
@@ -52,10 +56,11 @@ autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
-napoleon_google_docstring = False
 
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = True
+
+smartquotes = False  # options begin with two dashes
 
 html_theme = "furo"
 html_title = f"wmr_ctrl {release}"
@@ -68,4 +73,4 @@ html_theme_options = {
 html_show_sourcelink = False
 html_copy_source = False
 pygments_style = "friendly"
-pygments_dark_style = "native"
+pygments_dark_style = "monokai"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
+DIGITS = re.compile(r"\\frac(\d)(\d)")
+"""A half without braces, which docutils reads as a fraction of twelve."""
 SPELT = {r"\dots": r"\ldots"}
 """Commands that docutils knows under another name."""
 
@@ -16,6 +19,7 @@ def mathml(text: str, *, block: bool = False) -> str:
     """A formula of LaTeX as MathML; MathError for a command that docutils does not know."""
     for name, known in SPELT.items():
         text = text.replace(name, known)
+    text = DIGITS.sub(r"\\frac{\1}{\2}", text)
     bare = text.lstrip().startswith(("^", "_"))  # s$^2$: an index of nothing
     return tex2mathml("{}" + text if bare else text, as_block=block)
 

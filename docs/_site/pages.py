@@ -7,7 +7,9 @@ name in `tables`.
 from __future__ import annotations
 
 import re
+import textwrap
 
+import click
 import tables
 from sphinx.application import Sphinx
 
@@ -20,10 +22,30 @@ def filled(text: str) -> str:
 
 
 def _read(app: Sphinx, name: str, source: list[str]) -> None:
-    source[0] = filled(source[0])
+    if BLOCK.search(source[0]):
+        source[0] = filled(source[0])
+        app.env.note_reread()  # the program may have changed though the page did not
+
+
+def _epilog(app: Sphinx, context: click.Context, lines: list[str]) -> None:
+    """Examples as they stand in the help, columns included."""
+    text = (context.command.epilog or "").replace("\b", "").strip()
+    lines[:] = ["::", "", *textwrap.indent(text, "   ").splitlines(), ""] if text else []
+
+
+def _docstring(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Docstrings write |v1| for an absolute value, which is no substitution."""
+    for place, line in enumerate(lines):
+        parts = line.split("``")
+        parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+        lines[place] = "``".join(parts)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
     app.connect("source-read", _read)
+    app.connect("sphinx-click-process-epilog", _epilog)
+    app.connect("autodoc-process-docstring", _docstring)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from importlib.resources import files
+from typing import Any
 
 from markdown import code, number, table
 
@@ -194,19 +195,22 @@ def failures() -> str:
 def errata() -> str:
     """Equations that do not stand as printed."""
     found = (e for e in equations() if e.status != "as printed")
-    rows = ((f"({e.number})", e.title, e.status, e.note) for e in found)
-    return table(("equation", "what it is", "status", "what is wrong, or missing"), rows)
+    return "\n".join(f"- **({e.number}) {e.title}**, *{e.status}.* {e.note}" for e in found)
 
 
 def readings() -> str:
     """What had to be read into the paper."""
     text = files("wmr_ctrl.report").joinpath("readings.toml").read_text(encoding="utf-8")
-    header = ("topic", "the paper says", "read as", "because", "keys")
-    rows = (
-        (r["topic"], r["said"], r["reading"], r["why"], ", ".join(map(code, r["keys"])))
-        for r in tomllib.loads(text)["reading"]
+    return "\n\n".join(map(_reading, tomllib.loads(text)["reading"]))
+
+
+def _reading(row: Mapping[str, Any]) -> str:
+    keys = ", ".join(map(code, row["keys"]))
+    said = (("The paper", row["said"]), ("Read as", row["reading"]), ("Why", row["why"]))
+    return "\n".join(
+        [f"### {row['topic']}", "", *(f"- *{head}:* {text}" for head, text in said)]
+        + ([f"- *Keys:* {keys}"] if keys else [])
     )
-    return table(header, rows)
 
 
 def errata_count() -> str:
@@ -241,22 +245,34 @@ def public_names() -> str:
 
 
 RESULTS = (
+    "wmr_ctrl.results.settings.Settings",
+    "wmr_ctrl.results.outcomes.Outcome",
+    "wmr_ctrl.results.monitor.Monitor",
+    "wmr_ctrl.results.remarks.Remark",
     "wmr_ctrl.sim.many.RunTable",
     "wmr_ctrl.sim.compiled_law.CompiledLaw",
     "wmr_ctrl.linear.LinearReport",
-    "wmr_ctrl.proofs.Ledger",
-    "wmr_ctrl.tuning.Tuning",
+    "wmr_ctrl.linear.margins.Margins",
+    "wmr_ctrl.proofs.ledger.Ledger",
+    "wmr_ctrl.proofs.ledger.Entry",
+    "wmr_ctrl.tuning.gains.Tuning",
+    "wmr_ctrl.tuning.gains.TrialFigures",
 )
 BUILDING = (
     "wmr_ctrl.signals.Signal",
     "wmr_ctrl.fields.section.quantity",
     "wmr_ctrl.fields.section.Section",
     "wmr_ctrl.model.system.System",
+    "wmr_ctrl.model.system.Port",
+    "wmr_ctrl.model.system.Output",
+    "wmr_ctrl.model.system.Draw",
     "wmr_ctrl.model.parameters.Parameters",
     "wmr_ctrl.laws.law.Law",
     "wmr_ctrl.laws.law.Traits",
     "wmr_ctrl.laws.sample.Sample",
     "wmr_ctrl.world.effect.Effect",
+    "wmr_ctrl.world.effect.EffectRole",
+    "wmr_ctrl.world.effect.Rate",
     "wmr_ctrl.world.effect.Bound",
     "wmr_ctrl.world.references.kind.ReferenceKind",
     "wmr_ctrl.campaign.figures.Figure",
