@@ -93,7 +93,7 @@ def test_exact_algebra_leaves_open(statement) -> None:
 
 @pytest.mark.parametrize("statement", [*SINGULAR, *UNKNOWN, *Z3_ONLY])
 def test_z3_leaves_open(statement) -> None:
-    assert Z3(timeout=5).decide(statement).verdict == "OPEN"
+    assert Z3(effort=5).decide(statement).verdict == "OPEN"
 
 
 @pytest.mark.parametrize("statement", BALL)

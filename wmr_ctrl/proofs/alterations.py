@@ -86,5 +86,5 @@ def hasty(method: Method) -> Method:
     if isinstance(method, Ball):
         return replace(method, budget=min(method.budget, 400))
     if isinstance(method, Z3):
-        return replace(method, timeout=5.0)
+        return replace(method, effort=5)
     return replace(method, quick=True) if isinstance(method, Ring) else method

@@ -127,7 +127,7 @@ def _corrected(flip: float) -> Statement:
     return Statement(t, goals)
 
 
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
 POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
@@ -141,7 +141,7 @@ def _promise_claim(late: bool) -> Claim:
         "The published flag stands for the theorem's hypotheses, signs aside and alpha T to "
         "rounding.",
         "behind a delay" if late else "without delay (delay = 0 in the claim)",
-        partial(_promise, late), SLOW,
+        partial(_promise, late), HARD,
     )  # fmt: skip
 
 
@@ -166,7 +166,7 @@ CLAIMS = (
         "What is shown of one axis holds for each of the two.",
         "T > 0",
         _axes,
-        SLOW,
+        HARD,
     ),
     Claim(
         "guard.monitor-sharp",
@@ -176,7 +176,7 @@ CLAIMS = (
         "Where nothing is uncertain the monitor measures the disturbance.",
         "nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
         _sharp,
-        SLOW,
+        HARD,
     ),
     Claim(
         "law.mass",

@@ -168,7 +168,7 @@ CLAIMS = (
         "What a slope adds to dbar.",
         "m g sin(angle) >= 0; shares along and across of a unit vector",
         _slope,
-        Z3(timeout=60, points=(ALONG,)),
+        Z3(effort=150, points=(ALONG,)),
     ),
     ours(
         "resistance.thrust",

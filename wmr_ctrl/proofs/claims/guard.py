@@ -166,7 +166,7 @@ def _rounding(flip: float) -> Statement:
     return Statement(t, (at_least(ca.SX(1), v + force + net),), given)
 
 
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 CLAIMS = (
     Claim(
@@ -177,7 +177,7 @@ CLAIMS = (
         "There is a safe force at every measured velocity.",
         f"{ALL}: {FEASIBLE}",
         _not_empty,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -188,7 +188,7 @@ CLAIMS = (
         "Whatever the law asks for, the robot does not pass its limit forwards within the sample.",
         f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max",
         _upper,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -199,7 +199,7 @@ CLAIMS = (
         "Nor backwards.",
         f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max",
         _lower,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -210,7 +210,7 @@ CLAIMS = (
         "False: alpha = 1/T is the fastest approach to the limit that a held force admits.",
         f"{ALL}, but alpha T <= 1.01",
         _too_fast,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -221,7 +221,7 @@ CLAIMS = (
         "Outside the limit no disturbance can make the robot faster.",
         f"{ALL}: {FEASIBLE}; |y - v| <= nbar",
         _outside,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -233,7 +233,7 @@ CLAIMS = (
         "at worst.",
         f"{ALL}: {FEASIBLE}; |y - v| <= nbar, M_min <= M <= M_max",
         _return_step,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -244,7 +244,7 @@ CLAIMS = (
         "Braking from outside never throws the robot through the other limit.",
         f"{ALL}: {FEASIBLE}",
         _no_overshoot,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -255,7 +255,7 @@ CLAIMS = (
         "No guard that intervenes less is safe.",
         "nbar = f_min = f_speed = 0, alpha = 1/T",
         _maximal,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -267,7 +267,7 @@ CLAIMS = (
         "stop the robot.",
         "u1, T, M_min, dbar > 0",
         _necessary,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -278,7 +278,7 @@ CLAIMS = (
         "A bound that is broken by D costs a known excess, no more.",
         f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D",
         _graceful,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -289,7 +289,7 @@ CLAIMS = (
         "The force of least effort is within the brake cap.",
         f"{ALL}: {FEASIBLE}",
         _anchor,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -301,7 +301,7 @@ CLAIMS = (
         f"{ALL}: {FEASIBLE}; both measured velocities beyond nbar on the same side, friction "
         "against the motion",
         _not_blamed,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -316,7 +316,7 @@ CLAIMS = (
         "scaled to u1 = M_min alpha = 1; 0 <= v, net <= 1/2; at most 6 and 2 roundings of 2^-53 "
         "before and after the last difference",
         _rounding,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(

@@ -159,7 +159,7 @@ def latest_claim(
     """An entry about one sample."""
     key = f"guard.late.{name}"
     return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, Z3(timeout=240), "", premises, THEME
+        key, (), OURS, claim, meaning, hypotheses, statement, Z3(effort=400), "", premises, THEME
     )
 
 

@@ -32,7 +32,7 @@ def late_claim(
     """An entry of the guard behind a delay."""
     key = f"guard.delay.{name}"
     return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, Z3(timeout=60), "", premises, THEME
+        key, (), OURS, claim, meaning, hypotheses, statement, Z3(effort=150), "", premises, THEME
     )
 
 

@@ -21,7 +21,7 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 
 FORMS = (("", False), ("-smooth", True))
 WORDS = {False: "paper's barrier", True: "smooth barrier"}
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "to v_u1 itself (from |c+| of about 1e17 on).",
             "0 < v_u2 < v_u1, 0 < E < 1",
             partial(_inside, smooth),
-            SLOW,
+            HARD,
         ),
         Claim(
             f"prox.contracts{key}",
@@ -212,7 +212,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "sample is, but for the part of the target's way that is not carried along.",
             "0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
             partial(_contracts, smooth),
-            SLOW,
+            HARD,
             premises=(
                 optimal,
                 f"prox.monotone{key}",
@@ -229,7 +229,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "whatever the period and the targets.",
             "0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
             partial(_decay, smooth),
-            SLOW,
+            HARD,
             premises=(optimal, convex, f"transport.inside{key}"),
         ),
         *_where_it_ends(key, smooth),
@@ -247,7 +247,7 @@ def _where_it_ends(key: str, smooth: bool) -> tuple[Claim, ...]:
             "Away from the limits the law closes the distance to its target by E in a sample.",
             "0 < v_u2 < v_u1, 0 < E < 1",
             partial(_linear, smooth),
-            SLOW,
+            HARD,
             premises=(f"transport.plain{key}",),
         ),
         Claim(
@@ -260,7 +260,7 @@ def _where_it_ends(key: str, smooth: bool) -> tuple[Claim, ...]:
             "How far below the limit the law aims, which is what a push may take back.",
             "0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
             partial(_margin, smooth),
-            SLOW,
+            HARD,
             premises=(f"transport.inside{key}", f"prox.short{key}"),
         ),
     )  # fmt: skip
@@ -280,7 +280,7 @@ CLAIMS = (
         "0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; c+) "
         "<= E^2 V1i(v*; c+)",
         _rises,
-        SLOW,
+        HARD,
         premises=(
             "prox.decay",
             "prox.decay-smooth",

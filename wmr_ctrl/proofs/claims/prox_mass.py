@@ -14,7 +14,7 @@ from wmr_ctrl.proofs.claims.prox_push import AXES, Sampled
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 
 def _loop_force(axis: int, flip: float) -> Statement:
@@ -100,7 +100,7 @@ def _wrong_mass_on(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "What a wrong mass makes of the step.",
             "T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
             partial(_loop_force, axis),
-            SLOW,
+            HARD,
         ),
         Claim(
             f"prox.loop-observer{of}",
@@ -110,7 +110,7 @@ def _wrong_mass_on(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "What a wrong mass makes of the observer.",
             "as prox.loop-force, one sample later; F1 between the samples compensated",
             partial(_loop_observer, axis),
-            SLOW,
+            HARD,
         ),
     )
 
@@ -130,7 +130,7 @@ CLAIMS = (
         "mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target held; "
         "c held",
         _jury,
-        SLOW,
+        HARD,
         premises=LOOP,
     ),
     Claim(
@@ -143,7 +143,7 @@ CLAIMS = (
         "has its limits.",
         "0 < a, L < 1",
         _light_model,
-        SLOW,
+        HARD,
         premises=("prox.jury",),
     ),
     *(
@@ -156,7 +156,7 @@ CLAIMS = (
             "A mass believed wrong by that much makes nothing grow.",
             f"{MASSES}: at its corners; no disturbance",
             partial(_wrong_mass, numbers),
-            SLOW,
+            HARD,
             premises=LOOP,
         )
         for key, numbers, (share, least, p, s, g) in (

@@ -18,7 +18,7 @@ from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 AXES = (("", "linear", 0), ("-angular", "angular", 1))
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "period; f is what the observer adds.",
             "T, M > 0; F1(v+) and v+ whatever they are",
             partial(_force, axis),
-            SLOW,
+            HARD,
         ),
         Claim(
             f"prox.pushed{of}",
@@ -191,7 +191,7 @@ def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "law.",
             "T, M > 0, mass right; w+ to the target as it comes out, c+ + eps",
             partial(_pushed, axis),
-            SLOW,
+            HARD,
             premises=("prox.contracts", "prox.contracts-smooth", "prox.not-expansive"),
         ),
         Claim(
@@ -203,7 +203,7 @@ def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
             "and F1 at the middle velocity; d acts from now on",
             partial(_observer, axis),
-            SLOW,
+            HARD,
         ),
         Claim(
             f"prox.observer-bound{of}",
@@ -215,7 +215,7 @@ def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
             "d from sample to sample over L.",
             "as prox.observer; 0 < exp(-wo T) < 1",
             partial(_observer_bound, axis),
-            SLOW,
+            HARD,
         ),
     )
 

@@ -13,7 +13,7 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 
 THEME = "prox"
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 
 def _limits(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
@@ -122,7 +122,7 @@ CLAIMS = (
         "The closed form is the nearest velocity inside the limit.",
         ANY,
         _optimal_paper,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -133,7 +133,7 @@ CLAIMS = (
         "Also where the barrier has no corner.",
         ANY,
         _optimal_smooth,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -144,7 +144,7 @@ CLAIMS = (
         "The barrier is convex.",
         "every 0 < v_u2 < v_u1, |x| < v_u1",
         _monotone_paper,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -155,7 +155,7 @@ CLAIMS = (
         "So is the smooth one.",
         "every 0 < v_u2 < v_u1, |x| < v_u1",
         _monotone_smooth,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -166,7 +166,7 @@ CLAIMS = (
         "Targets that are near stay near.",
         "x + k a = c with monotone a",
         _not_expansive,
-        SLOW,
+        HARD,
         premises=("prox.optimal", "prox.monotone"),
         theme=THEME,
     ),
@@ -178,7 +178,7 @@ CLAIMS = (
         "How far below the limit a proximal map ends.",
         "k > 0, any t",
         _root,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     *(
@@ -191,7 +191,7 @@ CLAIMS = (
             "The nearer the target, the farther below the limit its nearest velocity.",
             "every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
             partial(_short, smooth),
-            SLOW,
+            HARD,
             premises=("prox.root",),
             theme=THEME,
         )

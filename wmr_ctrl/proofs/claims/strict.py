@@ -199,7 +199,7 @@ CLAIMS = (
         "it.",
         NEAR,
         _falls,
-        Z3(timeout=60),
+        Z3(effort=150),
     ),
     Claim(
         "strict.bounds",
@@ -209,7 +209,7 @@ CLAIMS = (
         "W measures the distance from the path.",
         NEAR,
         _between,
-        Z3(timeout=60),
+        Z3(effort=150),
     ),
     Claim(
         "strict.rate",
@@ -231,7 +231,7 @@ CLAIMS = (
         "From inside this set the robot never leaves the region where the rate holds.",
         "k2 = 5, eps = 1/50",
         _stays,
-        Z3(timeout=60),
+        Z3(effort=150),
     ),
     Claim(
         "level.pull",
@@ -241,7 +241,7 @@ CLAIMS = (
         "The limit weakens a correction but never reverses it.",
         "every 0 < v_u2 < v_u1",
         _pull,
-        Z3(timeout=60),
+        Z3(effort=150),
     ),
     Claim(
         "level.rate",
@@ -266,7 +266,7 @@ CLAIMS = (
         "",
         "0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
         _level_set,
-        Z3(timeout=60, points=(TOP,)),
+        Z3(effort=150, points=(TOP,)),
     ),
     Claim(
         "level.invariant",

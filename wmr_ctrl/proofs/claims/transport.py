@@ -24,7 +24,7 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 FORMS = (("", False), ("-smooth", True))
 WORDS = {False: "paper's barrier", True: "smooth barrier"}
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 
 def when(condition: ca.SX, relation: Relation) -> Relation:
@@ -209,7 +209,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
             "other target's v_c1",
             partial(_moves, smooth),
-            SLOW,
+            HARD,
             premises=(convex, *(("prox.optimal-smooth",) if smooth else ("eq81",))),
         ),
         Claim(
@@ -221,7 +221,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "Carrying the velocity along with its target raises neither V1 nor the distance.",
             f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
             partial(_level, smooth),
-            SLOW,
+            HARD,
             premises=("transport.share", f"transport.moves{key}", convex, optimal, *compiled),
         ),
         Claim(
@@ -233,7 +233,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "Nothing inside the limit is carried out of it; a target that is held carries nothing.",
             ANY,
             partial(_stays_inside, smooth),
-            SLOW,
+            HARD,
             premises=("transport.share", optimal),
         ),
         Claim(
@@ -244,7 +244,7 @@ def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
             "Away from the limits the velocity is carried all the way.",
             "0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
             partial(_plain, smooth),
-            SLOW,
+            HARD,
             premises=(*compiled, optimal),
         ),
     )
@@ -259,7 +259,7 @@ CLAIMS = (
         "How far the velocity is carried is chosen such that what V1 allows is not exceeded.",
         "V0 >= w^2/2, D1 >= 0, any w",
         _share,
-        SLOW,
+        HARD,
         premises=("eq81",),
     ),
     *(claim for key, smooth in FORMS for claim in _of_form(key, smooth)),
@@ -271,7 +271,7 @@ CLAIMS = (
         "In units of velocity, V1 rises by no more than the way of its target.",
         "S, S+ >= 0, w^2 <= 2 V1i",
         _root,
-        SLOW,
+        HARD,
         premises=("transport.moves", "transport.moves-smooth", "eq81"),
     ),
 )

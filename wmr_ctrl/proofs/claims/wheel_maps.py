@@ -108,7 +108,7 @@ def _necessary(flip: float) -> Statement:
     return Statement(t, (above(largest, t["phi"] * t["r"] / 2),), (*positive, *held, tight))
 
 
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 
 CLAIMS = (
     Claim(
@@ -119,7 +119,7 @@ CLAIMS = (
         "The torque limit is a diamond of forces.",
         "r, l > 0",
         _torques,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -131,7 +131,7 @@ CLAIMS = (
         "Motors weaker than the disturbances cannot keep both limits, whatever the guard does.",
         "F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0",
         _necessary,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -142,7 +142,7 @@ CLAIMS = (
         "The torque limit does not undo the guard.",
         BOX,
         _linear,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -153,7 +153,7 @@ CLAIMS = (
         "Nor does it when the rotation is served first.",
         BOX,
         _rotation,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
     Claim(
@@ -165,7 +165,7 @@ CLAIMS = (
         "driving.",
         BOX,
         _clip_per_wheel,
-        SLOW,
+        HARD,
         theme=THEME,
     ),
 )

@@ -19,7 +19,7 @@ from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.world import encoder, wheels
 from wmr_ctrl.world.effect import Effect
 
-SLOW = Z3(timeout=60)
+HARD = Z3(effort=150)
 WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
 
@@ -192,7 +192,7 @@ def ours(
     meaning: str,
     hypotheses: str,
     statement: Callable[[float], Statement],
-    method: Z3 = SLOW,
+    method: Z3 = HARD,
 ) -> Claim:
     """A claim about an effect, checked by z3."""
     return Claim(f"world.{key}", (), OURS, claim, meaning, hypotheses, statement, method)

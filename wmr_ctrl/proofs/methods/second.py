@@ -16,8 +16,10 @@ from wmr_ctrl.proofs.methods.spec import Z3, Both, Method
 from wmr_ctrl.proofs.statement import Statement
 
 NAME = "cvc5"
-PATIENCE = 10.0
-"""Seconds for one obligation."""
+PATIENCE = 10
+"""Seconds of the processor's time for one obligation, so that a busy machine finds the same."""
+LONGEST = 300.0
+"""Seconds for one obligation by the clock, whatever the processor does meanwhile."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ def uses_z3(method: Method | None) -> bool:
     )
 
 
-def confirmed_by(statement: Statement, patience: float = PATIENCE) -> tuple[str, ...]:
+def confirmed_by(statement: Statement, patience: int = PATIENCE) -> tuple[str, ...]:
     """``("cvc5",)`` where it finds every goal and every domain unsatisfiable, too, else nothing."""
     if find_spec(NAME) is None:
         return ()
@@ -59,15 +61,15 @@ def confirmed_by(statement: Statement, patience: float = PATIENCE) -> tuple[str,
     return (NAME,) if all(answer(item.text, patience) == "unsat" for item in wanted) else ()
 
 
-def answer(text: str, patience: float = PATIENCE) -> str:
+def answer(text: str, patience: int = PATIENCE) -> str:
     """What cvc5 says to a file: sat, unsat or unknown; in a process of its own, which can be ended.
 
-    It does not always keep to its own limit of time.
+    It does not always keep to its own limits.
     """
-    command = [sys.executable, "-c", _ASK, str(int(1000 * patience))]
+    command = [sys.executable, "-c", _ASK, str(patience)]
     try:
         done = subprocess.run(
-            command, input=text, capture_output=True, text=True, timeout=patience + 5, check=False
+            command, input=text, capture_output=True, text=True, timeout=LONGEST, check=False
         )
     except subprocess.TimeoutExpired:
         return "unknown"
@@ -76,8 +78,13 @@ def answer(text: str, patience: float = PATIENCE) -> str:
 
 _ASK = """
 import sys, cvc5
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_CPU, (int(sys.argv[1]), int(sys.argv[1])))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+except ImportError:  # Windows: LONGEST alone bounds it
+    pass
 solver = cvc5.Solver(cvc5.TermManager())
-solver.setOption("tlimit-per", sys.argv[1])
 parser = cvc5.InputParser(solver)
 parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, sys.stdin.read(), "obligation")
 symbols = parser.getSymbolManager()

@@ -209,7 +209,7 @@ def _unless_vacuous(
 
 def _ask(base: list[Any], extra: Any, method: Z3) -> tuple[Any, Any]:
     solver = z3.Solver()
-    solver.set("timeout", int(1000 * method.timeout))
+    solver.set("rlimit", 1_000_000 * method.effort)
     solver.add(*base, extra)
     answer = solver.check()
     return answer, solver.model() if answer == z3.sat else None

@@ -54,14 +54,18 @@ class Ring(Method):
 
 @dataclass(frozen=True)
 class Z3(Method):
-    """z3's default solver on the graph; ``timeout`` in seconds per query."""
+    """z3's default solver on the graph.
+
+    ``effort`` bounds a query, in millions of z3's own units of work: what is found does not depend
+    on how busy a machine is.  A million takes half a second or less.
+    """
 
     ENGINE: ClassVar[str] = "smt"
     NAME: ClassVar[str] = "Z3"
     TRUSTED: ClassVar[tuple[str, ...]] = ("z3",)
     NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
 
-    timeout: float = 20.0
+    effort: int = 60
     points: Sequence[Point] = ()
 
 
