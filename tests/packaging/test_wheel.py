@@ -23,6 +23,8 @@ def test_wheel_has_package_data_and_nothing_else(built):
     assert {top for top in tops if not top.endswith(".dist-info")} == {"wmr_ctrl"}
     assert "wmr_ctrl/py.typed" in names
     assert "wmr_ctrl/_fmu/runtime/loop.c" in names
+    assert "wmr_ctrl/_fmu/runtime/page.c" in names
+    assert "wmr_ctrl/page/templates/page.html.j2" in names
     assert any(name.startswith("wmr_ctrl/scenario/presets/") for name in names)
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert [name for name in names if name.endswith(UNWANTED)] == []

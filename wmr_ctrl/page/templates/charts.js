@@ -155,7 +155,7 @@ class Chart extends Sheet {
       }
     }
     const bound = (value) => Math.min(niceAbove(Math.min(value, most)), most);
-    const top = bound(high) || (low < 0 ? 0 : what.least ?? 1);
+    const top = Math.max(bound(high), what.least ?? 0);
     return [what.floor !== undefined ? Math.max(-bound(-low), what.floor) : -bound(-low), what.ceiling ?? top];
   }
 }
