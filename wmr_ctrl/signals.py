@@ -97,6 +97,13 @@ BODY_FORCE = (
 TAU_APPLIED = Signal(
     "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2
 )
+
+
+def tau_sent(age: int) -> Signal:
+    """The torque that was commanded ``age`` samples ago, as the wheels' limit let it through."""
+    return Signal(f"tau_sent{age}", "N.m", f"torque commanded {age} samples ago", 2)
+
+
 FORCE = Signal("force", "N, N.m", "generalised force (thrust, turning moment)", 2)
 
 TRACKING_ERROR = Signal("e", "m, m, rad", "tracking error, Eq. (8): ahead, to the left, angle", 3)

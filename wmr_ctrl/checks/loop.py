@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.sampled_plant import Lateness, lateness_of
+from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.laws.law import Traits
+from wmr_ctrl.laws.law import Traits, commands_predicted
 from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
-from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.dynamics import force_to_wheel, friction
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.model.tracking import error_rotation, tracking_error
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import TAU_APPLIED
 from wmr_ctrl.world.references import sample
 
 Floats = NDArray[np.float64]
@@ -42,10 +42,12 @@ class Loop:
     """A law on a scenario, settled.
 
     Estimates and weights of a law that learns keep their start values; any other memory (a
-    previous sample, a filter) is part of the loop.
+    previous sample, a filter) is part of the loop.  ``under_way`` commands are what its graph
+    predicts over; those of the scenario's clock unless given.
     """
 
     setup: Setup
+    under_way: int | None = None
 
     @property
     def scenario(self) -> Scenario:
@@ -65,7 +67,20 @@ class Loop:
     @cached_property
     def core(self) -> System:
         """The law's System, whose output is the generalised force."""
-        return law_graph(self.setup)
+        return law_graph(self.setup, self.under_way)
+
+    def commands(self, period: float) -> int:
+        """Commands under way over which the law predicts at a control period [s]."""
+        return commands_predicted(self.setup.gains, period)
+
+    def over(self, commands: int) -> Loop:
+        """The same law, built to predict over so many commands."""
+        return self if commands == self.predicted else _built_over(self.setup, commands)
+
+    @property
+    def predicted(self) -> int:
+        """Commands over which its graph predicts."""
+        return self.setup.predicted if self.under_way is None else self.under_way
 
     @property
     def has_barrier(self) -> bool:
@@ -103,34 +118,45 @@ class Loop:
         """Gradient of force and next memory at e = 0, v = v_d, sampled with ``period`` [s].
 
         Rows: force (2), then the memory (n) unless it holds estimates; columns: e (3), v (2), the
-        memory, then the force (2) that acted before if the law asks for it.  ``v_d`` (2) in m/s,
-        rad/s.
+        memory, then the force (2) that acted before and the forces (2) that were sent, the latest
+        first, as far as the law asks for them.  ``v_d`` (2) in m/s, rad/s.
         """
-        s = np.concatenate((np.zeros(3), v_d))
-        return np.asarray(self._gradient(s, v_d, self._memory(v_d), self._parameters(period)))
+        loop, s = self.over(self.commands(period)), np.concatenate((np.zeros(3), v_d))
+        memory, numbers = loop._memory(v_d), loop._parameters(period)
+        return np.asarray(loop._gradient(s, v_d, memory, numbers))
 
     def force_towards(self, v: Floats, v_c0: Floats) -> Floats:
         """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
 
         ``v_c0`` (2) is that velocity; both in m/s, rad/s.
         """
-        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[0])
+        core = self.over(0).core
+        return np.asarray(self.over(0)._towards(v, v_c0, core.x0, core.p0)[0])
 
     def slope_towards(self, v: Floats, v_c0: Floats) -> Floats:
         """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
-        return np.asarray(self._towards(v, v_c0, self.core.x0, self.core.p0)[1]).ravel()
+        core = self.over(0).core
+        return np.asarray(self.over(0)._towards(v, v_c0, core.x0, core.p0)[1]).ravel()
 
     @cached_property
     def _gradient(self) -> ca.Function:
-        s, v_d, before = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2), ca.SX.sym("before", 2)
-        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2), before)
+        s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
+        asked = [item.signal.name for item in remembered(self.core)]
+        forces = [ca.SX.sym(name, 2) for name in asked]
+        known = dict(zip(asked, forces, strict=True))
+        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2), known)
         x, answers, causes = self.core.x, force, s
         if not self.traits.estimates:
             answers, causes = ca.vertcat(force, following), ca.vertcat(s, x)
-        if TAU_APPLIED in (port.signal for port in self.core.inputs):
-            causes = ca.vertcat(causes, before)
-        gradient = ca.substitute(ca.jacobian(answers, causes), before, ca.DM.zeros(2))
+        gradient = ca.jacobian(answers, ca.vertcat(causes, *forces))
+        steady = ca.repmat(self._drag(v_d), len(forces), 1)
+        gradient = ca.substitute(gradient, ca.vertcat(*forces), steady) if forces else gradient
         return ca.Function("gradient", [s, v_d, x, self.core.p], [gradient])
+
+    def _drag(self, v: ca.SX) -> ca.SX:
+        """The force (2) that the law takes friction for: what acts while v stays."""
+        bot = self.scenario.believed
+        return friction(ca.SX(bot.mu), ca.SX(bot.m), ca.SX(bot.g), ca.SX(bot.v_s), v)
 
     @cached_property
     def _towards(self) -> ca.Function:
@@ -143,16 +169,22 @@ class Loop:
         return ca.Function("towards", [v, v_c0, self.core.x, self.core.p], [force, slope])
 
     def _act(
-        self, e: ca.SX, v: ca.SX, v_d: ca.SX, v_d_dot: ca.SX, before: ca.SX | None = None
+        self,
+        e: ca.SX,
+        v: ca.SX,
+        v_d: ca.SX,
+        v_d_dot: ca.SX,
+        before: Mapping[str, ca.SX] | None = None,
     ) -> tuple[ca.SX, ca.SX]:
         """Force and next memory with the robot at the origin and the reference placed to give e.
 
-        ``before`` is the mean force (2,) of the sample that has ended; none unless given.
+        ``before``: forces (2,) by the names of the torques that the law remembers; none unless
+        given.
         """
         pose_d, robot = error_rotation(ca.SX(0)).T @ e, self.scenario.robot
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, v_d_dot, v)), strict=True))
-        if before is not None:
-            known[TAU_APPLIED.name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), before)
+        for name, force in (before or {}).items():
+            known[name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
         signals = (port.signal for port in self.core.inputs)
         u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
         act = self.core.function("act", [self.core.outputs[0].expr, self.core.update])
@@ -162,7 +194,8 @@ class Loop:
     @cached_property
     def _next(self) -> ca.Function:
         v_d, zero = ca.SX.sym("v_d", 2), ca.SX.zeros(3)
-        _, following = self._act(zero, v_d, v_d, ca.SX.zeros(2))
+        steady = {item.signal.name: self._drag(v_d) for item in remembered(self.core)}
+        _, following = self._act(zero, v_d, v_d, ca.SX.zeros(2), steady)
         return ca.Function("next", [v_d, self.core.x, self.core.p], [following])
 
     def _memory(self, v_d: Floats) -> Floats:
@@ -174,6 +207,11 @@ class Loop:
 
     def _parameters(self, period: float) -> list[float]:
         return [number for port in self.core.params for number in _with_period(port, period)]
+
+
+@lru_cache(maxsize=128)
+def _built_over(setup: Setup, commands: int) -> Loop:
+    return Loop(setup, commands)
 
 
 INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")

@@ -10,6 +10,7 @@ import numpy as np
 from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.laws.law import WHOLE
 from wmr_ctrl.world.friction import phases
 from wmr_ctrl.world.references import reference_bounds
 
@@ -141,7 +142,7 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
 
 
 def drives(loop: Loop) -> Iterator[Warning]:
-    """Yield a torque limit that friction uses up, and a delay of one sample or more."""
+    """Yield a torque limit that friction uses up, a delay of one sample, a prediction too far."""
     scenario, actuator = loop.scenario, loop.scenario.actuator
     thrust = 2 * actuator.tau_max / scenario.robot.r
     friction = max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
@@ -153,8 +154,25 @@ def drives(loop: Loop) -> Iterator[Warning]:
             f"{friction * scenario.robot.r / 2:.3g} N m.",
             "Eq. (4)",
         )
-    if actuator.delay >= scenario.clock.control:
+    if loop.setup.prediction:
+        yield from _overstated(loop)
+    elif actuator.delay >= scenario.clock.control:
         yield _late(loop)
+
+
+def _overstated(loop: Loop) -> Iterator[Warning]:
+    """A law that predicts over more than the delay which every command is sure to have."""
+    stated, bound = loop.setup.prediction, loop.setup.bound
+    true = bound.delay - bound.jitter
+    if stated > true * (1 + WHOLE):
+        yield Warning(
+            f"gains.{loop.law}.delay",
+            f"gains.{loop.law}.delay = {stated:g} s is longer than the {true:g} s by which every "
+            "command is late at least: the law counts on commands that have acted already, and can "
+            "cycle. State the shortest delay that there may be, or 0; that of the guard "
+            "(actuator.delay) is the longest.",
+            "prediction of the law",
+        )
 
 
 def _late(loop: Loop) -> Warning:

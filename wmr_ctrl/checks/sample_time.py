@@ -202,21 +202,25 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
 
 def shortest_tried(loop: Loop) -> float:
     """The shortest period that is tried [s]: so many commands may be under way, and no more."""
-    return max(SHORTEST, (loop.lateness.delay + loop.lateness.shown) / MOST_UNDER_WAY)
+    late = max(loop.lateness.delay, loop.setup.prediction)
+    return max(SHORTEST, (late + loop.lateness.shown) / MOST_UNDER_WAY)
 
 
 def largest_stable_delay(loop: Loop) -> float | None:
     """Supremum of the drives' delay [s] at the scenario's period, its lag and sensors as they are.
 
     None where the loop is unstable without any; inf where all that were tried, up to 40 periods,
-    are stable.
+    are stable.  A law that predicts is tried from the scenario's delay on: a shorter one it may not
+    bear.
     """
     period = loop.scenario.clock.control
+    least = loop.lateness.delay if loop.setup.prediction else 0.0
 
     def of(delay: float) -> float:
         return _radius(loop, period, replace(loop.lateness, delay=delay))
 
-    return _last(of, 0.0, [step * period / 8 for step in range(1, 8 * MOST_UNDER_WAY)])
+    steps = range(1, 8 * MOST_UNDER_WAY)
+    return _last(of, least, [least + step * period / 8 for step in steps])
 
 
 def stable_masses(loop: Loop) -> tuple[float, float] | None:
@@ -282,9 +286,10 @@ def closed_loop(
     gain = loop.feedback(v_d, period)
     moving = linear_plant(robot or loop.scenario.robot, tuple(v_d))
     memory = len(gain) - 2
-    asks = gain.shape[1] > 5 + memory
-    behind = sampled_plant(*moving, period, late or loop.lateness, mean=asks)
-    by_state = gain[:, :5] @ behind.measured + gain[:, 5 + memory :] @ behind.applied
+    known, count = gain[:, 5 + memory :], loop.commands(period)
+    asks = known.shape[1] > 2 * count
+    behind = sampled_plant(*moving, period, late or loop.lateness, mean=asks, remembered=count)
+    by_state = gain[:, :5] @ behind.measured + known @ np.vstack((behind.applied, behind.sent))
     by_memory = gain[:, 5 : 5 + memory]
     upper = np.hstack((behind.moved + behind.forced @ by_state[:2], behind.forced @ by_memory[:2]))
     return np.vstack((upper, np.hstack((by_state[2:], by_memory[2:]))))

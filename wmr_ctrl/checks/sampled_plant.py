@@ -74,8 +74,9 @@ class SampledPlant:
     """x_next = moved x + forced u + pushed d for the command u and a disturbance d [N, N m].
 
     ``measured`` x is tracking error and velocity as the sensors show them (5), ``applied`` x the
-    mean force of the period that has ended, behind delay and lag (2).  The first elements of x are
-    those of the robot; ``names`` has one for each element behind them.
+    mean force of the period that has ended, behind delay and lag (2), ``sent`` x the commands that
+    are remembered, the latest first.  The first elements of x are those of the robot; ``names`` has
+    one for each element behind them.
     """
 
     moved: Floats
@@ -83,23 +84,31 @@ class SampledPlant:
     pushed: Floats
     measured: Floats
     applied: Floats
+    sent: Floats
     names: tuple[str, ...]
 
 
 def sampled_plant(
-    rates: Floats, push: Floats, period: float, late: Lateness, *, mean: bool = False
+    rates: Floats,
+    push: Floats,
+    period: float,
+    late: Lateness,
+    *,
+    mean: bool = False,
+    remembered: int = 0,
 ) -> SampledPlant:
     """The plant s' = rates s + push F, sampled every ``period`` [s] with a command held.
 
-    ``applied`` has rows only with ``mean``.
+    ``applied`` has rows only with ``mean``, ``sent`` two for each command ``remembered``.
     """
-    return _Assembly(rates, push, period, late, mean=mean).plant
+    return _Assembly(rates, push, period, late, mean=mean, remembered=remembered).plant
 
 
-def drives(period: float, late: Lateness) -> SampledPlant:
+def drives(period: float, late: Lateness, remembered: int = 0) -> SampledPlant:
     """The drives alone: commands to the mean force that acted, as the observer knows them."""
     nothing, unseen = np.zeros((0, 0)), Lateness(late.delay, late.lag)
-    return _Assembly(nothing, np.zeros((0, 2)), period, unseen, mean=True).plant
+    push = np.zeros((0, 2))
+    return _Assembly(nothing, push, period, unseen, mean=True, remembered=remembered).plant
 
 
 @dataclass(frozen=True)
@@ -117,12 +126,20 @@ class _Assembly:
     """Rows of a SampledPlant, block by block; a row of ``flow`` tells what a value depends on."""
 
     def __init__(
-        self, rates: Floats, push: Floats, period: float, late: Lateness, *, mean: bool
+        self,
+        rates: Floats,
+        push: Floats,
+        period: float,
+        late: Lateness,
+        *,
+        mean: bool,
+        remembered: int,
     ) -> None:
         self.period, self.late, self.mean = period, late, 2 * mean
         self.robot, self.lag = len(rates), 2 * (late.lag > 0)
         self.whole, self.part = _divided(late.delay, period)
-        self.sent = self.whole + (self.part > 0)
+        self.asked = 2 * remembered
+        self.sent = max(self.whole + (self.part > 0), remembered)
         self.looks = [(look, back, weight) for axis in (0, 1) if self.robot
                       for look, back, weight in _looks(axis, late, period)]  # fmt: skip
         self.depth: dict[_Look, int] = {}
@@ -200,8 +217,9 @@ class _Assembly:
         for look, back, weight in self.looks:
             measured[3 + look.axis, place[look] + back - 1] += weight
         return SampledPlant(
-            moved, forced, pushed, measured, np.eye(self.mean, size, at), tuple(self._names())
-        )
+            moved, forced, pushed, measured, np.eye(self.mean, size, at),
+            np.eye(self.asked, size, queue), tuple(self._names()),
+        )  # fmt: skip
 
     def _seen(self, look: _Look) -> Floats:
         """What is remembered of a period, as a row of its flow."""

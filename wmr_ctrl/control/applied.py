@@ -7,14 +7,14 @@ of the torque behind delay and lag, before noise, and 0 at the first sample.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Port, port
-from wmr_ctrl.signals import TAU_APPLIED, Signal
+from wmr_ctrl.model.system import Port, System, port
+from wmr_ctrl.signals import TAU_APPLIED, Signal, tau_sent
 from wmr_ctrl.world.delay import commands_under_way, delay_in_periods
 
 ACTING = Signal("tau_acting", "N.m", "torque behind the lag at the end of the sample", 2)
@@ -27,20 +27,22 @@ class Applied:
     are still under way, a lag the torque that acts when a sample ends.
     """
 
-    def __init__(self, setup: Setup, p: Parameters, known: Port | None = None) -> None:
-        """State of the drives of a setup; ``known`` is a law's own tau_applied port.
+    def __init__(self, setup: Setup, p: Parameters, known: Iterable[Port] = ()) -> None:
+        """State of the drives of a setup; ``known`` are a law's own ports of what it remembers.
 
-        The guard may count commands for longer than they take, where another effect delays them.
+        The guard may count commands for longer than they take, where another effect delays them,
+        and a law may predict over more than there is.
         """
+        own = {item.signal: item for item in known}
         scenario, clock = setup.scenario, setup.scenario.clock
-        self.port = known or port(TAU_APPLIED)
+        self.port = own.get(TAU_APPLIED) or port(TAU_APPLIED)
         self.steps = clock.substeps
         self.whole, self.part = delay_in_periods(scenario)
         drives = scenario.actuator
         counted = setup.guard.commands(clock, drives.delay, drives.lag)
-        count = max(commands_under_way(scenario), counted)
-        ages = range(1, count + 1)
-        self.earlier = tuple(port(_command(age)) for age in ages)
+        count = max(commands_under_way(scenario), counted, setup.predicted)
+        sent = [tau_sent(age) for age in range(1, count + 1)]
+        self.earlier = tuple(own.get(item) or port(item) for item in sent)
         self.acting = (port(ACTING),) if scenario.actuator.lag > 0 else ()
         self.decay = (
             ca.exp(-p.take("clock.plant") / p.take("actuator.lag")) if self.acting else ca.SX(0)
@@ -79,5 +81,7 @@ class Applied:
         return total / self.steps, acting
 
 
-def _command(age: int) -> Signal:
-    return Signal(f"tau_sent{age}", "N.m", f"torque commanded {age} samples ago", 2)
+def remembered(law: System) -> tuple[Port, ...]:
+    """The inputs of a law that are such memory: what was applied, and what was sent."""
+    sent = {tau_sent(age) for age in range(1, len(law.inputs) + 1)}
+    return tuple(item for item in law.inputs if item.signal in {TAU_APPLIED, *sent})

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from wmr_ctrl.control.applied import Applied
+from wmr_ctrl.control.applied import Applied, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.delay import Tails, counted
 from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
@@ -17,7 +17,7 @@ from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
-from wmr_ctrl.signals import FORCE, TAU_APPLIED, TORQUE, VELOCITY
+from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Remembered:
 def controller(setup: Setup) -> System:
     """The law, the guard if it is on, then the wheels' limit: tau_right, tau_left [N m].
 
-    A law's input tau_applied becomes state of this System, which remembers what it commanded and
-    what the drives made of it.
+    A law's inputs tau_applied and tau_sent become state of this System, which remembers what it
+    commanded and what the drives made of it.
     """
     return _composed(setup, watched=setup.scenario.guard.enabled)
 
@@ -47,9 +47,12 @@ def watched_controller(setup: Setup) -> System:
     return _composed(setup, watched=True)
 
 
-def law_graph(setup: Setup) -> System:
-    """The law by itself, whose output is the generalised force (N, N m)."""
-    return setup.control_law.build(Sample(setup))
+def law_graph(setup: Setup, under_way: int | None = None) -> System:
+    """The law by itself, whose output is the generalised force (N, N m).
+
+    ``under_way`` commands are what it predicts over, those of the scenario's clock unless given.
+    """
+    return setup.control_law.build(Sample(setup, under_way))
 
 
 def guard(setup: Setup) -> System:
@@ -158,7 +161,7 @@ def _composed(setup: Setup, *, watched: bool) -> System:
     core = law_graph(setup)
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
-    known = next((item for item in core.inputs if item.signal == TAU_APPLIED), None)
+    known = remembered(core)
     if not (watched or known):
         return _finished(core, p, _limited_torque(setup, p, asked))
     applied = Applied(setup, p, known)
@@ -186,10 +189,11 @@ def _finished(
     diagnostics: tuple[Output, ...] = (),
 ) -> System:
     """The law's System with the torques as outputs, further state and further diagnostics."""
+    known = remembered(core)
     return System(
         core.name,
         core.title,
-        tuple(item for item in core.inputs if item.signal != TAU_APPLIED),
+        tuple(item for item in core.inputs if item not in known),
         (*core.state, *state),
         p.ports,
         ca.vertcat(core.update, *(update or [])),

@@ -15,7 +15,7 @@ from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
 from wmr_ctrl.guard.contradictions import refuse_contradictions
 from wmr_ctrl.guard.refusals import settled_guard
-from wmr_ctrl.laws.law import Law, TorqueLimited
+from wmr_ctrl.laws.law import Law, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
@@ -63,6 +63,16 @@ class Setup:
     def tau_max(self) -> float:
         """Torque limit of each wheel [N m]: the drives', or the law's own where it is smaller."""
         return wheel_limit_of(self.scenario, self.gains)
+
+    @property
+    def prediction(self) -> float:
+        """The delay over which the law predicts [s]."""
+        return self.gains.delay if isinstance(self.gains, Predicting) else 0.0
+
+    @property
+    def predicted(self) -> int:
+        """Commands under way over which the law predicts."""
+        return commands_predicted(self.gains, self.scenario.clock.control)
 
     @property
     def assumptions(self) -> Assumptions:

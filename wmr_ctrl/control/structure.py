@@ -44,7 +44,7 @@ def structure_of(setup: Setup) -> Hashable:
     tables = tuple(_form(scenario.table(key)) for key in known)
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
-    steps = _steps(setup)
+    steps = _steps(setup), setup.predicted
     return parts, sizes, tables, shape, guard, steps, _form(setup.gains), _form(setup.kinematics)
 
 

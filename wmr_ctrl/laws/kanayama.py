@@ -5,12 +5,14 @@ mobile robot (ICRA 1990), above a velocity loop as it is commonly built around i
 
     wanted   = (v1_d cos e3 + kx e1,  v2_d + v1_d (ky e2 + kt sin e3))
     command  = last + cut(cut(wanted, share v_u1) - last, a_max T),  last: the previous command
-    F        = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1(v) + observer
+    a        = v_d' + (1 - exp(-rate T))/T (command - v)
+    F        = M1 a + F1(v + T a) + observer
 
 Differences from the paper: not in it, and not Eq. (7), whose angular gain does not fade with v1_d.
 No barrier and no theorem: it cuts the command a margin below the limit, and whatever overshoots
 the command overshoots the margin.  The first command starts from the measured velocity; the
-observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.
+observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.  With
+delay > 0 all of this is about the instant at which the command acts (see `prediction`).
 Choose it to have something plain and good to compare with, or behind the guard.
 """
 
@@ -21,9 +23,10 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws.law import Law, Traits
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.law import Law, Predicting, Traits
 from wmr_ctrl.laws.observer import Observer
+from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
@@ -32,7 +35,7 @@ COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous 
 
 
 @dataclass(frozen=True, kw_only=True)
-class KanayamaGains(Section):
+class KanayamaGains(Predicting):
     """Gains of the kinematic law and of the velocity loop below it, per axis where two."""
 
     KEY: ClassVar[str] = "gains.kanayama"
@@ -55,19 +58,21 @@ class KanayamaGains(Section):
 
 
 def build(sample: Sample) -> System:
-    """F = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1 + observer."""
+    """F = M1 a + F1(v + T a) + observer, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
     observer = Observer(sample, sample.gain("wo"), sample.friction_at)
     last = port(COMMAND)
-    command = _limited(sample, ca.if_else(observer.started > 0, last.sym, sample.v))
+    then, sent = ahead(sample, observer.force)
+    command = _limited(then, ca.if_else(observer.started > 0, last.sym, then.v))
     pull = -ca.expm1(-sample.gain("rate") * sample.period) / sample.period
-    asked = sample.mass * (sample.v_d_dot + pull * (command - sample.v)) + sample.friction
+    a = then.v_d_dot + pull * (command - then.v)
+    asked = sample.mass * a + sample.friction_at(then.v + sample.period * a)
     return sample.system(
         "kinematic tracking with limited commands (kanayama)",
         asked + observer.force,
         (last, *observer.state),
         ca.vertcat(command, observer.update),
         observer.diagnostics,
-        (observer.input,),
+        (observer.input, *sent),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
@@ -74,3 +75,27 @@ class BarrierChoice(Section):
     KEY: ClassVar[str] = "gains"
 
     barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Predicting(Section):
+    """Gains of a law that predicts to the time when its command acts (see `prediction`)."""
+
+    KEY: ClassVar[str] = "gains"
+
+    delay: float = quantity(
+        0.0,
+        unit="s",
+        doc="delay over which the law predicts, at most the drives' true one; 0 = not at all",
+        minimum=0.0,
+        maximum=10.0,
+    )
+
+
+def commands_predicted(gains: Section, period: float) -> int:
+    """How many commands are under way over the delay of such gains, at a control period [s]."""
+    return math.ceil(gains.delay / period - WHOLE) if isinstance(gains, Predicting) else 0
+
+
+WHOLE = 1e-9
+"""Share of a period that is no command more."""

@@ -17,6 +17,7 @@ transport = "two-part" takes for c_m what the reference's own acceleration makes
 way of the target which the robot's motion causes is not fed forward: it would count twice, and ask
 for much torque.  transport = "level" takes c_m = c+, so that V1 falls by exp(-rho T) in a sample.
 The observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.
+With delay > 0 all of this is about the instant at which the command acts (see `prediction`).
 The first samples ask for much torque, so the law brings a limit of its own, tau_max, which counts
 where it is below actuator.tau_max.  Choose it for slow control periods, for unknown friction, and
 behind the guard.
@@ -33,8 +34,9 @@ import casadi as ca
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.transport import transported
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.laws.law import BarrierChoice, Law, TorqueLimited, Traits
+from wmr_ctrl.laws.law import BarrierChoice, Law, Predicting, TorqueLimited, Traits
 from wmr_ctrl.laws.observer import Observer
+from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System
 
@@ -43,7 +45,7 @@ TRANSPORTS = ("two-part", "level")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ProxGains(BarrierChoice, TorqueLimited):
+class ProxGains(BarrierChoice, TorqueLimited, Predicting):
     """Gains of the prox law, per axis (linear, angular) where there are two."""
 
     KEY: ClassVar[str] = "gains.prox"
@@ -72,20 +74,20 @@ class Guide:
     wo: float
 
 
-def guide(period: float, delay: float, speed: float) -> Guide:
+def guide(period: float, delay: float, speed: float, predicted: bool = False) -> Guide:
     """Gains for the two-part law at a control period and a drive delay [s], for a reference speed.
 
-    ``speed`` is v1_d [m/s].  Real poles p1 along the path, p2 twice across it, and the same in the
-    velocity loop below each; stable for a mass of 0.6 to 1.6 times the believed one, which the
-    tests try.  Above 16.8 and 5.6 1/s a far start spins.  ValueError unless period, speed > 0 and
-    delay >= 0.
+    ``speed`` is v1_d [m/s]; ``predicted``: the law's own delay is that of the drives.  Real poles
+    p1 along the path, p2 twice across it, and the same in the velocity loop below each; stable for
+    a mass of 0.6 to 1.6 times the believed one, which the tests try.  Above 16.8 and 5.6 1/s a far
+    start spins.  ValueError unless period, speed > 0 and delay >= 0.
     """
     if not (period > 0 and speed > 0 and delay >= 0):
         raise ValueError(
             f"guide needs period, speed > 0 and delay >= 0, and was given {period!r}, {speed!r} "
             f"and {delay!r}."
         )
-    h = max(period, 2 * delay)
+    h = max(period, 0.7 * period + 0.5 * delay if predicted else 2 * delay)
     p1, p2 = min(16.8, 0.50 / h), min(5.6, 0.36 / h)
     rho1, rho2 = (-2 / period * log1p(-p * period) for p in (p1, p2))
     k = (p1, (p2 / (2 * speed)) ** 2, p2)
@@ -95,15 +97,16 @@ def guide(period: float, delay: float, speed: float) -> Guide:
 def build(sample: Sample) -> System:
     """F = M1 (v+ - v)/T + F1(v+) + observer, with the step v+ above."""
     observer = Observer(sample, sample.gain("wo"), sample.friction_at)
-    step = next_velocity(sample)
-    asked = sample.mass * (step - sample.v) / sample.period + sample.friction_at(step)
+    then, sent = ahead(sample, observer.force)
+    step = next_velocity(then)
+    asked = sample.mass * (step - then.v) / sample.period + sample.friction_at(step)
     return sample.system(
         "sampled-data barrier law (prox)",
         asked + observer.force,
         observer.state,
         observer.update,
         observer.diagnostics,
-        (observer.input,),
+        (observer.input, *sent),
     )
 
 

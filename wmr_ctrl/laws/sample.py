@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from typing import Protocol, TypeVar
 
@@ -11,7 +12,7 @@ import casadi as ca
 from wmr_ctrl.barrier.smooth import smooth_barrier
 from wmr_ctrl.barrier.stable import Barrier, stable_barrier
 from wmr_ctrl.fields.section import Section
-from wmr_ctrl.laws.law import BarrierChoice
+from wmr_ctrl.laws.law import BarrierChoice, commands_predicted
 from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity, reference_rate
 from wmr_ctrl.model.dynamics import friction, reduced_mass
 from wmr_ctrl.model.parameters import Parameters
@@ -22,6 +23,8 @@ from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Sign
 
 AXES = (0, 1)
 S = TypeVar("S", bound=Section)
+Desired = tuple[ca.SX, ca.SX, ca.SX]
+"""Desired pose (3,), velocity (2,) and its rate (2,)."""
 
 
 class LawNumbers(Protocol):
@@ -50,8 +53,12 @@ class Sample:
     velocity; barrier quantities see it clipped to v_u1 - limits.clip, everything else does not.
     """
 
-    def __init__(self, setup: LawNumbers) -> None:
-        """Fresh symbols for a law's gains on a scenario."""
+    def __init__(self, setup: LawNumbers, under_way: int | None = None) -> None:
+        """Fresh symbols for a law's gains on a scenario.
+
+        ``under_way``: commands that the law predicts over; those of the scenario's clock unless
+        given.
+        """
         self.law, self.scenario, self.gains = setup.name, setup.scenario, setup.gains
         self.inputs: tuple[Port, ...] = (*ports(REFERENCE), *ports(POSE), *ports(VELOCITY))
         self.parameters = Parameters(setup)
@@ -59,6 +66,18 @@ class Sample:
         self.pose_d, self.v_d, self.v_d_dot = u[0:3], u[3:5], u[5:7]
         self.pose, self.v = u[7:10], u[10:12]
         self.period = self.parameters.take("clock.control")
+        own = commands_predicted(self.gains, self.scenario.clock.control)
+        self.under_way = own if under_way is None else under_way
+        self._given = tuple(vars(self))
+
+    def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> Sample:
+        """The same law where pose, velocity and what is desired are these: another instant."""
+        other = copy(self)
+        for name in set(vars(other)) - {*self._given, "_given"}:
+            del vars(other)[name]
+        other.pose_d, other.v_d, other.v_d_dot = desired
+        other.pose, other.v = pose, v
+        return other
 
     def gain(self, name: str) -> ca.SX:
         """Symbol of one of the law's own gains."""
@@ -155,7 +174,7 @@ class Sample:
     ) -> System:
         """The law's System: state and next state, generalised force (N, N m), own diagnostics.
 
-        ``further_inputs`` may hold tau_applied; the composition in `controller` supplies it.
+        ``further_inputs`` may hold tau_applied and tau_sent, which `controller` supplies.
         """
         following = ca.SX(0, 1) if update is None else update
         every = (*self.diagnostics(), *diagnostics)

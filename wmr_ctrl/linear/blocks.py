@@ -23,7 +23,16 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
 from wmr_ctrl.model.tracking import error_rate, error_rotation
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE, POSE, REFERENCE, TAU_APPLIED, TRACKING_ERROR, VELOCITY, Signal
+from wmr_ctrl.signals import (
+    FORCE,
+    POSE,
+    REFERENCE,
+    TAU_APPLIED,
+    TRACKING_ERROR,
+    VELOCITY,
+    Signal,
+    tau_sent,
+)
 
 DISTURBANCE = Signal(
     "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
@@ -41,6 +50,15 @@ FORCES = element_names((FORCE,))
 DISTURBANCES = element_names((DISTURBANCE,))
 STATES = element_names(ERROR_STATE)
 APPLIED_BEFORE = element_names((BEFORE,))
+
+
+def sent_before(commands: int) -> list[str]:
+    """Names of the forces of commands under way, the latest first."""
+    return element_names(_sent(age) for age in range(1, commands + 1))
+
+
+def _sent(age: int) -> Signal:
+    return Signal(f"force_sent{age}", "N, N.m", f"force commanded {age} samples ago", 2)
 
 
 PERIOD = "clock.control"
@@ -85,25 +103,29 @@ def law_loop(scenario: Scenario, law: str) -> Loop:
 
 
 @lru_cache(maxsize=64)
-def error_law(scenario: Scenario, law: str, own_torque: bool = True) -> System:
+def error_law(scenario: Scenario, law: str, own_torque: bool = True, commands: int = 0) -> System:
     """Sampled: e (3), v1, omega, v_d and v_d' to the law's generalised force.
 
     The law's own graph, with the robot at the origin and the reference placed to give e; a law that
     asks for the torque applied before is given its own last one, as behind ideal drives, or with
-    ``own_torque`` off gets the input APPLIED_BEFORE.
+    ``own_torque`` off gets the input APPLIED_BEFORE, and those of `sent_before`.  It predicts over
+    so many ``commands``, none unless given.
     """
-    core = law_loop(scenario, law).core
+    core = law_loop(scenario, law).over(commands).core
     asks = TAU_APPLIED in (item.signal for item in core.inputs)
+    sent = tuple(port(_sent(age)) for age in range(1, commands + 1))
     core, before = _with_own_torque(core, scenario) if own_torque else core, port(BEFORE)
     e, v_d, v_d_dot, v = port(ERROR_STATE[0]), port(V_D), port(V_D_DOT), ports(VELOCITY)
     pose_d = error_rotation(ca.SX(0)).T @ e.sym
     known = ca.vertcat(pose_d, v_d.sym, v_d_dot.sym, 0, 0, 0, *(item.sym for item in v))
     named = dict(zip(_SAMPLED, ca.vertsplit(known), strict=True))
     named[TAU_APPLIED.name] = _torque(scenario, before.sym)
+    for age, item in enumerate(sent, start=1):
+        named[tau_sent(age).name] = _torque(scenario, item.sym)
     zeros = {item.signal.name: ca.SX.zeros(item.signal.size) for item in core.inputs}
     u = stack((zeros | named)[item.signal.name] for item in core.inputs)
     update, force = core.function("act", [core.update, core.outputs[0].expr])(u, core.x, core.p)
-    inputs = (e, *v, v_d, v_d_dot, *([] if own_torque or not asks else [before]))
+    inputs = (e, *v, v_d, v_d_dot, *([] if own_torque or not asks else [before]), *sent)
     return System(
         "law", core.title, inputs, core.state, core.params, update, (Output(FORCE, force),),
         period=core.period,

@@ -35,6 +35,7 @@ from wmr_ctrl.linear.blocks import (
     error_plant,
     holding,
     law_loop,
+    sent_before,
     unguarded,
     with_values,
 )
@@ -110,30 +111,35 @@ def law_at(
     """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
 
     A sampled law that asks for the torque applied before has a copy of the drives in its memory.
+    Read continuously a law predicts nothing: there is no delay to predict over.
     """
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
-    block, graph = _law_graph(scenario, law, period is None, memory)
     own = scenario.clock.control if period is None else period
+    commands = 0 if period is None else law_loop(scenario, law).commands(period)
+    block, graph = _law_graph(scenario, law, period is None, memory, commands)
     numbers = by_port(error_law(scenario, law), point.memory) | {PERIOD: [own]}
     block = with_values(replace(block, period=period), numbers)
     if block.u.numel() == len(point.law_input):
         return with_inputs(linearise(block, point.law_input, graph=graph), STATES)
     assert period is not None, "a continuous law knows its own torque"
-    asking = linearise(block, np.concatenate((point.law_input, point.force)), graph=graph)
-    return _with_drives(asking, drives(period, _lateness(scenario)))
+    known = np.tile(point.force, 1 + commands)
+    asking = linearise(block, np.concatenate((point.law_input, known)), graph=graph)
+    return _with_drives(asking, drives(period, _lateness(scenario), commands), commands)
 
 
-def _with_drives(law: ct.StateSpace, behind: SampledPlant) -> ct.StateSpace:
-    """The law with its input, the force applied before, taken from drives that it commands."""
-    own, n = [law.input_labels.index(name) for name in APPLIED_BEFORE], law.nstates
+def _with_drives(law: ct.StateSpace, behind: SampledPlant, commands: int) -> ct.StateSpace:
+    """The law with its inputs, forces applied and sent before, from drives that it commands."""
+    known, n = [*APPLIED_BEFORE, *sent_before(commands)], law.nstates
+    own = [law.input_labels.index(name) for name in known]
+    applied = np.vstack((behind.applied, behind.sent))
     seen = [law.input_labels.index(name) for name in STATES]
     a = np.block([
-        [law.A, law.B[:, own] @ behind.applied],
-        [behind.forced @ law.C, behind.moved + behind.forced @ law.D[:, own] @ behind.applied],
+        [law.A, law.B[:, own] @ applied],
+        [behind.forced @ law.C, behind.moved + behind.forced @ law.D[:, own] @ applied],
     ])  # fmt: skip
     b = np.vstack((law.B[:, seen], behind.forced @ law.D[:, seen]))
-    c = np.hstack((law.C, law.D[:, own] @ behind.applied))
+    c = np.hstack((law.C, law.D[:, own] @ applied))
     names = [*law.state_labels[:n], *(f"law.{name}" for name in behind.names)]
     return ct.ss(
         a, b, c, law.D[:, seen], law.dt, name="law", states=names, inputs=STATES, outputs=FORCES,
@@ -143,10 +149,10 @@ def _with_drives(law: ct.StateSpace, behind: SampledPlant) -> ct.StateSpace:
 
 @lru_cache(maxsize=32)
 def _law_graph(
-    scenario: Scenario, law: str, continuous: bool, memory: str
+    scenario: Scenario, law: str, continuous: bool, memory: str, commands: int
 ) -> tuple[System, ca.Function]:
     """The law's System in the wanted reading, and its gradients."""
-    block = error_law(scenario, law, own_torque=continuous)
+    block = error_law(scenario, law, continuous, commands)
     still = memory == "frozen" and law_loop(scenario, law).traits.estimates
     held = [item.signal.name for item in block.state] if still else constants(block)
     block = holding(block, held)

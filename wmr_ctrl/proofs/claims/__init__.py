@@ -36,6 +36,7 @@ THEMES = (
     ("prox", "The sampled-data law"),
     ("prox_push", "The sampled-data law under a push"),
     ("prox_mass", "The sampled-data law with a wrong mass"),
+    ("prediction", "Prediction over a delay"),
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("composition", "How the parts are put together"),

@@ -9,24 +9,27 @@ from typing import Any
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 from wmr_ctrl.sim.oracle.observer import ForceObserver
+from wmr_ctrl.sim.oracle.prediction import Predictor
 
 
 class Kanayama:
-    """F = M1 (v_d' + (1 - exp(-rate T))/T (command - v)) + F1(v) + f."""
+    """F = M1 a + F1(v + T a) + f, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
 
     def __init__(self, gains: Mapping[str, Any], scenario: Scenario) -> None:
         self.gains, self.T, self.bot = gains, scenario.clock.control, scenario.believed
         self.tops = tuple(gains["share"] * u1 for u1 in scenario.limits.v_u1)
         self.observer = ForceObserver(gains["wo"], scenario)
+        self.predictor = Predictor(gains["delay"], scenario)
         self.command: Pair | None = None
 
     def act(self, sight: Sight) -> Pair:
         """Generalised force (thrust [N], moment [N m]); observer and command move before it."""
         force, moment = self.observer.look(sight)
+        sight = self.predictor.ahead(sight, (force, moment))
         wanted, last = self._wanted(sight), self.command or sight.v
         self.command = (self._follow(0, wanted[0], last[0]), self._follow(1, wanted[1], last[1]))
-        drag = self.observer.friction(sight.v[0])
         a1, a2 = (self._acceleration(i, sight) for i in (0, 1))
+        drag = self.observer.friction(sight.v[0] + self.T * a1)
         return self.bot.m * a1 + drag + force, self.bot.I * a2 + moment
 
     def _wanted(self, sight: Sight) -> Pair:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -28,10 +29,16 @@ class Sight:
     """The desired state."""
     e: Triple
     """Tracking error of the measured pose, Eq. (8) [m, m, rad]."""
+    pose: Triple
+    """Measured pose [m, m, rad]."""
+    k: Triple
+    """Gains of Eq. (7)."""
     applied: Pair = (0.0, 0.0)
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
     v_c0_dot_reference: Pair = (0.0, 0.0)
     """What the reference's acceleration adds to v_c0_dot [m/s2, rad/s2]."""
+    sent: Sequence[Pair] = ()
+    """Torques (right, left) commanded so far, the latest first [N m]."""
 
 
 class LawTwin(Protocol):

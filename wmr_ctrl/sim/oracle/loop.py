@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -37,6 +38,8 @@ from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 from wmr_ctrl.sim.oracle.target import DesiredState
 
 _ROWS_PER_REPORT = 100
+REMEMBERED = 10_000
+"""Commands that laws are told of at most."""
 TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "delay", "lag"})
 """Effects that are written down here a second time."""
 
@@ -89,6 +92,7 @@ class _Loop:
         self.sensor = Sensors(scenario.sensor, clock, key)
         self.actuator = Drives(scenario.actuator, clock, key)
         self.applied: Pair = (0.0, 0.0)
+        self.sent: deque[Pair] = deque(maxlen=REMEMBERED)
         self.barrier = smooth_barrier if gains.get("barrier") == "smooth" else barrier
         self.tau_max = min(scenario.actuator.tau_max, gains.get("tau_max", math.inf))
         self.guard = VelocityGuard(scenario, self.tau_max)
@@ -114,6 +118,7 @@ class _Loop:
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
         torque = wheel_torques(self._force(sight), self.scenario.robot)
+        self.sent.appendleft(torque)
         right, left = self._disturbance(k)
         self.log.write(self._row(k, target, sight, torque, (right, left)))
         acted = []
@@ -155,7 +160,9 @@ class _Loop:
         )
         rate = auxiliary_rate(e, v, target, self.k)
         share = reference_rate(e, target, self.k)
-        return Sight(v, v_c0, rate, (first, second), target, e, self.applied, share)
+        return Sight(
+            v, v_c0, rate, (first, second), target, e, pose, self.k, self.applied, share, self.sent
+        )  # fmt: skip
 
     def _plant_step(self, n: int, torque: Pair, noise: Pair) -> Pair:
         """The plant's step number ``n`` with the parameters of the time at which it starts.

@@ -10,6 +10,7 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.oracle.barrier import barrier
 from wmr_ctrl.sim.oracle.law import Pair, Sight
 from wmr_ctrl.sim.oracle.observer import ForceObserver
+from wmr_ctrl.sim.oracle.prediction import Predictor
 from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 
 
@@ -21,10 +22,12 @@ class Prox:
         self.T, self.bot = scenario.clock.control, scenario.believed
         self.smooth, self.level = gains["barrier"] == "smooth", gains["transport"] == "level"
         self.observer = ForceObserver(gains["wo"], scenario)
+        self.predictor = Predictor(gains["delay"], scenario)
 
     def act(self, sight: Sight) -> Pair:
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
         force, moment = self.observer.look(sight)
+        sight = self.predictor.ahead(sight, (force, moment))
         ends = [self._end(i, sight) for i in (0, 1)]
         drag = self.observer.friction(ends[0])
         return (

@@ -1,0 +1,159 @@
+"""Laws that predict to the time when their command acts, and what that is worth behind a delay."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sample_time import closed_loop, stability
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.control.structure import structure_of
+from wmr_ctrl.laws.prediction import ahead
+from wmr_ctrl.laws.prox import guide
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.linear import closed_loop as linear_loop
+from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.references import sample as reference_rows
+
+T = 0.1
+LAWS = ("prox", "kanayama")
+predicting = pytest.mark.parametrize("law", LAWS)
+
+
+def late(law: str, share: float, stated: float | None = None, **changed: object) -> Scenario:
+    """100 ms with a delay of ``share`` periods, the guide's gains for none, and a prediction."""
+    gains, delay = guide(T, 0.0, 0.2), round(share * T, 3)
+    overrides = {
+        "clock.control": T, "actuator.delay": delay, "guard.enabled": False, "changes": [],
+        "clock.duration": 20.0, "gains.kinematics.k": list(gains.k),
+        "gains.prox.rho": list(gains.rho), "gains.prox.wo": 0.45 / (T + delay),
+        f"gains.{law}.delay": delay if stated is None else stated,
+    }  # fmt: skip
+    return load_scenario("safe-simulation", overrides | changed)
+
+
+def radius(scenario: Scenario, law: str) -> float:
+    matrix = closed_loop(Loop(settle(scenario, law)), np.array((0.2, 0.1)), T)
+    return float(np.abs(np.linalg.eigvals(matrix)).max())
+
+
+def run_of(scenario: Scenario, law: str, engine: str = "native", **changed: object) -> Run:
+    return simulate(scenario, law, seed=3, overrides=changed, engine=engine)
+
+
+def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> None:
+    """Noise-free and with the right model, one period late: the next sample, to the midpoint."""
+    scenario = late("prox", 1.0)
+    quiet = {"disturbance.std": 0.0, "clock.duration": 4.0}
+    run = run_of(scenario, "prox", "numpy", **quiet)
+    here = Sample(settle(scenario, "prox"))
+    then, ports = ahead(here, ca.SX.zeros(2))
+    numbers = here.parameters.ports
+    graph = ca.Function(
+        "seen",
+        [ca.vertcat(*(port.sym for port in group)) for group in ((*here.inputs, *ports), numbers)],
+        [ca.vertcat(then.pose, then.v, then.pose_d, then.v_d)],
+    )
+    state = np.stack([run[name] for name in ("x", "y", "theta", "v1", "omega")], axis=1)
+    sent = np.stack([run["tau_right"], run["tau_left"]], axis=1)
+    desired = reference_rows(scenario, run.time)
+    rows = np.hstack((desired, state))[1:-1]
+    values = [value for port in numbers for value in port.value]
+    found = np.array([
+        graph(np.concatenate((row, old)), values).full().ravel()
+        for row, old in zip(rows, sent[:-2], strict=True)
+    ])  # fmt: skip
+
+    moving = np.minimum(np.abs(state[1:-1, 3]), np.abs(state[2:, 3])) > 0.1
+    assert moving.sum() > 30
+    assert found[moving, 3:5] == pytest.approx(state[2:][moving, 3:], abs=1e-5)
+    apart = np.abs(found - np.hstack((state, desired[:, :5]))[2:])[moving, :3]
+    assert apart.max() < 1e-3  # it turns at 1.2 rad/s there, and the midpoint is of second order
+    assert np.median(apart) < 1e-5
+    assert found[:, 5:] == pytest.approx(desired[2:, :5], abs=1e-6)
+
+
+@predicting
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
+def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law: str, share: float) -> None:
+    """The slowest pole stays that of no delay, where without prediction it comes near 1."""
+    at_once = radius(late(law, 0.0), law)
+
+    assert radius(late(law, share), law) == pytest.approx(at_once, abs=2e-2)
+    assert radius(late(law, share, 0.0, **{"actuator.delay": 0.15}), law) > 1
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("period", [0.05, 0.1])
+def test_gains_of_the_guide_for_a_prediction_stand_a_wrong_mass(
+    period: float, share: float
+) -> None:
+    delay = round(share * period, 3)
+    start = guide(period, delay, 0.2, predicted=True)
+    gains = {"gains.kinematics.k": list(start.k), "gains.prox.rho": list(start.rho),
+             "gains.prox.wo": start.wo, "gains.prox.delay": delay}  # fmt: skip
+    clock = {"clock.control": period, "actuator.delay": delay}
+    found = stability(late("prox", 0.0, **(gains | clock)), "prox")
+
+    assert found.masses is not None
+    assert found.masses[0] <= 0.6
+    assert found.masses[1] >= 1.6
+
+
+@predicting
+def test_checks_and_linear_package_build_the_same_loop(law: str) -> None:
+    scenario = late(law, 1.5)
+
+    assert np.abs(linear_loop(scenario, law, period=T).poles()).max() == pytest.approx(
+        radius(scenario, law), rel=1e-9
+    )
+
+
+def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
+    """Believed T and really 0: unstable; the shortest delay that there may be is what counts."""
+    keys = [
+        [item.key for item in warnings_for(settle(scenario, "prox"))]
+        for scenario in (
+            late("prox", 0.0, T),
+            late("prox", 0.5),
+            late("prox", 0.5, 0.06, **{"actuator.jitter": 0.02}),
+        )
+    ]
+
+    assert ["gains.prox.delay" in found for found in keys] == [True, False, True]
+    assert radius(late("prox", 0.0, T), "prox") > 1
+    assert stability(late("prox", 0.0, T), "prox").masses is None
+
+
+def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() -> None:
+    forms = [structure_of(settle(late("prox", share), "prox")) for share in (0.6, 0.7, 1.2)]
+
+    assert forms[0][-3][-1] == forms[1][-3][-1] == 1
+    assert forms[0] != forms[2]
+
+
+@pytest.mark.slow
+@predicting
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
+def test_both_engines_agree(law: str, share: float) -> None:
+    native, slow = (run_of(late(law, share), law, engine) for engine in ("native", "numpy"))
+
+    for name in ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left", "d_hat"):
+        assert native[name] == pytest.approx(slow[name], abs=1e-9), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
+def test_prox_keeps_the_limit_behind_a_delay_that_it_predicts(share: float) -> None:
+    """From the paper's start and noise of 1 N m; without prediction it leaves the limit."""
+    with_it, without = (
+        run_of(late("prox", share, stated), "prox").monitor.max_abs_v for stated in (None, 0.0)
+    )
+
+    assert (np.array(with_it) < (1.0, 1.5)).all()
+    assert (np.array(without) > (1.0, 1.5)).any()

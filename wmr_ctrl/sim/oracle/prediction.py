@@ -1,0 +1,74 @@
+"""What a law that knows its delay sees: the robot and its target one delay later."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, replace
+
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.oracle.auxiliary import (
+    auxiliary_rate,
+    auxiliary_velocity,
+    reference_rate,
+    tracking_error,
+)
+from wmr_ctrl.sim.oracle.law import Pair, Sight, Triple
+from wmr_ctrl.sim.oracle.target import DesiredState
+
+
+class Predictor:
+    """Rolls a sight on by ``delay`` [s] through the commands under way."""
+
+    def __init__(self, delay: float, scenario: Scenario) -> None:
+        self.delay, self.T, self.bot = delay, scenario.clock.control, scenario.believed
+        self.count = math.ceil(delay / self.T - 1e-9)
+
+    def ahead(self, sight: Sight, made_up: Pair) -> Sight:
+        """The sight one delay later; ``made_up`` is the observer's force."""
+        if not self.count:
+            return sight
+        pose, v = sight.pose, sight.v
+        left = self.delay - (self.count - 1) * self.T
+        waiting = [*sight.sent, *((0.0, 0.0),) * self.count]
+        for age in reversed(range(self.count)):
+            after = self._pushed(v, waiting[age], made_up, left)
+            pose, v, left = _carried(pose, v, after, left), after, self.T
+        return self._seen(sight, pose, v)
+
+    def _seen(self, sight: Sight, pose: Triple, v: Pair) -> Sight:
+        target = _later(sight.target, self.delay)
+        e = tracking_error(target, pose)
+        return replace(
+            sight, v=v, pose=pose, target=target, e=e,
+            v_c0=auxiliary_velocity(e, target, sight.k),
+            v_c0_dot=auxiliary_rate(e, v, target, sight.k),
+            v_c0_dot_reference=reference_rate(e, target, sight.k),
+        )  # fmt: skip
+
+    def _pushed(self, v: Pair, torque: Pair, made_up: Pair, time: float) -> Pair:
+        """The velocity after a torque that acts for ``time``; friction stops it at most."""
+        right, left = torque
+        force, moment = (right + left) / self.bot.r, self.bot.l * (right - left) / self.bot.r
+        free = v[0] + time * (force - made_up[0]) / self.bot.m
+        drag = self.bot.mu * self.bot.g * math.tanh(abs(free) / self.bot.v_s)
+        slowed = math.copysign(max(abs(free) - time * drag, 0.0), free)
+        return slowed, v[1] + time * (moment - made_up[1]) / self.bot.I
+
+
+def _carried(pose: Triple, v: Pair, after: Pair, time: float) -> Triple:
+    x, y, theta = pose
+    speed, turning = ((v[i] + after[i]) / 2.0 for i in (0, 1))
+    middle = theta + time * turning / 2.0
+    return (
+        x - time * speed * math.sin(middle),
+        y + time * speed * math.cos(middle),
+        theta + time * turning,
+    )
+
+
+def _later(target: DesiredState, time: float) -> DesiredState:
+    """The reference carried on by its accelerations."""
+    *pose, v1, v2, a1, a2 = astuple(target)
+    then = (v1 + time * a1, v2 + time * a2)
+    place = _carried((pose[0], pose[1], pose[2]), (v1, v2), then, time)
+    return DesiredState(*place, *then, a1, a2)
