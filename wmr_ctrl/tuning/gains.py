@@ -175,7 +175,7 @@ def _searched(plan: TuningPlan, run: RunMany, out: str | Path, progress: Progres
     if last > first:
         best, last = start, first
     better = with_gains(plan.scenario, best)
-    before, after = (_tested(plan, run, item) for item in (plan.scenario, better))
+    before, after = (_judged(run, item, plan.test_seeds) for item in (plan.scenario, better))
     tuning = Tuning(plan, better, best, (first, last), before, after, target)
     with atomic_write(target, text=True) as file:
         file.write(_document(tuning))
@@ -232,16 +232,24 @@ def _costs(
     return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
 
 
-def _tested(plan: TuningPlan, run: RunMany, scenario: Scenario) -> tuple[TrialFigures, ...]:
+def judged(
+    scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
+) -> tuple[TrialFigures, ...]:
+    """Figures of a law on a scenario as `tune` tells them: its reference and others, each robot."""
+    run = partial(run_many, partial(ready_batch, law=law), jobs=jobs)
+    return _judged(run, scenario_of(scenario), tuple(seeds))
+
+
+def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[TrialFigures, ...]:
     """Figures on the test seeds, on the scenario's reference and on others."""
     own = scenario.reference_kind.name
     cases = []
     for kind in (own, *(item for item in REFERENCES if item != own)):
         on = scenario if kind == own else override(scenario, {"reference.kind": kind})
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
-    rows = [(case, seed) for _, _, case in cases for seed in plan.test_seeds]
+    rows = [(case, seed) for _, _, case in cases for seed in seeds]
     table = run([case for case, _ in rows], [seed for _, seed in rows])
-    count = len(plan.test_seeds)
+    count = len(seeds)
     parts = (slice(k * count, (k + 1) * count) for k in range(len(cases)))
     return tuple(
         TrialFigures(
