@@ -210,8 +210,7 @@ def largest_stable_delay(loop: Loop) -> float | None:
     """Supremum of the drives' delay [s] at the scenario's period, its lag and sensors as they are.
 
     None where the loop is unstable without any; inf where all that were tried, up to 40 periods,
-    are stable.  A law that predicts is tried from the scenario's delay on: a shorter one it may not
-    bear.
+    are stable.  A law that predicts is tried from the scenario's delay on.
     """
     period = loop.scenario.clock.control
     least = loop.lateness.delay if loop.setup.prediction else 0.0
@@ -219,8 +218,7 @@ def largest_stable_delay(loop: Loop) -> float | None:
     def of(delay: float) -> float:
         return _radius(loop, period, replace(loop.lateness, delay=delay))
 
-    steps = range(1, 8 * MOST_UNDER_WAY)
-    return _last(of, least, [least + step * period / 8 for step in steps])
+    return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
 
 
 def stable_masses(loop: Loop) -> tuple[float, float] | None:
