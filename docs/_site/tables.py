@@ -120,7 +120,7 @@ def effects() -> str:
 
 GROUPS: Mapping[str, str] = {
     "Time and samples": "TIME SAMPLE STEP",
-    "True state": "PLANT_STATE PSI TRAVEL PATH",
+    "True state": "PLANT_STATE PSI TRAVEL SKID PATH",
     "Measured": "MEASURED_POSE MEASURED_VELOCITY",
     "Desired motion": "REFERENCE",
     "Torque and force": "TORQUE TORQUE_NOISE BODY_FORCE TAU_APPLIED FORCE",
