@@ -100,6 +100,7 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
         (("--out", "a.csv"), "must end in .toml"),
         (("--out", "no/a.toml"), "Create the folder first"),
         (("--law", "lqr"), "no law is named"),
+        (("--hold", "gains.pid.Kp"), "what a search for prox moves is gains.prox.rho"),
         (("--set", "gains.prox.wo=0"), "above zero"),
     ],
 )
@@ -117,10 +118,11 @@ def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     line = ["tune", "paper-simulation", "--law", "kanayama", "--out", "a.toml", "--trials", "2",
             "--set", "clock.control=0.1", "--set", "clock.duration=5", "--seeds", "1:2",
-            "--test-seeds", "7:8", "--json"]  # fmt: skip
+            "--test-seeds", "7:8", "--hold", "gains.kanayama.k", "--json"]  # fmt: skip
     done = CliRunner().invoke(root, line)
     found = json.loads(done.stdout)
 
     assert done.exit_code == 0
+    assert "gains.kanayama.k" not in found["gains"]
     assert set(found) >= {"gains", "before", "after", "objective", "test_seeds"}
     assert len(found["before"]) == len(found["after"]) == 9

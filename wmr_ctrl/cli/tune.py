@@ -68,6 +68,12 @@ class SeedRange(click.ParamType):
     metavar="W",
     help="Metres of position error that 1 N m of torque change from sample to sample is worth.",
 )
+@click.option(
+    "--hold",
+    multiple=True,
+    metavar="KEY",
+    help="A gain that stays, such as gains.kinematics.k, which laws share. May be repeated.",
+)
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at the same time.")
 @set_option
 @json_option("Print gains and figures, before and after, as one JSON document.")
@@ -80,6 +86,7 @@ def tune(
     test_seeds: range,
     trials: int,
     weight: float,
+    hold: tuple[str, ...],
     jobs: int | None,
     assignments: tuple[str, ...],
     as_json: bool,
@@ -97,8 +104,8 @@ def tune(
     with Progress(f"tune {law}") as progress:
         better = tuning.tune(
             load(scenario, assignments), law, out,
-            seeds=seeds, test_seeds=test_seeds, trials=trials, weight=weight, jobs=jobs,
-            progress=progress,
+            seeds=seeds, test_seeds=test_seeds, trials=trials, weight=weight, hold=hold,
+            jobs=jobs, progress=progress,
         )  # fmt: skip
     say("wrote", str(better.out))
     if as_json:

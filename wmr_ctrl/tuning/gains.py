@@ -51,7 +51,10 @@ RunMany = Callable[[Sequence[Scenario], Sequence[int]], RunTable]
 
 @dataclass(frozen=True, kw_only=True)
 class TuningPlan:
-    """What is tuned, on which seeds, for how long; ``weight`` in m per N m."""
+    """What is tuned, on which seeds, for how long; ``weight`` in m per N m.
+
+    ``hold``: keys of gains that stay as they are, such as those that several laws share.
+    """
 
     scenario: Scenario
     law: str
@@ -59,6 +62,7 @@ class TuningPlan:
     test_seeds: tuple[int, ...] = (7101, 7102, 7103, 7104, 7105)
     trials: int = 200
     weight: float = 1e-3
+    hold: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise ArgumentError for what cannot be meant."""
@@ -78,6 +82,17 @@ class TuningPlan:
             raise ArgumentError(
                 f"the law {self.law!r} names no gains to be tuned: give it `tuned`."
             )
+        unknown = [key for key in self.hold if key not in tunable(LAWS[self.law])]
+        if unknown or not self.searched:
+            raise ArgumentError(
+                f"hold = {', '.join(self.hold)}: what a search for {self.law} moves is "
+                f"{', '.join(tunable(LAWS[self.law]))}; hold some of these, and not all."
+            )
+
+    @property
+    def searched(self) -> tuple[str, ...]:
+        """Keys of the gains that are searched."""
+        return tuple(key for key in tunable(LAWS[self.law]) if key not in self.hold)
 
 
 @dataclass(frozen=True)
@@ -114,7 +129,8 @@ class Tuning:
         return {
             "scenario": plan.scenario.name, "law": plan.law, "out": str(self.out),
             "seeds": list(plan.seeds), "test_seeds": list(plan.test_seeds),
-            "trials": plan.trials, "weight": plan.weight, "masses": [1.0, *MASSES],
+            "trials": plan.trials, "weight": plan.weight, "hold": list(plan.hold),
+            "masses": [1.0, *MASSES],
             "objective": dict(zip(("before", "after"), self.objective, strict=True)),
             "gains": {key: list(value) for key, value in self.gains.items()},
             "before": [asdict(item) for item in self.before],
@@ -137,21 +153,24 @@ def tune(
     test_seeds: Iterable[int] = range(7101, 7106),
     trials: int = 200,
     weight: float = 1e-3,
+    hold: Iterable[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Tuning:
     """Find gains of ``law`` on ``scenario``, and write that scenario with them to ``out`` (.toml).
 
-    ``weight`` [m/(N m)] is what torque change costs; ``trials`` sets of gains are tried, rounded up
-    to whole generations.  What was tried is kept in ``out``.trials.json until the end: the same
-    call goes on from there, and gives the same gains.  Raises MissingExtraError without the extra
-    tune, ArgumentError (that file belongs to another search, say), ScenarioError, ResultFileError.
+    ``weight`` [m/(N m)] is what torque change costs; ``hold`` are keys of gains that stay;
+    ``trials`` sets of gains are tried, rounded up to whole generations.  What was tried is kept in
+    ``out``.trials.json until the end: the same call goes on from there, and gives the same gains.
+    Raises MissingExtraError without the extra tune, ArgumentError (that file belongs to another
+    search, say), ScenarioError, ResultFileError.
     """
     chosen, trained, tested = scenario_of(scenario), tuple(seeds), tuple(test_seeds)
     check_seeds([*trained, *tested])
     plan = TuningPlan(
-        scenario=chosen, law=law, seeds=trained, test_seeds=tested, trials=trials, weight=weight
-    )
+        scenario=chosen, law=law, seeds=trained, test_seeds=tested, trials=trials, weight=weight,
+        hold=tuple(hold),
+    )  # fmt: skip
     return _searched(
         plan, partial(run_many, partial(ready_batch, law=law), jobs=jobs), out, progress
     )
@@ -194,7 +213,7 @@ def _start(plan: TuningPlan) -> dict[str, tuple[float, ...]]:
     """The scenario's gains, or the law's defaults, by key."""
     law, given = LAWS[plan.law], plan.scenario.gains
     values = {}
-    for key in tunable(law):
+    for key in plan.searched:
         section, name = key.split(".")[1:]
         cls: type[Section] = KinematicGains if section == "kinematics" else law.gains
         named = given.get(section, {}).get(name)
@@ -268,6 +287,7 @@ def _document(tuning: Tuning) -> str:
     plan, (first, last) = tuning.plan, tuning.objective
     head = [
         f"gains of {plan.law} found by wmr-ctrl tune {plan.scenario.name}, without guard:",
+        *([f"held: {', '.join(plan.hold)};"] if plan.hold else []),
         f"trials {plan.trials}, training seeds {list(plan.seeds)}, true over believed mass 1, "
         f"{', '.join(f'{ratio:g}' for ratio in MASSES)};",
         f"root of the mean of position_rms^2 + ({plan.weight:g} torque_change_rms)^2: "
@@ -279,4 +299,4 @@ def _document(tuning: Tuning) -> str:
 def _digest(plan: TuningPlan) -> str:
     """What a search depends on, but for its length."""
     text = to_toml(plan.scenario, comments=False)
-    return digest_of(text, plan.law, plan.seeds, plan.weight, MASSES)
+    return digest_of(text, plan.law, plan.seeds, plan.weight, plan.hold, MASSES)

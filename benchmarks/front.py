@@ -1,0 +1,155 @@
+"""The front: prox and kanayama, both tuned alike, position RMS against torque change.
+
+``python -m benchmarks.front [--quick] [--out docs/tracking.md] [--work build/front]``.  Control
+periods of 10, 50 and 100 ms, without delay and with half a period, which both laws predict over.
+Both start from the same poles (`wmr_ctrl.laws.prox.guide`), and `wmr_ctrl.tune` searches for both
+with the same objective, seeds and number of trials.  What is told is on seeds, and on two
+references, that the search has not seen.  What a search found stays in ``--work``, and a call that
+was interrupted goes on from there.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.parts import renew
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.checks import stability
+from wmr_ctrl.laws.prox import guide
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.tuning import TrialFigures, judged, tune
+
+LAWS = ("prox", "kanayama")
+TRIALS, LONG, WEIGHT = 400, 800, 1e-3
+"""Sets of gains that are tried, and at periods of 100 ms; what 1 N m of torque change costs [m]."""
+SEEDS, TEST_SEEDS = range(1, 4), range(7101, 7106)
+SPEED = 0.2
+"""Of the reference that is trained on [m/s]."""
+NAME = "front"
+"""Of the part of the page that this writes."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """Control period and delay of the drives [s]."""
+
+    period: float
+    delay: float
+
+    @property
+    def trials(self) -> int:
+        """Sets of gains that are tried."""
+        return LONG if self.period >= 0.1 else TRIALS
+
+    def start(self, law: str) -> Scenario:
+        """The guarded circle with poles of the guide; the guard is off in all that follows."""
+        gains = guide(self.period, self.delay, SPEED, predicted=True)
+        rates = [rate / 2 for rate in gains.rho]
+        own = {
+            "prox": {"gains.kinematics.k": list(gains.k), "gains.prox.rho": list(gains.rho)},
+            "kanayama": {
+                "gains.kanayama.k": [gains.k[0], gains.k[1], gains.k[2] / SPEED],
+                "gains.kanayama.rate": rates,
+            },
+        }[law]
+        return scenario_of(
+            "safe-simulation",
+            {
+                "guard.enabled": False, "clock.control": self.period,
+                "actuator.delay": self.delay, f"gains.{law}.delay": self.delay,
+                f"gains.{law}.wo": gains.wo, **own,
+            },
+        )  # fmt: skip
+
+    def tuned(self, law: str, work: Path, trials: int) -> Path:
+        """The file with the gains that a search found, made unless it is there."""
+        name = f"{law}-{1e3 * self.period:g}ms-{1e3 * self.delay:g}ms-{trials}.toml"
+        if not (work / name).exists():
+            tune(self.start(law), law, work / name, seeds=SEEDS, test_seeds=TEST_SEEDS,
+                 trials=trials, weight=WEIGHT)  # fmt: skip
+        return work / name
+
+
+CASES = tuple(Case(period, share * period) for period in (0.01, 0.05, 0.1) for share in (0.0, 0.5))
+
+
+@dataclass(frozen=True)
+class Place:
+    """One law in one case: figures by reference and mass, and the masses it is stable for."""
+
+    case: Case
+    law: str
+    figures: tuple[TrialFigures, ...]
+    masses: tuple[float, float] | None
+
+    def of(self, mass: float) -> list[TrialFigures]:
+        """Figures of all references for a ratio of true to believed mass."""
+        return [item for item in self.figures if item.mass == mass]
+
+    @property
+    def products(self) -> np.ndarray:
+        """Position RMS times torque change [mm N m] with the scenario's robot, by reference."""
+        return np.array([1e3 * f.position_rms * f.torque_change_rms for f in self.of(1.0)])
+
+
+def places(case: Case, work: Path, trials: int) -> list[Place]:
+    """Both laws in a case."""
+    found = []
+    for law in LAWS:
+        scenario = scenario_of(case.tuned(law, work, trials))
+        figures = judged(scenario, law, TEST_SEEDS)
+        found.append(Place(case, law, figures, stability(scenario, law).masses))
+        print(case, law, figures, found[-1].masses, flush=True)
+    return found
+
+
+def table(pairs: Sequence[Sequence[Place]]) -> str:
+    """A Markdown table, two rows for each case."""
+    kinds = [item.reference for item in pairs[0][0].of(1.0)]
+    lines = [
+        "| period, delay [ms] | law | "
+        + " | ".join(f"{kind}: RMS [mm], change [N m]" for kind in kinds)
+        + " | product, of prox to kanayama's | stable for M/M^ | worst RMS at 0.6, 1.6 [mm] |",
+        "|---|---|" + "---|" * (len(kinds) + 3),
+    ]
+    for pair in pairs:
+        ratios = pair[0].products / pair[1].products
+        for place in pair:
+            case = place.case
+            cells = [f"{1e3 * case.period:g}, {1e3 * case.delay:g}", place.law]
+            cells += [f"{1e3 * f.position_rms:.3g}, {f.torque_change_rms:.3g}"
+                      for f in place.of(1.0)]  # fmt: skip
+            told = ", ".join(f"{ratio:.2f}" for ratio in ratios)
+            cells.append(told if place.law == LAWS[0] else "")
+            cells.append("none" if place.masses is None
+                         else f"{place.masses[0]:.2f} to {place.masses[1]:.2f}")  # fmt: skip
+            cells.append(", ".join(f"{1e3 * max(f.position_rms for f in place.of(mass)):.3g}"
+                                   for mass in (0.6, 1.6)))  # fmt: skip
+            lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Tune what is not tuned yet, judge all, print the table, and with ``--out`` renew it."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="one case, few trials")
+    parser.add_argument("--out", type=Path, help="page whose part about the front is renewed")
+    parser.add_argument("--work", type=Path, default=Path("build/front"), help="what is kept")
+    given = parser.parse_args(arguments)
+    given.work.mkdir(parents=True, exist_ok=True)
+    cases = CASES[-1:] if given.quick else CASES
+    made = table([places(case, given.work, 16 if given.quick else case.trials) for case in cases])
+    print(made)
+    if given.out:
+        renew(given.out, NAME, made)
+
+
+if __name__ == "__main__":
+    main()
