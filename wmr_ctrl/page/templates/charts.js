@@ -111,10 +111,10 @@ class Chart extends Sheet {
     }
   }
 
-  // Rows fall into columns of pixels, each drawn as the span of its values.
+  // Rows fall into columns of some pixels, at fixed times, each drawn as the span of its values.
   line(member, look, from, to, X, Y, frame) {
     const { pen, what } = this, { history, law } = member, times = history.columns.t, values = history.columns[what.column];
-    const first = Math.max(history.after(from) - 1, 0), per = (to - from) / Math.max(frame.right - frame.left, 1);
+    const first = Math.max(history.after(from) - 1, 0), per = (1.5 * (to - from)) / Math.max(frame.right - frame.left, 1);
     pen.strokeStyle = look.laws[law].colour;
     pen.setLineDash(look.laws[law].dash);
     pen.lineWidth = 1.7;
@@ -122,17 +122,18 @@ class Chart extends Sheet {
     pen.beginPath();
     let k = first, open = false;
     while (k < history.length) {
-      const end = times[k] + per;
-      let low = values[k], high = low, last = low, t = times[k];
+      const begun = values[k], t = times[k], end = (Math.floor(t / per) + 1) * per;
+      let low = begun, high = begun;
       for (k += 1; k < history.length && times[k] < end; ++k) {
-        last = values[k];
-        if (last < low) low = last;
-        if (last > high) high = last;
+        const value = values[k];
+        if (value < low) low = value;
+        if (value > high) high = value;
       }
       if (!(low === low && high === high)) { open = false; continue; }
       const x = X(t);
-      if (open) pen.lineTo(x, Y(low)); else pen.moveTo(x, Y(low));
-      if (high !== low) { pen.lineTo(x, Y(high)); pen.lineTo(x, Y(last)); }
+      const [one, other] = high - begun < begun - low ? [high, low] : [low, high];
+      if (open) pen.lineTo(x, Y(one)); else pen.moveTo(x, Y(one));
+      if (high !== low) pen.lineTo(x, Y(other));
       open = true;
     }
     pen.stroke();

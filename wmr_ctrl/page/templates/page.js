@@ -284,12 +284,13 @@ class Page {
     requestAnimationFrame((next) => this.frame(next));
   }
 
+  // The robots in every frame; each chart in every third one, unless something else has changed.
   draw() {
     const { fleet, look } = this, { time } = fleet;
     const from = this.whole ? 0 : Math.max(0, time - CHART_SECONDS), to = Math.max(time, CHART_SECONDS);
     this.plane.follow(fleet, !this.still.matches && this.playing);
     this.plane.draw(fleet, look, this.held?.member ?? null);
-    for (const chart of this.charts) chart.draw(fleet, look, from, to);
+    this.charts.forEach((chart, k) => { if (this.dirty || (k + this.frames) % 3 === 0) chart.draw(fleet, look, from, to); });
     byId("clock").textContent = `${time.toFixed(time < 100 ? 2 : 1)} s`;
     this.dirty = false;
   }
