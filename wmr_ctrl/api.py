@@ -22,6 +22,7 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.sim.finish import check_seeds, versions
+from wmr_ctrl.studies import rigid_comparison
 from wmr_ctrl.studies import study as study
 
 if TYPE_CHECKING:
@@ -206,16 +207,21 @@ def reproduce(
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
     with_ours: bool = False,
+    with_physics: bool = False,
 ) -> Verdicts:
     """Rerun Sections V and VI of the paper and write the report into the folder ``out``.
 
     ``quick`` takes 3 seeds; ``with_ours`` adds the comparison of all laws, ours too, with and
-    without the guard (about a minute more), a section of the report and ours.csv.  Nothing is
+    without the guard (about a minute more), a section of the report and ours.csv; ``with_physics``
+    the plane model beside the rigid body (some minutes more), a section and rigid.csv.  Nothing is
     written before all runs are done; ``.as_expected`` of the result tells whether the verdicts are
-    the committed ones.  Raises ArgumentError and ResultFileError (``out``) before the first run.
+    the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
+    (physics) before the first run.
     """
     from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, paper_plan, run_campaign
     from wmr_ctrl.campaign.comparison import GuardComparison, comparison_plan, run_comparison
+    from wmr_ctrl.campaign.rigid import RigidComparison
+    from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all
     from wmr_ctrl.report.reproduction import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
@@ -224,14 +230,20 @@ def reproduce(
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
-    check_folder(Path(out), file_names(with_ours))
+    check_folder(Path(out), file_names(with_ours, with_physics))
+    if with_physics:
+        mujoco()
     facts = _facts(PAPER_LAWS, quick)
     campaign = run_campaign(run_each, compile_loop, plan, jobs, progress)
     comparison = GuardComparison()
     if with_ours:
         comparison = run_comparison(run_each, compile_loop, comparison_plan(), jobs, progress)
+    rigid = RigidComparison()
+    if with_physics:
+        rigid = rigid_comparison(quick, jobs, progress)
     judged = judge_all(Evidence(campaign.table, facts.timings))
-    return write_reproduction(out, Reproduction(campaign, judged, facts, comparison), progress)
+    whole = Reproduction(campaign, judged, facts, comparison, rigid)
+    return write_reproduction(out, whole, progress)
 
 
 def _facts(laws: Sequence[str], quick: bool) -> Facts:

@@ -1,4 +1,4 @@
-"""Studies of a user: a plan, a folder, an executor; and what a worker does with a chunk."""
+"""Studies of a user: a plan, a folder, an executor, a worker; and both plants side by side."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from wmr_ctrl.campaign.engine import Overrides, PhaseProgress
+    from wmr_ctrl.campaign.rigid import RigidComparison
     from wmr_ctrl.campaign.study_run import StudyChunk, StudyOutcome
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.sim.ready import Ready
@@ -67,12 +68,46 @@ def prepare_case(
 ) -> Ready:
     """The compiled loop of a case.  Raises as `wmr_ctrl.api.compile_loop` does."""
     from wmr_ctrl.engines import ready_batch
+
+    return ready_batch(_scenario_of(scenario, overrides, guard), law)
+
+
+def rigid_comparison(
+    quick: bool = False, jobs: int | None = None, progress: PhaseProgress | None = None
+) -> RigidComparison:
+    """The laws on the plane model and on the rigid body; one seed if ``quick``.
+
+    Raises MissingExtraError without the extra physics.
+    """
+    from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
+    from wmr_ctrl.physics.run import run_rigid_then
+    from wmr_ctrl.sim.many import run_each
+
+    engines = {"ode": (run_each, prepare_case), "mujoco": (run_rigid_then, _prepare_plantless)}
+    seeds = RIGID_SEEDS[: 1 if quick else None]
+    return run_rigid_comparison(engines, seeds, jobs=jobs, progress=progress)
+
+
+def _prepare_plantless(
+    scenario: str | Scenario,
+    law: str,
+    overrides: Overrides | None = None,
+    guard: bool | None = None,
+) -> Ready:
+    from wmr_ctrl.engines import ready_plantless
+
+    return ready_plantless(_scenario_of(scenario, overrides, guard), law)
+
+
+def _scenario_of(
+    scenario: str | Scenario, overrides: Overrides | None, guard: bool | None
+) -> Scenario:
     from wmr_ctrl.scenario import load_scenario, override
 
     switch = {} if guard is None else {"guard.enabled": guard}
     base = load_scenario(scenario) if isinstance(scenario, str) else scenario
     changed = {**(overrides or {}), **switch}
-    return ready_batch(override(base, changed) if changed else base, law)
+    return override(base, changed) if changed else base
 
 
 def study_facts(scenario: Scenario, laws: tuple[str, ...]) -> dict[str, str]:

@@ -196,3 +196,8 @@ def test_load_centre_follows_the_acceleration():
 def test_what_no_rigid_body_is(overrides, key):
     with pytest.raises(ScenarioError, match=key):
         RigidBody(scenario(**overrides))
+
+
+def test_the_plane_model_s_slope_is_refused():
+    with pytest.raises(ScenarioError, match=r"body\.slope"):
+        RigidBody(load_scenario("paper-simulation", {"slope.angle": 0.05}))

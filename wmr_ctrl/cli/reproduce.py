@@ -33,6 +33,11 @@ SEEDS, QUICK = 20, 3
     is_flag=True,
     help="Then compare all laws, ours too, with and without the guard: about a minute more.",
 )
+@click.option(
+    "--with-physics",
+    is_flag=True,
+    help="Then put the laws on a rigid body with tyres: minutes more; needs the extra physics.",
+)
 @click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
 @debug_option
 @click.pass_context
@@ -42,14 +47,15 @@ def reproduce(
     seeds: int | None,
     jobs: int | None,
     with_ours: bool,
+    with_physics: bool,
     out: str,
 ) -> None:
     """Rerun the paper's Sections V and VI with all laws, and judge its claims.
 
     Writes DIR/report.html (one self-contained file), every panel of Fig. 3 and Fig. 5 as SVG and
     PNG, table.csv and claims.json; with --with-ours also ours.csv, and a section on what lies past
-    the paper. The exit code is 0 if every verdict is the one that this
-    release states, 1 if not.
+    the paper; with --with-physics rigid.csv, and a section on the robot as a rigid body on tyres.
+    The exit code is 0 if every verdict is the one that this release states, 1 if not.
     """
     check_folder(out, "--out")
     from wmr_ctrl import api
@@ -59,6 +65,7 @@ def reproduce(
         "quick": quick and seeds is None,
         "jobs": jobs,
         "with_ours": with_ours,
+        "with_physics": with_physics,
     }
     with Progress("reproduce") as progress:
         verdicts = api.reproduce(out, progress=progress, **wanted)

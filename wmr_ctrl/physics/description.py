@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import Body, Scenario
+from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"
 GROUND = "ground"
@@ -73,9 +74,16 @@ def gravity(scenario: Scenario) -> tuple[float, float, float]:
 def description(scenario: Scenario) -> str:
     """The robot on its ground as MJCF, at rest over the origin and looking along +Y.
 
-    Raises ScenarioError for numbers that no rigid body has, or a step that is too long for one.
+    Raises ScenarioError for numbers that no rigid body has, a step that is too long for one, or the
+    plane model's slope, which would pull on level ground.
     """
-    robot, body = scenario.robot, scenario.body
+    robot, body, steep = scenario.robot, scenario.body, scenario.section(Slope).angle
+    if steep:
+        raise ScenarioError(
+            f"slope.angle = {steep:g} rad is a pull on the plane model; under the rigid body the "
+            "ground itself is inclined. State body.slope instead, and body.uphill, which is "
+            "slope.direction - pi/2, and leave slope.angle at 0."
+        )
     if scenario.clock.plant > _STEP_MAX:
         raise ScenarioError(
             f"clock.plant = {scenario.clock.plant:g} s is too long for tyres on the ground; "

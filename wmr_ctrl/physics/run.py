@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing import get_context
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
 
 Progress: TypeAlias = Callable[[float], None]
+T = TypeVar("T")
 _ROWS_PER_REPORT = 100
 
 
@@ -63,6 +64,16 @@ def run_rigid_each(
             if progress is not None:
                 progress(len(results) / len(runs))
     return results
+
+
+def run_rigid_then(
+    runs: Sequence[tuple[Ready, int]],
+    then: Callable[[int, Run], T],
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[T]:
+    """What ``then`` makes of place and Run of each, as `wmr_ctrl.sim.many.run_each` does."""
+    return [then(place, run) for place, run in enumerate(run_rigid_each(runs, jobs, progress))]
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from wmr_ctrl.campaign import FIGURES, STATISTICS, FigureTable
 from wmr_ctrl.campaign.comparison import AFTER, BEFORE, ComparedRun
+from wmr_ctrl.campaign.rigid import LATE, RigidRow
 from wmr_ctrl.report.claims import RULE, Judged, Measured
 from wmr_ctrl.results import atomic_write, json_safe
 
@@ -141,3 +142,26 @@ def _cells(row: ComparedRun) -> tuple[object, ...]:
         row.position_max, row.ise,
         row.e1_before, row.e1_after, row.tau_peak, *(row.clipped or nothing),
     )  # fmt: skip
+
+
+_RIGID_HEADINGS = (
+    "case",
+    "law",
+    "seed",
+    "plant",
+    "outcome",
+    "ISE [m2.s + rad2.s]",
+    f"RMS of e1 over {LATE[0]:g}-{LATE[1]:g} s [m]",
+    "max |v|/limit [1]",
+    "first slip [s]",
+    "fall [s]",
+)
+
+
+def write_rigid(path: Path, rows: Iterable[RigidRow]) -> None:
+    """Every run on either plant; cells are empty where there is no number."""
+    cells = (
+        (r.case, r.law, r.seed, r.plant, r.outcome, r.ise, r.e1, r.ratio, r.slipped, r.tipped)
+        for r in rows
+    )
+    write_csv(path, _RIGID_HEADINGS, cells)

@@ -19,6 +19,7 @@ from wmr_ctrl.report.guarantee_figures import STRESS
 from wmr_ctrl.report.measure_figures import HIDDEN
 from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.reproduction import Reproduction
+from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
 from wmr_ctrl.report.web import page_environment, picture
@@ -74,6 +75,7 @@ _SECTIONS = (
     PagePart("measure", "What the paper’s measure hides", "What the measure hides"),
     PagePart("guarantee", "Where the guarantee ends", "Where the guarantee ends"),
     PagePart("ours", "Past the paper: the guard and our law", "Past the paper"),
+    PagePart("rigid", "On tyres: the robot as a rigid body", "On tyres"),
     PagePart("ledger", "The mathematics, checked by machine", "Proofs"),
     PagePart("readings", "What was read into the paper", "Readings"),
     PagePart("made", "How it was made", "How it was made"),
@@ -87,13 +89,15 @@ _SECTIONS = (
 class Page:
     """All that goes into the page; pictures are the SVG files of the folder ``figures``.
 
-    ``guard`` is the content of the section past the paper, None where that was not run.
+    ``guard`` is the content of the section past the paper, ``rigid`` that of the section on the
+    rigid body; None where that was not run.
     """
 
     reproduction: Reproduction
     drawings: Sequence[Drawing]
     figures: Path
     guard: GuardSection | None = None
+    rigid: RigidSection | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +163,16 @@ def _content(page: Page) -> dict[str, object]:
         "versions": facts.versions,
         "scenarios": _scenarios(campaign),
         "guard": page.guard,
+        "rigid": page.rigid,
         "ledger": ledger_section(facts.stale),
-        "sections": {one.id: one for one in _SECTIONS if page.guard or one.id != "ours"},
+        "sections": {one.id: one for one in _SECTIONS if one.id not in _absent(page)},
     }
+
+
+def _absent(page: Page) -> set[str]:
+    """Addresses of the parts that were not run."""
+    wanted = {"ours": page.guard, "rigid": page.rigid}
+    return {name for name, section in wanted.items() if section is None}
 
 
 def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextTable]:

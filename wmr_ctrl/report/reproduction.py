@@ -8,6 +8,7 @@ from pathlib import Path
 
 from wmr_ctrl.campaign import Campaign, FigureTable
 from wmr_ctrl.campaign.comparison import GuardComparison
+from wmr_ctrl.campaign.rigid import RigidComparison
 from wmr_ctrl.report.claims import Judged, Verdict
 
 
@@ -31,13 +32,15 @@ class Facts:
 class Reproduction:
     """Finished runs, the verdicts that follow from them, and facts: all that a report shows.
 
-    ``comparison`` is the one past the paper, without rows where it was not run.
+    ``comparison`` is the one past the paper, ``rigid`` that with the rigid body; without rows where
+    they were not run.
     """
 
     campaign: Campaign
     judged: tuple[Judged, ...]
     facts: Facts = field(default_factory=Facts)
     comparison: GuardComparison = field(default_factory=GuardComparison)
+    rigid: RigidComparison = field(default_factory=RigidComparison)
 
 
 @dataclass(frozen=True)

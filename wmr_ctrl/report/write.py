@@ -11,17 +11,24 @@ from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report.comparison_figures import comparison_figures
 from wmr_ctrl.report.comparison_text import guard_section
-from wmr_ctrl.report.data_files import write_claims, write_comparison, write_runs, write_table
+from wmr_ctrl.report.data_files import (
+    write_claims,
+    write_comparison,
+    write_rigid,
+    write_runs,
+    write_table,
+)
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guarantee_figures import guarantee_figures
 from wmr_ctrl.report.measure_figures import measure_figures
 from wmr_ctrl.report.page import Page, load_readings, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.reproduction import Reproduction, Verdicts
+from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
 from wmr_ctrl.results import check_writable
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
-COMPARISON_FILE = "ours.csv"
+COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"
 
 
 def write_reproduction(
@@ -32,30 +39,36 @@ def write_reproduction(
     """Write report.html, table.csv, runs.csv, claims.json and figures/ into ``folder``.
 
     The folder is made if needed; rows of the comparison past the paper add a section, figures and
-    ours.csv.  Raises ArgumentError for runs that lack a law of the paper, ResultFileError where a
-    file cannot be written.
+    ours.csv, those with the rigid body a section, figures and rigid.csv.  Raises ArgumentError for
+    runs that lack a law of the paper, ResultFileError where a file cannot be written.
     """
     home, table = Path(folder), reproduction.campaign.table
     _check_laws(table.laws)
     figures = _folder_at(home / "figures")
-    compared = reproduction.comparison
+    compared, rigid = reproduction.comparison, reproduction.rigid
     past = comparison_figures(compared) if compared.rows else ()
-    drawings = (*all_drawings(reproduction.campaign), *past)
+    fall = rigid_figures(rigid) if rigid.rows else ()
+    drawings = (*all_drawings(reproduction.campaign), *past, *fall)
     pictures = _draw(drawings, figures, progress or Silent())
     section = guard_section(compared, past) if compared.rows else None
+    body = rigid_section(rigid, fall) if rigid.rows else None
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table)
     write_claims(home / "claims.json", reproduction.judged, table, load_readings())
-    write_page(home / "report.html", Page(reproduction, drawings, figures, section))
+    write_page(home / "report.html", Page(reproduction, drawings, figures, section, body))
     if compared.rows:
         write_comparison(home / COMPARISON_FILE, compared.rows)
-    files = (*(home / name for name in file_names(bool(compared.rows))), *pictures)
+    if rigid.rows:
+        write_rigid(home / RIGID_FILE, rigid.rows)
+    names = file_names(bool(compared.rows), bool(rigid.rows))
+    files = (*(home / name for name in names), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
 
 
-def file_names(with_comparison: bool) -> tuple[str, ...]:
+def file_names(with_comparison: bool, with_rigid: bool = False) -> tuple[str, ...]:
     """The files beside the folder of figures."""
-    return (*FILES, COMPARISON_FILE) if with_comparison else FILES
+    more = ((COMPARISON_FILE, with_comparison), (RIGID_FILE, with_rigid))
+    return (*FILES, *(name for name, wanted in more if wanted))
 
 
 def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:

@@ -36,7 +36,11 @@ class Body(Section):
     wheel_width: float = quantity(0.04, unit="m", doc="width of a cylinder's tread", above=0)
     wheel_mass: float = quantity(1.5, unit="kg", doc="mass of each wheel, part of robot.m", above=0)
     slope: float = quantity(
-        0.0, unit="rad", doc="inclination of the ground", minimum=0, maximum=math.pi / 4
+        0.0,
+        unit="rad",
+        doc="rise of the ground; the plane model has slope.angle",
+        minimum=0,
+        maximum=math.pi / 4,
     )
     uphill: float = quantity(0.0, unit="rad", doc="orientation theta that looks uphill")
     slip_max: float = quantity(

@@ -1,0 +1,57 @@
+"""The section on the rigid body, from made-up rows: its sentences, its table, its file."""
+
+from __future__ import annotations
+
+import csv
+
+from wmr_ctrl.campaign.rigid import AS_PRINTED, RIGID_CASES, RigidComparison, RigidRow
+from wmr_ctrl.report.data_files import write_rigid
+from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
+
+LIMITED = RIGID_CASES[1].name
+
+
+def row(case, law, plant, seed=0, **values):
+    known = {"outcome": "completed", "ise": 1.0, "e1": 0.001, "ratio": 0.9, "slipped": None}
+    return RigidRow(case, law, seed, plant, **{**known, "tipped": None, **values})
+
+
+ROWS = RigidComparison(
+    (
+        row(AS_PRINTED, "mb", "ode"),
+        row(AS_PRINTED, "mb", "mujoco", ise=None, e1=None, slipped=0.003, tipped=4.0, ratio=3.0),
+        row(LIMITED, "mb", "ode"),
+        row(LIMITED, "mb", "ode", 1),
+        row(LIMITED, "mb", "mujoco", ise=1.02),
+        row(LIMITED, "mb", "mujoco", 1, ise=0.99, slipped=0.5, ratio=1.1),
+    )
+)
+
+
+def test_the_sentences_are_those_of_the_rows():
+    fall, limited = rigid_section(ROWS, ()).findings
+
+    assert "MB falls over in 1 of 1 runs, first after 4.00 s" in fall
+    assert "a tread slides in 1 of 2 runs, a limit is broken in 1, ISE within 2.0 %" in limited
+
+
+def test_a_fall_has_no_ise_and_what_never_slips_no_time():
+    first, second = rigid_section(ROWS, ()).table.rows
+
+    assert first[1:] == ("1.00", "–", "1.00", "–", "0.00300", "4.00")
+    assert second[2] == "1.00 (0.990 … 1.02)"
+    assert second[-1] == "–"
+
+
+def test_without_whole_runs_nothing_is_drawn():
+    assert rigid_figures(ROWS) == ()
+
+
+def test_the_file_has_units_and_a_row_a_run(tmp_path):
+    write_rigid(tmp_path / "rigid.csv", ROWS.rows)
+    text = (tmp_path / "rigid.csv").read_text(encoding="utf-8")
+    head, *rows = csv.reader(text.splitlines())
+
+    assert all(name.endswith("]") for name in head[5:])
+    assert len(rows) == len(ROWS.rows)
+    assert rows[1][5] == ""

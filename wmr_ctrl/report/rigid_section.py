@@ -1,0 +1,211 @@
+"""The section on the rigid body: what came out, plant against rigid body, with its pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+
+from wmr_ctrl.campaign import spread
+from wmr_ctrl.campaign.rigid import (
+    AS_PRINTED,
+    LATE,
+    PLANTS,
+    RIGID_CASES,
+    RigidComparison,
+    RigidRow,
+)
+from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
+from wmr_ctrl.report.style import ABSENT, INK, MUTED, look, shown
+from wmr_ctrl.report.tables import TextTable, headed
+from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import Scenario, loads_scenario
+
+RIGID_FIGURES = ("rigid_fall", "rigid_film")
+"""Names of the figures, in the section's order."""
+
+
+@dataclass(frozen=True, slots=True)
+class RigidSection:
+    """All that the section's template shows."""
+
+    seeds: str
+    findings: tuple[str, ...]
+    table: TextTable
+    drawings: Sequence[Drawing]
+
+
+def rigid_section(rows: RigidComparison, drawings: Sequence[Drawing]) -> RigidSection:
+    """Sentences, the table and the figures."""
+    seeds = sorted({row.seed for row in rows.rows})
+    return RigidSection(
+        ", ".join(map(str, seeds)), rigid_findings(rows), _table(rows), tuple(drawings)
+    )
+
+
+def rigid_findings(rows: RigidComparison) -> tuple[str, ...]:
+    """What the rows show, a sentence for each case that was run."""
+    return tuple(text for case in RIGID_CASES for text in _finding(rows, case.name, case.laws))
+
+
+def _finding(rows: RigidComparison, case: str, laws: Sequence[str]) -> list[str]:
+    parts = [text for law in laws if (text := _of_law(rows, case, law))]
+    return [f"{case[0].upper()}{case[1:]}: {'; '.join(parts)}."] if parts else []
+
+
+def _of_law(rows: RigidComparison, case: str, law: str) -> str:
+    plane, body = (rows.of(case, law, plant) for plant in PLANTS)
+    if not plane or not body:
+        return ""
+    name, fallen = headed(law), _times(row.tipped for row in body)
+    if fallen:
+        count = f"{len(fallen)} of {len(body)} runs"
+        return f"{name} falls over in {count}, first after {shown(min(fallen))} s"
+    slid = _times(row.slipped for row in body)
+    grip = "no tread slides" if not slid else f"a tread slides in {len(slid)} of {len(body)} runs"
+    broken = sum(1 for row in body if row.ratio > 1)
+    limits = "the limits are kept" if not broken else f"a limit is broken in {broken}"
+    return f"{name}: {grip}, {limits}, ISE {_apart(plane, body)} of the plane model’s"
+
+
+def _times(values: Iterable[float | None]) -> list[float]:
+    return [value for value in values if value is not None]
+
+
+def _apart(plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> str:
+    """The largest distance of the two ISE of a seed, as a share."""
+    pairs = zip(plane, body, strict=True)
+    ratios = [abs(b.ise / p.ise - 1) for p, b in pairs if p.ise and b.ise]
+    return f"within {shown(100 * max(ratios), 2)} %" if ratios else ABSENT
+
+
+def _table(rows: RigidComparison) -> TextTable:
+    body = tuple(
+        (f"{case.name}: {headed(law)}", *_cells(rows, case.name, law))
+        for case in RIGID_CASES
+        for law in case.laws
+        if rows.of(case.name, law, PLANTS[1])
+    )
+    head = ("case", "ISE, plane", "ISE, tyres", "e₁, plane [mm]", "e₁, tyres [mm]", "slips [s]",
+            "falls [s]")  # fmt: skip
+    start, end = LATE
+    caption = (
+        f"Plane model and rigid body: ISE [m² s + rad² s] over the run, RMS of e₁ over "
+        f"{start:g}–{end:g} s, and when a tread first slides and the robot falls: median (least … "
+        "greatest) of the seeds in which it does"
+    )
+    return TextTable(caption, head, body)
+
+
+def _cells(rows: RigidComparison, case: str, law: str) -> tuple[str, ...]:
+    plane, body = (rows.of(case, law, plant) for plant in PLANTS)
+    return (
+        _range(row.ise for row in plane),
+        _range(row.ise if not row.tipped else None for row in body),
+        _range((row.e1 for row in plane), 1e3), _range((row.e1 for row in body), 1e3),
+        _range(row.slipped for row in body), _range(row.tipped for row in body),
+    )  # fmt: skip
+
+
+def _range(values: Iterable[float | None], factor: float = 1.0) -> str:
+    given = spread(None if value is None else factor * value for value in values)
+    low, middle, high = (shown(x) for x in (given.min, given.median, given.max))
+    return middle if low == high else f"{middle} ({low} … {high})"
+
+
+# -- the figures --------------------------------------------------------------------------
+
+
+def rigid_figures(rows: RigidComparison) -> tuple[Drawing, ...]:
+    """Spin and fall over time, and the fall as a film, of the laws that fell as printed."""
+    laws = tuple(law for law in ("mb", "nn") if _fell(rows, law))
+    if not laws:
+        return ()
+    runs = {law: rows.runs[AS_PRINTED, law, PLANTS[1]] for law in laws}
+    law = laws[-1]
+    return (
+        Drawing(
+            "rigid_fall",
+            "How the paper’s laws fall",
+            "The rigid body under the laws as printed, first seed, until it has tipped: how fast "
+            "the treads slide over the ground (right solid, left dashed), and how far it leans.",
+            (9.6, 2.6),
+            partial(_draw_fall, runs=runs),
+        ),
+        Drawing(
+            "rigid_film",
+            f"The last moments of {look(law).label}",
+            "From the side, drawn from the log at equal times up to the fall: the lean is that of "
+            "the axis from the ground’s normal, whichever way; the spoke is where the wheel "
+            "turned to; the figures are the speeds over ground and of the tread.",
+            (9.6, 2.0),
+            partial(_draw_film, run=runs[law]),
+        ),
+    )
+
+
+def _fell(rows: RigidComparison, law: str) -> bool:
+    run = rows.runs.get((AS_PRINTED, law, PLANTS[1]))
+    return (
+        run is not None
+        and run.rows > 1
+        and (run.monitor.rigid is not None)
+        and bool(run.monitor.rigid.tipped)
+    )
+
+
+def _draw_fall(figure: Figure, runs: dict[str, Run]) -> None:
+    padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.56)
+    slip, tilt = row_of_axes(figure, padding, (1.0, 1.0), 0.6)
+    for law, run in runs.items():
+        colour = look(law).colour
+        for wheel, dash in ((0, "-"), (1, "--")):
+            slip.plot(run.time, run["slip"][:, wheel], color=colour, ls=dash, lw=0.9)
+        tilt.plot(run.time, np.degrees(run["tilt"]), color=colour)
+    slip.set(xlabel="t [s]", ylabel="tread over ground [m/s]")
+    tilt.set(xlabel="t [s]", ylabel="lean [degrees]")
+    heading(figure, "Spin and fall of the laws as printed, on tyres")
+    legend_row(figure, law_handles(runs), 0.26)
+
+
+FRAMES = 6
+_BACK = 1.0
+"""How long before the fall the film begins [s]."""
+
+
+def _draw_film(figure: Figure, run: Run) -> None:
+    scenario = loads_scenario(str(run.provenance["scenario_toml"]))
+    padding = Padding(left=0.08, right=0.08, bottom=0.42, top=0.34)
+    last = run.rows - 1
+    first = max(0, last - run.settings.index(_BACK))
+    panels = row_of_axes(figure, padding, (1.0,) * FRAMES, 0.08)
+    turned = np.cumsum(run["wheel_speed"][:, 0]) * run.settings.control
+    for axes, row in zip(panels, np.linspace(first, last, FRAMES).round().astype(int), strict=True):
+        _frame(axes, scenario, float(run["tilt"][row]), float(turned[row]))
+        tread = scenario.robot.r * float(run["wheel_speed"][row, 0])
+        lean = np.degrees(run["tilt"][row])
+        speeds = f"{shown(float(run['v1'][row]), 2)}, {shown(tread, 2)} m/s"
+        axes.set_xlabel(f"t = {run.time[row]:.2f} s, {lean:.0f}°\n{speeds}", size=7)
+    heading(figure, f"{look(run.law).label} on tyres, as printed: the last {_BACK:g} s")
+
+
+def _frame(axes: Axes, scenario: Scenario, tilt: float, turned: float) -> None:
+    """The robot from the side, leaning about the wheel's foot."""
+    r, caster = scenario.robot.r, scenario.body.caster
+    low, high = 0.6 * r, 2.4 * r
+    corners = np.array([[-caster, low], [caster, low], [caster, high], [-caster, high]])
+    turn = np.array([[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]])
+    axes.add_patch(Polygon(corners @ turn, closed=True, fc="none", ec=INK, lw=1.1))
+    centre = np.array([0.0, r]) @ turn
+    axes.add_patch(Circle((float(centre[0]), float(centre[1])), r, fc="white", ec=INK, lw=1.1))
+    spoke = centre + 0.9 * r * np.array([np.sin(turned), np.cos(turned)])
+    axes.plot([centre[0], spoke[0]], [centre[1], spoke[1]], color=INK, lw=1.0)
+    axes.axhline(0, color=MUTED, lw=0.9)
+    axes.set(xlim=(-0.45, 0.45), ylim=(-0.15, 0.5), aspect="equal", xticks=[], yticks=[])
+    for side in axes.spines.values():
+        side.set_visible(False)
