@@ -15,7 +15,7 @@ from wmr_ctrl.cli import root
 COMMANDS = (
     *("reproduce", "run", "show", "study", "compare", "scenarios", "laws", "check"),
     "tune",
-    *("prove", "linearize", "export", "cosim", "codegen", "bench"),
+    *("prove", "linearize", "page", "export", "cosim", "codegen", "bench"),
 )
 
 
