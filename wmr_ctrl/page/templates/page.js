@@ -302,11 +302,11 @@ class Page {
       const { most, first } = member.found(), { samples, clipped } = member.carried;
       const share = samples ? (100 * Math.max(...clipped)) / samples : 0;
       const kept = first === null, axis = first && first.axis === 2 ? "ω" : "v₁";
-      const verdict = kept ? "keeps its limits" : `left ${axis} at ${first.time.toFixed(2)} s`;
+      const verdict = !samples ? "at the start" : kept ? "✓ keeps its limits" : `✗ left ${axis} at ${first.time.toFixed(2)} s`;
       const cell = (text, more = {}) => made("td", { textContent: text, ...more });
       return made("tr", {},
         made("th", { scope: "row" }, swatch(member.law), this.look.laws[member.law].label),
-        cell(`${kept ? "✓" : "✗"} ${verdict}${member.ended ? ", then gave up" : ""}`, { className: kept ? "kept" : "left" }),
+        cell(`${verdict}${member.ended ? ", then gave up" : ""}`, { className: !samples ? "" : kept ? "kept" : "left" }),
         cell(`${shownNumber(most[0])} of ${shownNumber(limits[0])} m/s`),
         cell(`${shownNumber(most[1])} of ${shownNumber(limits[1])} rad/s`),
         cell(length(member.history.last("distance"))),
@@ -335,7 +335,7 @@ class Page {
   }
 }
 
-const length = (metres) => (metres < 1 ? `${shownNumber(100 * metres, 2)} cm` : `${shownNumber(metres, 2)} m`);
+const length = (metres) => (!Number.isFinite(metres) ? "–" : metres < 1 ? `${shownNumber(100 * metres, 2)} cm` : `${shownNumber(metres, 2)} m`);
 
 // A short line in a law's colour and dashes.
 function swatch(law) {
