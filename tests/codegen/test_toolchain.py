@@ -79,7 +79,7 @@ def of(path: Path) -> Toolchain:
 def hide_compilers(monkeypatch, *, zig: bool) -> None:
     monkeypatch.setenv("PATH", "")
     if zig:
-        monkeypatch.setattr(toolchain, "_zig", lambda: ())
+        monkeypatch.setattr(toolchain, "zig_command", lambda: ())
 
 
 def square(library: Path) -> float:
