@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.sim.ready import Ready
 
 ENGINES = ("native", "numpy", "fmu")
-PLANTS = ("ode", "mujoco")
 
 
 def scenario_of(
@@ -99,11 +98,11 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    from wmr_ctrl.engines import ready_plantless, run_compiled, run_numpy
+    from wmr_ctrl.engines import check_plant, ready_plantless, run_compiled, run_numpy
 
     chosen = scenario_of(scenario, overrides, guard)
     check_seeds([seed])
-    _check_plant(plant, engine)
+    check_plant(plant, engine)
     if plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid
 
@@ -115,17 +114,6 @@ def simulate(
     if engine == "fmu":
         return cosimulate(chosen, law, seed=seed, progress=progress)
     raise UnknownNameError("engine", engine, ENGINES)
-
-
-def _check_plant(plant: str, engine: str = "native") -> None:
-    """Raise unless there is such a plant, and this engine runs it."""
-    if plant not in PLANTS:
-        raise UnknownNameError("plant", plant, PLANTS)
-    if plant != "ode" and engine != "native":
-        raise ArgumentError(
-            f"the plant {plant!r} runs beside compiled laws only, and the engine asked for is "
-            f"{engine!r}. Take the engine native, or the plant ode."
-        )
 
 
 def simulate_runs(
@@ -150,11 +138,12 @@ def simulate_runs(
     >>> [run.monitor.violations for run in runs]
     [0, 0, 0]
     """
+    from wmr_ctrl.engines import check_plant
     from wmr_ctrl.sim.many import run_each
 
     listed = list(seeds)
     check_seeds(listed)
-    _check_plant(plant)
+    check_plant(plant)
     if plant == "mujoco":
         from wmr_ctrl.engines import ready_plantless
         from wmr_ctrl.physics.run import run_rigid_each

@@ -8,6 +8,7 @@ from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.scenario import Scenario
@@ -16,6 +17,8 @@ from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import run_native
 from wmr_ctrl.sim.oracle import simulate_oracle
 from wmr_ctrl.sim.ready import Ready
+
+PLANTS = ("ode", "mujoco")
 
 
 def ready_batch(scenario: Scenario, law: str) -> Ready:
@@ -63,3 +66,14 @@ def run_numpy(
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:
     """What was compiled from a setup, with that setup's scenario, law and assumptions."""
     return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
+
+
+def check_plant(plant: str, engine: str = "native") -> None:
+    """Raise UnknownNameError or ArgumentError unless there is such a plant and it runs it."""
+    if plant not in PLANTS:
+        raise UnknownNameError("plant", plant, PLANTS)
+    if plant != "ode" and engine != "native":
+        raise ArgumentError(
+            f"the plant {plant!r} runs beside compiled laws only, and the engine asked for is "
+            f"{engine!r}. Take the engine native, or the plant ode."
+        )

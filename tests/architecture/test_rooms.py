@@ -10,7 +10,6 @@ from tests.architecture.tree import Module, functions, modules, names_of_modules
 SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
 KEPT_SHORT = {
-    "wmr_ctrl.engines": "the two engines are looked for by that word",
     "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
     "wmr_ctrl.results.format_npz": "a file for each format of results",
     "wmr_ctrl.results.format_parquet": "a file for each format of results",

@@ -108,11 +108,11 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
     from wmr_ctrl import api
     from wmr_ctrl.checks import grip_warnings, warnings_for
     from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.engines import check_plant
 
     if engine not in api.ENGINES:
         raise UnknownNameError("engine", engine, api.ENGINES)
-    if plant not in api.PLANTS:
-        raise UnknownNameError("plant", plant, api.PLANTS)
+    check_plant(plant)
     setup = settle(scenario, law)
     for warning in (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ())):
         say("warning", str(warning))
