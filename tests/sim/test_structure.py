@@ -94,9 +94,9 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
     made = []
 
     class Counted(LoopGraphs):
-        def __init__(self, *given):
+        def __init__(self, *given, **named):
             made.append(given)
-            super().__init__(*given)
+            super().__init__(*given, **named)
 
     monkeypatch.setattr(build, "LoopGraphs", Counted)
     monkeypatch.setattr(build, "_PROGRAMS", {})
