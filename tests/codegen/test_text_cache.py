@@ -63,7 +63,7 @@ if {again}:
 
 from wmr_ctrl import simulate
 run = simulate("paper-simulation", "nn")
-print([values[-1].hex() for values in run.columns.values()])
+print([values[-1].tobytes().hex() for values in run.columns.values()])
 """
 
 
