@@ -75,6 +75,7 @@ class Case:
                 "actuator.tau_max": TAU, "clock.duration": 60.0, "changes[1].t": 30.0,
                 "guard.M_min": LOW.tolist(), "guard.M_max": HIGH.tolist(),
                 "guard.dbar": DBAR.tolist(),
+                "gains.prox.delay": self.delay, "gains.kanayama.delay": self.delay,
             },
         )  # fmt: skip
 
@@ -192,13 +193,14 @@ def filtered(title: str, ceiling: Callable[[Case, Floats], Floats]) -> Contender
 
     def build(case: Case, gains: Mapping[str, tuple[float, ...]]) -> Step:
         setup = settle(_with(override(case.scenario, {"guard.enabled": False}), gains), "prox")
-        act, x = _act(law_graph(setup)), None
+        act, x, sent = _act(law_graph(setup)), None, np.zeros(2)
 
         def step(rows: Floats, state: Floats, before: Floats) -> Floats:
-            nonlocal x
-            x, force = act(np.concatenate((rows[0], state, before)), x)
+            nonlocal x, sent
+            x, force = act(np.concatenate((rows[0], state, before, sent)), x)
             low, high = -ceiling(case, -state[3:]), ceiling(case, state[3:])
-            return _wheels(np.minimum(np.maximum(force, low), np.maximum(high, low)))
+            sent = _wheels(np.minimum(np.maximum(force, low), np.maximum(high, low)))
+            return sent
 
         return step
 
@@ -420,7 +422,7 @@ def _start(name: str, case: Case) -> dict[str, tuple[float, ...]]:
         "gains.mb.rho": (2 * p1, 2 * p2),
         "gains.nn.rho1": (100 * p1, 10.8 * p2),
     }  # fmt: skip
-    setup = settle(case.scenario, name)
+    setup = settle(scenario_of("paper-simulation"), name)
     return {key: placed.get(key) or setup.value(key) for key in tunable(LAWS[name])}
 
 
