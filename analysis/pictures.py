@@ -1,4 +1,4 @@
-"""Draw the pictures of the documentation's how-tos and tutorials into docs/images.
+"""Draw the pictures of the README and of the documentation's pages into docs/images.
 
 ``python analysis/pictures.py`` draws all, with names (``limits period``) these.  Each function is a
 picture; its runs are those that the page's text names.
@@ -19,10 +19,14 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import wmr_ctrl
+from wmr_ctrl.api import compile_loop
 from wmr_ctrl.barrier.stable import stable_minimiser
+from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
 from wmr_ctrl.guard.bounds import stated_guard, usable_speed
 from wmr_ctrl.report.style import LIMIT, house_style, look
+from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
+from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.world.effect import Bound
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -219,6 +223,23 @@ def drive(page: str) -> Run:
         return wmr_ctrl.simulate(Path(folder) / "robot.toml", "prox", guard=True)
 
 
+def velocity() -> Figure:
+    """The report's panel of linear velocities."""
+    return reported("fig3c_v1")
+
+
+def stress() -> Figure:
+    """The report's picture of where the guarantee ends."""
+    return reported("stress_velocities")
+
+
+def reported(name: str) -> Figure:
+    """A figure of the report; all that it shows is of the first seed."""
+    plan = paper_plan(PAPER_LAWS, 1)
+    campaign = run_campaign(run_each, compile_loop, plan)
+    return next(item for item in all_drawings(campaign) if item.name == name).figure()
+
+
 PICTURES: Mapping[str, Callable[[], Figure]] = {
     "limits": limits,
     "period": period,
@@ -227,6 +248,8 @@ PICTURES: Mapping[str, Callable[[], Figure]] = {
     "guard-price": guard_price,
     "guard-dbar": guard_dbar,
     "robot": robot,
+    "velocity": velocity,
+    "stress": stress,
 }
 
 
