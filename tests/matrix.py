@@ -3,26 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import product
+from itertools import combinations, product
+from typing import TypeAlias
 
 import pytest
 
 from wmr_ctrl.laws.registry import NAMES
 
 
+def headed(first: str, names: Iterable[str]) -> tuple[str, ...]:
+    """The names with this one first."""
+    return (first, *(name for name in names if name != first))
+
+
 def crossed(*axes: Sequence[object]) -> list[object]:
     """Combinations for parametrize: those that differ from the first case in one way at most.
 
-    The others are there too and are slow: `-m ''` runs them.
+    Of the others there are as many, slow, as bring every two values of two axes together at least
+    once: faults that need three values at a time to show are rare, and products grow too fast.
     """
+    cases = list(product(*(range(len(axis)) for axis in axes)))
+    usual = [case for case in cases if sum(place > 0 for place in case) < 2]
+    return _marked(axes, usual, _covering(cases, usual))
 
-    def usual(case: tuple[object, ...]) -> bool:
-        return sum(value != axis[0] for value, axis in zip(case, axes, strict=True)) < 2
 
-    return [
-        pytest.param(*case, marks=() if usual(case) else pytest.mark.slow)
-        for case in product(*axes)
+def rotated(*axes: Sequence[object]) -> list[object]:
+    """The same combinations by default; slow is, of each value, one more in changing company."""
+    usual = [
+        case
+        for case in product(*(range(len(axis)) for axis in axes))
+        if sum(place > 0 for place in case) < 2
     ]
+    rounds = range(1, max(map(len, axes)))
+    slow = [tuple(1 + (k - 1) % (len(axis) - 1) for axis in axes) for k in rounds]
+    return _marked(axes, usual, slow)
+
+
+Case: TypeAlias = tuple[int, ...]
+"""Which value of each axis."""
+
+
+def _marked(
+    axes: Sequence[Sequence[object]], usual: Iterable[Case], slow: Iterable[Case]
+) -> list[object]:
+    def values(case: Case) -> list[object]:
+        return [axis[place] for axis, place in zip(axes, case, strict=True)]
+
+    return [pytest.param(*values(case)) for case in usual] + [
+        pytest.param(*values(case), marks=pytest.mark.slow) for case in slow
+    ]
+
+
+def _covering(cases: Sequence[Case], known: Iterable[Case]) -> list[Case]:
+    """Cases that bring together what the known ones leave apart, the most useful first."""
+    apart = set().union(*map(_pairs, cases)).difference(*map(_pairs, known))
+    chosen: list[Case] = []
+    while apart:
+        chosen.append(max(cases, key=lambda case: len(apart & _pairs(case))))
+        apart -= _pairs(chosen[-1])
+    return chosen
+
+
+def _pairs(case: Case) -> frozenset[tuple[tuple[int, int], ...]]:
+    """Values of two axes that a case brings together."""
+    return frozenset(combinations(enumerate(case), 2))
 
 
 def quick(names: Iterable[str], *shown: str) -> list[object]:

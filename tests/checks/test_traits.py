@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.laws.toys import PLAIN, install
-from tests.matrix import crossed
+from tests.matrix import rotated
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.cli.root import root
@@ -62,7 +62,7 @@ def test_the_plain_law_tracks_and_states_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "name", "guard"), crossed(["plain", *LAWS], preset_names(), [False, True])
+    ("law", "name", "guard"), rotated(["plain", *LAWS], preset_names(), [False, True])
 )
 def test_no_warning_speaks_of_what_a_law_has_not(law: str, name: str, guard: bool) -> None:
     assert spoken(warned(law, name, **{"guard.enabled": guard}), law) == []

@@ -1,16 +1,18 @@
 """No field of a scenario is lost: native loop, closed-loop FMU and co-simulation act alike.
 
-Each scenario is run three ways.  Where it differs from the base in numbers only, the FMUs are the
+All fields of a section, of a kind of reference, or of a law's gains are changed at once, each to a
+value of its own; that each of them matters by itself is seen in the native loop.  Each scenario is
+run three ways.  Where it differs from the base in numbers only, the FMUs are the
 base's with parameters set; else they are exported anew.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable
 from functools import cache
 from itertools import groupby
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,6 +31,7 @@ from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Body, Scenario, override, quantities
+from wmr_ctrl.world.references import REFERENCES
 
 LAW = "mb"
 STATE = {"x", "y", "theta", "v1", "omega", "psi"}
@@ -51,14 +54,19 @@ def by_section(changed: Changed) -> tuple[str, bool]:
     return section, getattr(getattr(BASE, section, None), name, 0) is None
 
 
+def together(listed: Iterable[dict[str, object]]) -> dict[str, object]:
+    """Several changes as one."""
+    return {key: value for changes in listed for key, value in changes.items()}
+
+
 def sections() -> list[Changed]:
     """All fields of a section at once; those that replace a derived number apart."""
     found = []
     for (name, stated), listed in groupby(
         sorted(of_sections(BASE), key=by_section), key=by_section
     ):
-        together = {key: value for _, changes in listed for key, value in changes.items()}
-        found.append((f"{name or 'title'}{' stated' if stated else ''}", together))
+        changed = together(changes for _, changes in listed)
+        found.append((f"{name or 'title'}{' stated' if stated else ''}", changed))
     return found
 
 
@@ -66,37 +74,30 @@ def named(changes: list[Changed]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("changes", [c for _, c in changes], ids=[k for k, _ in changes])
 
 
-@dataclasses.dataclass(frozen=True)
-class Files:
-    """FMUs of a base: closed loop by version, what that is compiled from, plant and controller."""
-
-    loops: dict[int, Fmu]
-    code: dict[int, dict[str, str]]
-    parts: dict[str, Path]
-
-
 @pytest.fixture(scope="module")
-def files_of(tmp_path_factory):
-    """A function: base and law -> its FMUs."""
+def files(tmp_path_factory):
+    """FMUs, each made once: ``loop`` and ``parts``, which are plant and controller."""
 
     def export(what: str, law: str, scenario: Scenario, version: int) -> Path:
         out = tmp_path_factory.mktemp("fields")
         return export_fmu(what, law=law, scenario=scenario, fmi=version, out=out, arrays=False)[0]
 
-    def loaded(law: str, scenario: Scenario, version: int) -> Fmu:
+    @cache
+    def loop(scenario: Scenario, law: str, version: int) -> Fmu:
         path = export("closed-loop", law, scenario, version)
         return Fmu(path, Path(extract(str(path), str(tmp_path_factory.mktemp("loop")))), version)
 
     @cache
-    def files(base: Scenario, law: str) -> Files:
-        parts = {"plant": export("plant", law, base, 2), "controller": export(law, law, base, 3)}
-        loops = {version: loaded(law, base, version) for version in (2, 3)}
-        return Files(loops, {v: code_of(base, law, v) for v in loops}, parts)
+    def parts(scenario: Scenario, law: str) -> dict[str, Path]:
+        return {
+            "plant": export("plant", law, scenario, 2),
+            "controller": export(law, law, scenario, 3),
+        }
 
-    files.loaded = loaded
-    return files
+    return SimpleNamespace(loop=loop, parts=parts)
 
 
+@cache
 def code_of(scenario: Scenario, law: str, version: int) -> dict[str, str]:
     """All C of the closed loop but start values and the token made of them."""
     found = sources_of(closed_loop_model(settle(scenario, law)), version, arrays=False)
@@ -143,43 +144,35 @@ def assert_cosimulation_is(run: Run, other: Run) -> None:
     )
 
 
-def assert_alike(
-    files_of, changes: dict[str, object], base: Scenario = BASE, law: str = LAW
-) -> None:
-    files, scenario = files_of(base, law), override(base, changes)
+def assert_alike(files, changes, base: Scenario = BASE, law: str = LAW, versions=(3,)) -> None:
+    scenario = override(base, changes)
     run = simulate(scenario, law)
-    for version, fmu in files.loops.items():
-        numbers_only = code_of(scenario, law, version) == files.code[version]
-        loop = fmu if numbers_only else files_of.loaded(law, scenario, version)
+    for version in versions:
+        numbers_only = code_of(scenario, law, version) == code_of(base, law, version)
+        loop = files.loop(base if numbers_only else scenario, law, version)
         assert_loop_is(run, loop, scenario, law)
     same = model_of(law, law, scenario).graph == model_of(law, law, base).graph
-    assert_cosimulation_is(run, cosimulate(scenario, law, **(files.parts if same else {})))
+    assert_cosimulation_is(
+        run, cosimulate(scenario, law, **(files.parts(base, law) if same else {}))
+    )
 
 
 @named(sections())
-def test_a_section_acts_alike(files_of, changes):
-    assert_alike(files_of, changes)
+def test_a_section_acts_alike(files, changes):
+    assert_alike(files, changes, versions=(2, 3))
 
 
-@named(list(of_sections(BASE)))
 @pytest.mark.slow
-def test_each_field_acts_alike(files_of, changes):
-    assert_alike(files_of, changes)
+@pytest.mark.parametrize("kind", REFERENCES)
+def test_a_reference_acts_alike(files, kind):
+    listed = [changes for key, changes in of_references() if key.endswith(kind)]
+    assert_alike(files, together(listed))
 
 
-@named(list(of_references()))
 @pytest.mark.slow
-def test_each_reference_acts_alike(files_of, changes):
-    assert_alike(files_of, changes)
-
-
-@pytest.mark.parametrize(
-    ("law", "changes"),
-    [pytest.param(law, c, id=f"{law} {key}") for law in LAWS for key, c in of_gains(law)],
-)
-@pytest.mark.slow
-def test_each_gain_acts_alike(files_of, law, changes):
-    assert_alike(files_of, changes, LOOSER, law)
+@pytest.mark.parametrize("law", LAWS)
+def test_gains_act_alike(files, law):
+    assert_alike(files, together(changes for _, changes in of_gains(law)), LOOSER, law)
 
 
 def test_what_a_package_holds_acts_alike(tmp_path):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.matrix import crossed
+from tests.matrix import crossed, headed
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.errors import ArgumentError
@@ -38,7 +38,7 @@ def written(folder, law, scenario=SCENARIO):
 
 @pytest.mark.parametrize(
     ("law", "language"),
-    crossed(("prox", *(n for n in LAWS if n != "prox")), (("gcc", "-std=c99"), ("g++", "-xc++"))),
+    crossed(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
 )
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     """Memory moves in mdlUpdate alone; what is not finite ends the simulation by an error."""

@@ -72,7 +72,7 @@ def find_toolchain(extra: Sequence[str] = (), *, native: bool = False) -> Toolch
     toolchain = _find(named, os.environ.get("PATH"), cache_dir())
     if native:
         toolchain = toolchain.for_this_processor()
-    return toolchain.with_flags(*_optimization(), *extra)
+    return toolchain.with_flags(*level_flags(), *extra)
 
 
 def build_library(
@@ -118,7 +118,7 @@ def build_library(
     return build_cached(sources, compile_in, key=(*chosen.key, name))
 
 
-def _optimization() -> tuple[str, ...]:
+def level_flags() -> tuple[str, ...]:
     """The level that the environment asks for: results are the same bits at each of them."""
     level = os.environ.get(LEVEL, "").strip()
     if level not in ("", "0", "1", "2", "3"):

@@ -15,7 +15,7 @@ from pathlib import Path
 from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
 
@@ -142,9 +142,10 @@ def _toolchain(target: Target) -> Toolchain:
     """
     named = shlex.split(os.environ.get(VARIABLE, ""))
     if named and target.name == host():
-        return Toolchain(tuple(named), named[0], "named in " + VARIABLE, default_flags(named))
+        flags = (*default_flags(named), *level_flags())
+        return Toolchain(tuple(named), named[0], "named in " + VARIABLE, flags)
     if importlib.util.find_spec("ziglang") is not None:
-        return _zig(target)
+        return _zig(target).with_flags(*level_flags())
     if target.name != host():
         raise CompilerError(
             f"building for {target.name} needs zig: `pip install ziglang`, or export with "
