@@ -1,8 +1,7 @@
 """Settings for all tests: a build cache of their own, no windows, repeatable random examples.
 
-Libraries are compiled at the level -O0, or at -O1 where slow tests run them often. That takes a
-quarter, or half, of the time of -O3 and gives the same bits: tests/bits compares builds at -O2 and
--O3 with them, for every law.
+Libraries are compiled at the level -O0: that takes a quarter of the time of -O3, more than runs lose
+by it, and gives the same bits. tests/bits compares builds at -O2 and -O3 with them, for every law.
 """
 
 from __future__ import annotations
@@ -28,8 +27,7 @@ settings.load_profile("project")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched."""
-    quick = "not slow" in config.getoption("markexpr")
-    os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0" if quick else "1")
+    os.environ.setdefault("WMR_CTRL_OPTIMIZE", "0")
     cache = getattr(config, "cache", None)
     if cache is not None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))

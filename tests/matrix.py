@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from itertools import combinations, product
 from typing import TypeAlias
@@ -37,6 +38,21 @@ def rotated(*axes: Sequence[object]) -> list[object]:
     rounds = range(1, max(map(len, axes)))
     slow = [tuple(1 + (k - 1) % (len(axis) - 1) for axis in axes) for k in rounds]
     return _marked(axes, usual, slow)
+
+
+def turns(*axes: Sequence[object], shown: int = 2) -> list[object]:
+    """As many combinations as the longest axis has values; the others' values take turns.
+
+    The first ``shown`` of them are run by default, the others are slow.
+    """
+    longest = max(range(len(axes)), key=lambda j: len(axes[j]))
+    sizes = [1 if j == longest else len(axis) for j, axis in enumerate(axes)]
+    strides = [math.prod(sizes[:j]) for j in range(len(axes))]
+    cases = [
+        tuple(k if j == longest else k // strides[j] % len(axis) for j, axis in enumerate(axes))
+        for k in range(len(axes[longest]))
+    ]
+    return _marked(axes, cases[:shown], cases[shown:])
 
 
 Case: TypeAlias = tuple[int, ...]

@@ -9,7 +9,7 @@ import pytest
 from fmpy import simulate_fmu
 
 from tests.bits.cases import CASES, SEED, case
-from tests.matrix import headed, rotated
+from tests.matrix import headed, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.laws.registry import NAMES
@@ -21,7 +21,7 @@ AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "name"), rotated(headed("nn", NAMES), list(CASES)))
+@pytest.mark.parametrize(("law", "name"), turns(headed("nn", NAMES), list(CASES)))
 def test_all_columns(law: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("WMR_CTRL_OPTIMIZE", raising=False)  # the level at which FMUs are shipped
     one = case(law, name)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from tests.bits.cases import CASES, SEED, bits_of, case, different
-from tests.bits.platforms import HERE, Platform, check_tools, differences
+from tests.bits.platforms import HERE, Platform, differences
 from tests.compilers import NODE, QEMU, WINE, ZIG
-from tests.matrix import quick
+from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
 from wmr_ctrl.compiled import elements
@@ -49,7 +48,7 @@ ELSEWHERE = (
     Platform("wasm 2 lanes", (*WASM, "-msimd128"), 2, NODE, HERE / "run.mjs"),
 )
 QUICK = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[6])
-ONE_OF_EACH_COMPILER = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[4])
+EVERYWHERE = HERE_NOW + ELSEWHERE
 
 
 def named(platforms: tuple[Platform, ...]) -> pytest.MarkDecorator:
@@ -71,24 +70,27 @@ def test_cases_differ_and_the_guard_acts_in_its_own(law: str) -> None:
 
 
 @pytest.mark.slow
-@named(HERE_NOW + ELSEWHERE)
-def test_platforms_agree(platform: Platform, tmp_path: Path) -> None:
-    """Every law, without guard and effects and with all of them, over 80 s.
+@pytest.mark.slow
+@pytest.mark.parametrize("law", NAMES)
+def test_laws_agree(law: str, tmp_path: Path) -> None:
+    """With the first compiler; without guard and effects and with either, over 80 s."""
+    assert differences(EVERYWHERE[0], law, tuple(CASES)[:-1], tmp_path) == []
 
-    Each compiler also takes what lies between these once.
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(EVERYWHERE)), ids=[p.name for p in EVERYWHERE])
+def test_platforms_agree(number: int, tmp_path: Path) -> None:
+    """With all effects and the guard, over 80 s; laws take turns.
+
+    ``python -m tests.bits`` takes every law and case on every platform.
     """
-    check_tools(platform)
-    listed = CASES if platform in ONE_OF_EACH_COMPILER else ("plain", "everything")
-
-    def one(law: str) -> list[str]:
-        return differences(platform, law, listed, tmp_path / law)
-
-    with ThreadPoolExecutor(2) as pool:
-        assert [text for texts in pool.map(one, NAMES) for text in texts] == []
+    platform, law = EVERYWHERE[number], NAMES[number % len(NAMES)]
+    assert differences(platform, law, ["everything"], tmp_path) == []
 
 
-@pytest.mark.parametrize("law", quick(NAMES, "mb"))
-@pytest.mark.parametrize("vectors", [item.name for item in vector_sets()])
+@pytest.mark.parametrize(
+    ("law", "vectors"), turns(headed("mb", NAMES), [item.name for item in vector_sets()], shown=3)
+)
 def test_lanes_of_our_library_are_single_runs(law: str, vectors: str) -> None:
     """Each lane has a seed of its own."""
     one = case(law, "everything")

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from tests.matrix import rotated, turns
 from wmr_ctrl.checks import Warning, warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
@@ -15,8 +16,7 @@ from wmr_ctrl.scenario import load_scenario, preset_names
 KINDS = ("circle", "line", "lemniscate", "rounded-square", "stop-and-go")
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("name", preset_names())
+@pytest.mark.parametrize(("name", "law"), rotated(preset_names(), tuple(LAWS)))
 def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
     found = warnings_for(settle(load_scenario(name), law))
 
@@ -28,8 +28,7 @@ def test_every_preset_gets_a_handful_of_readable_sentences(name, law):
         assert str(warning) == f"{warning.sentence} [{warning.equation}]"
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "law"), turns(KINDS, tuple(LAWS)))
 def test_every_reference_is_judged(kind, law):
     scenario = load_scenario("paper-simulation", {"reference.kind": kind})
 

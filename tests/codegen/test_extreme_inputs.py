@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.codegen.test_package import both, either, needs, written
-from tests.matrix import crossed
+from tests.codegen.test_package import needs, written
+from tests.matrix import turns
 from wmr_ctrl.codegen.single_precision import LARGEST_SINGLE
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -58,9 +58,7 @@ class Packaged:
         return bool(np.isfinite(self.memory).all() and np.isfinite(self.torque).all())
 
 
-@pytest.mark.parametrize(
-    ("law", "float32", "guarded"), crossed(NAMES, [False, True], [False, True])
-)
+@pytest.mark.parametrize(("law", "float32", "guarded"), turns(NAMES, [False, True], [False, True]))
 def test_what_is_too_large_is_refused_and_leaves_no_trace(
     law: str, float32: bool, guarded: bool, tmp_path: Path
 ) -> None:
@@ -95,10 +93,9 @@ def test_what_is_just_small_enough_leaves_a_sound_memory(law: str, tmp_path: Pat
         assert one.sound
 
 
-@both
-@either
-@pytest.mark.slow
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize(
+    ("law", "float32", "guarded"), turns(NAMES, [True, False], [False, True], shown=0)
+)
 def test_no_mixture_of_inputs_spoils_the_memory(
     law: str, float32: bool, guarded: bool, tmp_path: Path
 ) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from tests.codegen import measured
 from tests.languages import LANGUAGES, compile_all
-from tests.matrix import crossed, headed, rotated
+from tests.matrix import headed, turns
 from wmr_ctrl.codegen.footprint import key, known_footprint
 from wmr_ctrl.codegen.package import package_files, write_package
 from wmr_ctrl.codegen.single_precision import MARGIN
@@ -26,7 +26,7 @@ SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror")
 every_law = pytest.mark.parametrize("law", NAMES)
 every_kind = pytest.mark.parametrize(
-    ("law", "float32", "guarded"), rotated(headed("nn", NAMES), [False, True], [False, True])
+    ("law", "float32", "guarded"), turns(headed("nn", NAMES), [False, True], [False, True])
 )
 either = pytest.mark.parametrize("guarded", [False, True], ids=["plain", "guarded"])
 
@@ -55,7 +55,7 @@ def written(law: str, folder: Path, float32: bool, guarded: bool = False) -> Non
 
 @pytest.mark.parametrize(
     ("law", "float32", "guarded", "compiler"),
-    crossed(headed("nn", NAMES), [False, True], [False, True], ["gcc", "clang"]),
+    turns(headed("nn", NAMES), [False, True], [False, True], ["gcc", "clang"]),
 )
 def test_vectors_pass_and_nothing_warns(
     law: str, float32: bool, guarded: bool, compiler: str, tmp_path: Path
@@ -74,7 +74,7 @@ def test_vectors_pass_and_nothing_warns(
 
 @pytest.mark.parametrize(
     ("law", "language", "float32"),
-    rotated(headed("nn", NAMES), tuple(LANGUAGES), [False, True]),
+    turns(headed("nn", NAMES), tuple(LANGUAGES), [False, True], shown=9),
 )
 def test_it_is_c_and_cpp_for_every_compiler(
     law: str, language: str, float32: bool, tmp_path: Path

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled
-from tests.matrix import crossed
+from tests.matrix import turns
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import controller, law_graph, watched_controller
@@ -48,7 +48,7 @@ def diagnostics(system: System) -> tuple[list[Any], list[Any]]:
     return [item.signal for item in system.diagnostics], at_start.full().ravel().tolist()
 
 
-@pytest.mark.parametrize(("law", "drive"), crossed(tuple(LAWS), tuple(DRIVES)))
+@pytest.mark.parametrize(("law", "drive"), turns(tuple(LAWS), tuple(DRIVES), shown=1))
 def test_generated_c_gives_the_same_torques_to_the_bit(law: str, drive: str) -> None:
     """Over samples in a row, with and without the diagnostics computed beside them."""
     scenario = scenario_of(drive)
@@ -131,7 +131,7 @@ def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
     assert params["guard.dbar"].signal.units == ("N", "N.m")
 
 
-@pytest.mark.parametrize(("law", "case"), crossed(tuple(LAWS), [
+@pytest.mark.parametrize(("law", "case"), turns(tuple(LAWS), [
     ({}, 1.0),
     ({"actuator.tau_max": 6.5}, 1.0),
     ({"actuator.tau_max": 5.0}, 0.0),

@@ -16,7 +16,7 @@ from fmpy import simulate_fmu
 
 from tests.fmi.test_portable import HEADERS, WHAT, linux, tool
 from tests.languages import LANGUAGES, STRICT, compile_all
-from tests.matrix import rotated
+from tests.matrix import turns
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.fmi.export import model_of, scenario_given
 from wmr_ctrl.fmi.sources import sources_of
@@ -54,7 +54,7 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("what", "compiler", "version"), rotated(WHAT, ["gcc", "clang"], [3, 2]))
+@pytest.mark.parametrize(("what", "compiler", "version"), turns(WHAT, ["gcc", "clang"], [3, 2]))
 def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
     units = unpacked(what, version, tmp_path)
     flags = ["-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]

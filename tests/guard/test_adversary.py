@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.guard.harness import HEAVY, LIGHT, LIMITS, MOST, WIDE, Robot, guarded
-from tests.matrix import crossed
+from tests.matrix import turns
 from wmr_ctrl.api import simulate
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
@@ -31,7 +31,7 @@ def pushed(law: str, period: float, guard: bool = True, **changed: object) -> Ru
     return simulate("paper-simulation-nominal", law, guard=guard, overrides=overrides)
 
 
-@pytest.mark.parametrize(("law", "period"), crossed(NAMES, PERIODS))
+@pytest.mark.parametrize(("law", "period"), turns(NAMES, PERIODS))
 def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period: float) -> None:
     run = pushed(law, period)
 
@@ -43,7 +43,7 @@ def test_greedy_adversary_reaches_the_limit_and_never_passes_it(law: str, period
         assert pushed(law, period, guard=False).outcome != "completed"
 
 
-@pytest.mark.parametrize(("law", "period"), crossed(["pid", "smc"], PERIODS))
+@pytest.mark.parametrize(("law", "period"), turns(["pid", "smc"], PERIODS))
 def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> None:
     """|d| <= dbar + D gives |v| <= v_u1 + D T/M_min, and the adversary gets there."""
     run = pushed(law, period, **{"guard.dbar": [40.0, 10.0], "guard.trust": True})
@@ -53,7 +53,7 @@ def test_a_broken_bound_costs_exactly_its_excess(law: str, period: float) -> Non
     assert run.outcome == "limit-violated"
 
 
-@pytest.mark.parametrize(("law", "cases"), crossed(NAMES, [6, 20]))
+@pytest.mark.parametrize(("law", "cases"), turns(NAMES, [6, 20], shown=1))
 def test_switching_disturbances_any_mass_and_noise(law: str, cases: int) -> None:
     """Random cases: bang-bang in time or by sign; mass, friction, nbar, period, start."""
     draw = np.random.default_rng(sum(law.encode()))

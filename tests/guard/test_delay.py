@@ -13,6 +13,7 @@ from tests.guard.harness import LIGHT, LIMITS, MOST
 from tests.guard.late import hostile, late
 from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
+from tests.matrix import turns
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.setup import settle
@@ -53,10 +54,9 @@ def test_greedy_adversary_reaches_the_limit_and_never_passes_it(delay: float) ->
     checked("pid", 0.01, delay)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("period", [0.001, 0.01, 0.05])
-@pytest.mark.parametrize("delay", DELAYS)
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize(
+    ("law", "delay", "period"), turns(NAMES, DELAYS, [0.001, 0.01, 0.05], shown=0)
+)
 def test_greedy_adversary_with_every_law(law: str, delay: float, period: float) -> None:
     checked(law, period, delay)
 

@@ -11,6 +11,7 @@ import pytest
 from tests.guard.harness import LIMITS
 from tests.guard.test_adversary import LIGHTEST
 from tests.guard.test_graph import evaluated
+from tests.matrix import turns
 from wmr_ctrl.api import scenario_of, simulate, simulate_many
 from wmr_ctrl.codegen.package import write_package
 from wmr_ctrl.codegen.toolchain import find_toolchain
@@ -52,9 +53,7 @@ def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(kind: str) ->
     checked("pid", kind)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize(("law", "kind"), turns(NAMES, tuple(KINDS), shown=0))
 def test_with_every_law_and_sensor(law: str, kind: str) -> None:
     checked(law, kind)
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.matrix import turns
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
@@ -31,8 +32,10 @@ def stated_samples(law: str, **changed: object) -> int:
     )
 
 
-@pytest.mark.parametrize("changed", [{}, {"actuator.tau_max": 20.0}, {"actuator.tau_max": 10.0}])
-@pytest.mark.parametrize("law", NAMES)
+@pytest.mark.parametrize(
+    ("law", "changed"),
+    turns(NAMES, [{}, {"actuator.tau_max": 20.0}, {"actuator.tau_max": 10.0}], shown=6),
+)
 def test_back_inside_within_the_stated_samples(law: str, changed: dict[str, object]) -> None:
     run = returning(law, **changed)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.matrix import crossed
+from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import usable_speed
@@ -58,9 +58,7 @@ def test_every_option_means_the_same_in_both_engines(changed: dict[str, object])
     assert native.monitor.violations == numpy.monitor.violations
 
 
-@pytest.mark.parametrize(
-    ("law", "scenario"), crossed(NAMES, ["safe-simulation", "safe-experiment"])
-)
+@pytest.mark.parametrize(("law", "scenario"), turns(NAMES, ["safe-simulation", "safe-experiment"]))
 def test_presets_of_ours_keep_the_limits(law: str, scenario: str) -> None:
     for run in simulate_runs(scenario, law, range(3)):
         assert run.outcome == "completed"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.matrix import crossed
+from tests.matrix import turns
 from wmr_ctrl.api import simulate
 from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.laws import LAWS
@@ -97,7 +97,7 @@ def drawn(draw: np.random.Generator, drive: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("law", "drive"),
-    crossed(tuple(LAWS), [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}]),
+    turns(tuple(LAWS), [{}, {"actuator.lag": 0.02}, {"actuator.delay": 0.013}]),
 )
 def test_it_never_tells_more_than_there_was(law: str, drive: dict[str, Any]) -> None:
     """d_least <= the true disturbance along the motion, whatever robot, push, law and drives."""
@@ -119,7 +119,7 @@ def test_it_would_tell_more_if_the_stated_mass_were_too_large() -> None:
     assert (run["d_least"] > ahead(run) + scale(run)).any()
 
 
-@pytest.mark.parametrize(("law", "changed"), crossed(NAMES, [
+@pytest.mark.parametrize(("law", "changed"), turns(NAMES, [
     {"actuator.tau_max": 5.0},
     {"actuator.lag": 0.02, "actuator.delay": 0.013},
     {"sensor.velocity_noise": [0.02, 0.03]},

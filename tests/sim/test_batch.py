@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.matrix import quick
+from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import compile_loop, scenario_of, simulate, simulate_many, simulate_runs
 from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
@@ -23,7 +23,6 @@ from wmr_ctrl.sim.native import split_columns
 Columns = dict[str, np.ndarray]
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 every_law = pytest.mark.parametrize("law", NAMES)
-every_set = pytest.mark.parametrize("vectors", [item.name for item in vector_sets()])
 
 
 def tasks_of(
@@ -63,8 +62,9 @@ def same_bits(one: np.ndarray, other: np.ndarray) -> bool:
     return one.shape == other.shape and one.tobytes() == np.ascontiguousarray(other).tobytes()
 
 
-@every_law
-@every_set
+@pytest.mark.parametrize(
+    ("law", "vectors"), turns(headed("nn", NAMES), [item.name for item in vector_sets()])
+)
 def test_lanes_are_the_single_loop_over_80_s(law: str, vectors: str) -> None:
     tasks = tasks_of("paper-simulation", law, range(3), {}, vectors)
 
@@ -85,8 +85,7 @@ def test_one_step_is_right_anywhere(law: str) -> None:
         assert_alike("paper-simulation", law, tasks, changed)
 
 
-@pytest.mark.parametrize("law", quick(["mb", "nn"], "mb"))
-@pytest.mark.parametrize("changed", [
+@pytest.mark.parametrize(("law", "changed"), turns(["mb", "nn"], [
     {"actuator.lag": 0.02, "actuator.delay": 0.005},
     {"actuator.tau_max": 10.0},
     {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2},
@@ -98,7 +97,7 @@ def test_one_step_is_right_anywhere(law: str) -> None:
     {"reference.kind": "rounded-square"},
     {"initial.velocity": [1.3, 2.0]},
     {"guard.enabled": True},
-])  # fmt: skip
+], shown=3))  # fmt: skip
 def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> None:
     overrides = {**SHORT, **changed}
     tasks = tasks_of("paper-simulation", law, range(2), overrides)

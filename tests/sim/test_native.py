@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from tests.matrix import crossed, quick
+from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
@@ -25,7 +25,8 @@ def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
 
 
 @pytest.mark.parametrize(
-    ("law", "scenario"), crossed(NAMES, ["paper-simulation", "paper-simulation-noise-free"])
+    ("law", "scenario"),
+    turns(headed("nn", NAMES), ["paper-simulation", "paper-simulation-noise-free"], shown=1),
 )
 def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
     native, numpy = (
@@ -37,7 +38,7 @@ def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
 
 
-@pytest.mark.parametrize("law", quick(NAMES, "nn"))
+@pytest.mark.parametrize("law", quick(["nn", "prox"], "nn"))
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
     native, numpy = (
@@ -48,7 +49,7 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, rel=1e-2)
 
 
-@pytest.mark.parametrize(("law", "changed"), crossed(NAMES, [
+@pytest.mark.parametrize(("law", "changed"), turns(NAMES, [
     {"actuator.lag": 0.02, "actuator.delay": 0.005},
     {"actuator.delay": 0.03},
     {"actuator.tau_max": 10.0},
@@ -62,7 +63,7 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     {"reference.kind": "lemniscate"},
     {"reference.kind": "rounded-square"},
     {"initial.velocity": [1.3, 2.0]},
-]))  # fmt: skip
+], shown=3))  # fmt: skip
 def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str, object]) -> None:
     native, numpy = (
         simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})

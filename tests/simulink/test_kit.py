@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.matrix import crossed, headed
+from tests.matrix import headed, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.errors import ArgumentError
@@ -38,7 +38,7 @@ def written(folder, law, scenario=SCENARIO):
 
 @pytest.mark.parametrize(
     ("law", "language"),
-    crossed(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
+    turns(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
 )
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
     """Memory moves in mdlUpdate alone; what is not finite ends the simulation by an error."""

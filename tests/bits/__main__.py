@@ -1,0 +1,50 @@
+"""Every law in every case on every platform: ``python -m tests.bits [NAME ...]``; some 20 minutes.
+
+Each line is a platform, a law and what was found; without names, all platforms.  The tests take a
+part of these, in which every platform, law and case occurs.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from tests.bits.cases import CASES
+from tests.bits.platforms import Platform, differences
+from tests.bits.test_same_bits import EVERYWHERE
+from wmr_ctrl.laws.registry import NAMES
+
+
+def said(platform: Platform, law: str) -> str:
+    """What comes out of all cases of a law on a platform."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            found = differences(platform, law, CASES, Path(folder))
+        except pytest.skip.Exception as reason:
+            return str(reason)
+    return "; ".join(found) or "the same bits"
+
+
+def main(names: Sequence[str]) -> int:
+    """Print a line for each; 1 if any bit differs."""
+    chosen = [item for item in EVERYWHERE if item.name in names or not names]
+    pairs = list(product(chosen, NAMES))
+    failed = False
+    with ThreadPoolExecutor(2) as pool:
+        for (platform, law), text in zip(
+            pairs, pool.map(lambda pair: said(*pair), pairs), strict=True
+        ):
+            failed |= text != "the same bits" and not text.startswith("NOT RUN")
+            sys.stdout.write(f"{platform.name:18} {law:9} {text}\n")
+            sys.stdout.flush()
+    return int(failed or not pairs)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
