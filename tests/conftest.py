@@ -1,7 +1,7 @@
 """Settings for all tests: a build cache of their own, no windows, repeatable random examples.
 
-Libraries are compiled at the level -O0: that takes a quarter of the time of -O3, runs lose less than
-that, and the bits are the same: tests/bits compares builds at -O2 and -O3 with them, for every law.
+Libraries are compiled at the level -O0, which takes a quarter of the time of -O3; that is more than
+runs lose by it. The bits are the same: tests/bits compares builds at -O2 and -O3, for every law.
 """
 
 from __future__ import annotations
