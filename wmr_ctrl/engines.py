@@ -1,8 +1,12 @@
-"""Engines: from a checked scenario and a law to a Run, compiled or by NumPy."""
+"""Engines: from a checked scenario and a law to a Run, compiled or by NumPy, or to many."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
 from wmr_ctrl.compiled import CompiledLoop
@@ -10,15 +14,19 @@ from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.sample import own_diagnostics
-from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.results import PLANTS, Monitor, Run
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LOG_HEAD
 from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.many import RunTable, run_each, run_many
 from wmr_ctrl.sim.native import run_native
 from wmr_ctrl.sim.oracle import simulate_oracle
 from wmr_ctrl.sim.ready import Ready
 
-PLANTS = ("ode", "mujoco")
+if TYPE_CHECKING:
+    from wmr_ctrl.campaign import PhaseProgress
+
+Progress = Callable[[float], None]
 
 
 def ready_batch(scenario: Scenario, law: str) -> Ready:
@@ -43,9 +51,7 @@ def ready_plantless(scenario: Scenario, law: str) -> Ready:
     return ready_of(build_plantless(setup), setup)
 
 
-def run_numpy(
-    scenario: Scenario, law: str, seed: int, progress: Callable[[float], None] | None = None
-) -> Run:
+def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None = None) -> Run:
     """One run by NumPy: slow, and without a compiler.
 
     Raises ArgumentError for a law, reference or effect that has no twin there.
@@ -61,6 +67,55 @@ def run_numpy(
     logged = (signals, columns, Monitor(**numbers))
     facts = {"kernel_hash": ""}
     return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
+
+
+def runs_of(
+    plant: str,
+    scenario: Scenario,
+    law: str,
+    seeds: Sequence[int],
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[Run]:
+    """A whole Run per seed on that plant; errors as `run_each` and `run_rigid_each` raise."""
+    if plant == "mujoco":
+        from wmr_ctrl.physics.run import run_rigid_each
+
+        apart = ready_plantless(scenario, law)
+        return run_rigid_each([(apart, seed) for seed in seeds], jobs, progress)
+    loop = ready_batch(scenario, law)
+    return run_each([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
+
+
+def table_of(
+    plant: str,
+    scenarios: Sequence[Scenario],
+    law: str,
+    seeds: Sequence[int],
+    starts: Sequence[Sequence[float]] | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """Figures of a run per seed on that plant; errors as `run_many` and `run_rigid_many` raise."""
+    if plant == "mujoco":
+        from wmr_ctrl.physics.many import run_rigid_many
+
+        run, build = run_rigid_many, partial(ready_plantless, law=law)
+    else:
+        run, build = run_many, partial(ready_batch, law=law)
+    return run(build, scenarios, seeds, starts=starts, jobs=jobs, progress=progress)
+
+
+def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
+    """Film a run on the rigid body in three dimensions; as `Run.film`."""
+    from wmr_ctrl.physics.film import moments_of
+    from wmr_ctrl.report.film import MOST_MOMENTS, check_film, write_moments
+    from wmr_ctrl.scenario import loads_scenario
+
+    check_film(path, run.settings.plant_kind)
+    loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
+    moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
+    write_moments(run, moments, path, progress)
 
 
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:

@@ -14,6 +14,7 @@ HOMES = {
     "save_run": "wmr_ctrl.results.io",
     "plot_run": "wmr_ctrl.report.plot_run",
     "animate_run": "wmr_ctrl.report.animate",
+    "film_run": "wmr_ctrl.engines",
     "gains_by_law": "wmr_ctrl.control.setup",
 }
 """Each function, and the module that it is found in."""

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 from wmr_ctrl.campaign.engine import Prepare
-from wmr_ctrl.campaign.study_plan import library
-from wmr_ctrl.campaign.study_run import StudyChunk
+from wmr_ctrl.campaign.study_rows import StudyChunk
+from wmr_ctrl.campaign.study_sample import library
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.sim.batch import cores
 

@@ -29,9 +29,6 @@ LATE = (70.0, 80.0)
 RIGID_SEEDS = (2100, 2101, 2102)
 """Seeds with which nothing about the body was chosen."""
 
-PLANTS = ("ode", "mujoco")
-"""The plane model, and the rigid body."""
-
 _STEADY = "paper-simulation-no-switch"
 _LIMIT: Overrides = MappingProxyType({"actuator.tau_max": 10.0})
 _STEEP = math.radians(5.0)

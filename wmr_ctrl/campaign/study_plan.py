@@ -1,4 +1,4 @@
-"""The plan of a study: scenario, laws, guards, seeds, a grid, a sample, a rule to stop; as TOML.
+"""The plan of a study: scenario, laws, guards, plant, seeds, grid, sample, rule to stop; as TOML.
 
 Runs are counted by an index: points of grid and sample, then laws, then guards, then seeds (the
 last change fastest).  A run is what its index says, whoever makes it, in whatever order.
@@ -11,65 +11,33 @@ import itertools
 import json
 import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TypeAlias
 
 from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.campaign.figures import FIGURES
 from wmr_ctrl.campaign.intervals import StopRule
-from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
+from wmr_ctrl.campaign.study_sample import LATIN, SOBOL, UNIFORM, SamplePlan
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.results import PLANTS
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
 from wmr_ctrl.scenario.toml_io import is_path
-from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
 Raw: TypeAlias = Mapping[str, object]
-KEYS = ("scenario", "laws", "guard", "seeds", "set", "grid", "sample", "stop", "figures", "chunk")
+KEYS = (
+    "scenario", "laws", "guard", "plant", "seeds", "set", "grid", "sample", "stop", "figures",
+    "chunk",
+)  # fmt: skip
+CHUNKS = {"ode": 1024, "mujoco": 32}
+"""Runs between two times that results are written: some minutes at most."""
 MOST_RUNS = 10**9
 SHARES = ("violated", "tracked")
 """Figures that are 0 or 1 a run."""
-LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
-
-
-@dataclass(frozen=True)
-class SamplePlan:
-    """A sample of a box: method, size, seed, and the range of each key.
-
-    "sobol" makes the n (d + 2) points that Sobol indices need (SALib's scheme of Saltelli).
-    """
-
-    method: str
-    n: int
-    seed: int
-    ranges: Mapping[str, tuple[float, float]]
-
-    @cached_property
-    def points(self) -> NDArray[np.float64]:
-        """The points, one a row, in the order of ``ranges``."""
-        low, high = np.array(list(self.ranges.values())).T
-        if self.method == SOBOL:
-            sampler: Any = library("SALib.sample.sobol", "study")
-            rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
-            return np.asarray(rows, dtype=np.float64)
-        draw = np.random.Generator(np.random.Philox(self.seed))
-        unit = draw.random((self.n, len(low)))
-        if self.method == LATIN:
-            strata = np.column_stack([draw.permutation(self.n) for _ in low])
-            unit = (strata + unit) / self.n
-        return low + (high - low) * unit
-
-    @property
-    def problem(self) -> dict[str, object]:
-        """The box as SALib wants it."""
-        bounds = [list(pair) for pair in self.ranges.values()]
-        return {"num_vars": len(bounds), "names": list(self.ranges), "bounds": bounds}
 
 
 @dataclass(frozen=True)
@@ -79,6 +47,7 @@ class StudyPlan:
     scenario: Scenario
     laws: tuple[str, ...]
     guards: tuple[bool, ...]
+    plant: str
     first_seed: int
     seeds: int
     fixed: Mapping[str, object]
@@ -146,6 +115,7 @@ class StudyPlan:
             "scenario": {"name": self.scenario.name, **scenario_dict(self.scenario)},
             "laws": list(self.laws),
             "guard": list(self.guards),
+            "plant": self.plant,
             "seeds": {"first": self.first_seed, "count": self.seeds},
             "set": dict(self.fixed),
             "grid": {key: list(values) for key, values in self.grid.items()},
@@ -181,11 +151,13 @@ def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
     grid = {key: _values(key, values) for key, values in flat(_table(raw, "grid")).items()}
     sample = _sample(_table(raw, "sample")) if "sample" in raw else None
     first, count = _seeds(raw.get("seeds", 20))
-    figures = _figures(raw.get("figures"))
+    plant = _plant(raw.get("plant", "ode"))
+    figures = _figures(raw.get("figures"), plant)
     plan = StudyPlan(
         override(scenario, fixed), _texts(raw.get("laws", ["nn"])),
-        _guards(raw.get("guard", [scenario.guard.enabled])), first, count, {}, grid, sample,
-        _stop(raw.get("stop"), figures), figures, _whole(raw.get("chunk", 1024), "chunk", 1),
+        _guards(raw.get("guard", [scenario.guard.enabled])), plant, first, count, {}, grid, sample,
+        _stop(raw.get("stop"), figures), figures,
+        _whole(raw.get("chunk", CHUNKS[plant]), "chunk", 1),
     )  # fmt: skip
     _check(plan)
     return plan
@@ -218,17 +190,6 @@ def flat(table: Raw, head: str = "") -> dict[str, object]:
         path = f"{head}.{key}" if head else key
         rows |= flat(value, path) if isinstance(value, Mapping) else {path: value}
     return rows
-
-
-def library(name: str, extra: str) -> object:
-    """A module of an optional package; raises MissingExtraError with what to install."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingExtraError(
-            f"this needs {name.partition('.')[0]}, which is not installed: "
-            f"pip install 'wmr_ctrl[{extra}]'."
-        ) from None
 
 
 def _scenario(given: object, folder: Path) -> Scenario:
@@ -305,8 +266,15 @@ def _sample(table: Raw) -> SamplePlan:
     return SamplePlan(str(method), n, seed, ranges)
 
 
-def _figures(given: object) -> tuple[str, ...]:
-    ours = [*SHARES, *(column.name for column in COLUMNS)]
+def _plant(given: object) -> str:
+    if given not in PLANTS:
+        raise UnknownNameError("plant", str(given), PLANTS)
+    return str(given)
+
+
+def _figures(given: object, plant: str) -> tuple[str, ...]:
+    columns = (*COLUMNS, *RIGID_COLUMNS) if plant == "mujoco" else COLUMNS
+    ours = [*SHARES, *(column.name for column in columns)]
     if given is None:
         return tuple(ours)
     known = [*ours, *(figure.name for figure in FIGURES if figure.name not in ours)]
@@ -335,9 +303,3 @@ def _stop(given: object, figures: tuple[str, ...]) -> StopRule | None:
     if rule.figure not in figures:
         raise UnknownNameError("figure of the study", rule.figure, figures)
     return rule
-
-
-def blocks(plan: StudyPlan, indices: Iterator[int]) -> Iterator[list[int]]:
-    """The indices in lists of the plan's chunk."""
-    while block := list(itertools.islice(indices, plan.chunk)):
-        yield block

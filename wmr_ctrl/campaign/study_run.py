@@ -4,54 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass, replace
-from itertools import chain
+from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import (
-    PhaseProgress,
-    PlannedCase,
-    Prepare,
-    Refusal,
-    Silent,
-    Simulate,
-    prepared_cases,
-)
-from wmr_ctrl.campaign.figures import figure_named
-from wmr_ctrl.campaign.study_plan import SHARES, StudyPlan, blocks
+from wmr_ctrl.campaign.engine import PhaseProgress, Silent
+from wmr_ctrl.campaign.study_plan import StudyPlan
+from wmr_ctrl.campaign.study_rows import StudyChunk
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
-from wmr_ctrl.results import Run, outcome_of
-from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.figures import COLUMNS, SHAPES, column_of, monitor
-from wmr_ctrl.sim.ready import Ready
 
-REFUSED = "refused"
-MOST_LOOPS = 16
-"""Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
-
-
-@dataclass(frozen=True)
-class StudyChunk:
-    """Some runs of a study, and the figures that are asked of them: what a worker is sent.
-
-    ``loops``: that of each run, where the worker need not build them.
-    """
-
-    runs: tuple[tuple[PlannedCase, int], ...]
-    figures: tuple[str, ...]
-    loops: tuple[Ready | Refusal, ...] = ()
-
-    def with_loops(self, prepare: Prepare) -> StudyChunk:
-        """The same with its loops; as it is where almost every run has a case of its own."""
-        cases = [case for case, _ in self.runs]
-        if len(set(map(id, cases))) > MOST_LOOPS:
-            return self
-        return replace(self, loops=tuple(prepared_cases(prepare, cases, Silent(), "")))
 
 
 MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
@@ -74,65 +40,6 @@ class StudyOutcome:
     def __str__(self) -> str:
         early = f"; {self.stopped} cases were settled early" if self.stopped else ""
         return f"{self.runs} of {self.planned} planned runs{early}; the table: {self.table}"
-
-
-def chunk_rows(
-    chunk: StudyChunk, prepare: Prepare, simulate: Simulate, jobs: int | None
-) -> dict[str, np.ndarray]:
-    """Outcome and figures of each run of a chunk; a guard's refusal has no figures."""
-    cases = (case for case, _ in chunk.runs)
-    loops = chunk.loops or prepared_cases(prepare, cases, Silent(), "")
-    places = [place for place, loop in enumerate(loops) if not isinstance(loop, Refusal)]
-    seeds = [seed for _, seed in chunk.runs]
-    ready = [
-        (loop, seed)
-        for loop, seed in zip(loops, seeds, strict=True)
-        if not isinstance(loop, Refusal)
-    ]
-    rows: dict[str, np.ndarray] = {name: np.full(len(loops), np.nan) for name in chunk.figures}
-    outcome = [REFUSED] * len(loops)
-    if ready:
-        sums = _sums(ready, jobs)
-        for place, text in zip(places, sums.pop("outcome"), strict=True):
-            outcome[place] = str(text)
-        whole = [name for name in chunk.figures if name not in sums]
-        if whole:
-            sums |= _logged(ready, whole, simulate, jobs)
-        for name in chunk.figures:
-            rows[name][places] = sums[name]
-    return {"outcome": np.array(outcome), **rows}
-
-
-def _sums(ready: Sequence[tuple[Ready, int]], jobs: int | None) -> dict[str, np.ndarray]:
-    """Figures that the loop adds up by itself."""
-    figures = run_tasks([Task(loop, seed) for loop, seed in ready], jobs=jobs)
-    guarded = np.array([loop.scenario.guard.enabled for loop, _ in ready])
-    figures["guard_share"][~guarded] = 0.0
-    allowed = np.array([loop.settings.tolerance for loop, _ in ready], dtype=float)
-    columns: dict[str, np.ndarray] = {c.name: column_of(c, figures) for c in COLUMNS}
-    columns["violated"] = (columns["violations"] > 0).astype(float)
-    columns["tracked"] = (columns["position_rms_last_quarter"] <= allowed).astype(float)
-    assert set(SHARES) <= set(columns)
-    columns["outcome"] = np.array(
-        [
-            outcome_of(monitor({name: figures[name][k] for name in SHAPES}), bool(guarded[k])).value
-            for k in range(len(ready))
-        ]
-    )
-    return columns
-
-
-def _logged(
-    ready: Sequence[tuple[Ready, int]], names: Sequence[str], simulate: Simulate, jobs: int | None
-) -> dict[str, np.ndarray]:
-    """Figures that need a whole log, from runs made once more."""
-
-    def take(_: int, run: Run) -> list[float]:
-        values = [figure_named(name).of(run) for name in names]
-        return [np.nan if value is None else float(value) for value in values]
-
-    table = np.array(simulate(ready, take, jobs), dtype=float)
-    return dict(zip(names, table.T, strict=True))
 
 
 def run_study(
@@ -207,7 +114,7 @@ def _finished(
     plan, paths = folder.plan, []
 
     def missing() -> Iterator[tuple[Path, list[int]]]:
-        for block in blocks(plan, chosen):
+        for block in _blocks(plan, chosen):
             path = folder.chunk_path(look, block)
             paths.append(path)
             rows = folder.rows(path)
@@ -232,7 +139,7 @@ def _chunk(plan: StudyPlan, block: Sequence[int]) -> StudyChunk:
     """The runs of some indices; those of a cell share their case."""
     cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
     runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
-    return StudyChunk(tuple(runs), plan.figures)
+    return StudyChunk(tuple(runs), plan.figures, plan.plant)
 
 
 def _sent(
@@ -257,3 +164,9 @@ def _sent(
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _blocks(plan: StudyPlan, indices: Iterator[int]) -> Iterator[list[int]]:
+    """The indices in lists of the plan's chunk."""
+    while block := list(islice(indices, plan.chunk)):
+        yield block

@@ -27,7 +27,7 @@ from wmr_ctrl.campaign.study_plan import SHARES, StudyPlan
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import Section, quantities
-from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome`` and an array a figure, one row a run."""
@@ -127,7 +127,7 @@ def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
         unit, meaning = _field(plan, key)
         yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
-    known = {column.name: (column.unit, column.meaning) for column in COLUMNS}
+    known = {column.name: (column.unit, column.meaning) for column in (*COLUMNS, *RIGID_COLUMNS)}
     known |= {f.name: (f.unit, f.meaning) for f in FIGURES if f.name not in known}
     known |= {name: ("1", f"1 if {name}, else 0") for name in SHARES}
     for name in plan.figures:

@@ -30,6 +30,9 @@ RUNS, PLOTS, ANIMATIONS = (
     (".png", ".svg", ".pdf"),
     (".gif", ".mp4", ".html"),
 )
+film_option = click.option(
+    "--film", metavar="FILE", help="Film the rigid body in 3-D (--plant mujoco): .mp4 or .gif."
+)
 
 
 @click.command(
@@ -38,6 +41,7 @@ RUNS, PLOTS, ANIMATIONS = (
         "wmr-ctrl run                          # law and scenario of the paper",
         "wmr-ctrl run far-start --law mb --plot mb.png",
         "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
+        "wmr-ctrl run --plant mujoco --film fall.mp4",
     ),
 )
 @scenario_argument
@@ -60,6 +64,7 @@ RUNS, PLOTS, ANIMATIONS = (
 @click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
 @click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
 @click.option("--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html.")
+@film_option
 @json_option("Print outcome and figures as one JSON document.")
 @debug_option
 def run(
@@ -73,6 +78,7 @@ def run(
     out: str | None,
     plot: str | None,
     animate: str | None,
+    film: str | None,
     as_json: bool,
 ) -> None:
     """Run one law on one scenario, and print how it went.
@@ -83,9 +89,13 @@ def run(
     the outcome says so.
     """
     check_outputs(out, plot, animate)
+    if film:
+        from wmr_ctrl.report.film import check_film
+
+        check_film(film, plant)
     case = load(scenario, assignments, guard)
     finished = _simulated(case, law, seed, engine, plant)
-    write_run(finished, out, plot, animate)
+    write_run(finished, out, plot, animate, film)
     show(finished, as_json)
 
 
@@ -121,7 +131,13 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
 
 
-def write_run(run: Run, out: str | None, plot: str | None, animate: str | None) -> None:
+def write_run(
+    run: Run,
+    out: str | None,
+    plot: str | None = None,
+    animate: str | None = None,
+    film: str | None = None,
+) -> None:
     """Save, draw and film a run, each where a file is named."""
     if out:
         from wmr_ctrl.results import save_run
@@ -139,6 +155,12 @@ def write_run(run: Run, out: str | None, plot: str | None, animate: str | None) 
         with Progress("animation") as progress:
             animate_run(run, animate, progress=progress)
         say("wrote", animate)
+    if film:
+        from wmr_ctrl.engines import film_run
+
+        with Progress("film") as progress:
+            film_run(run, film, progress)
+        say("wrote", film)
 
 
 def show(run: Run, as_json: bool) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from wmr_ctrl.cli.options import debug_option, examples, json_option
-from wmr_ctrl.cli.run import check_outputs, show, write_run
+from wmr_ctrl.cli.run import check_outputs, film_option, show, write_run
 
 
 @click.command(
@@ -21,12 +21,18 @@ from wmr_ctrl.cli.run import check_outputs, show, write_run
 @click.option("--out", metavar="FILE", help="Save it once more: .npz, .csv or .parquet.")
 @click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
 @click.option("--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html.")
+@film_option
 @json_option("Print outcome and figures as one JSON document.")
 @debug_option
 def show_saved(
-    file: str, out: str | None, plot: str | None, animate: str | None, as_json: bool
+    file: str,
+    out: str | None,
+    plot: str | None,
+    animate: str | None,
+    film: str | None,
+    as_json: bool,
 ) -> None:
-    """Print how a saved run went, and draw, film or convert it; nothing is simulated.
+    """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
 
     RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote: .npz, .csv or .parquet.
     """
@@ -34,5 +40,5 @@ def show_saved(
 
     check_outputs(out, plot, animate)
     run = load_run(file)
-    write_run(run, out, plot, animate)
+    write_run(run, out, plot, animate, film)
     show(run, as_json)

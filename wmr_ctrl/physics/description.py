@@ -123,10 +123,15 @@ def description(scenario: Scenario) -> str:
 """
 
 
-_SCENERY = """  <visual><global offwidth="1280" offheight="960"/></visual>
+_SCENERY = """  <visual>
+    <global offwidth="1280" offheight="960"/>
+    <quality offsamples="0" shadowsize="1024"/>
+  </visual>
   <asset>
     <texture name="grid" type="2d" builtin="checker" width="256" height="256"
              rgb1=".92 .93 .95" rgb2=".84 .86 .89"/>
+    <texture name="sky" type="skybox" builtin="gradient" width="64" height="64"
+             rgb1=".62 .74 .86" rgb2=".95 .96 .97"/>
     <material name="grid" texture="grid" texrepeat="1 1" texuniform="true"/>
   </asset>"""
 

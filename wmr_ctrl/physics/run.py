@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from multiprocessing import get_context
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.physics.rigid import RigidBody, mujoco
+from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.signals import RIGID
-from wmr_ctrl.sim.batch import check_jobs, cores
 from wmr_ctrl.sim.coupled import Coupled
 from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
 
-Progress: TypeAlias = Callable[[float], None]
 T = TypeVar("T")
 _ROWS_PER_REPORT = 100
 
@@ -31,8 +27,15 @@ def run_rigid(loop: Ready, seed: int, progress: Progress | None = None) -> Run:
 
     Raises MissingExtraError, CompilerError, or ScenarioError for what no rigid body can be.
     """
+    return run_to_end(loop, seed, progress)[0]
+
+
+def run_to_end(
+    loop: Ready, seed: int, progress: Progress | None = None
+) -> tuple[Run, tuple[float, ...]]:
+    """The Run, and the state in which it ended: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
     scenario, layout = loop.scenario, loop.compiled.layout
-    coupling, rows = _Coupling(loop, seed), list[list[float]]()
+    coupling, rows = Coupling(loop, seed), list[list[float]]()
     for k in range(scenario.clock.samples):
         if coupling.ended:
             break
@@ -44,7 +47,8 @@ def run_rigid(loop: Ready, seed: int, progress: Progress | None = None) -> Run:
     monitor = replace(coupling.loop.monitor(), rigid=coupling.seen)
     logged = (signals, split_columns(signals, table), monitor)
     facts = {"kernel_hash": loop.compiled.digest, "mujoco": str(mujoco().__version__)}
-    return finished(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
+    run = finished(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
+    return run, coupling.body.plane_state[:5]
 
 
 def run_rigid_each(
@@ -55,15 +59,7 @@ def run_rigid_each(
     The result is the same for any ``jobs``.  ``progress`` is called with the share done.  Errors as
     in `run_rigid`, and ArgumentError for jobs < 1.
     """
-    check_jobs(jobs)
-    mujoco()
-    results = list[Run]()
-    with _workers(min(jobs or cores(), len(runs))) as submit:
-        for asked in [submit(loop, seed) for loop, seed in runs]:
-            results.append(asked())
-            if progress is not None:
-                progress(len(results) / len(runs))
-    return results
+    return make_each(run_rigid, runs, jobs, progress)
 
 
 def run_rigid_then(
@@ -76,21 +72,7 @@ def run_rigid_then(
     return [then(place, run) for place, run in enumerate(run_rigid_each(runs, jobs, progress))]
 
 
-@contextmanager
-def _workers(count: int) -> Iterator[Callable[[Ready, int], Callable[[], Run]]]:
-    """How to ask for a run, and then for its result: here, or in one of several processes."""
-    if count <= 1:
-        yield lambda loop, seed: lambda: run_rigid(loop, seed)
-        return
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        try:
-            yield lambda loop, seed: pool.submit(run_rigid, loop, seed).result
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-class _Coupling:
+class Coupling:
     """A compiled loop and a rigid body, sample by sample.
 
     ``ended``: whether the run must end; ``seen``: what the body showed so far.

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
 
@@ -15,7 +16,7 @@ from PIL import Image
 
 from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
-from wmr_ctrl.report.scene import BODY, TRACK, WHEEL, Scene, frames, scene_of
+from wmr_ctrl.report.scene import BODY, FRAME, TRACK, WHEEL, Picture, Scene, frames, scene_of
 from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.report.web import page_environment
 from wmr_ctrl.results import Run, atomic_path, check_writable
@@ -61,9 +62,9 @@ def _animate(run: Run, target: Path, suffix: str, progress: PhaseProgress) -> No
     try:
         with atomic_path(target) as scratch:
             if suffix == ".gif":
-                write_gif(scene, scratch, progress)
+                write_gif(frames(scene), scratch, progress)
             elif suffix == ".mp4":
-                write_film(scene, scratch, progress)
+                write_film(frames(scene), FRAME, scratch, progress)
             else:
                 write_page(scene, scratch)
                 progress.advance(len(scene.t))
@@ -101,10 +102,10 @@ def _json(scene: Scene) -> str:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def write_gif(scene: Scene, path: Path, progress: PhaseProgress) -> None:
-    """Write the scene's frames, all in the palette of the last one, which shows everything."""
+def write_gif(shown: Iterable[Picture], path: Path, progress: PhaseProgress) -> None:
+    """Write frames, all in the palette of the last one, which shows everything."""
     pictures = []
-    for picture in frames(scene):
+    for picture in shown:
         pictures.append(Image.fromarray(picture))
         progress.advance(1)
     palette = pictures[-1].quantize(
@@ -128,12 +129,14 @@ def find_ffmpeg() -> str:
     return program
 
 
-def write_film(scene: Scene, path: Path, progress: PhaseProgress) -> None:
-    """Write the scene's frames as a film; raises ResultFileError where ffmpeg fails."""
+def write_film(
+    shown: Iterable[Picture], size: tuple[int, int], path: Path, progress: PhaseProgress
+) -> None:
+    """Write frames of ``size`` (width, height) as a film; ResultFileError where ffmpeg fails."""
     with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(_command(path), stdin=subprocess.PIPE, stderr=errors)
+        process = subprocess.Popen(_command(path, size), stdin=subprocess.PIPE, stderr=errors)
         assert process.stdin is not None
-        broken = _feed(scene, process.stdin, progress)
+        broken = _feed(shown, process.stdin, progress)
         if process.wait() or broken:
             errors.seek(0)
             lines = errors.read().decode(errors="replace").strip().splitlines()
@@ -143,17 +146,18 @@ def write_film(scene: Scene, path: Path, progress: PhaseProgress) -> None:
             )
 
 
-def _command(path: Path) -> list[str]:
-    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "560x620", "-r", str(FILM_RATE), "-i", "-")
+def _command(path: Path, size: tuple[int, int]) -> list[str]:
+    kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
+    raw = (*kind, "-r", str(FILM_RATE), "-i", "-")
     coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
     return [find_ffmpeg(), "-loglevel", "error", "-y", *raw, *coding, str(path)]
 
 
-def _feed(scene: Scene, pipe: IO[bytes], progress: PhaseProgress) -> bool:
+def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) -> bool:
     """Hand over all frames; whether the other side closed the pipe before the end."""
     try:
         with pipe:
-            for picture in frames(scene):
+            for picture in shown:
                 pipe.write(picture.tobytes())
                 progress.advance(1)
     except BrokenPipeError:

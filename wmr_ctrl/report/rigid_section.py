@@ -15,7 +15,6 @@ from wmr_ctrl.campaign import spread
 from wmr_ctrl.campaign.rigid import (
     AS_PRINTED,
     LATE,
-    PLANTS,
     RIGID_CASES,
     RigidComparison,
     RigidRow,
@@ -23,7 +22,7 @@ from wmr_ctrl.campaign.rigid import (
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
 from wmr_ctrl.report.style import ABSENT, INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed
-from wmr_ctrl.results import Run
+from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 RIGID_FIGURES = ("rigid_fall", "rigid_film")

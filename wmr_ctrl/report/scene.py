@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -92,9 +93,13 @@ def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -
 _DPI = 100
 _SIZE = (5.6, 6.2)
 """Width and height [inch]; both an even number of pixels, as films want them."""
+FRAME = (round(_SIZE[0] * _DPI), round(_SIZE[1] * _DPI))
+"""The same in pixels."""
+Picture: TypeAlias = NDArray[np.uint8]
+"""Rows, columns, colours."""
 
 
-def frames(scene: Scene) -> Iterator[NDArray[np.uint8]]:
+def frames(scene: Scene) -> Iterator[Picture]:
     """One picture per frame, shape (620, 560, 3)."""
     with house_style():
         stage = _Stage(scene)
@@ -117,7 +122,7 @@ class _Stage:
         self._canvas.draw()
         self._background = self._canvas.copy_from_bbox(self._figure.bbox)
 
-    def picture(self, index: int) -> NDArray[np.uint8]:
+    def picture(self, index: int) -> Picture:
         """The frame of a row of the scene."""
         self._place(index)
         self._canvas.restore_region(self._background)

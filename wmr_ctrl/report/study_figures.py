@@ -14,7 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.study_plan import SHARES, SOBOL, library
+from wmr_ctrl.campaign.study_plan import SHARES
+from wmr_ctrl.campaign.study_sample import SOBOL, library
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, with_unit

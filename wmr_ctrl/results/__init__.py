@@ -24,7 +24,7 @@ from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.plain import json_safe
 from wmr_ctrl.results.remarks import Remark, remarks_on
 from wmr_ctrl.results.run import FloatArray, Run
-from wmr_ctrl.results.settings import Settings
+from wmr_ctrl.results.settings import PLANTS, Settings
 from wmr_ctrl.results.tracking import (
     arrival,
     guard_share,
@@ -37,6 +37,7 @@ from wmr_ctrl.results.windows import covered, span, window
 
 __all__ = [
     "DIVERGENCE",
+    "PLANTS",
     "Assumptions",
     "ColumnDifference",
     "Comparison",

@@ -113,6 +113,15 @@ class Run:
         """
         upward("animate_run")(self, path)
 
+    def film(self, path: str | os.PathLike[str]) -> None:
+        """Film a run on the rigid body in three dimensions, into a .gif or .mp4 file.
+
+        The run is made once more for it.  Raises ResultFileError, ArgumentError for a run on the
+        plane model, without any sample or from elsewhere, MissingExtraError without the extra
+        physics, OpenGL, or ffmpeg for .mp4.
+        """
+        upward("film_run")(self, path)
+
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
         from wmr_ctrl.results.metrics import summary  # it reads Runs, and so stands above

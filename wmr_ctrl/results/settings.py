@@ -10,6 +10,9 @@ from wmr_ctrl.errors import ArgumentError
 _GRID = 1e-6
 """Times this close to a sample, in sample periods, count as that sample: 0.3/0.1 is not 3."""
 
+PLANTS = ("ode", "mujoco")
+"""The plane model, and the rigid body on tyres."""
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:

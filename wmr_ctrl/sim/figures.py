@@ -100,6 +100,16 @@ COLUMNS: tuple[FigureColumn, ...] = (
 )  # fmt: skip
 """The figures as columns of one number each, in the order in which tables have them."""
 
+RIGID_COLUMNS: tuple[FigureColumn, ...] = (
+    _column("slipped", "s", "first time at which a tread slid by more than body.slip_max"),
+    _column("tipped", "s", "time at which the robot had fallen over"),
+    _column("max_slip", "m/s", "largest speed of a tread over the ground"),
+    _column("max_wheel_speed", "rad/s", "largest speed of a wheel"),
+    _column("max_tilt", "rad", "largest lean of the robot's axis"),
+    _column("least_tip_margin", "1", "least distance of the load's centre from tipping, 0 to 1"),
+)
+"""What runs on the rigid body have besides, each a figure of its name and shape ()."""
+
 
 def column_of(column: FigureColumn, figures: Mapping[str, NDArray[np.float64]]) -> Floats:
     """The numbers of a column, one a run."""

@@ -15,7 +15,7 @@ from wmr_ctrl.results.frames import table_frame
 from wmr_ctrl.results.html import figure, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
-from wmr_ctrl.sim.figures import COLUMNS, SHAPES, Figures, column_of, monitor
+from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, Figures, column_of, monitor
 from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
@@ -23,13 +23,16 @@ from wmr_ctrl.sim.ready import Ready
 if TYPE_CHECKING:
     import pandas
 
+ALL_COLUMNS = (*COLUMNS, *RIGID_COLUMNS)
+
 
 @dataclass(frozen=True, repr=False)
 class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
-    Names and units are those of `sim.figures.SHAPES`; ``outcome`` (str), ``seed`` and
-    ``tracked`` (bool, the last quarter's position_rms against metrics.tolerance) besides.
+    Names and units are those of `sim.figures.SHAPES`, on the rigid body those of `RIGID_COLUMNS`
+    too; ``outcome`` (str), ``seed`` and ``tracked`` (bool, the last quarter's position_rms against
+    metrics.tolerance) besides.
     """
 
     figures: Mapping[str, NDArray[np.float64]]
@@ -56,11 +59,12 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
         heads: dict[str, NDArray[np.generic]] = {
             name: self.figures[name] for name in ("seed", "outcome", "tracked")
         }
-        return heads | {column.name: column_of(column, self.figures) for column in COLUMNS}
+        known = [column for column in ALL_COLUMNS if column.figure in self.figures]
+        return heads | {column.name: column_of(column, self.figures) for column in known}
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
-        return table_frame(self.columns(), {column.name: column.unit for column in COLUMNS})
+        return table_frame(self.columns(), {column.name: column.unit for column in ALL_COLUMNS})
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.figures[name]
@@ -101,15 +105,8 @@ def run_many(
     ArgumentError
         If the numbers of scenarios, seeds and starts do not fit, or there is no run.
     """
-    count = len(seeds)
-    _check(count, scenarios, starts)
-    listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
-    known = _prepared(build, list(dict.fromkeys(listed)), progress)
-    tasks = []
-    for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
-        start = None if starts is None else tuple(float(value) for value in starts[k])
-        tasks.append(Task(known[scenario], int(seed), start))
-    figures = run_tasks(tasks, jobs=jobs, progress=_later(progress))
+    tasks = planned_tasks(build, scenarios, seeds, starts, progress)
+    figures = run_tasks(tasks, jobs=jobs, progress=later(progress))
     outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
     allowed = np.array([task.loop.settings.tolerance for task in tasks], dtype=float)
     figures["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
@@ -119,6 +116,25 @@ def run_many(
         "tracked": figures["position_rms"][:, 1] <= allowed,
     }
     return RunTable({**figures, **further})
+
+
+def planned_tasks(
+    build: Callable[[Scenario], Ready],
+    scenarios: Sequence[Scenario],
+    seeds: Sequence[int],
+    starts: Sequence[Sequence[float]] | None,
+    progress: Progress | None,
+) -> list[Task]:
+    """A task a seed, of loops that are built once for each different scenario; as `run_many`."""
+    count = len(seeds)
+    _check(count, scenarios, starts)
+    listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
+    known = _prepared(build, list(dict.fromkeys(listed)), progress)
+    tasks = []
+    for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
+        start = None if starts is None else tuple(float(value) for value in starts[k])
+        tasks.append(Task(known[scenario], int(seed), start))
+    return tasks
 
 
 PREPARING = 0.1
@@ -137,7 +153,7 @@ def _prepared(
     return loops
 
 
-def _later(progress: Progress | None) -> Progress | None:
+def later(progress: Progress | None) -> Progress | None:
     """Progress of the runs, behind what was told before."""
     if progress is None:
         return None
@@ -170,7 +186,7 @@ SHOWN = ("seed", "outcome", "tracked", "position_rms", "ise_total", "max_abs_v1"
 
 def _headed(name: str) -> str:
     """A column's name and unit."""
-    units = {column.name: column.unit for column in COLUMNS}
+    units = {column.name: column.unit for column in ALL_COLUMNS}
     return f"{name} [{units[name]}]" if name in units else name
 
 

@@ -1,0 +1,147 @@
+"""Many runs on the rigid body: one table, whoever makes it and however many at a time."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.physics.test_run import SHORT
+from wmr_ctrl import simulate, simulate_many
+from wmr_ctrl.campaign.study_plan import plan_of
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ScenarioError, UnknownNameError
+from wmr_ctrl.physics.workers import make_each
+from wmr_ctrl.results import summary
+
+BRIEF = SHORT | {"clock.duration": 0.5}
+PLAN = {
+    "scenario": "paper-simulation",
+    "plant": "mujoco",
+    "laws": ["mb"],
+    "seeds": 2,
+    "set": {"clock.duration": 0.5},
+    "grid": {"actuator.tau_max": [10.0, 60.0]},
+    "figures": ["violated", "position_rms", "slipped", "settling_time"],
+}
+
+
+def same(one, other):
+    """Whether two tables have the same bits."""
+    return one.keys() == other.keys() and all(
+        np.array_equal(one[name], other[name], equal_nan=one[name].dtype.kind == "f")
+        for name in one
+    )
+
+
+def test_a_table_has_the_figures_of_single_runs():
+    table = simulate_many("paper-simulation", "mb", [3, 4], BRIEF, plant="mujoco", jobs=1)
+    for k, seed in enumerate((3, 4)):
+        run = simulate("paper-simulation", "mb", seed=seed, overrides=BRIEF, plant="mujoco")
+        figures, seen = summary(run), run.monitor.rigid
+        assert table["ise_total"][k] == figures["ise"]["total"]
+        assert table["max_abs_v"][k].tolist() == figures["max_abs_v"]
+        assert table["max_slip"][k] == seen.max_slip
+        assert table["least_tip_margin"][k] == seen.least_tip_margin
+        assert table["outcome"][k] == run.outcome
+        assert np.abs(table["final_state"][k][:2] - (run["x"][-1], run["y"][-1])).max() < 0.02
+    columns = table.columns()
+    assert columns["slipped"].shape == (2,)
+    assert {"tipped", "max_wheel_speed", "max_tilt"} < set(columns)
+
+
+def test_overrides_and_starts_may_differ_by_run():
+    starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
+    changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
+    table = simulate_many(
+        "paper-simulation", "mb", [1, 1], changed, plant="mujoco", jobs=1, starts=starts
+    )
+    begun = BRIEF | {"initial.pose": starts[0][:3], "initial.velocity": starts[0][3:]}
+    alone = simulate("paper-simulation", "mb", seed=1, plant="mujoco", overrides=begun)
+    assert table["position_rms"][0, 0] == summary(alone)["position_rms"]["all"]
+    assert np.isnan(table["slipped"][0])
+    assert table["slipped"][1] < 0.2
+
+
+def test_a_run_that_falls_counts_as_stopped_then():
+    table = simulate_many("paper-simulation", "pid", [0], plant="mujoco", jobs=1)
+    assert table["outcome"].tolist() == ["tipped"]
+    assert table["stopped"][0] == table["tipped"][0] < 2.0
+    assert np.isnan(table["ise_total"][0])
+    assert not table["tracked"][0]
+
+
+@pytest.mark.slow
+def test_the_number_of_processes_changes_no_bit():
+    one, two = (
+        simulate_many("paper-simulation", "mb", range(3), BRIEF, plant="mujoco", jobs=jobs)
+        for jobs in (1, 2)
+    )
+    assert same(one, two)
+
+
+@pytest.mark.slow
+def test_many_runs_may_stand_at_a_script_s_top_level(tmp_path):
+    """The processes do not run the script once more."""
+    script = tmp_path / "many.py"
+    script.write_text(
+        "import wmr_ctrl\nprint('once')\n"
+        f"runs = wmr_ctrl.simulate_runs('paper-simulation', 'mb', range(2), plant='mujoco',"
+        f" jobs=2, overrides={BRIEF!r})\nprint([run.rows for run in runs])\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120)
+    assert done.stdout == "once\n[50, 50]\n"
+    assert done.stderr == ""
+
+
+def test_what_a_run_raises_comes_through(monkeypatch):
+    refused = ScenarioError("body.x: no.")
+
+    def refuse(loop, seed):
+        raise refused
+
+    with pytest.raises(ScenarioError, match=r"body\.x"):
+        make_each(refuse, [(None, 0)], 1)
+    with pytest.raises(ArgumentError, match="jobs"):
+        make_each(refuse, [(None, 0)], 0)
+
+
+def test_a_study_on_the_rigid_body(tmp_path):
+    done = wmr_ctrl.study(PLAN, tmp_path / "s", jobs=1)
+    rows = list(csv.DictReader(done.table.read_text().splitlines()))
+    assert [row["outcome"] for row in rows[:2]] == ["completed"] * 2
+    assert [row["slipped"] for row in rows[:2]] == ["", ""]
+    assert all(float(row["slipped"]) < 0.1 for row in rows[2:])
+    run = simulate("paper-simulation", "mb", seed=1, overrides=BRIEF, plant="mujoco")
+    assert float(rows[1]["position_rms"]) == summary(run)["position_rms"]["all"]
+    assert '"mujoco": "' in (tmp_path / "s" / "study.json").read_text()
+
+
+@pytest.mark.slow
+def test_the_study_s_table_has_the_same_bytes_in_processes_and_in_chunks(tmp_path):
+    alone, together = (
+        wmr_ctrl.study({**PLAN, "chunk": chunk}, tmp_path / str(jobs), jobs=jobs)
+        for jobs, chunk in ((1, 4), (2, 3))
+    )
+    assert alone.table.read_bytes() == together.table.read_bytes()
+
+
+def test_plants_that_are_not_there_are_named():
+    with pytest.raises(UnknownNameError, match="mujoco"):
+        simulate_many("paper-simulation", "mb", [0], plant="bullet")
+    with pytest.raises(UnknownNameError, match="mujoco"):
+        plan_of({**PLAN, "plant": "bullet"})
+    with pytest.raises(UnknownNameError, match="slipped"):
+        plan_of({**PLAN, "plant": "ode"})
+
+
+def test_without_the_package_nothing_is_begun(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
+        simulate_many("paper-simulation", "mb", [0], BRIEF, plant="mujoco")
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
+        wmr_ctrl.study(PLAN, tmp_path / "s")
+    assert not (tmp_path / "s").exists()

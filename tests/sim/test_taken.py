@@ -1,0 +1,31 @@
+"""Figures taken from a whole Run are those that the lanes' loop adds up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import simulate_many, simulate_runs
+from wmr_ctrl.sim.figures import SHAPES
+from wmr_ctrl.sim.taken import figures_taken
+
+
+@pytest.mark.parametrize(
+    ("law", "overrides", "guard"),
+    [
+        ("mb", {"clock.duration": 6.0}, None),
+        ("prox", {"clock.duration": 6.0, "disturbance.truncate": 3.0}, True),
+        ("mb", {"clock.duration": 6.0, "clock.control": 0.1}, None),  # breaks the limit
+    ],
+)
+def test_every_figure_is_that_of_the_sums(law, overrides, guard):
+    chosen = {"seeds": range(2), "overrides": overrides, "guard": guard}
+    table = simulate_many("far-start", law, **chosen)
+    for k, run in enumerate(simulate_runs("far-start", law, **chosen)):
+        taken = figures_taken(run, tuple(table["final_state"][k]))
+        assert taken.keys() == SHAPES.keys()
+        for name, values in taken.items():
+            summed = table[name][k]
+            assert values.shape == summed.shape, name
+            assert values == pytest.approx(summed, rel=1e-9, nan_ok=True), name
+    assert np.isfinite(table["ise_total"]).all()

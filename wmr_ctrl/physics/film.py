@@ -1,0 +1,174 @@
+"""A run on the rigid body as pictures in three dimensions, painted by MuJoCo.
+
+The log tells where the robot was, not how it lay, so the run is made once more from its seed, and
+refused where it comes out otherwise.  OpenGL is chosen before MuJoCo is loaded: the pictures are
+painted in a process of their own, by EGL or OSMesa, or by what MUJOCO_GL says.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, WmrError
+from wmr_ctrl.physics.description import CHASSIS, description
+from wmr_ctrl.physics.rigid import mujoco
+from wmr_ctrl.physics.run import Coupling
+from wmr_ctrl.physics.workers import Worker
+from wmr_ctrl.results import Run
+from wmr_ctrl.sim.ready import Ready
+
+Picture: TypeAlias = NDArray[np.uint8]
+HEIGHT, WIDTH = 480, 640
+CHOICE, CHOICES = "MUJOCO_GL", ("egl", "osmesa")
+_AT_A_TIME = 16
+_DISTANCE, _AZIMUTH, _ELEVATION = 2.6, 60.0, -22.0
+"""The camera's distance from the robot [m], its direction and its height [degrees]."""
+_TRAIL, _GOAL = (0.10, 0.35, 0.75, 1.0), (0.85, 0.33, 0.10, 0.8)
+_DOTS = 400
+
+
+@dataclass(frozen=True)
+class Moments:
+    """What the pictures of a run show.
+
+    ``model``: the robot as MJCF; ``rows`` (n,) of the log; ``positions`` (n, 9): MuJoCo's, the
+    body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: from
+    where on a tread slides.
+    """
+
+    model: str
+    rows: NDArray[np.int64]
+    positions: NDArray[np.float64]
+    target: NDArray[np.float64]
+    slip_max: float
+
+
+def moments_of(loop: Ready, run: Run, most: int) -> Moments:
+    """At most ``most`` moments of a run, the last sample among them, from the run made once more.
+
+    ``loop`` is that of the run's scenario and law.  Raises ArgumentError for a run without a
+    sample, or one that does not come out the same here.
+    """
+    if not run.rows:
+        raise ArgumentError("the run has no sample to show: it ended before the first one.")
+    coupling, positions = Coupling(loop, run.seed), list[NDArray[np.float64]]()
+    while len(positions) < run.rows and not coupling.ended:
+        positions.append(coupling.body.data.qpos.copy())
+        coupling.sample()
+    table = np.array(positions)
+    if len(table) != run.rows or not np.array_equal(table[:, :2].T, (run["x"], run["y"])):
+        raise ArgumentError(
+            "the run does not come out the same here, and its log does not tell how the body lay. "
+            "Make it anew on this machine and with this version, and film that."
+        )
+    step = max(1, -(-run.rows // most))
+    rows = np.unique(np.append(np.arange(0, run.rows, step), run.rows - 1))
+    target = np.column_stack((run["x_d"], run["y_d"]))[rows]
+    slides = loop.scenario.body.slip_max
+    return Moments(description(loop.scenario), rows, table[rows], target, slides)
+
+
+def pictures(moments: Moments) -> Iterator[Picture]:
+    """The picture of each moment, (480, 640, 3); MissingExtraError where none can be painted."""
+    worker = _painter()
+    try:
+        for first in range(0, len(moments.rows), _AT_A_TIME):
+            seen = slice(first, first + _AT_A_TIME)
+            ways = (moments.positions[:, :2], moments.target)
+            yield from worker.ask(paint, (moments.model, moments.positions[seen], *ways, first))
+    finally:
+        worker.end()
+
+
+def check_painter() -> None:
+    """Raise MissingExtraError, with the remedy, where no picture can be painted."""
+    mujoco()
+    _painter().end()
+
+
+def _painter() -> Worker:
+    """A process that paints; the first of EGL and OSMesa that does, or what MUJOCO_GL says."""
+    reasons = []
+    for choice in [os.environ[CHOICE]] if os.environ.get(CHOICE) else CHOICES:
+        worker = Worker({CHOICE: choice})
+        try:
+            worker.ask(paint, (_EMPTY, np.zeros((1, 0)), np.zeros((1, 2)), np.zeros((1, 2)), 0))
+        except (WmrError, ImportError, AttributeError, RuntimeError, ValueError) as error:
+            worker.end()
+            reasons.append(f"{choice}: {str(error).splitlines()[0]}")
+        else:
+            return worker
+    raise MissingExtraError(
+        f"no picture in three dimensions can be painted here ({'; '.join(reasons)}). Install the "
+        "extra physics, which brings PyOpenGL, and EGL or OSMesa (apt install libegl1 libosmesa6), "
+        f"or set {CHOICE} to what is there; --animate draws the run without either."
+    )
+
+
+_EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></mujoco>"""
+
+
+def paint(
+    model: str,
+    positions: NDArray[np.float64],
+    driven: NDArray[np.float64],
+    target: NDArray[np.float64],
+    first: int,
+) -> list[Picture]:
+    """Pictures of some moments, numbered from ``first``; what the process that paints does."""
+    stage = _scenery(model)
+    return [
+        stage.picture(position, driven[: first + k + 1], target[: first + k + 1])
+        for k, position in enumerate(positions)
+    ]
+
+
+@lru_cache(maxsize=1)
+def _scenery(model: str) -> _Scenery:
+    return _Scenery(model)
+
+
+class _Scenery:
+    """A model, a renderer and a camera that goes with the robot."""
+
+    def __init__(self, model: str) -> None:
+        engine: Any = mujoco()
+        self._engine = engine
+        self._model = engine.MjModel.from_xml_string(model)
+        self._data = engine.MjData(self._model)
+        self._renderer = engine.Renderer(self._model, HEIGHT, WIDTH)
+        self._camera = engine.MjvCamera()
+        self._camera.distance, self._camera.azimuth = _DISTANCE, _AZIMUTH
+        self._camera.elevation = _ELEVATION
+
+    def picture(
+        self,
+        position: NDArray[np.float64],
+        driven: NDArray[np.float64],
+        target: NDArray[np.float64],
+    ) -> Picture:
+        """The robot where it lies, its way, and the desired position."""
+        self._data.qpos[:] = position
+        self._engine.mj_forward(self._model, self._data)
+        self._camera.lookat[:] = (*driven[-1], 0.1)
+        self._renderer.update_scene(self._data, self._camera)
+        for point in driven[:: -(-len(driven) // _DOTS)]:
+            self._dot(point, 0.012, _TRAIL)
+        self._dot(target[-1], 0.05, _GOAL)
+        painted: Picture = self._renderer.render()
+        return painted
+
+    def _dot(self, point: NDArray[np.float64], size: float, colour: Sequence[float]) -> None:
+        """A ball on the ground."""
+        scene, kind = self._renderer.scene, self._engine.mjtGeom.mjGEOM_SPHERE
+        shape = np.full(3, size), np.array([*point, size]), np.eye(3).flatten()
+        tint = np.array(colour, dtype=np.float32)
+        self._engine.mjv_initGeom(scene.geoms[scene.ngeom], kind, *shape, tint)
+        scene.ngeom += 1

@@ -1,0 +1,160 @@
+"""Runs in processes of their own: MuJoCo's steps and Python's between them want a core each.
+
+Unlike those of `multiprocessing` the processes do not import the user's script once more, so that
+many runs may stand at its top level.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from queue import SimpleQueue
+from typing import TypeAlias, TypeVar
+
+from wmr_ctrl.errors import WmrError
+from wmr_ctrl.physics.rigid import mujoco
+from wmr_ctrl.sim.batch import check_jobs, cores
+from wmr_ctrl.sim.ready import Ready
+
+Progress: TypeAlias = Callable[[float], None]
+T = TypeVar("T")
+_BEGIN = f"from {__name__} import serve; serve()"
+_ROOT = str(Path(__file__).parents[2])
+
+
+def make_each(
+    make: Callable[[Ready, int], T],
+    runs: Sequence[tuple[Ready, int]],
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> list[T]:
+    """What ``make`` gives for each pair (loop, seed), in their order.
+
+    On ``jobs`` processes (default: one per core), or here for one; ``make`` must be importable by
+    its name.  The result is the same for any ``jobs``.  ``progress`` is called with the share done.
+    Ctrl-C ends all processes.  Raises what ``make`` raises, MissingExtraError, and ArgumentError
+    for jobs < 1.
+    """
+    check_jobs(jobs)
+    mujoco()
+    results = list[T]()
+    with _makers(make, min(jobs or cores(), len(runs))) as results_of:
+        for result in results_of(runs):
+            results.append(result)
+            if progress is not None:
+                progress(len(results) / len(runs))
+    return results
+
+
+ResultsOf: TypeAlias = Callable[[Sequence[tuple[Ready, int]]], Iterator[T]]
+
+
+@contextmanager
+def _makers(make: Callable[[Ready, int], T], count: int) -> Iterator[ResultsOf[T]]:
+    """How to have runs made, here or by several processes; none is left at the end."""
+    if count <= 1:
+        yield lambda runs: (make(loop, seed) for loop, seed in runs)
+        return
+    workers = [Worker() for _ in range(count)]
+    free: SimpleQueue[Worker] = SimpleQueue()
+    for worker in workers:
+        free.put(worker)
+
+    def one(run: tuple[Ready, int]) -> T:
+        worker = free.get()
+        try:
+            return worker.ask(make, run)
+        finally:
+            free.put(worker)
+
+    with ThreadPoolExecutor(count) as pool:
+        try:
+            yield lambda runs: pool.map(one, runs)
+        finally:
+            for worker in workers:
+                worker.end()
+            pool.shutdown(cancel_futures=True)
+
+
+class Worker:
+    """A process that does what it is asked, one call after the other."""
+
+    def __init__(self, environment: Mapping[str, str] | None = None) -> None:
+        """Start it, without waiting for it; ``environment``: variables that it is given besides."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", _BEGIN],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": _paths(), **(environment or {})},
+        )
+
+    def ask(self, make: Callable[..., T], given: tuple[object, ...]) -> T:
+        """``make(*given)``; raises what it raised there, WmrError if the process ended.
+
+        ``make`` must be importable by its name.
+        """
+        try:
+            self._tell((make, given))
+            assert self._process.stdout is not None
+            result, error = pickle.load(self._process.stdout)
+        except (EOFError, OSError):
+            raise WmrError(
+                "a process that worked on the rigid body ended before its result. Was it killed, "
+                "or the memory full? Take fewer jobs, or jobs=1, which needs no process for a run."
+            ) from None
+        if error is not None:
+            raise error
+        answer: T = result
+        return answer
+
+    def _tell(self, what: object) -> None:
+        assert self._process.stdin is not None
+        pickle.dump(what, self._process.stdin)
+        self._process.stdin.flush()
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                pipe.close()
+
+
+def _paths() -> str:
+    """Where the process finds this package, wherever it is started."""
+    return os.pathsep.join(filter(None, (_ROOT, os.environ.get("PYTHONPATH"))))
+
+
+def serve() -> None:
+    """What such a process does until its input ends: answer each call.
+
+    What is printed meanwhile goes to stderr; Ctrl-C is left to the process that asked.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with os.fdopen(os.dup(1), "wb") as answers:
+        os.dup2(2, 1)
+        while True:
+            try:
+                make, given = pickle.load(sys.stdin.buffer)
+            except EOFError:
+                return
+            pickle.dump(_answer(make, given), answers)
+            answers.flush()
+
+
+def _answer(
+    make: Callable[..., object], given: tuple[object, ...]
+) -> tuple[object, Exception | None]:
+    """Result and None, or None and what was raised."""
+    try:
+        return make(*given), None
+    except Exception as error:
+        return None, error
