@@ -7,7 +7,6 @@ jump across either limit.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -125,23 +124,30 @@ def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats) -> float:
     pull, u1 = pull_of(scenario, law, axis, v_c0), scenario.limits.v_u1[axis]
     mass = (scenario.robot.m, scenario.robot.I)[axis]
 
-    def crossing(v: float) -> float:
+    def crossing(v: Floats) -> Floats:
         """Time to reach the limit that the force points to, at the acceleration it has now."""
-        acceleration = float(pull(v)) / mass
-        return (u1 - math.copysign(1.0, acceleration) * v) / max(abs(acceleration), 1e-300)
+        acceleration = pull(v) / mass
+        room: Floats = u1 - np.copysign(1.0, acceleration) * v
+        return room / np.maximum(np.abs(acceleration), 1e-300)
 
     return smallest(crossing, u1, scenario.limits.v_u2[axis])
 
 
-def smallest(of: Callable[[float], float], u1: float, u2: float) -> float:
-    """Smallest value of ``of(v)`` over |v| < u1, with the kinks at +-u2 taken from both sides."""
+def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
+    """Smallest value of ``of(v)`` (N) over |v| < u1, with the kinks at +-u2 taken from both sides.
+
+    ``of`` takes velocities (N).
+    """
     inside = u1 * (1 - 1e-6)
     tiny = 1e-12 * u1
     grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), _sides(u2, tiny))))
-    values = np.array([of(float(v)) for v in grid])
+    values = of(grid)
     best = int(values.argmin())
     left, right = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    polished = minimize_scalar(of, bounds=(left, right), method="bounded", options={"xatol": 1e-10})
+    polished = minimize_scalar(
+        lambda v: of(np.array([v]))[0], bounds=(left, right), method="bounded",
+        options={"xatol": 1e-10},
+    )  # fmt: skip
     return float(min(values[best], polished.fun))
 
 
