@@ -57,6 +57,7 @@ def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None
     Raises ArgumentError for a law, reference or effect that has no twin there.
     """
     setup = settle(scenario, law)
+    _check_twin_of_guard(setup)
     own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
     gains, kinematics = vars(setup.gains), vars(setup.kinematics)
     effects = [item.name for item in setup.effects]
@@ -116,6 +117,22 @@ def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None
     loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
     moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
     write_moments(run, moments, path, progress)
+
+
+def _check_twin_of_guard(setup: Setup) -> None:
+    """The twin of the guard knows one delay and one lag, those of the drives."""
+    guard, drives = setup.scenario.guard, setup.scenario.actuator
+    for key in ("delay", "lag"):
+        if getattr(guard, key) is not None:
+            raise ArgumentError(
+                f"the NumPy engine has no twin of a guard with guard.{key}; take the native "
+                "engine, or leave it out of the scenario."
+            )
+    if guard.enabled and not setup.guard.knows_force(drives.delay, drives.lag):
+        raise ArgumentError(
+            "the NumPy engine has no twin of the guard behind actuator.untold or "
+            "actuator.lag_spread; take the native engine, or set them to 0."
+        )
 
 
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from tests.guard.exact_axis import PARTS, Robots
 from tests.guard.late_formula import LateGuard
+from tests.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.guard.refusals import settled_guard
@@ -22,7 +24,8 @@ BY_SIGN, BY_TIME, BY_CHANCE = 0, 1, 2
 class Case:
     """Stated numbers of a guarded robot; forces are those of the first axis, a fifth on the second.
 
-    Times in s, but ``lo``, ``hi``, ``age``, ``window`` and ``lag`` in control periods.
+    Times in s, but ``lo``, ``hi``, ``age``, ``window`` and ``lag`` in control periods; where there
+    is a ``fast``, the time constant varies between that and ``lag``.
     """
 
     T: float = 0.1
@@ -31,6 +34,7 @@ class Case:
     lo: float = 0.0
     hi: float = 0.0
     lag: float = 0.0
+    fast: float | None = None
     dbar: float = 30.0
     nbar: float = 0.0
     f_min: float = 0.0
@@ -62,8 +66,9 @@ class Case:
             changed["guard.brake"] = both(self.brake)
         scenario = load_scenario("paper-simulation-nominal", changed)
         lag, old, wide = (x * self.T for x in (self.lag, self.age, self.window))
+        fast = lag if self.fast is None else self.fast * self.T
         bound = Bound(
-            delay=self.hi * self.T, jitter=(self.hi - self.lo) * self.T, lag=(lag, lag),
+            delay=self.hi * self.T, jitter=(self.hi - self.lo) * self.T, lag=(fast, lag),
             age=(old, old), window=(wide, wide),
         )  # fmt: skip
         stated = settled_guard(scenario, bound, np.inf)
@@ -74,7 +79,10 @@ class Case:
         setup, share = self.setup, (1.0, 0.2)[axis]
         stated = setup.guard
         count = max(item.roundings for item in stated.lateness(setup.scenario.clock))
-        return LateGuard(
+        kind = LateGuard
+        if self.fast is not None:
+            kind = partial(VaryingGuard, fast=self.fast * self.T)
+        return kind(
             T=self.T, u1=LIMITS[axis] * (1 - 2.0**-44 * (1 + count)), M_min=share * self.M_min,
             M_max=share * 70.0, net=share * (self.dbar - self.f_min), nbar=self.nbar,
             f_speed=self.f_speed, brake=stated.brake[axis], alpha=self.alpha / self.T,
@@ -110,10 +118,10 @@ def trial(
     ways = {name: _ways(draw, lanes, samples) for name in ("asked", "push", "error")}
     chosen = draw.random((samples, PARTS, 2, lanes))
     mean_late = draw.choice([0.0, 0.5, 1.0], lanes)
-    lag = case.T * real.lag * draw.choice([0.0, 0.3, 1.0, 1.0], lanes)
+    lags = _time_constants(draw, lanes, real)
     mass = share * np.where(draw.random(lanes) < 0.2, 70.0, real.M_min)
     grip = draw.choice([0.0, 0.0, 0.1, 0.5], lanes)
-    robots = Robots(np.zeros(2 * lanes), np.zeros(2 * lanes), np.tile(lag, 2))
+    robots = Robots(np.zeros(2 * lanes), np.zeros(2 * lanes), lags(np.zeros(2 * lanes)))
     old, wide = (round(t * PARTS) for t in (real.age, real.window))
     way_of_part = [np.zeros((2, lanes))] * (old + wide + 1)
     speeds = [np.zeros((2, lanes))] * (old + wide + 1)
@@ -141,6 +149,7 @@ def trial(
             v = robots.v.reshape(2, lanes)
             push = share * real.dbar * ways["push"](k, i, v)
             held = np.where(chosen[k, i] < grip, np.inf, 0.0)
+            robots.lag = lags((acting.ravel() - robots.acting) * np.where(v < 0, -1.0, 1.0).ravel())
             sure = share * real.f_min * (np.abs(v) > real.f_speed)
             total = robots.move(
                 acting.ravel(), push.ravel(), mass.ravel(), np.maximum(held, sure).ravel(), h
@@ -149,6 +158,22 @@ def trial(
             speeds = [robots.v.reshape(2, lanes), *speeds[:-1]]
             fastest = np.maximum(fastest, np.abs(speeds[0]).max(axis=1) / LIMITS)
     return Result(fastest, blamed, apart)
+
+
+def _time_constants(draw, lanes: int, real: Case):
+    """Time constants [s] of both axes for how much more outward force is asked for than acts."""
+    one = real.lag * draw.choice([0.0, 0.3, 1.0, 1.0], lanes)
+    if real.fast is None:
+        return lambda _: np.tile(real.T * one, 2)
+    both = np.array([real.fast, real.lag])
+    by_chance = np.tile(draw.random(lanes) < 0.3, 2)
+
+    def chosen(outward: np.ndarray) -> np.ndarray:
+        worst = np.where(outward > 0, both[0], both[1])
+        mixed = draw.choice([*both, both.mean()], 2 * lanes)
+        return real.T * np.where(by_chance, mixed, worst)
+
+    return chosen
 
 
 def _ways(draw: np.random.Generator, lanes: int, samples: int):

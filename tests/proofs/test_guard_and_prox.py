@@ -14,6 +14,8 @@ from wmr_ctrl.proofs.claims import (
     guard_delay,
     guard_lateness,
     guard_latest_motion,
+    guard_varying,
+    guard_varying_motion,
     newton,
     prox,
     prox_mass,
@@ -34,6 +36,8 @@ MODULES = (
     guard_delay,
     guard_lateness,
     guard_latest_motion,
+    guard_varying,
+    guard_varying_motion,
     wheel_maps,
     resolvent,
     transport,
@@ -46,9 +50,10 @@ MODULES = (
 )
 CLAIMS = [c for module in MODULES for c in module.CLAIMS]
 LATE = {"guard.delay.longer", "guard.delay.ignored", "guard.delay.uncapped"}
-LATEST = {"guard.late.half", "guard.late.unmixed"}
+LATEST = {"guard.late.half", "guard.late.unmixed", "guard.varying.unvaried"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}
-SLOW = {"guard.late.graceful", "prox.linear-smooth"}
+VARYING = {f"guard.varying.{name}" for name in ("left", "counts", "steady.counts")}
+SLOW = {"guard.late.graceful", "prox.linear-smooth", *VARYING}
 KNOWN = load().by_id()
 
 

@@ -70,7 +70,7 @@ def _early_start(loop: Loop) -> Iterator[Warning]:
 def _too_fast(loop: Loop, fastest: float, usable: float) -> Warning:
     guard = loop.setup.guard
     can = f"at most {usable:.3g} m/s" if usable > 0 else "no motion at all"
-    simple = not (guard.age[0] or guard.window[0] or guard.lag[1])
+    simple = not (guard.age[0] or guard.window[0] or guard.slowest)
     time = "delay" if simple else "age + window/2 + delay + lag"
     best = unbeatable_speed(loop.scenario, guard, (_friction(loop), 0.0))[0]
     other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} m/s."

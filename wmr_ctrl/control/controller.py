@@ -8,6 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.control.applied import Applied, remembered
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.guard.bounds import ROUNDING, pair_of
 from wmr_ctrl.guard.delay import Tails, counted
 from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
 from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
@@ -83,7 +84,7 @@ def _guarded_torque(
     both, tails = bounds_of(p, late), Tails("guard_tail", late)
     sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
     first, second = (
-        counted(sent, late[i], i, b, tails.of(i, b)) for i, b in enumerate(map(both.axis, (0, 1)))
+        counted(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
     )
     held = guarded(asked, v, both, (first, second))
     mapped = MAPS[setup.guard.map](held.force, phi, half_track, held.safe)
@@ -123,7 +124,7 @@ def _monitor(
 ) -> GuardMonitor:
     r, half_track, phi = _wheels(setup, p)
     guard, clock, drives = setup.guard, setup.scenario.clock, setup.scenario.actuator
-    flags = (active, possible(p, both, phi, half_track, _built_for(setup, p)))
+    flags = (active, possible(both, phi, half_track, _built_for(setup, p)))
     late = None
     if not guard.knows_force(drives.delay, drives.lag):
         new, *sent = (
@@ -134,19 +135,34 @@ def _monitor(
     return GuardMonitor(both, v, applied.value, (r, half_track), flags, late)
 
 
-def _built_for(setup: Setup, p: Parameters) -> dict[str, ca.SX]:
-    """Parameters that may not grow beyond what the graph counts on, with that, by their keys."""
-    late, drives = setup.guard.lateness(setup.scenario.clock)[0], setup.scenario.actuator
-    built_for = {}
-    if setup.guard.delay > 0:
-        most = p.take("clock.control") * (late.most - late.lag - late.oldest)
-        others = setup.guard.delay - drives.delay
-        built_for["actuator.delay"] = most - others if others else most
-    if drives.jitter > 0:
-        built_for["actuator.jitter"] = ca.SX(drives.jitter)
+def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:
+    """Conditions for drives to be no slower, no sooner and no more varied than is counted on.
+
+    Those with which the scenario's drives were settled, for numbers that may change at runtime.
+    """
+    stated, bound, drives = setup.guard, setup.bound, setup.scenario.actuator
+    met, near = [], 1 + ROUNDING
+    if stated.latest > 0:
+        jitter = p.take("actuator.jitter") if drives.jitter > 0 else ca.SX(0)
+        others = bound.takeover[0] - drives.delay
+        soonest = p.take("actuator.delay") + others
+        met.append(soonest + jitter <= _counted(setup, p, stated.latest) * near)
+        if stated.jitter > 0:
+            met.append(soonest * near >= _counted(setup, p, stated.latest - stated.jitter))
     if drives.lag > 0:
-        built_for["actuator.lag"] = ca.SX(setup.guard.lag[1])
-    return built_for
+        lag, spread = p.take("actuator.lag"), ca.SX(0)
+        if drives.lag_spread > 0:
+            spread = p.take("actuator.lag_spread")
+        met.append(lag * (1 + spread) <= _counted(setup, p, stated.slowest) * near)
+        if pair_of(stated.lag)[0] < stated.slowest:
+            step, least = p.take("clock.plant"), _counted(setup, p, pair_of(stated.lag)[0])
+            met.append(step * near >= least * (ca.exp(step / (lag * (1 - spread))) - 1))
+    return met
+
+
+def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
+    """A time [s] that the graph counts in control periods, at the clock's period of now."""
+    return p.take("clock.control") * (time / setup.scenario.clock.control)
 
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict, dataclass, replace
 
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.guard.lateness import Counting, Since, lateness, since_last
+from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.assumptions import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
@@ -21,8 +21,8 @@ Every command under way adds another ROUNDING (see `rounding`).
 """
 
 UNITS, AXES = ("N", "N m"), (0, 1)
-LATENESS = ("delay", "jitter", "lag", "age", "window")
-"""What Bound and Stated share."""
+LATENESS = ("delay", "lag", "age", "window")
+"""What of Stated says how late velocities and drives are."""
 
 
 def rounding(under_way: int) -> float:
@@ -34,14 +34,9 @@ def rounding(under_way: int) -> float:
 class Stated(Guard):
     """A guard's numbers as they were stated or implied, whether or not they can be met.
 
-    ``delay`` and the numbers behind it are what all effects together add up to (`Bound`).
+    ``age`` and ``window`` are what all sensors together add up to (`Bound`).
     """
 
-    delay: float = quantity(0.0, unit="s", doc="lateness of a command that is counted", minimum=0)
-    jitter: float = quantity(0.0, unit="s", doc="by how much less late a command may be", minimum=0)
-    lag: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="s", doc="smallest, largest time constant of the drives", minimum=0
-    )
     age: tuple[float, float] = quantity(
         (0.0, 0.0), unit="s", doc="age of the velocity that is measured, per axis", minimum=0
     )
@@ -52,14 +47,29 @@ class Stated(Guard):
     def relate(self) -> None:
         """Nothing is refused here: an unguarded run may state what no guard could keep."""
 
+    @property
+    def latest(self) -> float:
+        """Largest delay of a command [s]."""
+        return pair_of(self.delay)[1]
+
+    @property
+    def jitter(self) -> float:
+        """By how much less late a command may be [s]."""
+        return pair_of(self.delay)[1] - pair_of(self.delay)[0]
+
+    @property
+    def slowest(self) -> float:
+        """Largest time constant of the drives [s]."""
+        return pair_of(self.lag)[1]
+
     def lateness(self, clock: Clock) -> tuple[Counting, Counting]:
         """What past commands count for, per axis."""
-        first, second = (lateness(*self._times(clock, axis)) for axis in AXES)
+        first, second = (lateness(self._times(clock, axis)) for axis in AXES)
         return first, second
 
     def since_last(self, clock: Clock) -> tuple[Since | None, Since | None]:
         """What they count for in how far a velocity has moved since the previous sample."""
-        first, second = (since_last(*self._times(clock, axis)) for axis in AXES)
+        first, second = (since_last(self._times(clock, axis)) for axis in AXES)
         return first, second
 
     def knows_force(self, delay: float, lag: float) -> bool:
@@ -67,8 +77,8 @@ class Stated(Guard):
 
         The mean force of a sample is known then.
         """
-        known = self.delay == delay and self.lag == (lag, lag)
-        return known and not (self.jitter or any(self.age) or any(self.window))
+        known = self.delay == (delay, delay) and self.lag == (lag, lag)
+        return known and not (any(self.age) or any(self.window))
 
     def commands(self, clock: Clock, delay: float, lag: float) -> int:
         """How many past commands are counted by the guard, or by its monitor.
@@ -81,9 +91,9 @@ class Stated(Guard):
         back = (item.older.commands for item in self.since_last(clock) if item is not None)
         return max([count, *back])
 
-    def _times(self, clock: Clock, axis: int) -> tuple[float, ...]:
-        own = (self.age[axis], self.window[axis], self.delay, self.jitter, self.lag[1])
-        return (clock.control, clock.plant, *own)
+    def _times(self, clock: Clock, axis: int) -> Times:
+        delay, lag = pair_of(self.delay), pair_of(self.lag)
+        return Times(clock.control, clock.plant, self.age[axis], self.window[axis], delay, lag)
 
 
 def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
@@ -94,8 +104,7 @@ def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
 
 def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
     """What `settled_guard` gives, and the same derivation where that refuses."""
-    late = {name: getattr(bound, name) for name in LATENESS}
-    given = Stated(**asdict(scenario.guard), **late)
+    given = Stated(**asdict(scenario.guard), age=bound.age, window=bound.window)
     low, high = mass_range(scenario, bound)
     stated = replace(
         given,
@@ -103,6 +112,8 @@ def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
         M_max=given.M_max or high,
         dbar=given.dbar or _sum(bound.dbar, given.d_model),
         nbar=given.nbar or bound.nbar,
+        delay=given.delay or bound.takeover,
+        lag=given.lag or bound.lag,
         alpha=given.alpha or 1.0 / scenario.clock.control,
     )
     return replace(stated, brake=given.brake or _derived_brake(scenario, stated, tau_max))
@@ -195,7 +206,7 @@ def unbeatable_speed(scenario: Scenario, guard: Stated, friction: Pair) -> Pair:
         scenario.limits.v_u1[i]
         - pair_of(guard.nbar)[i]
         - (friction[i] + net(guard, i))
-        * (scenario.clock.control + guard.age[i] + guard.delay)
+        * (scenario.clock.control + guard.age[i] + guard.latest)
         / pair_of(guard.M_min)[i]
         for i in AXES
     )
@@ -207,7 +218,7 @@ def early_speed(guard: Stated) -> Pair:
 
     (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
     """
-    time = guard.delay + guard.lag[1]
+    time = guard.latest + guard.slowest
     first, second = (time * max(net(guard, i), 0.0) / pair_of(guard.M_min)[i] for i in AXES)
     return first, second
 

@@ -10,6 +10,7 @@ from wmr_ctrl.guard.bounds import AXES, UNITS, mass_range
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.friction import drag, phases
+from wmr_ctrl.world.lag import stepped
 
 Pair = tuple[float, float]
 ROUNDING = 1e-9
@@ -33,6 +34,7 @@ def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
     yield from _disturbance(scenario, bound)
     yield from _masses(scenario, bound)
     yield from _sensor(scenario, bound)
+    yield from _drives(scenario, bound)
     yield from _friction(scenario)
 
 
@@ -86,6 +88,30 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
                 f"guard.nbar[{i + 1}] = {_of(scenario.guard.nbar, i):g} {SPEED_UNITS[i]} is below "
                 f"the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be wrong. "
                 "State at least that, leave it out, or measure better.",
+            )
+
+
+def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
+    """Delays and time constants that the scenario has and that were not stated.
+
+    A constant one is covered by any constant that is as large; one that varies by its range alone.
+    """
+    lag, step = bound.lag, scenario.clock.plant
+    there = {
+        "delay": ("a delay", bound.takeover, bound.takeover[0]),
+        "lag": ("a time constant", lag, lag[0] if lag[0] < lag[1] else stepped(lag[0], step)),
+    }
+    for name, (what, (low, high), least) in there.items():
+        stated = scenario.guard.delay if name == "delay" else scenario.guard.lag
+        if stated is None:
+            continue
+        varies = stated[0] < stated[1] or low < high
+        if stated[1] < high * (1 - ROUNDING) or (varies and stated[0] * (1 - ROUNDING) > least):
+            yield Contradiction(
+                f"guard.{name}",
+                f"guard.{name} = [{stated[0]:g}, {stated[1]:g}] s leaves out what the scenario's "
+                f"drives have, {what} between {least:.6g} and {high:.6g} s. State at least that "
+                "range, or leave it out.",
             )
 
 

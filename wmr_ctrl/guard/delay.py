@@ -20,6 +20,8 @@ So that the room ahead and the room behind never run out together, no command ma
 
 and, with jitter, than M_min (v_u1 - 2 nbar)/mixed - net.  ``delay`` is all that counts (see
 `Counting`).  A braking command is not counted in favour.
+
+Behind a lag that varies the sums come from following the worst push that may be felt (`lagging`).
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from wmr_ctrl.guard.lateness import Counting, Piece
+from wmr_ctrl.guard.lagging import Lagging, follow, moved, push, waiting
+from wmr_ctrl.guard.lateness import Counting, Piece, Since
+from wmr_ctrl.guard.varying import Varying
 from wmr_ctrl.model.system import Port, port
 from wmr_ctrl.signals import Signal
 
@@ -47,13 +51,15 @@ class UnderWay:
     """What one axis' commands under way can add to v (ahead) and to -v (back) [m/s or rad/s].
 
     ``since_rest``: the same counted from the window's oldest instant; ``again``: what the last
-    command adds where the new one comes as late as it may.  None where that makes no difference.
+    command adds where the new one comes as late as it may; ``slow``: what is felt behind a lag that
+    varies.  None where that makes no difference.
     """
 
     ahead: ca.SX
     back: ca.SX
     since_rest: UnderWay | None = None
     again: UnderWay | None = None
+    slow: Lagging | None = None
 
     def plus(self, other: UnderWay, share: float) -> UnderWay:
         """The sums with a share of others'."""
@@ -63,7 +69,7 @@ class UnderWay:
     def mirrored(self) -> UnderWay:
         """The same seen in the other direction."""
         rest, again = (item and item.mirrored for item in (self.since_rest, self.again))
-        return UnderWay(self.back, self.ahead, rest, again)
+        return UnderWay(self.back, self.ahead, rest, again, self.slow and self.slow.mirrored)
 
     def reached(self, fastest: ca.SX, b: Bounds) -> ca.SX:
         """Largest v+ when the new command takes over at the earliest, from ``fastest`` measured."""
@@ -74,10 +80,14 @@ class UnderWay:
 
     def left(self, room: ca.SX, b: Bounds) -> ca.SX:
         """Room [m/s or rad/s] less what either command may do until the new one is sure to act."""
-        if self.again is None:
-            return room
-        assert b.jitter is not None
-        return ca.fmin(room - self.again.ahead, room / (1 + b.alpha * b.jitter))
+        lines, again = [room], ca.SX(0)
+        if self.again is not None:
+            assert b.jitter is not None
+            again = self.again.ahead
+            lines = [room - again, room / (1 + b.alpha * b.jitter)]
+        if self.slow is not None:
+            lines += self.slow.left(room, again, b)
+        return reduce(ca.fmin, lines)
 
 
 def under_way(sent: Sent, axis: int, b: Bounds) -> UnderWay:
@@ -101,27 +111,69 @@ def largest_force(b: Bounds) -> ca.SX:
 
 
 def counted(
-    forces: Sequence[ca.SX], late: Counting, axis: int, b: Bounds, tail: UnderWay | None
+    forces: Sequence[ca.SX], late: Counting, axis: int, b: Bounds, tails: Tails
 ) -> UnderWay | None:
-    """What ``forces`` (2,), the latest first, and the ``tail`` of older ones count for.
+    """What ``forces`` (2,), the latest first, and the older ones in ``tails`` count for.
 
     None where nothing is late.
     """
     if late.at_once:
         return None
-    mean = under_way(acting(late.mean, forces), axis, b)
-    if tail is not None:
-        assert late.tail is not None
-        mean = mean.plus(tail, late.tail.share)
+    if late.varying:
+        return _felt(forces, late, late.varying, axis, b, tails)
+    mean = tails.added(under_way(acting(late.mean, forces), axis, b), axis, b, averaged=True)
     if not (late.averaged or late.jitter):
         return mean
     rest = again = None
     if late.averaged:
-        rest = under_way(acting(late.rest, forces), axis, b)
-        rest = rest if tail is None else rest.plus(tail, 1.0)
+        rest = tails.added(under_way(acting(late.rest, forces), axis, b), axis, b)
     if late.jitter:
         again = under_way([(forces[0], late.jitter)], axis, b)
     return UnderWay(mean.ahead, mean.back, rest, again)
+
+
+def _felt(
+    forces: Sequence[ca.SX], late: Counting, numbers: Varying, axis: int, b: Bounds, tails: Tails
+) -> UnderWay:
+    """Behind a lag that varies: integrals of the push that may be felt, and b times its end."""
+    starts = tails.felt(axis, b)
+    ahead, back = (
+        follow(starts[i], forces, numbers.pieces, axis, b, way) for i, way in enumerate((1, -1))
+    )
+    left = b.period * numbers.longest
+    mean, rest = (
+        UnderWay((first + left * ahead.end) / b.M_min, (second + left * back.end) / b.M_min)
+        for first, second in ((ahead.mean, back.mean), (ahead.rest, back.rest))
+    )
+    again, now = None, (ahead.end, back.end)
+    after = now
+    if late.jitter:
+        p = [push([forces[0][axis]], b, way) for way in (1, -1)]
+        times = b.period * late.jitter, b.period * numbers.rises[0]
+        more = [waiting(now[i], p[i], *times) / b.M_min for i in (0, 1)]
+        again = UnderWay(more[0], more[1])
+        after = moved(now[0], p[0], numbers.stays), moved(now[1], p[1], numbers.stays)
+    rises = [b.period * time for time in numbers.rises[1:]]
+    slow = Lagging(now, after, rises[0], rises[1])
+    return UnderWay(mean.ahead, mean.back, rest if late.averaged else None, again, slow)
+
+
+def moved_since(
+    sent: Sequence[ca.SX], since: Since, axis: int, b: Bounds, tails: Tails
+) -> tuple[UnderWay, UnderWay]:
+    """What ``sent`` explains of a motion since the previous sample, as mean and rest count."""
+    if since.varying:
+        starts = tails.felt(axis, b)
+        ahead, back = (
+            follow(starts[i], sent, since.varying.pieces, axis, b, way)
+            for i, way in enumerate((1, -1))
+        )
+        return (
+            UnderWay(ahead.mean / b.M_min, back.mean / b.M_min),
+            UnderWay(ahead.rest / b.M_min, back.rest / b.M_min),
+        )
+    mean, rest = (under_way(acting(pieces, sent), axis, b) for pieces in (since.mean, since.rest))
+    return tails.added(mean, axis, b, averaged=True), tails.added(rest, axis, b)
 
 
 def acting(pieces: Sequence[Piece], forces: Sequence[ca.SX]) -> Sent:
@@ -130,26 +182,38 @@ def acting(pieces: Sequence[Piece], forces: Sequence[ca.SX]) -> Sent:
 
 
 class Tails:
-    """State behind a lag: what commands older than those listed count for, both axes, both ways.
+    """State behind a lag, of commands older than those listed, both axes, both ways.
 
-    Kept as a difference from where a force of 0 leads, so that it starts at 0 [N.s or N.m.s].
+    What they count for [N.s or N.m.s], or where the lag varies the push that is felt of them when
+    the oldest listed one begins [N or N.m].  Kept as a difference from where a force of 0 leads, so
+    that it starts at 0.
     """
 
     def __init__(self, name: str, late: tuple[Counting, Counting]) -> None:
         """``name`` of the state; there is none without a lag."""
         self.late = late
-        meaning = "what older commands still do, less that of a force of 0 (ahead, back; two axes)"
-        signal = Signal(name, "N.s, N.s, N.m.s, N.m.s", meaning, 4)
-        self.state: tuple[Port, ...] = (port(signal),) if late[0].tail or late[1].tail else ()
+        unit, meaning = "N.s, N.s, N.m.s, N.m.s", "what older commands still do"
+        if late[0].varying or late[1].varying:
+            unit, meaning = "N, N, N.m, N.m", "largest push of older commands that may be felt"
+        signal = Signal(
+            name, unit, f"{meaning}, less that of a force of 0 (ahead, back; two axes)", 4
+        )
+        self.state: tuple[Port, ...] = (port(signal),) if late[0].lag or late[1].lag else ()
 
-    def of(self, axis: int, b: Bounds) -> UnderWay | None:
-        """What they can add to the velocity of one axis."""
+    def added(self, sums: UnderWay, axis: int, b: Bounds, *, averaged: bool = False) -> UnderWay:
+        """The sums of listed commands with those of older ones."""
         tail = self.late[axis].tail
         if tail is None:
-            return None
+            return sums
         steady = tail.steady * b.period * ca.fmax(b.net, 0)
         ahead, back = (self.state[0].sym[2 * axis + i] + steady for i in (0, 1))
-        return UnderWay(ahead / b.M_min, back / b.M_min)
+        older = UnderWay(ahead / b.M_min, back / b.M_min)
+        return sums.plus(older, tail.share if averaged else 1.0)
+
+    def felt(self, axis: int, b: Bounds) -> tuple[ca.SX, ca.SX]:
+        """Push (ahead, back) behind a lag that varies, where the oldest listed command begins."""
+        ahead, back = (self.state[0].sym[2 * axis + i] + ca.fmax(b.net, 0) for i in (0, 1))
+        return ahead, back
 
     def following(self, forces: Sequence[ca.SX], both: Bounds) -> ca.SX:
         """The next state; ``forces`` (2,) with the new one first."""
@@ -158,6 +222,12 @@ class Tails:
 
     def _next(self, axis: int, forces: Sequence[ca.SX], b: Bounds) -> ca.SX:
         late = self.late[axis]
+        if late.varying:
+            felt, entering = self.felt(axis, b), late.varying.entering
+            ends = [
+                follow(felt[i], forces, entering, axis, b, way).end for i, way in enumerate((1, -1))
+            ]
+            return ca.vertcat(*ends) - ca.fmax(b.net, 0)
         if late.tail is None:
             return ca.SX.zeros(2 if self.state else 0)
         n, (sure, mixed) = late.commands, late.tail.entering

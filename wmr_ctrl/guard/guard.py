@@ -16,7 +16,7 @@ has to hold; its price is the speed that the bounds cost (see `usable_speed`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -177,18 +177,13 @@ def guarded(
     return Guarded(force, safe, force != asked)
 
 
-def possible(
-    p: Parameters, both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Mapping[str, ca.SX]
-) -> ca.SX:
+def possible(both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Sequence[ca.SX] = ()) -> ca.SX:
     """1 where both axes' bounds can be met, by the wheels too (``phi`` = 2 tau_max/r [N]).
 
-    0 as well where a parameter is larger than what the graph was ``built_for``, by their keys.
+    0 as well where drives are not what the graph was ``built_for``, conditions of its parameters.
     """
     axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
-    met = ca.logic_and(axes, within_reach(both, phi, half_track))
-    for key, most in built_for.items():
-        met = ca.logic_and(met, p.take(key) <= most * (1 + ROUNDING))
-    return met
+    return reduce(ca.logic_and, [axes, within_reach(both, phi, half_track), *built_for])
 
 
 def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:

@@ -2,8 +2,8 @@
 
 Per axis, times in control periods.  The velocity is the mean over a window that ended ``age`` ago,
 L = age + window; a command takes over between lo and hi after it was given; drives follow with one
-time constant of at most b.  With sigma the age of a velocity, uniform on [age, L], a force of age s
-counts in what v may have gained since by
+time constant of at most b (one that varies: see `varying`).  With sigma the age of a velocity,
+uniform on [age, L], a force of age s counts in what v may have gained since by
 
     P(s) = E min(1, exp(-(s - sigma)/b))       (mean),   the same for sigma = L       (rest),
 
@@ -18,11 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 from functools import lru_cache
 
+from wmr_ctrl.guard.varying import Varying, less, ramp, varying
+
+Pair = tuple[float, float]
 DIGITS = 50
 GRID = 1e-6
 """Share of a plant step within which a time counts as so many whole steps."""
@@ -53,7 +56,8 @@ class Counting:
     ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J =
     hi - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, all that may count, ``usual`` the same
     for the mean; ``mixed`` what pieces with two commands count for in the mean, ``commands`` how
-    many are listed.
+    many are listed.  Behind a lag that varies there are no pieces but those of ``varying``, and
+    all is mixed.
     """
 
     mean: tuple[Piece, ...]
@@ -66,11 +70,12 @@ class Counting:
     mixed: float
     commands: int
     tail: Tail | None = None
+    varying: Varying | None = None
 
     @property
     def at_once(self) -> bool:
         """Whether nothing is late."""
-        return not (self.rest or self.jitter or self.tail)
+        return not (self.rest or self.jitter or self.lag)
 
     @property
     def roundings(self) -> int:
@@ -80,6 +85,8 @@ class Counting:
     @property
     def averaged(self) -> bool:
         """Whether a window makes a difference."""
+        if self.varying:
+            return any(item.mean != item.rest for item in self.varying.pieces)
         return self.mean != self.rest or (self.tail is not None and self.tail.share != 1.0)
 
 
@@ -100,39 +107,83 @@ class Since:
     mean_time: float
     rest_time: float
     older: Counting
+    varying: Varying | None = None
+
+
+@dataclass(frozen=True)
+class Times:
+    """What is late [s].  A velocity is the mean over a ``window`` that ended ``age`` ago.
+
+    A command takes over between the bounds of ``delay``; the drives' time constant is one of at
+    most lag[1] where both bounds are the same, else it varies between them.
+    """
+
+    period: float
+    step: float
+    age: float = 0.0
+    window: float = 0.0
+    delay: Pair = (0.0, 0.0)
+    lag: Pair = (0.0, 0.0)
+
+    def in_periods(self, time: float) -> Fraction:
+        """Whole plant steps where it is meant so."""
+        steps = round(time / self.step)
+        if abs(time - steps * self.step) <= GRID * self.step:
+            return Fraction(steps, round(self.period / self.step))
+        return Fraction(time) / Fraction(self.period)
 
 
 @lru_cache(maxsize=1024)
-def lateness(
-    period: float, step: float, age: float, window: float, delay: float, jitter: float, lag: float
-) -> Counting:
-    """From times [s]; a command takes over between ``delay - jitter`` and ``delay``."""
-    old, wide, hi, spread = (
-        _in_periods(time, period, step) for time in (age, window, delay, jitter)
-    )
-    slow = Fraction(lag) / Fraction(period)
+def lateness(times: Times) -> Counting:
+    """What past commands count for."""
+    age, window, lo, hi = map(times.in_periods, (times.age, times.window, *times.delay))
+    least, most = (Fraction(item) / Fraction(times.period) for item in times.lag)
     with localcontext(Context(prec=DIGITS)):
-        return _lateness(old, wide, hi - spread, hi, slow)
+        if least == most:
+            return _lateness(age, window, lo, hi, most)
+        count, long = math.ceil(age + window + hi), ramp(age + window, Fraction(0))
+        return Counting(
+            mean=(),
+            rest=(),
+            jitter=float(hi - lo),
+            lag=float(most),
+            oldest=float(age + window),
+            most=float(age + window + hi + most),
+            usual=float(age + window / 2 + hi + most),
+            mixed=float(age + window / 2 + hi + most),
+            commands=count,
+            varying=varying(count, (lo, hi), (least, most), ramp(age, window), long),
+        )
 
 
-def since_last(
-    period: float, step: float, age: float, window: float, delay: float, jitter: float, lag: float
-) -> Since | None:
-    """The same times [s] as in `lateness`; None where the window is longer than a period.
+def since_last(times: Times) -> Since | None:
+    """The same for how far a velocity may have moved since that of the previous sample.
 
     The velocity of age sigma follows that of age sigma + T by at most the integral over the time
-    between of the force that is felt, which behind a lag may stem from any time before.
+    between of the force that is felt, which behind a lag may stem from any time before.  None where
+    the window is longer than a period.
     """
-    if _in_periods(window, period, step) > 1:
+    if times.in_periods(times.window) > 1:
         return None
-    older = lateness(period, step, age + period, window, delay, jitter, lag)
-    newer = dict(lateness(period, step, age, window, delay, jitter, 0.0).mean)
+    older = lateness(replace(times, age=times.age + times.period))
+    gone = times.window / times.period / 2
+    if older.varying:
+        return Since((), (), 1.0, 1 + gone, older, _varying_since(times, older.commands))
+    newer = dict(lateness(replace(times, lag=(0.0, 0.0))).mean)
     mean, rest = (
         tuple((which, time - newer.get(which, 0.0)) for which, time in pieces)
         for pieces in (older.mean, older.rest)
     )
-    gone = window / period / 2
     return Since(_positive(mean), _positive(rest), 1 + older.lag, 1 + gone + older.lag, older)
+
+
+def _varying_since(times: Times, count: int) -> Varying:
+    age, window, lo, hi = map(times.in_periods, (times.age, times.window, *times.delay))
+    least, most = (Fraction(item) / Fraction(times.period) for item in times.lag)
+    newer, oldest = ramp(age, window), ramp(age + window + 1, Fraction(0))
+    with localcontext(Context(prec=DIGITS)):
+        moved, begun = less(ramp(age + 1, window), newer), less(oldest, newer)
+        return varying(count, (lo, hi), (least, most), moved, begun)
 
 
 def _lateness(
@@ -219,11 +270,3 @@ def _exp(x: Fraction) -> Decimal:
 
 def _number(x: Fraction) -> Decimal:
     return Decimal(x.numerator) / Decimal(x.denominator)
-
-
-def _in_periods(time: float, period: float, step: float) -> Fraction:
-    """A time in periods: whole plant steps where it is meant so."""
-    steps = round(time / step)
-    if abs(time - steps * step) <= GRID * step:
-        return Fraction(steps, round(period / step))
-    return Fraction(time) / Fraction(period)

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import Tails, acting, under_way
+from wmr_ctrl.guard.delay import Tails, moved_since
 from wmr_ctrl.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Output, Port, port
@@ -93,13 +93,7 @@ class LateMotion:
         if since is None:
             return ca.SX(0)
         alone = _unpushed(b)
-        mean, rest = (
-            under_way(acting(pieces, self.sent), axis, alone) for pieces in (since.mean, since.rest)
-        )
-        tail = self.tails.of(axis, alone)
-        if tail is not None:
-            share = since.older.tail.share if since.older.tail else 1.0
-            mean, rest = mean.plus(tail, share), rest.plus(tail, 1.0)
+        mean, rest = moved_since(self.sent, since, axis, alone, self.tails)
         push = ca.SX(0)
         for way in (1, -1):
             moved, begun = way * (v - old) - 2 * b.nbar, way * v - b.nbar

@@ -74,6 +74,17 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.late.steady.return",
     ),
     (
+        "The same behind a lag whose time constant varies within known bounds",
+        "guard.varying.moved guard.varying.integral guard.varying.piece guard.varying.more "
+        "guard.varying.spare guard.varying.left guard.varying.room guard.varying.feasible "
+        "guard.varying.counts guard.varying.upper guard.varying.lower guard.varying.outside "
+        "guard.varying.lag guard.varying.lemma world.lag.stepped "
+        "guard.varying.steady.spare guard.varying.steady.left guard.varying.steady.room "
+        "guard.varying.steady.feasible guard.varying.steady.counts guard.varying.steady.upper "
+        "guard.varying.steady.lower guard.varying.steady.outside",
+    ),
+    ("but not where such a lag is taken for constant", "guard.varying.unvaried"),
+    (
         "but not with half the window alone, nor where jitter is taken for its largest delay",
         "guard.late.half guard.late.unmixed",
     ),

@@ -16,9 +16,10 @@ class Guard(Section):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
 
     What is left out follows from the rest of the scenario: masses from the robot and its changes,
-    dbar from the noise, nbar from the sensor, alpha from the control period, brake from the torque
-    limit.  Whether the settings can be met is checked where the guard is built, and there a bound
-    that the scenario itself breaks is refused, unless ``trust`` says that it is meant.
+    dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the control
+    period, brake from the torque limit.  Whether the settings can be met is checked where the
+    guard is built, and there a bound that the scenario itself breaks is refused, unless ``trust``
+    says that it is meant.
     """
 
     KEY: ClassVar[str] = "guard"
@@ -51,6 +52,21 @@ class Guard(Section):
     nbar: tuple[float, float] | None = quantity(
         None, unit="m/s, rad/s", doc="bound of the velocity's error", minimum=0, size=2
     )
+    delay: tuple[float, float] | None = quantity(
+        None,
+        unit="s",
+        doc="bounds of a command's delay, which may vary",
+        minimum=0,
+        maximum=10,
+        size=2,
+    )
+    lag: tuple[float, float] | None = quantity(
+        None,
+        unit="s",
+        doc="bounds of the drives' time constant, which may vary; the same twice: constant",
+        minimum=0,
+        size=2,
+    )
     alpha: float | None = quantity(
         None, unit="1/s", doc="rate at which the limit may be approached, at most 1/T", above=0
     )
@@ -68,7 +84,14 @@ class Guard(Section):
     )
 
     def relate(self) -> None:
-        """M_min <= M_max where both are there."""
+        """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
+        for name, what in (("delay", "a command's delay"), ("lag", "the time constant")):
+            first, second = getattr(self, name) or (0.0, 0.0)
+            if first > second:
+                raise ScenarioError(
+                    f"guard.{name} = [{first!r}, {second!r}] is the wrong way round: {what} lies "
+                    f"between the first and the second. Write [{second!r}, {first!r}]."
+                )
         if self.M_min is None or self.M_max is None:
             return
         for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 Pair: TypeAlias = tuple[float, float]
+ROUNDING = 1e-9
+"""Share by which sums of times may miss each other."""
 
 
 class EffectRole(Enum):
@@ -71,6 +73,11 @@ class Bound:
     age: Pair = (0.0, 0.0)
     window: Pair = (0.0, 0.0)
     void: str = ""
+
+    @property
+    def takeover(self) -> Pair:
+        """Smallest and largest delay of a command [s]."""
+        return max(self.delay - self.jitter, 0.0), self.delay
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,12 +131,18 @@ def total(bounds: list[Bound]) -> Bound:
         reasons.append("lag: two drives lag one behind the other, and the guard knows one lag.")
     if any(sum(item.window[i] > 0 for item in bounds) > 1 for i in (0, 1)):
         reasons.append("window: two sensors average the velocity, and the guard knows one window.")
+    delay, jitter = (sum(getattr(item, name) for item in bounds) for name in ("delay", "jitter"))
+    if jitter > delay * (1 + ROUNDING):
+        reasons.append(
+            f"jitter: a delay of at most {delay:g} s cannot vary by {jitter:g} s, or a command "
+            "would act before it was given."
+        )
     return Bound(
         dbar=_sum([item.dbar for item in bounds]),
         nbar=_sum([item.nbar for item in bounds]),
         mass=_sum([item.mass for item in bounds]),
-        delay=sum(item.delay for item in bounds),
-        jitter=sum(item.jitter for item in bounds),
+        delay=delay,
+        jitter=jitter,
         lag=_sum([item.lag for item in bounds]),
         age=_sum([item.age for item in bounds]),
         window=_sum([item.window for item in bounds]),

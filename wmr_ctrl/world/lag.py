@@ -7,6 +7,7 @@ Source: motors whose winding warms up, drives whose tuning is not known.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)
+MANY = 500.0
+"""Time constants in a step after which nothing is left."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,9 +70,26 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The time constant's range: what was called for still acts by exp(-s/lag) after a time s."""
+    """The time constant's range; where it varies the lower end is a little below lag (1 - spread).
+
+    The torque is held over a plant step h as it is at the step's end, which is sooner than a first
+    order.  Where e = exp(-h/tau) of the smallest tau, a guard that counts on time constants from a
+    = h e/(1 - e) on counts at least what such a lag does (ledger: world.lag.stepped).
+    """
     lag, spread = scenario.section(Lag).lag, scenario.section(Lag).lag_spread
-    return Bound(lag=(lag * (1.0 - spread), lag * (1.0 + spread)))
+    if not spread:
+        return Bound(lag=(lag, lag))
+    return Bound(lag=(stepped(lag * (1.0 - spread), scenario.clock.plant), lag * (1.0 + spread)))
+
+
+def stepped(lag: float, step: float) -> float:
+    """Time constant [s] that a lag is not faster than which holds its value over a plant step [s].
+
+    step/(exp(step/lag) - 1), about lag - step/2.
+    """
+    if lag == 0 or step / lag > MANY:
+        return 0.0
+    return step / math.expm1(step / lag)
 
 
 LAG = Effect(

@@ -28,6 +28,8 @@ THEMES = (
     ("guard_delay", "The velocity guard behind a delay"),
     ("guard_lateness", "The velocity guard with late velocities, jitter and lag"),
     ("guard_latest_motion", "What it promises with late velocities, jitter and lag"),
+    ("guard_varying", "The velocity guard behind a lag that varies"),
+    ("guard_varying_motion", "What it promises behind a lag that varies"),
     ("wheel_maps", "Wheels behind the guard"),
     ("world", "Encoders and wheels"),
     ("ground", "Motors, ground and air"),

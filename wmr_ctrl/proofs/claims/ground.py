@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from wmr_ctrl.guard.lagging import integral, moved
 from wmr_ctrl.proofs.claims.world import ours, within
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
@@ -25,6 +26,27 @@ def _stepped(flip: float) -> Statement:
     given = (above(t["step"]), at_least(x, number), above(1, x - number))
     half = t["step"] / (2 if flip > 0 else 2.5)
     return Statement(t, within(off, half), given, {"number": number})
+
+
+def _held(flip: float) -> Statement:
+    """One plant step of the lag that holds its value, and Z that the guard follows."""
+    t = symbols("z p step share a b between least falls rises")
+    z, p, h, s, a, b, e, least, falls, rises = t.values()
+    after = p + e * (z - p)
+    guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
+    goals = (
+        at_least(
+            guarded + s * moved(z, p, (falls, rises)), ((1 if flip > 0 else 1.01) * h + s) * after
+        ),
+        at_least(moved(z, p, (falls, rises)), after),
+    )
+    given = (
+        at_least(z), at_least(p), above(h), above(a), at_least(s, a), at_least(b, s),
+        equal(a * (1 - least), h * least), at_least(rises), at_least(least, rises),
+        at_least(e, least), at_least(falls, e), above(1, falls),
+        at_least(b * (1 - falls), h * falls),
+    )  # fmt: skip
+    return Statement(t, goals, given)
 
 
 def _zone(flip: float) -> Statement:
@@ -126,6 +148,15 @@ def _gust(flip: float) -> Statement:
 
 
 CLAIMS = (
+    ours(
+        "lag.stepped",
+        "a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with "
+        "a = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b]",
+        "What a lag in plant steps counts for: that of a slightly smaller time constant.",
+        "e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <= "
+        "exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1)",
+        _held,
+    ),
     ours(
         "motor.step",
         "torque in steps is off by at most half a step",

@@ -8,7 +8,7 @@ from functools import partial
 import casadi as ca
 
 from wmr_ctrl.guard.bounds import ROUNDING
-from wmr_ctrl.guard.delay import Tails, under_way
+from wmr_ctrl.guard.delay import Tails, UnderWay, under_way
 from wmr_ctrl.guard.guard import clipped, feasible
 from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
@@ -171,8 +171,7 @@ def _tail(flip: float) -> Statement:
     table = {**a.symbols, **t, **{f"tail{i}": state[i] for i in range(4)}}
     goals = []
     for axis in (0, 1):
-        now = tails.of(axis, b)
-        assert now is not None
+        now = tails.added(UnderWay(ca.SX(0), ca.SX(0)), axis, b)
         after = following[2 * axis] + tail.steady * b.period * ca.fmax(b.net, 0)
         old, new = forces[1][axis], forces[0][axis]
         joined = 0.25 * ca.fmax(old + b.net, 0) + 0.125 * ca.fmax(ca.fmax(old, new) + b.net, 0)

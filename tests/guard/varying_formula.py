@@ -1,0 +1,124 @@
+"""The guard's formula behind a lag that varies, in floats; integrals by quadrature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tests.guard.late_formula import LateGuard
+
+NODES, SHARES = np.polynomial.legendre.leggauss(20)
+
+
+@dataclass(frozen=True)
+class VaryingGuard(LateGuard):
+    """Drives whose time constant lies in [fast, lag] and varies [s]."""
+
+    fast: float = 0.0
+
+    @property
+    def usual(self) -> float:
+        return self.late - self.window / 2
+
+    @property
+    def mixed(self) -> float:
+        return self.usual
+
+    @property
+    def J(self) -> float:
+        return self.hi - self.lo
+
+    @cached_property
+    def _limit(self) -> float:
+        cap = self.M_min * (self.u1 - self.f_speed) / (1 / self.alpha + self.late)
+        return min(cap, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
+
+    @cached_property
+    def brakes(self) -> float:
+        return min(self.brake, self._limit - self.net)
+
+    @cached_property
+    def largest(self) -> float:
+        spent = max(self.brakes + self.net, 0) / self.alpha
+        most = (self.M_min * (self.u1 - self.f_speed) - spent) / self.late
+        return min(most, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed) - self.net
+
+    def pieces(self, count: int) -> list[tuple[tuple[int, ...], float, float]]:
+        """Commands and ages [s] of every piece of ``count`` commands, the oldest first."""
+        items = []
+        for j in range(count, 0, -1):
+            over = (j - 1) * self.T
+            items.append(((j,), j * self.T - self.hi, over - self.lo))
+            if j > 1:
+                items.append(((j, j - 1), over - self.lo, over - self.hi))
+        return items
+
+    def share(self, s: np.ndarray, averaged: bool) -> np.ndarray:
+        if not (averaged and self.window):
+            return (s <= self.L) * 1.0
+        return np.clip((self.L - s) / self.window, 0.0, 1.0)
+
+    def through(self, z, p, begin: float, end: float):
+        """Z at ages between, as a function of the age."""
+        falls, rises = np.maximum(z - p, 0.0), np.maximum(p - z, 0.0)
+
+        def at(s):
+            quick = np.exp((s - begin) / self.fast) if self.fast else (s == begin) * 1.0
+            return p + falls * np.exp((s - begin) / self.lag) - rises * quick
+
+        return at
+
+    def integral(self, at, begin: float, end: float, averaged: bool):
+        """Of Z with the share of ages that count, cut where that has a corner."""
+        cuts = sorted({begin, end, *(s for s in (self.age, self.L) if end < s < begin)})
+        total = 0.0
+        for low, high in zip(cuts, cuts[1:], strict=False):
+            for node, weight in zip(NODES, SHARES, strict=True):
+                s = (low + high) / 2 + (high - low) / 2 * node
+                total = total + weight * (high - low) / 2 * self.share(s, averaged) * at(s)
+        return total
+
+    def hi_of(self, y: np.ndarray, sent: list[np.ndarray], tail: np.ndarray, way: float):
+        spent, z = [0.0, 0.0], tail
+        for which, begin, end in self.pieces(self.n):
+            if begin - end < 1e-12:
+                continue
+            p = np.maximum.reduce([self.push(way * sent[j - 1]) for j in which])
+            at = self.through(z, p, begin, end)
+            spent = [spent[i] + self.integral(at, begin, end, i == 0) for i in (0, 1)]
+            z = at(end)
+        room = (
+            np.minimum(
+                self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
+                self.M_min * (self.u1 - self.f_speed) - spent[1],
+            )
+            - self.lag * z
+        )
+        more = lambda t: (self.lag - self.fast) * (1 - self._quick(t))  # noqa: E731
+        rate, J = 1 / self.alpha, self.J
+        lines = [room / (rate + J), (room + more(self.T + J) * z) / (rate + J + more(self.T + J))]
+        if J:
+            p = self.push(way * sent[0])
+            left = room - J * p - more(J) * np.maximum(p - z, 0.0)
+            z = self.through(z, p, J, 0.0)(0.0)
+            lines += [left / rate, (left + more(self.T) * z) / (rate + more(self.T))]
+        m = np.minimum.reduce(lines)
+        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
+        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
+
+    def next_tail(self, tail: np.ndarray, commands: list[np.ndarray], way: float) -> np.ndarray:
+        z = tail
+        for which, begin, end in self.pieces(self.n + 1)[: 2 if self.n else 1]:
+            if begin - end > 1e-12:
+                p = np.maximum.reduce([self.push(way * commands[j - 1]) for j in which])
+                z = self.through(z, p, begin, end)(end)
+        return z
+
+    @property
+    def first_tail(self) -> float:
+        return max(self.net, 0.0)
+
+    def _quick(self, time: float) -> float:
+        return float(np.exp(-time / self.fast)) if self.fast else float(time == 0)

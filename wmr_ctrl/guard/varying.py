@@ -1,0 +1,140 @@
+"""A lag whose time constant varies: what commands count for, piece of time after piece of time.
+
+Per axis and direction, with p = max(F + net, 0) of the command F that acts: behind drives whose
+time constant tau lies in [a, b] and varies as it likes, the push that is felt is at most Z,
+
+    tau Z' = p - Z    rises soonest with a and falls latest with b.
+
+So Z is followed through the pieces of time in which one command, or either of two, may act: with
+the larger p of a piece, by a where it rises and by b where it falls.  In a piece from Z0 on,
+
+    Z = p + max(Z0 - p, 0) exp(-t/b) - max(p - Z0, 0) exp(-t/a),
+
+and all that is asked of it, its end and its integral with the weights P(s) of `lateness`, is linear
+in the two differences.  The numbers before them are taken in closed form with 50 digits, once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+
+Weights = tuple[float, float, float]
+"""Before p, the difference that falls and the one that rises [periods]."""
+Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
+"""Of P(s) exp(-(begin - s)/tau) between the ages begin and end; of P(s) alone without a tau."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A piece of time: the commands of which any may act, and what becomes of Z in it.
+
+    ``stays`` of a difference that falls and of one that rises; weights as the mean and as the rest
+    count (see `lateness`).
+    """
+
+    which: tuple[int, ...]
+    stays: tuple[float, float]
+    mean: Weights
+    rest: Weights
+
+
+@dataclass(frozen=True)
+class Varying:
+    """Numbers of one axis [periods].
+
+    ``pieces`` from the oldest listed command to when the new one may first take over; ``entering``
+    lead to where they begin a sample later.  ``longest`` b; ``rises`` (b - a)(1 - exp(-t/a)) for t
+    = J, T and T + J, what a command that is larger than Z does beyond its own time; ``stays`` in J.
+    """
+
+    pieces: tuple[Passage, ...]
+    entering: tuple[Passage, ...]
+    longest: float
+    rises: tuple[float, float, float]
+    stays: tuple[float, float]
+
+
+def varying(
+    count: int, delay: tuple[Fraction, Fraction], span: tuple[Fraction, Fraction],
+    mean: Integral, rest: Integral,
+) -> Varying:  # fmt: skip
+    """For ``count`` listed commands, the ``delay``'s bounds, and the lag's, ``span``."""
+    (lo, hi), (a, b) = delay, span
+    jitter = hi - lo
+
+    def piece(which: tuple[int, ...], begin: Fraction, end: Fraction) -> Passage:
+        weights = (tuple(float(of(begin, end, tau)) for tau in (None, b, a)) for of in (mean, rest))
+        first, second = ((w[0], w[1], w[2]) for w in weights)
+        return Passage(which, _staying(begin - end, span), first, second)
+
+    def of(j: int) -> list[Passage]:
+        over = Fraction(j - 1)
+        items = [piece((j,), j - hi, over - lo)]
+        return [*items, piece((j, j - 1), over - lo, over - hi)] if j > 1 else items
+
+    listed = [item for j in range(count, 0, -1) for item in of(j)]
+    joins = of(count + 1)
+    one, two, three = (
+        float(_number(b - a) * (1 - _exp(time, a))) for time in (jitter, Fraction(1), 1 + jitter)
+    )
+    return Varying(
+        _long(listed), _long(joins), float(b), (one, two, three), _staying(jitter, span)
+    )  # fmt: skip
+
+
+def ramp(age: Fraction, window: Fraction) -> Integral:
+    """With P(s) = 1 up to ``age``, from there falling to 0 over the window."""
+    oldest = age + window
+
+    def integral(begin: Fraction, end: Fraction, tau: Fraction | None) -> Decimal:
+        flat = _linear(begin, (end, min(begin, age)), (Fraction(1), Fraction(0)), tau)
+        if not window:
+            return flat
+        falling = (max(end, age), min(begin, oldest))
+        return flat + _linear(begin, falling, (oldest / window, -1 / window), tau)
+
+    return integral
+
+
+def less(first: Integral, second: Integral) -> Integral:
+    """With the difference of two weights."""
+    return lambda begin, end, tau: first(begin, end, tau) - second(begin, end, tau)
+
+
+def _linear(
+    begin: Fraction, ages: tuple[Fraction, Fraction], line: tuple[Fraction, Fraction],
+    tau: Fraction | None,
+) -> Decimal:  # fmt: skip
+    """Integral of (line[0] + line[1] s) exp(-(begin - s)/tau) between two ages; 0 without any."""
+    low, high = ages
+    if low >= high or tau == 0:
+        return Decimal(0)
+    if tau is None:
+        return _number((high - low) * (line[0] + line[1] * (high + low) / 2))
+    upper, lower = (
+        _number(tau * (line[0] + line[1] * (s - tau))) * _exp(begin - s, tau) for s in (high, low)
+    )
+    return upper - lower
+
+
+def _staying(time: Fraction, span: tuple[Fraction, Fraction]) -> tuple[float, float]:
+    return float(_exp(time, span[1])), float(_exp(time, span[0]))
+
+
+def _exp(time: Fraction, tau: Fraction) -> Decimal:
+    """exp(-time/tau), 0 for tau = 0 after any time."""
+    if tau == 0:
+        return Decimal(int(time == 0))
+    return _number(-time / tau).exp()
+
+
+def _long(pieces: list[Passage]) -> tuple[Passage, ...]:
+    """Those that last at all."""
+    return tuple(item for item in pieces if item.stays[0] < 1)
+
+
+def _number(x: Fraction) -> Decimal:
+    return Decimal(x.numerator) / Decimal(x.denominator)

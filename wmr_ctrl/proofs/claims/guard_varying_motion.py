@@ -1,0 +1,190 @@
+"""The guard behind a lag that varies: inside stays inside.
+
+That the push felt stays below Z is by hand (guard.varying.lag), and so is the induction over the
+samples (guard.varying.lemma).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import casadi as ca
+
+from wmr_ctrl.guard.delay import UnderWay
+from wmr_ctrl.guard.guard import clipped
+from wmr_ctrl.guard.lagging import waiting
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
+from wmr_ctrl.proofs.claims.guard_varying import EXPONENTIALS, VaryingAxis, twice, varying_claim
+from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+
+def _lines(a: VaryingAxis, way: int, left: ca.SX, spare: ca.SX, more: float = 1) -> list[Relation]:
+    """What is left, each line of it; ``spare`` is u1 less what is reached."""
+    b = a.bounds
+    z, after, again = (item / b.M_min for item in a.lasts(way))
+    rise, late = a["rise"], a["rise_late"]
+    return [
+        at_least(spare - again, more * left),
+        at_least(spare, (1 + b.alpha * a.J) * left),
+        at_least(spare - again + rise * after, (1 + b.alpha * rise) * left),
+        at_least(spare + late * z, (1 + b.alpha * (a.J + late)) * left),
+    ]
+
+
+def _counts(varies: bool, flip: float) -> Statement:
+    a = VaryingAxis(varies=varies)
+    b, goals = a.bounds, []
+    for left, (way, name) in zip(rooms_of(a), ((1, "ahead"), (-1, "back")), strict=True):
+        mean, rest = a[name], a[f"rest_{name}"]
+        start = ca.fmax(ca.fmax(way * a["v"], b.f_speed) + mean, b.f_speed + rest)
+        goals += _lines(a, way, left, b.u1 - (1 if flip > 0 else 1.01) * start)
+    given = (*a.sound(), *a.measured, *a.moving, *a.numbers, *_fixed(a))
+    return Statement(a.symbols, tuple(goals), given)
+
+
+def _fixed(a: VaryingAxis) -> tuple[Relation, ...]:
+    """Without jitter T and T + J are the same time."""
+    return () if a.varies else (equal(a["rise_late"], a["rise"]),)
+
+
+def _invariant(way: int, varies: bool, flip: float) -> Statement:
+    """A command of larger p than the last is worst early, another one late; both to their end."""
+    a = VaryingAxis(varies=varies)
+    b, t = a.bounds, symbols("room_ahead room_back")
+    left = t["room_ahead"] if way > 0 else t["room_back"]
+    z, after, again = a.lasts(way)
+    p = ca.fmax(way * a.force + a.net, 0)
+    period = (1 if flip > 0 else 1.01) * b.period
+    early = waiting(z, p, period + a.J, a["rise_late"]) / a["mass"]
+    late = (waiting(after, p, period, a["rise"]) + again) / a["mass"]
+    goals = [
+        at_least(b.u1, a["arrived"] + ca.if_else(p > 0, more, b.u1 - a["arrived"]))
+        for more in (early, late)
+    ]
+    given = (
+        *a.sound(), *a.numbers, *_fixed(a), at_least(b.braking, a.net), at_least(a.hi, a.lo),
+        *_lines(a, way, left, b.u1 - a["arrived"]), at_least(z), at_least(after), at_least(again),
+        at_least(a["mass"], b.M_min), above(b.M_min),
+    )  # fmt: skip
+    cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
+    return Statement({**a.symbols, **t}, tuple(goals), given, cuts)
+
+
+def _outside(varies: bool, flip: float) -> Statement:
+    a = VaryingAxis(varies=varies)
+    b, beyond = a.bounds, symbols("beyond")["beyond"]
+    t = symbols("room_ahead room_back")
+    again = a.lasts(1)[2] / b.M_min
+    needed = ca.fmin(b.braking - a.net, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
+    left = a.force + a.net
+    given = (
+        *a.sound(), *a.capped, above(beyond), at_least(a["arrived"] + again - b.u1, beyond),
+        at_least(b.u1 - a["arrived"] - again, t["room_ahead"]), at_least(a.hi, a.lo),
+    )  # fmt: skip
+    cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
+    goals = (at_least(-left), at_least(-left, needed))
+    return Statement({**a.symbols, **t, "beyond": beyond}, goals, given, cuts)
+
+
+def _unvaried(_: float) -> Statement:
+    """A guard that takes the lag for constant: the new command may rise sooner than it counts."""
+    a = LatestAxis(varies=False)
+    t = symbols("z rise fast slow")
+    b, z = a.bounds, t["z"]
+    force = clipped(a["asked"], a["y"], b, UnderWay(a["ahead"], a["back"]))
+    p = ca.fmax(force + a.net, 0)
+    end = a["arrived"] + waiting(z, p, b.period, t["rise"]) / b.M_min
+    given = (
+        *a.sound(), *a.capped, *a.measured, *a.moving, *a.begins(1), at_least(z),
+        equal(a["rest_ahead"], a["ahead"]), equal(a["rest_back"], a["back"]),
+        above(t["fast"]), above(t["slow"], t["fast"]), above(t["rise"]),
+        at_least(t["slow"] - t["fast"], t["rise"]), at_least(a["ahead"] * b.M_min, t["slow"] * z),
+        at_least(b.u1, a["arrived"]),
+    )  # fmt: skip
+    return Statement({**a.symbols, **t}, (at_least(b.u1, end),), given, a.cuts)
+
+
+CLAIMS = (
+    *twice(
+        "counts",
+        (
+            "room is at most what each of its lines leaves of u1 less what is reached when the new "
+            "command may first take over; either way",
+            "What the room is counted from.",
+            "reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
+            f"{EXPONENTIALS}",
+        ),
+        _counts,
+    ),
+    *twice(
+        "upper",
+        (
+            "p_0 > 0: what is reached + (T + J) p_0 + c(T + J) max(p_0 - Z, 0), and + what the "
+            "last command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1",
+            "Inside stays inside, forwards: a larger push than the last is worst where it comes "
+            "early, a smaller one where it comes late.",
+            f"guard.varying.counts; M >= M_min, alpha T <= 1, lo <= hi, brakes >= net; "
+            f"{EXPONENTIALS}",
+        ),
+        partial(_invariant, 1),
+        ("guard.varying.feasible", "guard.varying.counts"),
+    ),
+    *twice(
+        "lower",
+        (
+            "the same for -v, whatever v is in the other direction",
+            "Nor backwards.",
+            "as guard.varying.upper",
+        ),
+        partial(_invariant, -1),
+        ("guard.varying.feasible", "guard.varying.counts"),
+    ),
+    *twice(
+        "outside",
+        (
+            "what is reached > u1 where the new command takes over: F + net <= -min(brakes - net, "
+            "M_max (it - u1)/T)",
+            "Outside the limit no disturbance can make the robot faster, once what was sent before "
+            "is over.  How soon it is back is not claimed.",
+            f"guard.varying.counts; {CAPS}",
+        ),
+        _outside,
+        ("guard.varying.counts",),
+    ),
+    varying_claim(
+        "unvaried",
+        "guard.varying.steady.upper, for a guard that takes the lag for constant",
+        "False: a time constant that falls brings the new command sooner while what was sent is "
+        "still felt.",
+        "0 < a < b",
+        _unvaried,
+    ),
+    Claim(
+        "guard.varying.lag",
+        (),
+        OURS,
+        "v+ at any later time is at most max(max(y + nbar, f_speed) + mean, f_speed + rest), each "
+        "with the integral of Z from the ages in the window on; and less b Z of then, that + b Z",
+        "The push that is felt is at most Z, which rises with a and falls with b.",
+        "drives of first order whose time constant lies in [a, b] and varies as it likes",
+        verdict=HAND,
+        premises=("guard.lemma", "guard.varying.moved", "guard.varying.integral"),
+        theme="guard",
+    ),
+    Claim(
+        "guard.varying.lemma",
+        (),
+        OURS,
+        "|v| <= u1 at every instant from the first command on, by induction over the samples",
+        "The theorem for a lag that varies.",
+        "as guard.late.lemma, but for the lag",
+        verdict=HAND,
+        premises=(
+            "guard.varying.lag", "guard.varying.piece", "guard.varying.upper",
+            "guard.varying.lower", "guard.varying.feasible", "guard.late.largest",
+        ),
+        theme="guard",
+    ),
+)  # fmt: skip
