@@ -81,9 +81,12 @@ ELSEWHERE = {
     "actuator.jitter",
     "actuator.lag_spread",
     "actuator.traction",
+    "guard.delay",
+    "guard.lag",
 }
 """Fields that a guard or a coupled plant refuses: tests/world/test_effects.py has them.  Traction
-limits weaker tyres than these: tests/physics/test_traction.py has it."""
+limits weaker tyres than these: tests/physics/test_traction.py has it.  Bounds of delay and lag
+decide the form of a guard: tests/guard/test_late_runs.py."""
 
 
 def based(changes: Mapping[str, Any]) -> Scenario:

@@ -25,6 +25,15 @@ BROKEN = [
     ({"guard.nbar": [0.01, 0.0], "sensor.velocity_noise": [0.02, 0.0]}, "guard.nbar", ("0.02",)),
     ({"guard.f_min": [FRICTION + 1, 0.0], "guard.f_speed": [0.2, 0.0]}, "guard.f_min", ("39.24",)),
     ({"guard.f_min": [30.0, 0.0], "guard.f_speed": [0.001, 0.0]}, "guard.f_min", ("3.911 N",)),
+    ({"guard.delay": [0.0, 0.003], "actuator.delay": 0.004}, "guard.delay", ("0.003", "0.004")),
+    ({"guard.delay": [0.003, 0.008], "actuator.jitter": 0.008}, "guard.delay", ("0.003", "0 and")),
+    ({"guard.lag": [0.01, 0.02], "actuator.lag": 0.03}, "guard.lag", ("0.02", "0.03")),
+    (
+        {"guard.lag": [0.02, 0.02], "actuator.lag": 0.018, "actuator.lag_spread": 0.1},
+        "guard.lag",
+        ("0.02", "0.0157051"),
+    ),
+    ({"guard.lag": [0.02, 0.03], "actuator.lag": 0.02}, "guard.lag", ("0.0195042",)),
     ({"guard.f_min": [0.0, 1.0], "guard.f_speed": [0.0, 0.5]}, "guard.f_min", ("0 N m",)),
 ]
 MET = [
@@ -32,6 +41,10 @@ MET = [
     {"guard.M_min": [50.0, 5.4], "guard.M_max": [65.0, 7.0]},
     {"guard.nbar": [0.02, 0.0], "sensor.velocity_noise": [0.02, 0.0]},
     {"guard.f_min": [FRICTION, 0.0], "guard.f_speed": [0.2, 0.0]},
+    {"guard.delay": [0.0, 0.006], "actuator.jitter": 0.005},
+    {"guard.delay": [0.01, 0.01], "actuator.delay": 0.004},
+    {"guard.lag": [0.02, 0.02], "actuator.lag": 0.01},
+    {"guard.lag": [0.01, 0.03], "actuator.lag": 0.02, "actuator.lag_spread": 0.4},
 ]
 
 

@@ -19,6 +19,7 @@ from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 
 SLOW_SAMPLE = {"clock.control": 0.1}
@@ -34,13 +35,23 @@ KINDS = {
     },
 }  # fmt: skip
 WEAK = {"guard.dbar": [40.0, 6.0], "disturbance.push": [40.0, 6.0]}
-DRIVES = {"actuator.delay": 0.003, "actuator.jitter": 0.004, "actuator.lag": 0.01}
+DRIVES = {
+    "actuator.delay": 0.003, "actuator.jitter": 0.004, "actuator.lag": 0.01,
+    "actuator.lag_spread": 0.2,
+}  # fmt: skip
+RANGES = {
+    "lag between bounds": {**SLOW_SAMPLE, "actuator.lag": 0.05, "actuator.lag_spread": 0.4},
+    "stated bounds of delay and lag": {
+        **SLOW_SAMPLE, "actuator.untold": 0.02, "actuator.lag": 0.05,
+        "guard.delay": [0.0, 0.03], "guard.lag": [0.02, 0.06],
+    },
+}  # fmt: skip
 SHORT = {"actuator.tau_max": 10.0, "clock.duration": 3.0, "changes": [], "disturbance.truncate": 3}
 
 
 def checked(law: str, kind: str) -> None:
     """The lightest robot without friction, pushed the way it moves."""
-    changed = {**LIGHTEST, **WEAK, **KINDS[kind], "clock.duration": 20.0}
+    changed = {**LIGHTEST, **WEAK, **{**KINDS, **RANGES}[kind], "clock.duration": 20.0}
     run = simulate("paper-simulation-nominal", law, guard=True, overrides=changed)
     assert run.monitor.violations == 0
     assert (np.array(run.monitor.max_abs_v) <= LIMITS).all()
@@ -56,6 +67,12 @@ def test_pushed_the_way_it_moves_the_robot_stays_within_its_limits(kind: str) ->
 @pytest.mark.parametrize(("law", "kind"), turns(NAMES, tuple(KINDS), shown=0))
 def test_with_every_law_and_sensor(law: str, kind: str) -> None:
     checked(law, kind)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", RANGES)
+def test_drives_anywhere_within_stated_bounds(kind: str) -> None:
+    checked("pid", kind)
 
 
 @pytest.mark.slow
@@ -92,10 +109,26 @@ def test_drives_slower_than_the_graph_was_built_for_are_not_feasible(key: str) -
     item = guard_alone(
         settle(load_scenario("safe-simulation", {"guard.enabled": True, **SHORT, **DRIVES}), None)
     )
+    assert feasible_with(item, {key: 1.01}) == 0.0
+    assert evaluated(item, [10.0, 1.0, 0.1, 0.1], item.x0)[2][4] == 1.0
+
+
+def test_drives_quicker_than_the_graph_was_built_for_are_not_feasible_where_they_vary() -> None:
+    changed = {"guard.enabled": True, **SHORT, **DRIVES}
+    item = guard_alone(settle(load_scenario("safe-simulation", changed), None))
+    constant = {**changed, "actuator.lag_spread": 0.0, "actuator.jitter": 0.0}
+    steady = guard_alone(settle(load_scenario("safe-simulation", constant), None))
+
+    for key in ("actuator.delay", "actuator.lag"):
+        assert feasible_with(item, {key: 0.95}) == 0.0
+        assert feasible_with(steady, {key: 0.95}) == 1.0
+    assert feasible_with(item, {"actuator.lag_spread": 0.95, "actuator.jitter": 0.95}) == 1.0
+
+
+def feasible_with(item: System, factors: dict[str, float]) -> float:
+    """What the guard says of itself with parameters multiplied."""
     names = [name for port in item.params for name in port.signal.elements]
     p = np.array(item.p0)
-    p[names.index(key)] *= 1.01
-    run = item.function("guard", [item.d])
-
-    assert float(run([10.0, 1.0, 0.1, 0.1], item.x0, p)[4]) == 0.0
-    assert evaluated(item, [10.0, 1.0, 0.1, 0.1], item.x0)[2][4] == 1.0
+    for key, factor in factors.items():
+        p[names.index(key)] *= factor
+    return float(item.function("guard", [item.d])([10.0, 1.0, 0.1, 0.1], item.x0, p)[4])

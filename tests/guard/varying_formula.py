@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -74,7 +75,7 @@ class VaryingGuard(LateGuard):
         """Of Z with the share of ages that count, cut where that has a corner."""
         cuts = sorted({begin, end, *(s for s in (self.age, self.L) if end < s < begin)})
         total = 0.0
-        for low, high in zip(cuts, cuts[1:], strict=False):
+        for low, high in pairwise(cuts):
             for node, weight in zip(NODES, SHARES, strict=True):
                 s = (low + high) / 2 + (high - low) / 2 * node
                 total = total + weight * (high - low) / 2 * self.share(s, averaged) * at(s)

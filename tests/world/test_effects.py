@@ -418,6 +418,7 @@ def test_effects_add_up_and_two_means_are_none():
     assert bound.window == (0.01, 0.01)
     assert "average" in total([bound, bound]).void
     assert "lag" in total([Bound(lag=(0.01, 0.02))] * 2).void
+    assert "0.01 s cannot vary by 0.02" in total([Bound(delay=0.01, jitter=0.02)]).void
 
 
 @pytest.mark.parametrize(("changes", "message"), [

@@ -49,8 +49,8 @@ def _check_times(scenario: Scenario, guard: Stated) -> None:
     if guard.jitter > period + GRID * step:
         raise ScenarioError(
             f"guard: the delay varies by {guard.jitter:g} s, more than clock.control = {period:g} "
-            "s: a command could take over after the next one. Lower actuator.jitter, or narrow "
-            f"guard.delay, to at most {period:g} s, or lengthen clock.control."
+            "s: a command could take over after the next one. Lower actuator.jitter to at most "
+            f"{period:g} s, or lengthen clock.control."
         )
 
 

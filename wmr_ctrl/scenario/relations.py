@@ -16,6 +16,9 @@ from wmr_ctrl.world.registry import EFFECTS
 if TYPE_CHECKING:
     from wmr_ctrl.scenario.scenario import Scenario
 
+ROUNDING = 1e-9
+"""Share by which a difference of two times may miss a third."""
+
 
 def check_types(scenario: Scenario) -> None:
     """Raise ScenarioError if a part of the scenario is not of its own class."""
@@ -44,6 +47,13 @@ def relate(scenario: Scenario) -> None:
     for effect in EFFECTS:
         if effect.check is not None:
             effect.check(scenario)
+    low, high = scenario.guard.delay or (0.0, 0.0)
+    if high - low > clock.control * (1 + ROUNDING):
+        raise ScenarioError(
+            f"guard.delay = [{low!r}, {high!r}] s may not vary by more than clock.control = "
+            f"{clock.control!r} s: a command could take over after the next one. Narrow it, or "
+            "lengthen clock.control."
+        )
     split = scenario.metrics.split
     if split is not None and not split < clock.duration:
         raise ScenarioError(

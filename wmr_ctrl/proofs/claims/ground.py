@@ -150,8 +150,8 @@ def _gust(flip: float) -> Statement:
 CLAIMS = (
     ours(
         "lag.stepped",
-        "a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with "
-        "a = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b]",
+        "a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises "
+        "with a = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b]",
         "What a lag in plant steps counts for: that of a slightly smaller time constant.",
         "e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <= "
         "exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1)",
