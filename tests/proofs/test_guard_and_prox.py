@@ -60,8 +60,10 @@ KNOWN = load().by_id()
 @pytest.mark.parametrize(
     "claim",
     [
-        pytest.param(claim, id=claim.id, marks=[pytest.mark.slow] * (claim.id in SLOW))
-        for claim in CLAIMS
+        pytest.param(
+            claim, id=claim.id, marks=[pytest.mark.slow] * (place % 6 > 0 or claim.id in SLOW)
+        )
+        for place, claim in enumerate(CLAIMS)
     ],
 )
 def test_verdict(claim: Claim) -> None:
