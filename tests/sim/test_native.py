@@ -75,12 +75,11 @@ def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str
     assert native.monitor.violations == numpy.monitor.violations
 
 
-@pytest.mark.parametrize("scenario", quick(preset_names(), "paper-simulation", "safe-simulation"))
-def test_every_preset_ends_with_an_outcome(scenario: str) -> None:
-    for law in NAMES:
-        run = simulate(scenario, law)
-        assert run.explanation
-        assert run.rows == run.settings.samples or run.monitor.stopped
+@pytest.mark.parametrize(("scenario", "law"), turns(preset_names(), headed("nn", NAMES)))
+def test_every_preset_ends_with_an_outcome(scenario: str, law: str) -> None:
+    run = simulate(scenario, law)
+    assert run.explanation
+    assert run.rows == run.settings.samples or run.monitor.stopped
 
 
 def test_seed_gives_the_same_bits_for_any_number_of_workers() -> None:
