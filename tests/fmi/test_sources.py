@@ -49,7 +49,8 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
         texts = {unit: (folder / unit).read_text(encoding="utf-8") for unit in units}
         new = [unit for unit, text in texts.items() if text not in seen]
         seen.update(texts.values())
-        compile_all(language, folder, new, "-isystem", "standard")
+        if new:
+            compile_all(language, folder, new, "-isystem", "standard")
     assert len(seen) > 2 * len(WHAT)
 
 

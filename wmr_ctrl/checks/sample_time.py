@@ -10,21 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
-from wmr_ctrl.checks.sampled_plant import Lateness, sampled_plant
+from wmr_ctrl.checks.sampled_plant import Lateness, linear_plant, sampled_plant
+from wmr_ctrl.checks.seen_pose import with_pose_sensor
 from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import System
-from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references import sample
@@ -286,30 +285,13 @@ def closed_loop(
     memory = len(gain) - 2
     known, count = gain[:, 5 + memory :], loop.commands(period)
     asks = known.shape[1] > 2 * count
-    behind = sampled_plant(*moving, period, late or loop.lateness, mean=asks, remembered=count)
+    seen = late or loop.lateness
+    plant = sampled_plant(*moving, period, seen, mean=asks, remembered=count)
+    behind = with_pose_sensor(plant, v_d, period, seen)
     by_state = gain[:, :5] @ behind.measured + known @ np.vstack((behind.applied, behind.sent))
     by_memory = gain[:, 5 : 5 + memory]
     upper = np.hstack((behind.moved + behind.forced @ by_state[:2], behind.forced @ by_memory[:2]))
     return np.vstack((upper, np.hstack((by_state[2:], by_memory[2:]))))
-
-
-def linear_plant(robot: Robot, v_d: tuple[float, ...]) -> tuple[Floats, Floats]:
-    """Rates' gradients by (e, v) and by the acting force, on the reference at ``v_d``."""
-    numbers = (robot.m, robot.I, robot.mu, robot.g, robot.v_s)
-    rates, push = (np.asarray(item) for item in _plant_gradient()(numbers, v_d))
-    return rates, push
-
-
-@cache
-def _plant_gradient() -> ca.Function:
-    p, v_d = ca.SX.sym("robot", 5), ca.SX.sym("v_d", 2)
-    (m, inertia, mu, g, v_s) = ca.vertsplit(p)
-    s, force = ca.SX.sym("s", 5), ca.SX.sym("force", 2)
-    speeding = acceleration(reduced_mass(m, inertia), force, friction(mu, m, g, v_s, s[3:]))
-    rate = ca.vertcat(error_rate(s[:3], s[3:], v_d), speeding)
-    at = ca.vertcat(ca.SX.zeros(3), v_d)
-    gradients = [ca.substitute(ca.jacobian(rate, by), s, at) for by in (s, force)]
-    return ca.Function("plant", [p, v_d], gradients)
 
 
 def _radius(

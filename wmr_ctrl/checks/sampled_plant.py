@@ -11,12 +11,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
+from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.world.pose_delay import PoseDelay
+from wmr_ctrl.world.pose_sensor import PoseSensor
 
 Floats = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -29,26 +36,30 @@ VELOCITIES = slice(3, 5)
 
 @dataclass(frozen=True)
 class Lateness:
-    """How late commands act and velocities are seen [s]; pairs are (linear, angular).
+    """How late commands act, velocities and poses are seen [s]; pairs are (linear, angular).
 
     A command takes over ``delay`` after it was given and is followed with time constant ``lag``;
-    a velocity is its mean over a ``window`` that ended ``age`` ago.
+    a velocity is its mean over a ``window`` that ended ``age`` ago; a pose is ``pose_age`` old, and
+    the share ``correction`` of its difference from the predicted one is believed.
     """
 
     delay: float = 0.0
     lag: float = 0.0
     age: Pair = (0.0, 0.0)
     window: Pair = (0.0, 0.0)
+    pose_age: float = 0.0
+    correction: float = 1.0
 
     @property
     def shown(self) -> float:
-        """Age of the oldest velocity that a sensor still shows [s]."""
-        return max(age + window for age, window in zip(self.age, self.window, strict=True))
+        """Age of the oldest velocity or pose that a sensor still shows [s]."""
+        ages = [age + window for age, window in zip(self.age, self.window, strict=True)]
+        return max(*ages, self.pose_age)
 
     @property
     def discrete(self) -> bool:
         """Whether there is more than a lag: what a differential equation has no place for."""
-        return self.delay > 0 or self.shown > 0
+        return self.delay > 0 or self.shown > 0 or self.correction < 1
 
     @property
     def words(self) -> dict[str, float]:
@@ -56,6 +67,7 @@ class Lateness:
         parts = {
             "delay": self.delay, "lag": self.lag,
             "velocity's age": max(self.age), "velocity's window": max(self.window),
+            "pose's age": self.pose_age,
         }  # fmt: skip
         return {word: value for word, value in parts.items() if value}
 
@@ -63,10 +75,20 @@ class Lateness:
 def lateness_of(setup: Setup) -> Lateness:
     """What all effects of a scenario add up to, at its largest where it varies.
 
-    A pose that is late, comes rarely or is filtered is not in it.
+    Poses are taken to come at every sample: `rare_poses` tells where they do not.
     """
-    bound = setup.bound
-    return Lateness(bound.delay, bound.lag[1], bound.age, bound.window)
+    bound, scenario = setup.bound, setup.scenario
+    late, share = scenario.section(PoseDelay).pose_delay, scenario.section(PoseSensor).correction
+    return Lateness(bound.delay, bound.lag[1], bound.age, bound.window, late, share)
+
+
+def rare_poses(scenario: Scenario) -> str:
+    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
+    sensor, period = scenario.section(PoseSensor), scenario.clock.control
+    parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
+    parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)
+    said = " and ".join(parts)
+    return f"as if a pose came at every sample, though {said}" if said else ""
 
 
 @dataclass(frozen=True)
@@ -267,6 +289,25 @@ def _divided(value: float, period: float) -> tuple[int, float]:
     whole = math.floor(ratio + GRID)
     rest = value - whole * period
     return whole, rest if rest > GRID * period else 0.0
+
+
+def linear_plant(robot: Robot, v_d: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Rates' gradients by (e, v) and by the acting force, on the reference at ``v_d``."""
+    numbers = (robot.m, robot.I, robot.mu, robot.g, robot.v_s)
+    rates, push = (np.asarray(item) for item in _plant_gradient()(numbers, v_d))
+    return rates, push
+
+
+@cache
+def _plant_gradient() -> ca.Function:
+    p, v_d = ca.SX.sym("robot", 5), ca.SX.sym("v_d", 2)
+    (m, inertia, mu, g, v_s) = ca.vertsplit(p)
+    s, force = ca.SX.sym("s", 5), ca.SX.sym("force", 2)
+    speeding = acceleration(reduced_mass(m, inertia), force, friction(mu, m, g, v_s, s[3:]))
+    rate = ca.vertcat(error_rate(s[:3], s[3:], v_d), speeding)
+    at = ca.vertcat(ca.SX.zeros(3), v_d)
+    gradients = [ca.substitute(ca.jacobian(rate, by), s, at) for by in (s, force)]
+    return ca.Function("plant", [p, v_d], gradients)
 
 
 def zero_order_hold(rates: Floats, push: Floats, period: float) -> tuple[Floats, Floats]:

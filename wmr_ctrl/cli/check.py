@@ -159,7 +159,7 @@ def _lines(
         lines += ["", "all laws", *(_item(str(warning)) for warning in shared)]
     for law, warnings in warned.items():
         own = [str(warning) for warning in warnings if warning not in shared]
-        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}")
+        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}{_rare(scenario)}")
         lines += ["", said, *_of_law(own, runs.get(law))]
     return lines
 
@@ -205,6 +205,14 @@ def _shared(warned: Warned) -> list[Warning]:
 
 def _item(text: str) -> str:
     return wrapped(f"- {text}", indent="  ", hang="  ")
+
+
+def _rare(scenario: Scenario) -> str:
+    """What the figures of stability leave out, if anything."""
+    from wmr_ctrl.checks.sampled_plant import rare_poses
+
+    said = rare_poses(scenario)
+    return f" ({said})" if said else ""
 
 
 def _stable(limits: Stability, period: float) -> str:

@@ -20,6 +20,7 @@ from wmr_ctrl.checks.sampled_plant import (
     lateness_of,
     sampled_plant,
 )
+from wmr_ctrl.checks.seen_pose import with_pose_sensor
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
@@ -69,7 +70,8 @@ def _robot_at(scenario: Scenario, point: Point) -> ct.StateSpace:
 def _sampled(scenario: Scenario, point: Point, period: float) -> ct.StateSpace:
     full = _robot_at(ideal_drives(scenario), point)
     push = full.B[:, [full.input_labels.index(name) for name in FORCES]]
-    held = sampled_plant(full.A, push, period, _lateness(scenario))
+    late = _lateness(scenario)
+    held = with_pose_sensor(sampled_plant(full.A, push, period, late), point.v_d, period, late)
     return ct.ss(
         held.moved, np.hstack((held.forced, held.pushed)), held.measured, np.zeros((5, 4)), period,
         name="plant", states=[*full.state_labels, *held.names], inputs=FORCES + DISTURBANCES,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
+from wmr_ctrl.checks.sampled_plant import rare_poses
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
@@ -216,6 +217,8 @@ def _poles(report: LinearReport) -> list[str]:
         lines.append(
             "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it."
         )
+    if said := rare_poses(report.scenario):
+        lines.append(f"All figures are {said}.")
     lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
     for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
         lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")
