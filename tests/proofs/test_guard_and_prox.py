@@ -52,7 +52,8 @@ CLAIMS = [c for module in MODULES for c in module.CLAIMS]
 LATE = {"guard.delay.longer", "guard.delay.ignored", "guard.delay.uncapped"}
 LATEST = {"guard.late.half", "guard.late.unmixed", "guard.varying.unvaried"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}
-VARYING = {f"guard.varying.{name}" for name in ("left", "counts", "steady.counts")}
+VARYING = {f"guard.varying.{name}" for name in ("left", "graceful", "steady.graceful")}
+VARYING |= {f"guard.varying.{name}counts" for name in ("", "steady.")}
 SLOW = {"guard.late.graceful", "prox.linear-smooth", *VARYING}
 KNOWN = load().by_id()
 

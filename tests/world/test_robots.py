@@ -60,3 +60,10 @@ def test_guarded_laws_of_the_comparison_keep_it(base):
 def test_check_has_nothing_against_the_fast_robot_in_what_it_shows():
     for law in NAMES:
         assert simulate("robot-10ms", law).remarks == (), law
+
+
+@pytest.mark.slow
+def test_nor_against_the_slow_one_with_the_laws_that_it_is_for():
+    for law in set(NAMES) - {"pid"}:
+        assert simulate("robot-100ms", law).remarks == (), law
+    assert [item.key for item in simulate("robot-100ms", "pid").remarks] == ["not-tracked"]

@@ -78,6 +78,7 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.varying.moved guard.varying.integral guard.varying.piece guard.varying.more "
         "guard.varying.spare guard.varying.left guard.varying.room guard.varying.feasible "
         "guard.varying.counts guard.varying.upper guard.varying.lower guard.varying.outside "
+        "guard.varying.graceful guard.varying.steady.graceful "
         "guard.varying.lag guard.varying.lemma world.lag.stepped "
         "guard.varying.steady.spare guard.varying.steady.left guard.varying.steady.room "
         "guard.varying.steady.feasible guard.varying.steady.counts guard.varying.steady.upper "

@@ -203,14 +203,20 @@ def bound(scenario: Scenario) -> Bound:
 
     The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
     the counts' phase is.  So each wheel's speed is off by less than 2 pi r/(N w), v1 by as much,
-    omega by that over l (ledger: world.encoder.*).  By the time between counts the window depends
-    on the speed, which the guard's theorem does not know.
+    omega by that over l (ledger: world.encoder.*).
+
+    By the time between counts each wheel shows, where counts come, a mean of its speed (the time of
+    a count is read off the turn at both ends of a sample), but over a window of its own.  Half their
+    sum and difference then mix v1 and omega: with the right wheel's mean E and the left one's E', v1
+    is off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the turn between both,
+    and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of counts.  That is no nbar to
+    count on, so there is none: void.
     """
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:
         return Bound(
-            void="encoder.method = time: the velocity is a mean over a time that depends on it, "
-            "and the guard knows fixed windows."
+            void="encoder.method = time: each wheel's speed is a mean over a time of its own that "
+            "depends on it, and the guard knows one fixed window."
         )
     window = periods_in_window(scenario) * scenario.clock.control
     count = 2.0 * math.pi * robot.r / (float(encoder.counts or math.inf) * window)

@@ -88,6 +88,28 @@ def _outside(varies: bool, flip: float) -> Statement:
     return Statement({**a.symbols, **t, "beyond": beyond}, goals, given, cuts)
 
 
+def _graceful(varies: bool, flip: float) -> Statement:
+    """|d| <= dbar + D: pushes, and Z with them, are larger by at most D; worst for F = hi."""
+    a = VaryingAxis(varies=varies)
+    b, D, t = a.bounds, a["extra"], symbols("room_ahead room_back")
+    z, after, again = a.lasts(1)
+    p = ca.fmax(a.hi + a.net + D, 0)
+    early = waiting(z + D, p, b.period + a.J, a["rise_late"]) - D * a.J
+    late = waiting(after + D, p, b.period, a["rise"]) + again
+    limit = b.u1 + (1 if flip > 0 else 0.99) * D * (b.period + a["delay"]) / b.M_min
+    start = a["arrived"] + D * a["delay"] / b.M_min
+    goals = [
+        at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
+    ]
+    given = (
+        *a.sound(), *a.capped, *a.numbers, *_fixed(a), at_least(D), at_least(b.braking - a.net, D),
+        *_lines(a, 1, t["room_ahead"], b.u1 - a["arrived"]), at_least(z), at_least(after),
+        at_least(again),
+    )  # fmt: skip
+    cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
+    return Statement({**a.symbols, **t}, tuple(goals), given, cuts)
+
+
 def _unvaried(_: float) -> Statement:
     """A guard that takes the lag for constant: the new command may rise sooner than it counts."""
     a = LatestAxis(varies=False)
@@ -151,6 +173,19 @@ CLAIMS = (
             f"guard.varying.counts; {CAPS}",
         ),
         _outside,
+        ("guard.varying.counts",),
+    ),
+    *twice(
+        "graceful",
+        (
+            "|d| <= dbar + D: what is reached, with D for every time that counts, and what the "
+            "last and the new command add, as in guard.varying.upper, is at most u1 + D (T + late)"
+            "/M_min",
+            "A bound that is broken by D costs a known excess, no more.",
+            "guard.varying.counts; F = hi; pushes and Z larger by at most D; p_0 + D > 0; brakes - "
+            f"net >= D; {CAPS}",
+        ),
+        _graceful,
         ("guard.varying.counts",),
     ),
     varying_claim(
