@@ -205,12 +205,12 @@ def bound(scenario: Scenario) -> Bound:
     the counts' phase is.  So each wheel's speed is off by less than 2 pi r/(N w), v1 by as much,
     omega by that over l (ledger: world.encoder.*).
 
-    By the time between counts each wheel shows, where counts come, a mean of its speed (the time of
-    a count is read off the turn at both ends of a sample), but over a window of its own.  Half their
-    sum and difference then mix v1 and omega: with the right wheel's mean E and the left one's E', v1
-    is off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the turn between both,
-    and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of counts.  That is no nbar to
-    count on, so there is none: void.
+    By the time between counts each wheel shows, where counts come, a mean of its speed (the time
+    of a count is read off the turn at both ends of a sample), but over a window of its own. Half
+    their sum and difference then mix v1 and omega: with the right wheel's mean E and the left
+    one's E', v1 is off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the
+    turn between both, and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of
+    counts. That is no nbar to count on, so there is none: void.
     """
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:
