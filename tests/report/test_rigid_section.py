@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import csv
 
-from wmr_ctrl.campaign.rigid import AS_PRINTED, RIGID_CASES, RigidComparison, RigidRow
+from wmr_ctrl.campaign.rigid import AS_PRINTED, LIMITED, RigidComparison, RigidRow
 from wmr_ctrl.report.data_files import write_rigid
 from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
 
-LIMITED = RIGID_CASES[1].name
-
 
 def row(case, law, plant, seed=0, **values):
-    known = {"outcome": "completed", "ise": 1.0, "e1": 0.001, "ratio": 0.9, "slipped": None}
-    return RigidRow(case, law, seed, plant, **{**known, "tipped": None, **values})
+    known = {
+        "outcome": "completed",
+        "ise": 1.0,
+        "e1_before": 0.001,
+        "e1": 0.001,
+        "ratio": 0.9,
+        "slipped": None,
+    }
+    return RigidRow(case, law, seed, plant, **{**known, "slipped": None, "tipped": None, **values})
 
 
 ROWS = RigidComparison(
@@ -55,3 +60,12 @@ def test_the_file_has_units_and_a_row_a_run(tmp_path):
     assert all(name.endswith("]") for name in head[5:])
     assert len(rows) == len(ROWS.rows)
     assert rows[1][5] == ""
+
+
+def test_verdicts_name_law_and_numbers():
+    rows = rigid_section(ROWS, ()).claims.rows
+    asked = "With 10 N m the ISE is within 5 % of the plane model’s"
+
+    assert (asked, "MB", "HOLDS", "1 to 2 %") in rows
+    assert ("With a torque limit of 10 N m it stays up and within its limits", "MB",
+            "DOES NOT HOLD", "0.9 to 1.1 of the limit") in rows  # fmt: skip

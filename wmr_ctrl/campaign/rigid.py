@@ -23,10 +23,10 @@ from wmr_ctrl.campaign.engine import (
 )
 from wmr_ctrl.results import Run, e_rms, ise
 
-LATE = (70.0, 80.0)
-"""Window of the late error [s]."""
+EARLY, LATE = (30.0, 40.0), (70.0, 80.0)
+"""Windows of the error before and long after the change of parameters [s]."""
 
-RIGID_SEEDS = (2100, 2101, 2102)
+RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
 """Seeds with which nothing about the body was chosen."""
 
 _STEADY = "paper-simulation-no-switch"
@@ -52,21 +52,33 @@ class RigidCase:
         return PlannedCase(self.preset, law, self.guard, changes)
 
 
-AS_PRINTED = "no torque limit, as printed"
+AS_PRINTED, LIMITED = "no torque limit, as printed", "torque limit 10 N m"
+ENCODERS = "encoders of 4096 counts, no torque limit"
+GUARDED, SLOPED = (
+    "guard with alpha = 5/s, no torque limit",
+    "slope of 5 degrees, torque limit 10 N m",
+)
+STEPS = {h: f"plant step of {1e3 * h:g} ms, torque limit 10 N m" for h in (5e-4, 2e-3)}
+OURS_TOO = ("mb", "nn", "prox")
 RIGID_CASES = (
     RigidCase(AS_PRINTED, "paper-simulation", ("pid", "smc", "mb", "nn")),
-    RigidCase("torque limit 10 N m", "paper-simulation", ("mb", "nn", "prox"), None, _LIMIT),
+    RigidCase(ENCODERS, "paper-simulation", OURS_TOO, None, {"encoder.counts": 4096}),
+    RigidCase(LIMITED, "paper-simulation", OURS_TOO, None, _LIMIT),
+    *(
+        RigidCase(name, "paper-simulation", OURS_TOO, None, {**_LIMIT, "clock.plant": h})
+        for h, name in STEPS.items()
+    ),
     RigidCase(
-        "guard with alpha = 5/s, no torque limit",
+        GUARDED,
         _STEADY,
-        ("mb", "nn", "prox"),
+        OURS_TOO,
         True,
         {"guard.alpha": 5.0, "disturbance.truncate": 3.0},
     ),
     RigidCase(
-        "slope of 5 degrees, torque limit 10 N m",
+        SLOPED,
         _STEADY,
-        ("mb", "nn", "prox"),
+        OURS_TOO,
         None,
         _LIMIT,
         {"ode": _UPHILL, "mujoco": {"body.slope": _STEEP}},
@@ -88,6 +100,7 @@ class RigidRow:
     plant: str
     outcome: str
     ise: float | None
+    e1_before: float | None
     e1: float | None
     ratio: float
     slipped: float | None
@@ -109,11 +122,12 @@ class RigidComparison:
 
 def rigid_row(case: str, plant: str, run: Run) -> RigidRow:
     """The row of a finished run."""
-    seen, errors = run.monitor.rigid, e_rms(run, *LATE)
+    seen = run.monitor.rigid
+    before, late = (errors and errors[0] for errors in (e_rms(run, *EARLY), e_rms(run, *LATE)))
     pairs = zip(run.monitor.max_abs_v, run.settings.v_u1, strict=True)
     return RigidRow(
         case, run.law, run.seed, plant, run.outcome.value, ise(run)["total"],
-        errors[0] if errors else None, max(v / limit for v, limit in pairs),
+        before, late, max(v / limit for v, limit in pairs),
         seen.slipped if seen else None, seen.tipped if seen else None,
     )  # fmt: skip
 

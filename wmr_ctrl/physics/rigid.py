@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.errors import ArgumentError, MissingExtraError
 from wmr_ctrl.physics.description import (
     CASTERS,
     CHASSIS,
@@ -31,9 +31,11 @@ _SETTLING = 0.5
 
 
 def mujoco() -> ModuleType:
-    """The package `mujoco`; raises MissingExtraError without it."""
+    """The package `mujoco`; MissingExtraError without it, ArgumentError where it does not load."""
     try:
         return import_module("mujoco")
+    except RuntimeError as error:
+        raise ArgumentError(f"MuJoCo does not load: {error}. Correct or clear MUJOCO_GL.") from None
     except ImportError as error:
         raise MissingExtraError(
             'the plant "mujoco" needs the package mujoco-core, which is not installed. Install the '

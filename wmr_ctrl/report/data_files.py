@@ -9,7 +9,7 @@ from pathlib import Path
 
 from wmr_ctrl.campaign import FIGURES, STATISTICS, FigureTable
 from wmr_ctrl.campaign.comparison import AFTER, BEFORE, ComparedRun
-from wmr_ctrl.campaign.rigid import LATE, RigidRow
+from wmr_ctrl.campaign.rigid import EARLY, LATE, RigidRow
 from wmr_ctrl.report.claims import RULE, Judged, Measured
 from wmr_ctrl.results import atomic_write, json_safe
 
@@ -151,6 +151,7 @@ _RIGID_HEADINGS = (
     "plant",
     "outcome",
     "ISE [m2.s + rad2.s]",
+    f"RMS of e1 over {EARLY[0]:g}-{EARLY[1]:g} s [m]",
     f"RMS of e1 over {LATE[0]:g}-{LATE[1]:g} s [m]",
     "max |v|/limit [1]",
     "first slip [s]",
@@ -161,7 +162,19 @@ _RIGID_HEADINGS = (
 def write_rigid(path: Path, rows: Iterable[RigidRow]) -> None:
     """Every run on either plant; cells are empty where there is no number."""
     cells = (
-        (r.case, r.law, r.seed, r.plant, r.outcome, r.ise, r.e1, r.ratio, r.slipped, r.tipped)
+        (
+            r.case,
+            r.law,
+            r.seed,
+            r.plant,
+            r.outcome,
+            r.ise,
+            r.e1_before,
+            r.e1,
+            r.ratio,
+            r.slipped,
+            r.tipped,
+        )
         for r in rows
     )
     write_csv(path, _RIGID_HEADINGS, cells)

@@ -19,6 +19,7 @@ from wmr_ctrl.campaign.rigid import (
     RigidComparison,
     RigidRow,
 )
+from wmr_ctrl.campaign.rigid_claims import rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
 from wmr_ctrl.report.style import ABSENT, INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed
@@ -35,6 +36,7 @@ class RigidSection:
 
     seeds: str
     findings: tuple[str, ...]
+    claims: TextTable
     table: TextTable
     drawings: Sequence[Drawing]
 
@@ -43,7 +45,11 @@ def rigid_section(rows: RigidComparison, drawings: Sequence[Drawing]) -> RigidSe
     """Sentences, the table and the figures."""
     seeds = sorted({row.seed for row in rows.rows})
     return RigidSection(
-        ", ".join(map(str, seeds)), rigid_findings(rows), _table(rows), tuple(drawings)
+        ", ".join(map(str, seeds)),
+        rigid_findings(rows),
+        _claims(rows),
+        _table(rows),
+        tuple(drawings),
     )
 
 
@@ -81,6 +87,17 @@ def _apart(plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> str:
     pairs = zip(plane, body, strict=True)
     ratios = [abs(b.ise / p.ise - 1) for p, b in pairs if p.ise and b.ise]
     return f"within {shown(100 * max(ratios), 2)} %" if ratios else ABSENT
+
+
+def _claims(rows: RigidComparison) -> TextTable:
+    body = tuple(
+        (claim.text, headed(claim.law), "HOLDS" if claim.holds else "DOES NOT HOLD", claim.found)
+        for claim in rigid_claims(rows)
+    )
+    caption = (
+        "What a robot with tyres ought to do, and what came out: least … greatest of all seeds"
+    )
+    return TextTable(caption, ("asked", "law", "verdict", "found"), body)
 
 
 def _table(rows: RigidComparison) -> TextTable:

@@ -1,0 +1,49 @@
+"""A single push along the heading, as another package would add it; the guard is not told of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.signals import BODY_FORCE, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+
+COUNT = Signal("shove_count", "1", "samples so far")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shove(Section):
+    """Size, beginning and length."""
+
+    KEY: ClassVar[str] = "shove"
+
+    force: float = quantity(0.0, unit="N", doc="force along the heading", minimum=0)
+    start: float = quantity(0.0, unit="s", doc="when it begins", minimum=0)
+    time: float = quantity(0.2, unit="s", doc="how long it lasts", above=0)
+
+
+def build(scenario):
+    """Sampled System: the count of samples to the thrust."""
+    p, count = Parameters(scenario), port(COUNT)
+    t, start = count.sym * p.take("clock.control"), p.take("shove.start")
+    half = p.take("clock.control") / 2
+    acts_now = ca.logic_and(t > start - half, t < start + p.take("shove.time") - half)
+    thrust = ca.if_else(acts_now, p.take("shove.force"), 0)
+    return System(
+        "shove", "a single push", (), (count,), p.ports, count.sym + 1,
+        (Output(BODY_FORCE[0], thrust),), period=scenario.clock.control,
+    )  # fmt: skip
+
+
+SHOVE = Effect(
+    name="shove",
+    role=EffectRole.DISTURBANCE,
+    section=Shove,
+    build=build,
+    acts=lambda scenario: scenario.section(Shove).force > 0,
+    bound=lambda scenario: Bound(),
+)

@@ -1,0 +1,157 @@
+"""What a robot with tyres ought to do, each sentence judged on the rows of all seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from wmr_ctrl.campaign.rigid import (
+    AS_PRINTED,
+    ENCODERS,
+    GUARDED,
+    LIMITED,
+    OURS_TOO,
+    SLOPED,
+    STEPS,
+    RigidComparison,
+    RigidRow,
+)
+
+MUJOCO, ODE = "mujoco", "ode"
+Worst: TypeAlias = Callable[[RigidComparison, str], list[float | None]]
+"""The number that a claim bounds, a seed each; None where a run has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class RigidClaim:
+    """A sentence and a law: whether it holds in every run, and the numbers, least and greatest."""
+
+    text: str
+    law: str
+    holds: bool
+    found: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Expected:
+    """A number of each run that lies between two bounds, or is expected to."""
+
+    text: str
+    laws: tuple[str, ...]
+    of: Worst
+    least: float = float("-inf")
+    most: float = float("inf")
+    unit: str = ""
+
+
+def rigid_claims(rows: RigidComparison) -> tuple[RigidClaim, ...]:
+    """Each sentence for each of its laws that was run."""
+    return tuple(_judged(rows))
+
+
+def _judged(rows: RigidComparison) -> Iterator[RigidClaim]:
+    for claim in _CLAIMS:
+        for law in claim.laws:
+            numbers = claim.of(rows, law)
+            known = [number for number in numbers if number is not None]
+            if not numbers:
+                continue
+            holds = len(known) == len(numbers) and all(
+                claim.least < number < claim.most for number in known
+            )
+            yield RigidClaim(claim.text, law, holds, _span(known, len(numbers), claim.unit))
+
+
+def _span(known: Sequence[float], count: int, unit: str) -> str:
+    """Least and greatest number, and how many runs have one."""
+    if not known:
+        return f"none in {count} runs"
+    low, high = (f"{value:.3g}" for value in (min(known), max(known)))
+    both = low if low == high else f"{low} to {high}"
+    few = "" if len(known) == count else f" in {len(known)} of {count} runs"
+    return f"{both}{unit}{few}"
+
+
+def _pairs(
+    rows: RigidComparison, law: str, one: tuple[str, str], other: tuple[str, str]
+) -> Iterator[tuple[RigidRow, RigidRow]]:
+    """Rows of one seed in two cases on two plants."""
+    known = {row.seed: row for row in rows.of(other[0], law, other[1])}
+    return ((row, known[row.seed]) for row in rows.of(one[0], law, one[1]) if row.seed in known)
+
+
+def _ise_apart(one: tuple[str, str], other: tuple[str, str]) -> Worst:
+    """Distance of two ISE as a share of the second [%]."""
+
+    def of(rows: RigidComparison, law: str) -> list[float | None]:
+        return [
+            100 * abs(a.ise / b.ise - 1) if a.ise and b.ise else None
+            for a, b in _pairs(rows, law, one, other)
+        ]
+
+    return of
+
+
+def _e1_apart(rows: RigidComparison, law: str) -> list[float | None]:
+    """Distance of the late e1 on tyres from that of the plane model [mm]."""
+    return [
+        None if a.e1 is None or b.e1 is None else 1e3 * abs(a.e1 - b.e1)
+        for a, b in _pairs(rows, law, (LIMITED, MUJOCO), (LIMITED, ODE))
+    ]
+
+
+def _growth(rows: RigidComparison, law: str) -> list[float | None]:
+    """e1 after the change of parameters over that before."""
+    limited = rows.of(LIMITED, law, MUJOCO)
+    return [row.e1 / row.e1_before if row.e1 and row.e1_before else None for row in limited]
+
+
+def _on_slope(rows: RigidComparison, law: str) -> list[float | None]:
+    """Late e1 on the slope [mm]."""
+    return [None if row.e1 is None else 1e3 * row.e1 for row in rows.of(SLOPED, law, MUJOCO)]
+
+
+def _fall(rows: RigidComparison, law: str) -> list[float | None]:
+    """When it fell [s]."""
+    return [row.tipped for row in rows.of(AS_PRINTED, law, MUJOCO)]
+
+
+def _ratio(case: str) -> Worst:
+    """Largest velocity over its limit of runs that stay up."""
+
+    def of(rows: RigidComparison, law: str) -> list[float | None]:
+        return [None if row.tipped else row.ratio for row in rows.of(case, law, MUJOCO)]
+
+    return of
+
+
+_SAME = ((LIMITED, MUJOCO), (LIMITED, ODE))
+_CLAIMS = (
+    _Expected("With 10 N m the ISE is within 5 % of the plane model’s", OURS_TOO,
+              _ise_apart(*_SAME), most=5.0, unit=" %"),
+    _Expected("With 10 N m the late e₁ is within 0.2 mm of the plane model’s", OURS_TOO,
+              _e1_apart, most=0.2, unit=" mm"),
+    _Expected("After the change e₁ is more than 10 times that before", ("mb",), _growth,
+              least=10.0),
+    _Expected("After the change e₁ is less than 3 times that before", ("nn",), _growth,
+              most=3.0),
+    _Expected("As printed, without a torque limit, the robot falls over", ("mb", "nn"), _fall,
+              unit=" s"),
+    _Expected("With encoders it stays up and within its limits", OURS_TOO, _ratio(ENCODERS),
+              most=1.0, unit=" of the limit"),
+    _Expected("With a torque limit of 10 N m it stays up and within its limits", OURS_TOO,
+              _ratio(LIMITED), most=1.0, unit=" of the limit"),
+    _Expected("With the guard’s bound of acceleration it stays up and within its limits", OURS_TOO,
+              _ratio(GUARDED), most=1.0, unit=" of the limit"),
+    _Expected("On a slope of 5 degrees e₁ is above 5 mm", ("mb",), _on_slope, least=5.0,
+              unit=" mm"),
+    _Expected("On a slope of 5 degrees e₁ is below 2 mm", ("nn", "prox"), _on_slope, most=2.0,
+              unit=" mm"),
+    *(
+        _Expected(f"With plant steps of {1e3 * h:g} ms the ISE is within 1 % of that with 1 ms",
+                  OURS_TOO, _ise_apart((name, MUJOCO), (LIMITED, MUJOCO)), most=1.0, unit=" %")
+        for h, name in STEPS.items()
+    ),
+)  # fmt: skip
+"""What is asked of every seed."""
