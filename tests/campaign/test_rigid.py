@@ -69,13 +69,13 @@ def test_claims_are_judged_on_every_seed():
     alike = next(claim for text, claim in good.items() if text.startswith(same))
     grown = next(claim for text, claim in good.items() if text.startswith(growth))
 
-    assert (alike.holds, alike.found, alike.law) == (True, "1 to 4 %", "mb")
-    assert (grown.holds, grown.found) == (True, "12")
+    assert (alike.holds, alike.numbers, alike.law) == (True, "1 to 4 %", "mb")
+    assert (grown.holds, grown.numbers) == (True, "12")
     assert not any("slope" in text or "nn" in claim.law for text, claim in good.items())
 
     one_bad = verdicts(*plane, made_up("mujoco", 0), made_up("mujoco", 1, ise=1.06))
     alike = next(claim for text, claim in one_bad.items() if text.startswith(same))
-    assert (alike.holds, alike.found) == (False, "0 to 6 %")
+    assert (alike.holds, alike.numbers) == (False, "0 to 6 %")
 
 
 def test_a_run_without_the_number_is_no_evidence():
@@ -83,4 +83,4 @@ def test_a_run_without_the_number_is_no_evidence():
     found = verdicts(made_up("ode", 0), fell)
 
     assert not any(claim.holds for claim in found.values())
-    assert {claim.found for claim in found.values()} == {"none in 1 runs"}
+    assert {claim.numbers for claim in found.values()} == {"none in 1 runs"}

@@ -30,7 +30,7 @@ class RigidClaim:
     text: str
     law: str
     holds: bool
-    found: str
+    numbers: str
 
 
 @dataclass(frozen=True, slots=True)

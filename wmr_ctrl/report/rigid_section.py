@@ -91,7 +91,7 @@ def _apart(plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> str:
 
 def _claims(rows: RigidComparison) -> TextTable:
     body = tuple(
-        (claim.text, headed(claim.law), "HOLDS" if claim.holds else "DOES NOT HOLD", claim.found)
+        (claim.text, headed(claim.law), "HOLDS" if claim.holds else "DOES NOT HOLD", claim.numbers)
         for claim in rigid_claims(rows)
     )
     caption = (
