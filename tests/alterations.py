@@ -3,17 +3,22 @@
 ``python -m tests.alterations [WORD ...]`` alters each function that a PROVED entry names (only
 those whose name holds one of the words): its result is scaled or negated for every caller, and the
 entries that name it are checked, the quickest first, until one is PROVED no longer.  Then come the
-alterations of single signs and constants in the source (`tests.proofs.test_alterations`).
+alterations of single signs and constants in the source (`tests.proofs.test_alterations`), and those
+of world, emitter, C runtime and checks, which tests have to notice (`tests.altered_files`).
+A word such as ``fmu/`` or ``world/`` takes only alterations of files whose path holds it.
 Prints one line each; the exit code is 1 where one survives that is not known to change nothing.
 """
 
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 
+from tests.altered_files import ALTERED_FILES, altered_copy, copy_of_tree, failing
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
 from wmr_ctrl.proofs.alterations import is_caught
 from wmr_ctrl.proofs.claims import all_claims
@@ -79,13 +84,26 @@ def of_source(words: list[str]) -> Iterator[Outcome]:
             yield Outcome(name, f"{old} -> {new}", changes_a_verdict(function, old, new, ids))
 
 
+def of_files(words: list[str]) -> Iterator[Outcome]:
+    """Alterations of files, on a copy of the tree."""
+    wanted = [a for a in ALTERED_FILES if not words or any(word in a.path for word in words)]
+    if not wanted:
+        return
+    with tempfile.TemporaryDirectory(prefix="altered") as folder:
+        base = copy_of_tree(Path(folder))
+        for item in wanted:
+            with altered_copy(base, item):
+                yield Outcome(item.path, f"{item.old} -> {item.new}", failing(base, item.tests))
+
+
 def main(words: list[str]) -> int:
     """Print every outcome and their number; 1 where one survived."""
     outcomes = []
-    for outcome in chain(of_graphs(words), of_source(words)):
+    for outcome in chain(of_graphs(words), of_source(words), of_files(words)):
         outcomes.append(outcome)
         noticed = outcome.noticed_by or EQUIVALENT.get((outcome.what, outcome.change), "SURVIVED")
-        sys.stdout.write(f"{outcome.what} [{outcome.change}]: {noticed}\n")
+        change = " ".join(outcome.change.split())
+        sys.stdout.write(f"{outcome.what} [{change}]: {noticed}\n")
         sys.stdout.flush()
     survivors = [outcome for outcome in outcomes if outcome.survived]
     sys.stdout.write(f"{len(outcomes)} alterations, {len(survivors)} survived\n")

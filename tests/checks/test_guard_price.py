@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from wmr_ctrl.checks.guard_price import slowest
+
 ON = {"guard.enabled": True}
 
 
@@ -31,7 +33,9 @@ def test_a_reference_too_fast_for_a_late_velocity_names_what_no_guard_can_beat(t
     assert "at most 0.669 m/s" in warning.sentence
 
 
-@pytest.mark.parametrize(("start", "warned"), [(0.9, False), (0.9999, True), (1.2, False)])
+@pytest.mark.parametrize(
+    ("start", "warned"), [(0.9, False), (0.9999, True), (1.0, True), (1.2, False)]
+)
 def test_a_start_that_a_push_can_carry_out_before_the_first_command(told, start, warned):
     changed = {**ON, "guard.dbar": [60.0, 15.0], "initial.velocity": [start, 0.0]}
     late = told("prox", {**changed, "actuator.delay": 0.005}, key="initial.velocity")
@@ -50,6 +54,16 @@ def test_a_reference_faster_than_the_guard_allows(told, period, warned):
 
     assert bool(found) is warned
     assert all("at most 0.603 m/s" in item.sentence for item in found)
+
+
+def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
+    """v_u1 - (mu m g + dbar)/(M_min alpha), mu and m those of the change that brakes most."""
+    changes = [{"t": 5.0, "mu": 0.3}, {"t": 9.0, "mu": 0.1, "m": 55.0}]
+    numbers = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 10.0], "changes": changes}
+    of = loop("prox", numbers)
+    friction = 0.3 * of.scenario.robot.m * of.scenario.robot.g
+
+    assert slowest(of) == pytest.approx(1 - (friction + 60) / (25 * 100), rel=1e-9)
 
 
 def test_a_robot_that_cannot_move_is_told(told):

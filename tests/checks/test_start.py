@@ -18,6 +18,14 @@ def test_start_at_or_beyond_the_limit_in_either_direction(told, v1):
     assert len(told("mb", {"initial.velocity": (v1, 0)}, key="initial.velocity")) == 1
 
 
+def test_start_exactly_at_the_limit_is_not_outside_it(told):
+    """|v| <= v_u1 is what is promised, with equality."""
+    (warning,) = told("mb", {"initial.velocity": (1.0, -1.0)}, key="initial.velocity")
+
+    assert "outside" not in warning.sentence
+    assert told("pid", {"initial.velocity": (1.0, 1.5)}, key="initial.velocity") == []
+
+
 @pytest.mark.parametrize("v1", [0.0, 0.95, -0.99999])
 def test_start_inside_is_not_objected_to(told, v1):
     assert told("mb", {"initial.velocity": (v1, 0)}, key="initial.velocity") == []

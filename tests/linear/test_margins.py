@@ -12,6 +12,7 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl.linear import largest_stable_period, margins_at, open_loop, with_robot
 from wmr_ctrl.linear.kinematic import start_at
+from wmr_ctrl.linear.margins import crossings
 from wmr_ctrl.scenario import Line, override
 
 LAWS = ("pid", "smc", "mb", "nn")
@@ -45,6 +46,17 @@ def test_margins_of_the_thrust_loop_in_closed_form(line):
     assert found.gain is None
     assert found.phase == pytest.approx(math.degrees(phase), rel=1e-9)
     assert found.delay == pytest.approx(phase / w, rel=1e-9)
+
+
+def test_a_crossing_behind_the_critical_point_allows_the_rest_of_the_turn():
+    """27/(s + 1)^3 has |L| = 1 at w^2 = 8, at a phase of -3 atan(w), below -180 degrees."""
+    found = crossings(ct.ss(ct.tf([27.0], [1.0, 3.0, 3.0, 1.0])), np.geomspace(0.1, 100, 400))
+    w, ahead = math.sqrt(8.0), math.pi - 3 * math.atan(math.sqrt(8.0))
+
+    assert ahead < 0
+    assert found.phases == pytest.approx([math.degrees(ahead)], rel=1e-9)
+    assert found.delays == pytest.approx([(ahead + 2 * math.pi) / w], rel=1e-9)
+    assert found.gains == pytest.approx([8.0 / 27.0], rel=1e-9)
 
 
 @pytest.mark.parametrize("law", LAWS)

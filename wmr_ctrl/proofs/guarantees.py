@@ -30,10 +30,25 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
     ("A clip of each wheel by itself does not", "wheels.per-wheel"),
     ("alpha T <= 1 is needed", "guard.too-fast"),
     (
-        "What the guard keeps back is more than the rounding of its bound near the limit (not "
-        "closed: the text of the entries says what is left out)",
-        "guard.rounding guard.delay.rounding",
+        "In double precision, without delay, the exact robot keeps u1 to the last bit, in the "
+        "stated range of its numbers",
+        "guard.rounding guard.rounding.force-ahead guard.rounding.force-back guard.rounding.size "
+        "guard.rounding.anchor guard.rounding.linear-first guard.rounding.rotation-first "
+        "guard.rounding.torques guard.axes guard.lemma",
     ),
+    (
+        "In single precision likewise, without delay, the limit lowered by 2^-15",
+        "guard.rounding.single guard.rounding.single.force-ahead guard.rounding.single.force-back "
+        "guard.rounding.single.size guard.rounding.single.anchor "
+        "guard.rounding.single.linear-first guard.rounding.single.rotation-first "
+        "guard.rounding.single.torques",
+    ),
+    (
+        "Behind a delay one bound's rounding near the limit is less than what is kept back (not "
+        "closed: the text of the entry says what is left out)",
+        "guard.delay.rounding",
+    ),
+    ("The simulated robot does not outrun what the guard counts with", "guard.simulated"),
     (
         "Behind drives with a delay there is always a safe force, too",
         "guard.delay.caps guard.delay.command guard.delay.command-angular guard.delay.queue "

@@ -9,6 +9,7 @@ from functools import cached_property
 import casadi as ca
 
 from wmr_ctrl.proofs.graph import ProvedGraph, graph_of
+from wmr_ctrl.proofs.rounded import UNIT, linked, rounded
 
 EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
 
@@ -47,7 +48,9 @@ class Statement:
     """For all ``symbols`` with ``given``: every goal holds.
 
     ``cuts`` names inner expressions that stand as free inputs: the statement is then shown for
-    whatever value they have.  ``numbers`` are symbols with one value.
+    whatever value they have.  ``numbers`` are symbols with one value.  Each of the symbols named
+    in ``computed`` is whatever the compiled text may compute for its expression, every operation
+    rounded with a relative error of at most ``unit``.
     """
 
     symbols: Mapping[str, ca.SX]
@@ -55,12 +58,18 @@ class Statement:
     given: tuple[Relation, ...] = ()
     cuts: Mapping[str, ca.SX] = field(default_factory=dict)
     numbers: Mapping[str, float] = field(default_factory=dict)
+    computed: Mapping[str, ca.SX] = field(default_factory=dict)
+    unit: float = UNIT
 
     @cached_property
     def graph(self) -> ProvedGraph:
-        """Outputs: the goals' expressions, then those of ``given``."""
+        """Outputs: the goals' expressions, those of ``given``, the bounds of all roundings."""
         exprs = [r.expr for r in (*self.goals, *self.given)]
-        return graph_of(self.symbols, exprs, self.cuts, self.numbers)
+        exact = graph_of(self.symbols, exprs, self.cuts, self.numbers)
+        if not self.computed:
+            return exact
+        text = graph_of(self.symbols, [*self.computed.values()], self.cuts, self.numbers)
+        return linked(exact, rounded(text, self.unit), [*self.computed])
 
     @property
     def goal_kinds(self) -> tuple[str, ...]:
@@ -69,8 +78,9 @@ class Statement:
 
     @property
     def given_kinds(self) -> tuple[str, ...]:
-        """Relation of each hypothesis to 0."""
-        return tuple(r.kind for r in self.given)
+        """Relation of each hypothesis to 0, the bounds of all roundings included."""
+        roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
+        return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
 
 
 def symbols(names: str, fixed: str = "") -> dict[str, ca.SX]:

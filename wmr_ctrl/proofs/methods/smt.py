@@ -95,7 +95,10 @@ class TermArithmetic:
         return self._atom("log", a)
 
     def _tanh(self, a: Any) -> Any:
-        return self._atom("tanh", a)
+        found = self._atom("tanh", a)
+        known = (a > 0, found > 0), (a < 0, found < 0)
+        self.facts.extend([found < 1, found > -1, *(one == other for one, other in known)])
+        return found
 
     def _exp(self, a: Any) -> Any:
         found = self._atom("exp", a)

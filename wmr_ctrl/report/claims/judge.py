@@ -110,8 +110,10 @@ def judge(claim: PaperClaim, evidence: Evidence) -> Judged:
 
 
 def verdict_of(tests: Sequence[Measured], never: bool = False) -> Verdict:
-    """The verdict that follows from the tests that decide."""
+    """The verdict that follows from the tests that decide; without any, nothing holds."""
     deciding = [test for test in tests if test.passed is not None]
+    if not deciding:
+        return Verdict.FAILS
     own = [test.passed is True for test in deciding if not test.spec.stand_in]
     if not own:
         return _of_stand_in([test.passed is True for test in deciding])

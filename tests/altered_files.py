@@ -1,0 +1,184 @@
+"""Alterations of the product's text that tests have to notice: world, emitter, C runtime, checks.
+
+What the ledger proves is altered in memory (`tests.alterations`); here a copy of the tree has one
+place of one file altered, and the tests that are named beside it run on the copy.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+COPIED = ("wmr_ctrl", "fmu", "tests", "pyproject.toml")
+PATIENCE = 300
+"""Seconds for the tests of one alteration."""
+TWINS = "tests/world/test_effects.py::test_a_system_is_its_twin"
+EMITTER = "tests/codegen/test_emitter.py::test_"
+EMITTED = (
+    f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False-3] "
+    f"{EMITTER}repeated_division_by_a_parameter_is_multiplication"
+)
+OPTIONS = "tests/sim/test_native.py::test_every_option_means_the_same_in_both_engines"
+PIECES = "tests/codegen/test_noise_without_wide.py"
+BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
+RUNTIME, WORLD, CODEGEN = "fmu/runtime/", "wmr_ctrl/world/", "wmr_ctrl/codegen/"
+
+
+@dataclass(frozen=True)
+class TextAlteration:
+    """``new`` for the first ``old`` of a file, and the tests that have to fail then."""
+
+    path: str
+    old: str
+    new: str
+    tests: str
+
+
+def _rows(folder: str, tests: str, *rows: tuple[str, str, str]) -> tuple[TextAlteration, ...]:
+    return tuple(TextAlteration(folder + name, old, new, tests) for name, old, new in rows)
+
+
+ALTERED_FILES: tuple[TextAlteration, ...] = (
+    *_rows(
+        WORLD, TWINS,
+        ("encoder.py", "ca.floor(turns)", "turns"),
+        ("velocity_mean.py", "* window)", "* (window + 1))"),
+        ("velocity_mean.py", "seen.aged[age]", "seen.aged[0]"),
+        ("jitter.py", "phase >= wait", "phase > wait"),
+        ("jitter.py", "(most + 1)", "most"),
+        ("motor.py", "(velocity[0].sym - turn)", "(velocity[0].sym + turn)"),
+        ("slope.py", "ca.vertcat(-pull * along", "ca.vertcat(pull * along"),
+        ("resistance.py", "- viscous[i]", "+ viscous[i]"),
+        ("gust.py", "(1 - keep) * number", "(1 + keep) * number"),
+    ),
+    *_rows(
+        WORLD, f"{OPTIONS}[pid-changed0]",
+        ("lag.py", "wanted + decay", "wanted - decay"),
+        ("delay.py", '+ p.take("actuator.untold")', '+ p.take("clock.plant")'),
+        ("torque_noise.py", "std * normal", "-std * normal"),
+    ),
+    *_rows(
+        WORLD, f"{OPTIONS}[pid-changed4]",
+        ("velocity_noise.py", "+ half[i]", "- half[i]"),
+    ),
+    *_rows(
+        WORLD, "tests/world/test_gyro.py",
+        ("gyro.py", "omega.sym + p.take", "omega.sym - p.take"),
+    ),
+    *_rows(
+        WORLD, "tests/world/test_effects.py::test_late_poses_are_old_poses",
+        ("pose_delay.py", "seen.aged[-1][i]", "seen.aged[0][i]"),
+    ),
+    *_rows(
+        "wmr_ctrl/", EMITTED,
+        ("model/graph.py", "(*one.operands[:2], other.operands[1])",
+         "(one.operands[0], other.operands[1], one.operands[1])"),
+        ("model/graph.py", "[CHANGING, STEADY]:", "[STEADY, CHANGING]:"),
+        ("codegen/dialect.py", '"wmr_min({0}, {1})"', '"wmr_max({0}, {1})"'),
+        ("codegen/dialect.py", '"{0} <= {1}"', '"{0} < {1}"'),
+        ("codegen/dialect.py", 'f"{condition} ? {yes} : {no}"', 'f"{condition} ? {no} : {yes}"'),
+    ),
+    *_rows(
+        CODEGEN, "tests/codegen/test_branches.py",
+        ("branches.py", "for side in (1, 2)]", "for side in (2, 1)]"),
+        ("branches.py", "if item not in dependent:", "if True:"),
+        ("branches.py", "tuple(inner[0]), tuple(inner[1])", "tuple(inner[1]), tuple(inner[0])"),
+    ),
+    *_rows(
+        RUNTIME, PIECES,
+        ("noise.c", "#define ROUNDS 10", "#define ROUNDS 9"),
+        ("noise.c", "+ (cross >> 32)", ""),
+        ("noise.c", "(low >> 32), cross", "0, cross"),
+        ("noise.c", "k1 += 0xBB67AE8584CAA73Bu", "k1 += 0xBB67AE8584CAA73Au"),
+    ),
+    *_rows(RUNTIME, BLOCK, ("noise.c", "product >> 64", "product >> 63")),
+    *_rows(
+        RUNTIME, f"{OPTIONS}[pid-changed0]",
+        ("loop.c", "-2.0 * wmr_log", "-1.0 * wmr_log"),
+        ("loop.c", "1.0 - u[0]", "1.0 - 0.5 * u[0]"),
+    ),
+    *_rows(
+        "wmr_ctrl/", "tests/guard/test_derived.py",
+        ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
+         "_sum(bound.dbar, (given.d_model[0], 0.0))"),
+        ("guard/bounds.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
+    ),
+    *_rows(
+        "wmr_ctrl/", "tests/control/test_delay_steps.py",
+        ("control/loop.py", "ca.floor(late / h + 0.5)", "ca.floor(late / h)"),
+    ),
+    *_rows(
+        "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
+        ("checks/guard_price.py", "return max(phase.m", "return min(phase.m"),
+        ("checks/guard_price.py", "start <= u1 <", "start < u1 <"),
+        ("checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
+    ),
+    *_rows(
+        "wmr_ctrl/", "tests/linear/test_margins.py",
+        ("linear/margins.py", "a % (2 * math.pi) / w", "abs(a) / w"),
+    ),
+    *_rows(
+        "wmr_ctrl/", "tests/report/test_claims.py",
+        ("report/claims/judge.py", "return Verdict.FAILS\n    own",
+         "return Verdict.HOLDS\n    own"),
+    ),
+)  # fmt: skip
+
+
+@contextmanager
+def altered_copy(base: Path, alteration: TextAlteration) -> Iterator[None]:
+    """For a time the file of a copied tree is altered.  ValueError where it lacks the place."""
+    file = base / alteration.path
+    text = file.read_text(encoding="utf-8")
+    if alteration.old not in text:
+        raise ValueError(f"{alteration.path} has no {alteration.old!r} any more")
+    file.write_text(text.replace(alteration.old, alteration.new, 1), encoding="utf-8")
+    try:
+        yield
+    finally:
+        file.write_text(text, encoding="utf-8")
+
+
+def copy_of_tree(base: Path) -> Path:
+    """What tests need of the project, under ``base``."""
+    for name in COPIED:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, base / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, base / name)
+    return base
+
+
+def failing(base: Path, tests: str) -> str:
+    """The first of the tests that fails on a copied tree; empty where all pass.
+
+    Tests that do not end fail, too.  RuntimeError where they could not run at all.
+    """
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-m", "", "--tb=no",
+               "-o", f"cache_dir={base / 'cache'}", *tests.split()]  # fmt: skip
+    env = {**os.environ, "PYTHONPATH": str(base), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(
+            command,
+            cwd=base,
+            env=env,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
+        )
+    except subprocess.TimeoutExpired:
+        return f"{tests} (did not end)"
+    if done.returncode not in (0, 1):
+        raise RuntimeError(done.stdout + done.stderr)
+    words = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("FAILED")]
+    errors = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("ERROR")]
+    return next(iter([*words, *errors]), "") if done.returncode else ""

@@ -1,0 +1,36 @@
+"""Choices that hang on each other: branches compute what they need, in an order that has it."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from tests.codegen.compiled import compiled, machine
+from wmr_ctrl.codegen.emit import Kernel, definition, kernel
+
+
+def one_after_the_other() -> Kernel:
+    """A choice that reads another one on the same condition."""
+    x = ca.SX.sym("x", 3)
+    first = ca.if_else(x[0] > 0, ca.exp(x[1]), ca.log(1 + x[2] * x[2]))
+    second = ca.if_else(x[0] > 0, ca.exp(ca.sin(first)), ca.log(2 + ca.cos(first)))
+    return kernel("after", "Two choices.", {"x": x}, {"y": ca.vertcat(first, second)})
+
+
+def shared_by_an_inner_one() -> Kernel:
+    """A value that a branch gives away, and that a choice within it reads on one side alone."""
+    x = ca.SX.sym("x", 3)
+    value = ca.exp(x[1])
+    inner = ca.if_else(x[2] > 0, ca.sin(value) * ca.exp(x[2]), ca.log(1 + x[2] * x[2]))
+    outer = [ca.if_else(x[0] > 0, item, 0.5) for item in (value, inner)]
+    return kernel("within", "Choices in choices.", {"x": x}, {"y": ca.vertcat(*outer)})
+
+
+def test_choices_that_read_each_other_keep_their_values() -> None:
+    kernels = [one_after_the_other(), shared_by_an_inner_one()]
+    for item, step in zip(kernels, compiled(kernels), strict=True):
+        wanted = machine(item)
+        assert definition(item).count("if (") >= 2
+        for signs in np.ndindex(2, 2, 2):
+            x = np.array([0.3, 0.7, 1.1]) * (2 * np.array(signs) - 1)
+            assert (step(x) == wanted(x)).all(), item.name

@@ -1,0 +1,34 @@
+"""The noise's product on compilers without 128-bit integers: the same bits."""
+
+from __future__ import annotations
+
+import ctypes as ct
+import shutil
+
+import numpy as np
+import pytest
+
+from tests.compilers import compile_in
+from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.toolchain import find_toolchain
+
+BLOCK = ct.c_uint64 * 4
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_noise_from_32_bit_pieces_is_philox(seed, tmp_path) -> None:
+    """Counters and keys whose halves carry: NumPy's block of counter c is ours of c + 1."""
+    for name in ("noise.c", "noise.h"):
+        shutil.copy(runtime_dir() / name, tmp_path)
+    narrow = ["-U__SIZEOF_INT128__", "-shared", "-fPIC", "noise.c", "-o", "noise.so"]
+    compile_in(tmp_path, [*find_toolchain().command, "-std=c99", *narrow])
+    philox = ct.CDLL(str(tmp_path / "noise.so")).wmr_philox
+    draw = np.random.default_rng(seed)
+    for _ in range(200):
+        counter = draw.integers(0, 2**64, 4, dtype=np.uint64)
+        counter[0] = max(int(counter[0]), 1)
+        key = draw.integers(0, 2**64, 2, dtype=np.uint64)
+        out = BLOCK()
+        philox(BLOCK(*map(int, counter)), (ct.c_uint64 * 2)(*map(int, key)), out)
+        before = counter - np.array([1, 0, 0, 0], dtype=np.uint64)
+        assert list(out) == np.random.Philox(key=key, counter=before).random_raw(4).tolist()

@@ -1,0 +1,63 @@
+"""Statements about computed numbers: what rounding may do, and nothing less."""
+
+from __future__ import annotations
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.proofs.finding import PROVED, REFUTED
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.rounded import UNIT
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.scenario import load_scenario, preset_names
+
+
+def verdict(expr: ca.SX, goal, table, given=()) -> str:
+    """Of a goal about ``hat``, computed from ``expr``."""
+    statement = Statement(table, (goal,), given, computed={"hat": expr})
+    return Z3(effort=20).decide(statement).verdict
+
+
+def test_a_sum_is_off_by_its_unit_and_no_more() -> None:
+    t = symbols("x y hat")
+    off, size = ca.fabs(t["hat"] - (t["x"] + t["y"])), ca.fabs(t["x"] + t["y"])
+
+    assert verdict(t["x"] + t["y"], at_least(UNIT * size, off), t) == PROVED
+    assert verdict(t["x"] + t["y"], at_least(0.99 * UNIT * size, off), t) == REFUTED
+
+
+@pytest.mark.parametrize("exact", ["-x", "fmin(x, y)", "fabs(x)", "0.5 * x", "-4 * x"])
+def test_what_is_exact_stays_exact(exact: str) -> None:
+    t = symbols("x y hat")
+    expr = eval(exact, {"fmin": ca.fmin, "fabs": ca.fabs}, t)
+
+    assert verdict(expr, equal(t["hat"], expr), t) == PROVED
+
+
+def test_a_quotient_by_a_parameter_is_rounded_twice() -> None:
+    """As the compiled text has it, a product with an inverse."""
+    t = symbols("x p hat", "p")
+    once = at_least(UNIT * ca.fabs(t["x"]), ca.fabs(t["hat"] * t["p"] - t["x"]))
+    twice = at_least(2.01 * UNIT * ca.fabs(t["x"]), ca.fabs(t["hat"] * t["p"] - t["x"]))
+
+    assert verdict(t["x"] / t["p"], once, t, (above(t["p"]),)) == REFUTED
+    assert verdict(t["x"] / t["p"], twice, t, (above(t["p"]),)) == PROVED
+
+
+def test_an_error_that_is_not_known_is_refused() -> None:
+    t = symbols("x hat")
+    with pytest.raises(ValueError, match="log"):
+        verdict(ca.log(t["x"]), equal(t["hat"]), t)
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_presets_lie_in_the_range_of_the_promise(name: str) -> None:
+    """l M_min1 u1_1/(M_min2 u1_2) within [1/22, 22], and the conditions with room to spare."""
+    scenario = load_scenario(name)
+    guard = settle(scenario, None).guard
+    u1, low = scenario.limits.v_u1, guard.M_min
+    ratio = scenario.robot.l * low[0] * u1[0] / (low[1] * u1[1])
+
+    assert 1 / 22 <= ratio <= 22
+    assert guard.alpha * scenario.clock.control <= 1 + 2.0**-50
