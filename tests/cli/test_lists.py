@@ -89,7 +89,7 @@ def test_check_tells_theory_for_every_law(wmr):
     assert found.exit_code == 0
     assert found.stdout.startswith("paper-experiment-literal is valid")
     assert all(f"\n{law}, stable around the reference" in found.stdout for law in LAWS)
-    assert "mb, stable around the reference up to clock.control = 0.06098 s" in found.stdout
+    assert "mb, stable around the reference up to clock.control = 0.06828 s" in found.stdout
     assert max(map(len, found.stdout.splitlines())) <= 80
 
 

@@ -75,7 +75,7 @@ def test_warnings_precede_the_run_on_stderr(short_run):
 
     assert json.loads(found.stdout)["scenario"] == "paper-experiment-literal"
     assert found.stderr.count("warning: ") >= 3
-    assert "0.06098 s" in found.stderr
+    assert "0.06828 s" in found.stderr
     assert max(map(len, found.stderr.splitlines())) <= 80
 
 
