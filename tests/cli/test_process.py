@@ -65,10 +65,10 @@ def test_reader_that_leaves_early_is_no_error(started, args):
 
 def interrupted(process):
     """Both streams of a process after Ctrl-C, again if CasADi's own code swallowed the first."""
-    for _ in range(3):
+    for _ in range(4):
         process.send_signal(signal.SIGINT)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return process.communicate(timeout=10)
+            return process.communicate(timeout=30)
     process.kill()
     return process.communicate()
 
