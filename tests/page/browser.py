@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import fcntl
 import json
 import os
 import select
@@ -125,7 +126,7 @@ def browser(folder: Path) -> Iterator[Browser]:
 
     ends = sorted((there, here))
     # High numbers, so that putting the one in its place does not close the other.
-    kept = [os.dup2(end, 40 + k) for k, end in enumerate(ends)]
+    kept = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 40) for end in ends]
     there, here = (kept[ends.index(end)] for end in (there, here))
     process = subprocess.Popen(
         [program, *FLAGS, f"--user-data-dir={folder}"],
