@@ -6,20 +6,18 @@ count for are free sums.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import Bounds, room
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, z3_claim
 from wmr_ctrl.proofs.claims.guard_late import LATE, LateAxis
 from wmr_ctrl.proofs.finding import HAND
-from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 THEME = "guard"
 SUMS = "ahead back rest_ahead rest_back"
@@ -148,19 +146,8 @@ def rooms_of(a: LatestAxis) -> tuple[ca.SX, ca.SX]:
     return room(a["y"], a.bounds, coming), room(-a["y"], a.bounds, coming.mirrored)
 
 
-def latest_claim(
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    premises: tuple[str, ...] = (),
-) -> Claim:
-    """An entry about one sample."""
-    key = f"guard.late.{name}"
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, Z3(effort=400), "", premises, THEME
-    )
+latest_claim = partial(z3_claim, "guard.late", 400)
+"""An entry about one sample."""
 
 
 def by_hand(

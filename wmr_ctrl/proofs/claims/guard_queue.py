@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import under_way
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.guard_axis import z3_claim
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
-from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal
 
 THEME = "guard"
@@ -21,19 +19,8 @@ FEASIBLE = (
 CAPS = "0 <= brakes, net <= brakes <= largest (guard.delay.caps)"
 
 
-def late_claim(
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    premises: tuple[str, ...] = (),
-) -> Claim:
-    """An entry of the guard behind a delay."""
-    key = f"guard.delay.{name}"
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, Z3(effort=150), "", premises, THEME
-    )
+late_claim = partial(z3_claim, "guard.delay", 150)
+"""An entry of the guard behind a delay."""
 
 
 def _command(axis: int, flip: float) -> Statement:

@@ -14,9 +14,9 @@ import casadi as ca
 from wmr_ctrl.guard.delay import UnderWay
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.lagging import Lagging, integral, moved, push, waiting
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claims.guard_axis import z3_claim
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
-from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 FELT = "z_ahead z_back after_ahead after_back"
@@ -109,19 +109,8 @@ class VaryingAxis(LatestAxis):
         )  # fmt: skip
 
 
-def varying_claim(
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    premises: tuple[str, ...] = (),
-) -> Claim:
-    """An entry about a lag that varies."""
-    key, method = f"guard.varying.{name}", Z3(effort=400)
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, method, "", premises, "guard"
-    )
+varying_claim = partial(z3_claim, "guard.varying", 400)
+"""An entry about a lag that varies."""
 
 
 def _moved(flip: float) -> Statement:
