@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import match
+from benchmarks import contenders, match
 
 PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text(encoding="utf-8")
 SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
@@ -16,7 +16,7 @@ SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
 def test_the_page_has_a_row_for_every_contender_in_every_case():
     _, mark, tables = PAGE.partition(match.MARK)
     rows = [line.split("|")[1].strip() for line in tables.splitlines() if line.startswith("| ")]
-    names = [contender.name for contender in match.contenders()]
+    names = [one.name for one in contenders.contenders()]
 
     assert mark
     assert [row for row in rows if row != "contender"] == names * len(match.CASES)
@@ -29,10 +29,10 @@ def test_the_worst_guarded_row_of_the_page_keeps_the_limit():
     assert all(line.split("|")[2].strip() == "none" for line in guarded)
 
 
-@pytest.mark.parametrize("ceiling", [match.nominal_ceiling, match.sampled_ceiling])
+@pytest.mark.parametrize("ceiling", [contenders.nominal_ceiling, contenders.sampled_ceiling])
 def test_a_filter_admits_less_the_faster_it_goes(ceiling):
     case = match.Case(0.01, 0.0)
-    least = [ceiling(case, share * match.LIMIT) for share in (-0.5, 0.0, 0.5, 1.0)]
+    least = [ceiling(case, share * contenders.LIMIT) for share in (-0.5, 0.0, 0.5, 1.0)]
 
     assert (np.diff(least[1:], axis=0) < 0).all()
     assert (least[-1] <= np.array((40.0, 0.0))).all()  # at the limit: friction's force at most
@@ -40,10 +40,19 @@ def test_a_filter_admits_less_the_faster_it_goes(ceiling):
 
 def test_what_a_filter_admits_keeps_the_believed_robot_inside():
     case = match.Case(0.1, 0.0)
-    v = 0.7 * match.LIMIT
-    force = match.nominal_ceiling(case, v) - np.array((39.24, 0.0))
+    v = 0.7 * contenders.LIMIT
+    force = contenders.nominal_ceiling(case, v) - np.array((39.24, 0.0))
 
-    assert v + case.period * force / np.array((50.0, 5.4)) == pytest.approx(match.LIMIT, rel=1e-4)
+    assert v + case.period * force / np.array((50.0, 5.4)) == pytest.approx(
+        contenders.LIMIT, rel=1e-4
+    )
+
+
+def test_a_page_without_the_mark_is_refused_before_anything_is_played(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        match.main(["--out", str(tmp_path / "none.md")])
+
+    assert "is no page with the line" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -61,7 +70,7 @@ def test_the_adversary_breaks_what_has_no_guard():
     rows = match._rows(SHORT, SHORT.scenario)
     robot = match.Plant(SHORT, {"robot.m": 45.0, "robot.I": 4.86, "robot.mu": 0.0})
     fastest = {}
-    for contender in match.contenders()[1:3]:
+    for contender in contenders.contenders()[1:3]:
         step = contender.build(SHORT, contender.start(SHORT))
         fastest[contender.name] = match.run(SHORT, step, robot, 2.0, rows, start).fastest
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import errno
 import json
+import math
 import os
 import signal
 import subprocess
@@ -126,6 +127,21 @@ def test_the_table_does_not_depend_on_the_chunks(tmp_path, chunk):
     assert table_of(tmp_path / "a", chunk=chunk) == table_of(tmp_path / "b")
 
 
+@pytest.mark.parametrize("longest", [1, 7, 59, 60, 1000])
+def test_chunks_hold_every_run_once_and_are_nearly_as_long_as_each_other(tmp_path, longest):
+    made = []
+
+    def make(chunk, jobs=None):
+        made.append(len(chunk.runs))
+        return figures(chunk)
+
+    run_study(plan_of({**PLAN, "chunk": longest}), tmp_path / "a", make, FACTS)
+
+    assert sum(made) == plan_of(PLAN).runs
+    assert len(made) == math.ceil(sum(made) / longest)
+    assert max(made) - min(made) <= 1
+
+
 @pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_the_table_does_not_depend_on_the_executor(tmp_path, kind):
     with kind(2) as executor:
@@ -145,8 +161,10 @@ def test_an_interrupted_study_goes_on_without_a_lost_or_doubled_run(tmp_path, er
         made.append(len(chunk.runs))
         return figures(chunk)
 
+    kept = [int(path.stem.split("-")[-1]) for path in (tmp_path / "a" / "chunks").iterdir()]
     run_study(plan, tmp_path / "a", make, FACTS)
-    assert sum(made) == plan.runs - 7 * 7
+    assert len(kept) == 7
+    assert sum(made) == plan.runs - sum(kept)
     assert (tmp_path / "a" / "table.csv").read_bytes() == table_of(tmp_path / "b")
 
 

@@ -67,11 +67,13 @@ def run_study(
         done, begin = 0, 0
         for look, end in enumerate(counts):
             chosen = (cell * plan.seeds + k for cell in cells for k in range(begin, end))
-            shown.start(len(cells) * (end - begin), _phase(look, len(counts)))
-            paths = _finished(folder, look, chosen, make, executor, jobs, shown)
+            runs = len(cells) * (end - begin)
+            shown.start(runs, _phase(look, len(counts)))
+            blocks = _blocks(chosen, runs, plan.chunk)
+            paths = _finished(folder, look, blocks, make, executor, jobs, shown)
             shown.done()
             looks.append(paths)
-            done, begin = done + len(cells) * (end - begin), end
+            done, begin = done + runs, end
             if rule is not None and end < plan.seeds:
                 _collect(folder, paths, rule.figure, values)
                 cells = [
@@ -104,7 +106,7 @@ def _collect(
 def _finished(
     folder: StudyFolder,
     look: int,
-    chosen: Iterator[int],
+    blocks: Iterator[list[int]],
     make: MakeRows,
     executor: Executor | None,
     jobs: int | None,
@@ -114,7 +116,7 @@ def _finished(
     plan, paths = folder.plan, []
 
     def missing() -> Iterator[tuple[Path, list[int]]]:
-        for block in _blocks(plan, chosen):
+        for block in blocks:
             path = folder.chunk_path(look, block)
             paths.append(path)
             rows = folder.rows(path)
@@ -166,7 +168,11 @@ def _sent(
             future.cancel()
 
 
-def _blocks(plan: StudyPlan, indices: Iterator[int]) -> Iterator[list[int]]:
-    """The indices in lists of the plan's chunk."""
-    while block := list(islice(indices, plan.chunk)):
-        yield block
+def _blocks(indices: Iterator[int], count: int, longest: int) -> Iterator[list[int]]:
+    """The ``count`` indices in as few lists of at most ``longest`` as can be, all nearly as long.
+
+    A short last chunk would leave all workers but one without work.
+    """
+    lists = -(-count // longest)
+    for k in range(lists):
+        yield list(islice(indices, count * (k + 1) // lists - count * k // lists))
