@@ -76,3 +76,11 @@ def test_cases_that_are_shown_are_of_tests_that_are_there():
     for function in shown_cases():
         path, _, name = function.partition("::")
         assert f"def {name}(" in (ROOT / path).read_text(encoding="utf-8"), function
+
+
+@pytest.mark.parametrize("script", sorted(path.name for path in (ROOT / ".ci").iterdir()))
+def test_folders_that_a_script_hands_to_pytest_are_there(script):
+    text = (ROOT / ".ci" / script).read_text(encoding="utf-8")
+    named = re.findall(r"(?<![\w.$}/-])(?:tests|docs|wmr_ctrl|fmu)/[\w./]*", text)
+
+    assert [name for name in named if not (ROOT / name).exists()] == []

@@ -17,7 +17,7 @@ from PIL import Image
 from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.report.scene import BODY, FRAME, TRACK, WHEEL, Picture, Scene, frames, scene_of
-from wmr_ctrl.report.style import LIMIT, MUTED, look
+from wmr_ctrl.report.style import AFTER_DARK, INK, LIMIT, MUTED, PAPER, RULE_LINE, look
 from wmr_ctrl.report.web import page_environment
 from wmr_ctrl.results import Run, atomic_path, check_writable
 
@@ -82,9 +82,21 @@ def write_page(scene: Scene, path: Path) -> None:
             title=f"{look(run.law).label}, {run.scenario}, seed {run.seed}",
             explanation=run.explanation,
             data=_json(scene),
+            light=_colours(run.law, dark=False),
+            dark=_colours(run.law, dark=True),
         )
     )
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _colours(law: str, *, dark: bool) -> str:
+    """Colours of the drawing as the names that the style and the script know."""
+    named = {"law": look(law).colour, "muted": MUTED, "limit": LIMIT,
+             "ink": INK, "paper": PAPER, "line": RULE_LINE}  # fmt: skip
+    return " ".join(
+        f"--{name}: {AFTER_DARK.get(colour, colour) if dark else colour};"
+        for name, colour in named.items()
+    )
 
 
 def _json(scene: Scene) -> str:
@@ -97,7 +109,6 @@ def _json(scene: Scene) -> str:
         "body": BODY,
         "wheel": WHEEL,
         "track": TRACK,
-        "colours": {"law": look(scene.run.law).colour, "muted": MUTED, "limit": LIMIT},
     }
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 

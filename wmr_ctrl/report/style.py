@@ -11,6 +11,9 @@ from typing import Any, TypeAlias
 
 import matplotlib as mpl
 
+PAPER = "#ffffff"
+"""What drawings and pages stand on."""
+
 INK = "#222222"
 """Axes, text and the robot."""
 
@@ -46,16 +49,16 @@ class Look:
 
 
 _LOOKS = {
-    "pid": Look("PID", "#E69F00", DASH_DOT, "^"),
-    "smc": Look("SMC", "#00956D", DASHED, "s"),
-    "mb": Look("MB", "#1F77C9", "-", "D"),
-    "nn": Look("NN", "#5B0E3B", "-", "o"),
-    "prox": Look("prox", "#D6336C", DOTTED, "v"),
-    "kanayama": Look("Kanayama", "#6B7A1E", DASHED, "P"),
+    "pid": Look("PID", "#e69f00", DASH_DOT, "^"),
+    "smc": Look("SMC", "#00956d", DASHED, "s"),
+    "mb": Look("MB", "#1f77c9", "-", "D"),
+    "nn": Look("NN", "#5b0e3b", "-", "o"),
+    "prox": Look("prox", "#d6336c", DOTTED, "v"),
+    "kanayama": Look("Kanayama", "#6b7a1e", DASHED, "P"),
 }
 """The paper's laws, from light to dark, so that they stay apart without colour; ours; the peer."""
 
-_SPARE = (("#7F7F7F", DOTTED, "v"), ("#B0408F", DASHED, "P"), ("#4C4C9D", DASH_DOT, "X"))
+_SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 
 AFTER_DARK: Mapping[str, str] = MappingProxyType(
     {
@@ -63,7 +66,7 @@ AFTER_DARK: Mapping[str, str] = MappingProxyType(
         MUTED: "#9aa4b0",
         GRID: "#343b44",
         RULE_LINE: "#2a3038",
-        "#ffffff": "#15191e",
+        PAPER: "#15191e",
         LIMIT: "#ff6b5e",
         "#e69f00": "#f0b429",
         "#00956d": "#2fc79a",
