@@ -21,7 +21,7 @@ CASES = {
     "page's scenario": (("page", "--out", "a.html", "--scenario", "far"), "near: far-start"),
     "page's suffix": (("page", "--out", "a.png"), "must end in .html"),
     "page's folder": (("page", "--out", "none/a.html"), "none' does not exist"),
-    "option": (("run", "--sed", "1"), "No such option '--sed'"),
+    "option": (("run", "--sed", "1"), "--seed"),  # which is near
     "option's value": (("run", "--seed", "one"), "'one' is not a whole number from 0 up"),
     "negative seed": (("run", "--seed", "-1"), "'-1' is not a whole number from 0 up"),
     "huge seed": ((*RUN, "--seed", str(2**70)), "is not a whole number from 0 up"),
