@@ -53,7 +53,7 @@ THIRD_PARTY = {
     "codegen": {"casadi", "jinja2", "numpy", "platformdirs"},
     "checks": {"casadi", "numpy"},
     "sim": {"numpy"},
-    "proofs": {"casadi", "flint", "sympy", "z3"},
+    "proofs": {"casadi", "flint", "z3"},
     "linear": {"casadi", "control", "matplotlib", "numpy", "scipy"},
     "physics": {"mujoco", "numpy"},
     "fmi": {"casadi", "fmpy", "jinja2", "numpy"},

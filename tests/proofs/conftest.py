@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import pytest
 
-NEEDED = ("sympy", "flint", "z3")
+NEEDED = ("flint", "z3")
 needs_packages = pytest.mark.skipif(
     any(find_spec(name) is None for name in NEEDED), reason="needs wmr_ctrl[proofs]"
 )

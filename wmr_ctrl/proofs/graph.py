@@ -101,12 +101,9 @@ def is_parameter(symbol: ca.SX) -> bool:
 
 
 def _unnamed(inputs: Mapping[str, ca.SX], exprs: Sequence[ca.SX]) -> dict[str, ca.SX]:
-    loose = (
-        symbol
-        for symbol in ca.symvar(ca.vertcat(*exprs))
-        if not any(ca.is_equal(symbol, known) for known in inputs.values())
-    )
-    return {f"?{symbol.name()}": symbol for symbol in loose}
+    known = {symbol.element_hash() for symbol in inputs.values()}
+    every = ca.symvar(ca.vertcat(*exprs))
+    return {f"?{one.name()}": one for one in every if one.element_hash() not in known}
 
 
 def _refuse_unnamed(graph: ProvedGraph) -> None:

@@ -59,22 +59,23 @@ class Walk:
         return [self._numeric(k) for k in self.graph.outputs]
 
     def _evaluate(self, root: int) -> None:
-        stack = [root]
+        nodes, values, stack = self.graph.nodes, self.values, [root]
         while stack:
             k = stack[-1]
-            missing = [arg for arg in self._wanted(k) if arg not in self.values]
+            wanted = nodes[k].args if nodes[k].op != "choose" else self._wanted(k)
+            missing = [arg for arg in wanted if arg not in values]
             if missing:
                 stack.extend(missing)
                 continue
             stack.pop()
-            if k not in self.values:
-                self.values[k] = self._compute(k)
+            if k not in values:
+                values[k] = self._compute(k)
 
     def _wanted(self, k: int) -> tuple[int, ...]:
-        """Operands that are needed now: of a choice first the condition, then the branch taken."""
+        """Operands of a choice that are needed now: first the condition, then the branch taken."""
         node = self.graph.nodes[k]
-        if node.op != "choose" or node.args[0] not in self.values:
-            return node.args[:1] if node.op == "choose" else node.args
+        if node.args[0] not in self.values:
+            return node.args[:1]
         truth = self.truth(node.args[0])
         return node.args if not isinstance(truth, bool) else (node.args[1 if truth else 2],)
 

@@ -5,10 +5,10 @@ Each row and each link is checked exactly, and so is that they join and reach bo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from math import log, sqrt
 
@@ -19,6 +19,11 @@ STEP, ROOM = 0.008, 0.008
 """Relative steps of d_max from row to row, and of the upper bound above the maximum."""
 CLIP = 1e-6
 """limits.clip of the paper's presets: barrier quantities see no velocity nearer to the limit."""
+
+
+GOLDEN = (sqrt(5) - 1) / 2
+SECTIONS, HALVINGS = 40, 35
+"""Steps of a search: a place to 4e-9 of its range is more than a table in steps of STEP needs."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +70,7 @@ class Numbers:
     def best(self, c: float) -> float:
         """Velocity of the largest rho V1/A: the end of the plain range, or the top beyond v_u2."""
         low, high = max(self.target(c), self.u2) + 1e-9, self.u1 - 1e-9
-        for _ in range(100):
-            third = (high - low) / 3
-            a, b = low + third, high - third
-            low, high = (a, high) if self.resisted(a, c) < self.resisted(b, c) else (low, b)
-        ahead = 0.5 * (low + high)
+        ahead = _top(partial(self.resisted, c=c), low, high)
         plain = self.u2 if self.target(c) < self.u2 else ahead
         return plain if self.resisted(plain, c) >= self.resisted(ahead, c) else ahead
 
@@ -86,7 +87,7 @@ class Numbers:
 
     def _next(self, c: float, wanted: float) -> float:
         low, high = c, c + 4.0
-        for _ in range(60):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (
                 (middle, high)
@@ -109,16 +110,38 @@ class Numbers:
         low, high = a, end
         if self.value(end, row.c) <= wanted:
             return end
-        for _ in range(60):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self.value(middle, row.c) <= wanted else (low, middle)
         return low
+
+
+def _top(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function with one maximum has it, by golden sections."""
+    a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    left, right = function(a), function(b)
+    for _ in range(SECTIONS):
+        if left < right:
+            low, a, left = a, b, right
+            b = low + GOLDEN * (high - low)
+            right = function(b)
+        else:
+            high, b, right = b, a, left
+            a = high - GOLDEN * (high - low)
+            left = function(a)
+    return 0.5 * (low + high)
 
 
 @lru_cache(maxsize=2)
 def rows(axis: int) -> tuple[Row, ...]:
     """The table of one axis; chosen in doubles, so it does not depend on any graph."""
     return tuple(AXES[axis].rows())
+
+
+@lru_cache(maxsize=2)
+def links(axis: int) -> tuple[tuple[tuple[float, float], ...], ...]:
+    """Of each row of the table its chain of intervals."""
+    return tuple(tuple(AXES[axis].steps(row)) for row in rows(axis))
 
 
 AXES = (Numbers(1.0, 0.8, 15.0), Numbers(1.5, 1.3, 57.6))
@@ -139,8 +162,8 @@ def high_points(axis: int) -> list[Point]:
     n = AXES[axis]
     return [
         _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
-        for r in rows(axis)
-        for a, b in n.steps(r)
+        for r, chain in zip(rows(axis), links(axis), strict=True)
+        for a, b in chain
     ]
 
 
@@ -153,11 +176,10 @@ def ratio_points(axis: int) -> list[Point]:
 def link_points(axis: int) -> list[Point]:
     """Of every row its links, each with the end of the one before; ``first`` and ``last`` are 1."""
     n, points = AXES[axis], list[Point]()
-    for r in rows(axis):
-        links = list(n.steps(r))
-        for k, (a, b) in enumerate(links):
-            place = {"first": float(k == 0), "last": float(k == len(links) - 1)}
-            before = links[k - 1][1] if k else 0.0
+    for r, chain in zip(rows(axis), links(axis), strict=True):
+        for k, (a, b) in enumerate(chain):
+            place = {"first": float(k == 0), "last": float(k == len(chain) - 1)}
+            before = chain[k - 1][1] if k else 0.0
             fixed = {"c": r.c, "u1": n.u1, "u2": n.u2, "rho": n.rho, "high": r.high}
             points.append(_exact(v=a, b=b, before=before, **place, **fixed))
     return points

@@ -11,10 +11,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from sympy import QQ
-from sympy.polys.fields import field
-
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE
+from wmr_ctrl.proofs.methods.quotient import Exponents, Field
 from wmr_ctrl.proofs.walk import UndecidedError
 
 MOST_TERMS = 60
@@ -28,17 +26,16 @@ class Algebra:
         self.domains = [*domains.values()]
         self.count, self.spare = len(self.domains), spare
         names = [f"x{k}" for k in range(self.count)] + [f"atom{k}" for k in range(spare)]
-        self.field, *gens = field(names or ["x0"], QQ)
-        self.generators = gens
-        self.by_name = dict(zip(domains, gens, strict=False))
+        self.field = Field(names or ["x0"])
+        self.generators = self.field.generators
+        self.by_name = dict(zip(domains, self.generators, strict=False))
         self.atoms: dict[tuple[str, Any], Any] = {}
         self.squares: dict[int, Any] = {}
         self.arguments: dict[int, tuple[str, Any]] = {}
 
     def number(self, value: Fraction | float) -> Any:
         """A rational, exactly."""
-        exact = Fraction(value)
-        return self.field(QQ(exact.numerator, exact.denominator))
+        return self.field(value)
 
     def atom(self, function: str, argument: Any, domain: str) -> Any:
         """Generator that stands for ``function(argument)``."""
@@ -69,26 +66,25 @@ class Algebra:
         return element
 
     def _lower(self, poly: Any, index: int, square: Any) -> Any:
-        if all(monomial[index] < 2 for monomial in poly):
+        if poly.degrees()[index] < 2:
             return self.field(poly)
-        parts: dict[int, Any] = {}
-        for monomial, coefficient in poly.items():
+        parts: dict[int, dict[Exponents, Any]] = {}
+        for monomial, coefficient in poly.terms():
             power, rest = monomial[index], list(monomial)
             rest[index] = power % 2
-            part = parts.setdefault(power // 2, poly.ring.zero)
-            part[tuple(rest)] = part.get(tuple(rest), poly.ring.domain.zero) + coefficient
+            part = parts.setdefault(power // 2, {})
+            part[tuple(rest)] = part.get(tuple(rest), 0) + coefficient
         total = self.field(0)
         for power, part in parts.items():
-            part.strip_zero()
-            total += self.field(part) * square**power
+            total += self.field(self.field.polynomial(part)) * square**power
         return total
 
     def polynomial_sign(self, poly: Any) -> str | None:
         """``+ - 0 +0 -0`` (the latter two: or zero), None where coefficients do not tell."""
-        if not poly:
+        if poly == 0:
             return "0"
         positive = negative = strict = False
-        for monomial, coefficient in poly.items():
+        for monomial, coefficient in poly.terms():
             kind = self._monomial(monomial)
             if kind is None:
                 return None
@@ -110,7 +106,7 @@ class Algebra:
     def sign(self, element: Any) -> str | None:
         """Sign of an element, by its coefficients or by its factors."""
         element = self.reduced(element)
-        if not element.numer:
+        if not element:
             return "0"
         top, bottom = self._factored_sign(element.numer), self._factored_sign(element.denom)
         if top is None or bottom is None:
@@ -123,11 +119,11 @@ class Algebra:
         element = self.reduced(element)
         if self.sign(element) in ("+", "-"):
             return True
-        if not element.numer or len(element.numer) > MOST_TERMS:
+        if not element or len(element.numer) > MOST_TERMS:
             return False
         return all(
             factor in self._nonzero or self.polynomial_sign(factor) in ("+", "-")
-            for factor, _ in element.numer.factor_list()[1]
+            for factor, _ in element.numer.factor()[1]
         )
 
     @property
@@ -139,7 +135,7 @@ class Algebra:
         direct = self.polynomial_sign(poly)
         if direct is not None or len(poly) > MOST_TERMS:
             return direct
-        content, factors = poly.factor_list()
+        content, factors = poly.factor()
         negative, weak = content < 0, False
         for factor, times in factors:
             found = self.polynomial_sign(factor)

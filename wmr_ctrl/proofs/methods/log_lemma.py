@@ -6,6 +6,7 @@ from math import lcm
 from typing import Any
 
 from wmr_ctrl.proofs.methods.field import Algebra
+from wmr_ctrl.proofs.methods.quotient import Exponents, Quotient
 
 
 def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
@@ -33,9 +34,9 @@ def _split(algebra: Algebra, value: Any) -> tuple[Any, Any, dict[Any, int]] | No
     logs = {
         k: argument for k, (function, argument) in algebra.arguments.items() if function == "log"
     }
-    rest = value.numer.ring.zero
-    parts: dict[int, Any] = {}
-    for monomial, coefficient in value.numer.items():
+    rest: dict[Exponents, Any] = {}
+    parts: dict[int, dict[Exponents, Any]] = {}
+    for monomial, coefficient in value.numer.terms():
         present = [k for k in logs if monomial[k]]
         if len(present) > 1 or (present and monomial[present[0]] > 1):
             return None
@@ -44,20 +45,23 @@ def _split(algebra: Algebra, value: Any) -> tuple[Any, Any, dict[Any, int]] | No
             rest[monomial] = coefficient
             continue
         target[present[0]] = 0
-        part = parts.setdefault(present[0], value.numer.ring.zero)
+        part = parts.setdefault(present[0], {})
         part[tuple(target)] = coefficient
     if not parts:
         return None
-    scale = algebra.field(value.denom)
-    found = _common(algebra, {logs[k]: algebra.field(part) / scale for k, part in parts.items()})
-    return None if found is None else (algebra.field(rest) / scale, *found)
+
+    def scaled(terms: dict[Exponents, Any]) -> Quotient:
+        return algebra.field.over(algebra.field.polynomial(terms), value.denom)
+
+    found = _common({logs[k]: scaled(part) for k, part in parts.items()})
+    return None if found is None else (scaled(rest), *found)
 
 
-def _common(algebra: Algebra, parts: dict[Any, Any]) -> tuple[Any, dict[Any, int]] | None:
+def _common(parts: dict[Any, Any]) -> tuple[Any, dict[Any, int]] | None:
     base = next(iter(parts.values()))
     ratios = {argument: part / base for argument, part in parts.items()}
-    if any(not r.numer.is_ground or not r.denom.is_ground for r in ratios.values()):
+    exact = {k: ratio.number for k, ratio in ratios.items() if ratio.number is not None}
+    if len(exact) < len(ratios):
         return None
-    exact = {argument: r.numer.coeff(1) / r.denom.coeff(1) for argument, r in ratios.items()}
-    whole = lcm(*(int(r.denominator) for r in exact.values()))
-    return base / whole, {argument: int(r * whole) for argument, r in exact.items()}
+    whole = lcm(*(int(number.denominator) for number in exact.values()))
+    return base / whole, {argument: int(number * whole) for argument, number in exact.items()}

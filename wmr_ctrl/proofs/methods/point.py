@@ -156,23 +156,7 @@ def _unwrap(op: str, value: Any) -> Any:
 def _rational(op: str, args: list[Any]) -> Fraction | None:
     if (op == "div" and args[1] == 0) or (op == "inv" and args[0] == 0):
         raise UndecidedError("division by zero")
-    table: dict[str, Callable[..., Any]] = {
-        **ARITHMETIC,
-        "fabs": abs,
-        "fmin": min,
-        "fmax": max,
-        "sign": lambda a: Fraction((a > 0) - (a < 0)),
-        "sqrt": _exact_root,
-        "sin": lambda a: a if a == 0 else None,
-        "cos": lambda a: Fraction(1) if a == 0 else None,
-        "exp": lambda a: Fraction(1) if a == 0 else None,
-        "log": lambda a: Fraction(0) if a == 1 else None,
-        "tanh": lambda a: a if a == 0 else None,
-        "log1p": lambda a: a if a == 0 else None,
-        "constpow": _power,
-        "pow": _power,
-    }
-    found: Fraction | None = table[op](*args) if op in table else None
+    found: Fraction | None = _RATIONAL[op](*args) if op in _RATIONAL else None
     return found
 
 
@@ -196,25 +180,43 @@ def _in_balls(op: str, args: list[Any]) -> Any:
         quarter = int(2 * args[0].times) + (1 if op == "cos" else 0)
         return Fraction((0, 1, 0, -1)[quarter % 4])
     args = [_ball(a) for a in args]
-    table: dict[str, Callable[..., Any]] = {
-        **ARITHMETIC,
-        "fabs": abs,
-        "fmin": lambda a, b: a.min(b),
-        "fmax": lambda a, b: a.max(b),
-        "sqrt": lambda a: a.sqrt(),
-        "sin": lambda a: a.sin(),
-        "cos": lambda a: a.cos(),
-        "exp": lambda a: a.exp(),
-        "log": lambda a: a.log(),
-        "tanh": lambda a: a.tanh(),
-        "log1p": lambda a: a.log1p(),
-        "sign": lambda a: Fraction(sign_of(a)),
-        "constpow": lambda a, b: a ** int(b),
-        "pow": lambda a, b: a**b,
-    }
-    if op not in table:
+    if op not in _BALLS:
         raise UndecidedError(f"operation {op} has no exact evaluation")
-    found = table[op](*args)
+    found = _BALLS[op](*args)
     if isinstance(found, arb) and not found.is_finite():
         raise UndecidedError(f"{op} outside its domain")
     return found
+
+
+_RATIONAL: dict[str, Callable[..., Any]] = {
+    **ARITHMETIC,
+    "fabs": abs,
+    "fmin": min,
+    "fmax": max,
+    "sign": lambda a: Fraction((a > 0) - (a < 0)),
+    "sqrt": _exact_root,
+    "sin": lambda a: a if a == 0 else None,
+    "cos": lambda a: Fraction(1) if a == 0 else None,
+    "exp": lambda a: Fraction(1) if a == 0 else None,
+    "log": lambda a: Fraction(0) if a == 1 else None,
+    "tanh": lambda a: a if a == 0 else None,
+    "log1p": lambda a: a if a == 0 else None,
+    "constpow": _power,
+    "pow": _power,
+}
+_BALLS: dict[str, Callable[..., Any]] = {
+    **ARITHMETIC,
+    "fabs": abs,
+    "fmin": lambda a, b: a.min(b),
+    "fmax": lambda a, b: a.max(b),
+    "sqrt": lambda a: a.sqrt(),
+    "sin": lambda a: a.sin(),
+    "cos": lambda a: a.cos(),
+    "exp": lambda a: a.exp(),
+    "log": lambda a: a.log(),
+    "tanh": lambda a: a.tanh(),
+    "log1p": lambda a: a.log1p(),
+    "sign": lambda a: Fraction(sign_of(a)),
+    "constpow": lambda a, b: a ** int(b),
+    "pow": lambda a, b: a**b,
+}

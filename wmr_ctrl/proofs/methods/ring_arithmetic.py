@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from math import isqrt
+from fractions import Fraction
 from typing import Any
+
+from flint import fmpq
+from flint.utils.flint_exceptions import DomainError
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.methods.field import Algebra
@@ -35,11 +38,7 @@ class RingArithmetic:
     def variable(self, name: str) -> Any:
         """Element of an input."""
         value = self.inputs[name]
-        return (
-            self.algebra.number(value)
-            if isinstance(value, int | float)
-            else self.algebra.field(value)
-        )
+        return self.algebra.field(value)
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Element of an operation; None where it is undefined."""
@@ -76,10 +75,10 @@ class RingArithmetic:
 
     def _stated(self, op: str, left: Any, right: Any) -> bool | None:
         """Of ``left < constant`` by hypothesis; where it is false, ``left`` is at least that."""
-        if op != "lt" or not right.numer.is_ground or not right.denom.is_ground:
+        if op != "lt" or right.number is None:
             return None
         for value, truth in self.fixed.items():
-            if right == self.algebra.number(value):
+            if right.number == Fraction(value):
                 self.nonzero |= {left, -left} if not truth and value > 0 else set()
                 return truth
         return None
@@ -98,7 +97,7 @@ class RingArithmetic:
 
     def smaller(self, left: Any, right: Any) -> Any:
         """Minimum of two elements, where the sign of their difference is known."""
-        if right.numer.is_ground and right.denom.is_ground and right > self.algebra.number(HUGE):
+        if right.number is not None and right.number > HUGE:
             return left
         return self._pick(right - left, left, right)
 
@@ -142,7 +141,7 @@ class RingArithmetic:
             raise UndecidedError("a logarithm of what may not be positive")
         total = self.algebra.number(0)
         for poly, side in ((value.numer, 1), (value.denom, -1)):
-            content, factors = poly.factor_list()
+            content, factors = poly.factor()
             signs = 0
             for factor, times in factors:
                 found = self.algebra.polynomial_sign(factor)
@@ -161,15 +160,12 @@ class RingArithmetic:
 
     def exponential(self, value: Any) -> Any:
         """exp of a sum with whole coefficients as a product of atoms; else one atom."""
-        scale = value.denom.LC
-        if any((c / scale).denominator != 1 for c in value.numer.values()):
+        if any(c.denominator != 1 for c in value.numer.coeffs()):
             return self.algebra.atom("exp", value, POSITIVE)
-        product = self.algebra.number(1)
-        for monomial, coefficient in value.numer.items():
-            term = self.algebra.field(value.numer.ring({monomial: scale})) / self.algebra.field(
-                value.denom
-            )
-            product = product * self.algebra.atom("exp", term, POSITIVE) ** int(coefficient / scale)
+        product, field = self.algebra.number(1), self.algebra.field
+        for monomial, times in value.numer.terms():
+            term = field.over(field.polynomial({monomial: fmpq(1)}), value.denom)
+            product = product * self.algebra.atom("exp", term, POSITIVE) ** int(times)
         return product
 
     def sine_cosine(self, angle: Any) -> tuple[Any, Any]:
@@ -179,7 +175,7 @@ class RingArithmetic:
             return self._pair(angle)
         sine, cosine = self.algebra.number(0), self.algebra.number(1)
         for generator, times in terms:
-            s, c = self._pair(self.algebra.field(generator))
+            s, c = self._pair(generator)
             for _ in range(abs(times)):
                 step = s if times > 0 else -s
                 sine, cosine = sine * c + cosine * step, cosine * c - sine * step
@@ -215,52 +211,25 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "cos": lambda me, a: me.sine_cosine(a)[1],
     "exp": RingArithmetic.exponential,
     "tanh": lambda me, a: me.algebra.atom("tanh", a, FREE),
-    "constpow": lambda _, a, b: a ** int(b.numer.coeff(1)),
+    "constpow": lambda _, a, b: a ** int(b.number),
 }
 
 
 def _polynomial_root(poly: Any) -> Any:
-    """Square root of a polynomial, term by term from the leading one; None where there is none."""
-    if not poly:
-        return poly
-    exponents, coefficient = poly.LM, _rational_root(poly.LC)
-    if coefficient is None or any(power % 2 for power in exponents):
+    """Square root of a polynomial; None where there is none."""
+    try:
+        return poly.sqrt()
+    except (DomainError, ValueError):
         return None
-    lead = poly.ring({tuple(power // 2 for power in exponents): coefficient})
-    root, rest = lead, poly - lead**2
-    for _ in range(len(poly)):
-        if not rest:
-            return root
-        term = _divided_term(rest, 2 * lead)
-        if term is None:
-            return None
-        rest = rest - term * (2 * root + term)
-        root = root + term
-    return None if rest else root
-
-
-def _divided_term(poly: Any, by: Any) -> Any:
-    """Leading term of ``poly`` over a single term."""
-    exponents = tuple(a - b for a, b in zip(poly.LM, by.LM, strict=True))
-    return None if min(exponents) < 0 else poly.ring({exponents: poly.LC / by.LC})
-
-
-def _rational_root(value: Any) -> Any:
-    top, bottom = int(value.numerator), int(value.denominator)
-    if top < 0 or isqrt(top) ** 2 != top or isqrt(bottom) ** 2 != bottom:
-        return None
-    return type(value)(isqrt(top), isqrt(bottom))
 
 
 def _integer_terms(angle: Any) -> list[tuple[Any, int]] | None:
     """(generator, integer) of a linear form, or None."""
-    if not angle.denom.is_ground:
+    if not angle.denom.is_constant():
         return None
-    scale = angle.denom.coeff(1)
     terms = []
-    for monomial, coefficient in angle.numer.items():
-        times = coefficient / scale
+    for monomial, times in angle.numer.terms():
         if sum(monomial) != 1 or times.denominator != 1:
             return None
-        terms.append((angle.numer.ring.gens[monomial.index(1)], int(times)))
+        terms.append((angle.field.generators[monomial.index(1)], int(times)))
     return terms

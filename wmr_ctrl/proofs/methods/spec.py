@@ -42,8 +42,8 @@ class Ring(Method):
 
     ENGINE: ClassVar[str] = "ring"
     NAME: ClassVar[str] = "RING"
-    TRUSTED: ClassVar[tuple[str, ...]] = ("sympy",)
-    NEEDS: ClassVar[tuple[str, ...]] = ("sympy", "flint")
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     cases: Sequence[Case] = (Case("all"),)
     fixed: Mapping[float, bool] = field(default_factory=dict)
