@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.proofs.methods.quotient import Field, Quotient
+from wmr_ctrl.proofs.methods.quotient import Quotient, QuotientField
 
-FIELD = Field(("x", "y"))
+FIELD = QuotientField(("x", "y"))
 X, Y = FIELD.generators
 NUMBERS = st.fractions(min_value=-5, max_value=5, max_denominator=7)
 POINT = {"x": Fraction(3, 7), "y": Fraction(-5, 11)}

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE
-from wmr_ctrl.proofs.methods.quotient import Exponents, Field
+from wmr_ctrl.proofs.methods.quotient import Exponents, QuotientField
 from wmr_ctrl.proofs.walk import UndecidedError
 
 MOST_TERMS = 60
@@ -26,7 +26,7 @@ class Algebra:
         self.domains = [*domains.values()]
         self.count, self.spare = len(self.domains), spare
         names = [f"x{k}" for k in range(self.count)] + [f"atom{k}" for k in range(spare)]
-        self.field = Field(names or ["x0"])
+        self.field = QuotientField(names or ["x0"])
         self.generators = self.field.generators
         self.by_name = dict(zip(domains, self.generators, strict=False))
         self.atoms: dict[tuple[str, Any], Any] = {}

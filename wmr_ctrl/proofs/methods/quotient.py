@@ -11,7 +11,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 Exponents = tuple[int, ...]
 
 
-class Field:
+class QuotientField:
     """All quotients of polynomials in named generators."""
 
     def __init__(self, names: Sequence[str]) -> None:
@@ -57,7 +57,7 @@ class Quotient:
 
     __slots__ = ("_hash", "denom", "field", "numer")
 
-    def __init__(self, field: Field, numer: fmpq_mpoly, denom: fmpq_mpoly) -> None:
+    def __init__(self, field: QuotientField, numer: fmpq_mpoly, denom: fmpq_mpoly) -> None:
         self.field, self.numer, self.denom = field, numer, denom
         self._hash: int | None = None
 
