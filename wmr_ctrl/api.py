@@ -59,10 +59,12 @@ def scenario_of(
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
     """
-    from wmr_ctrl.control.setup import check_scenario
+    from wmr_ctrl.control.setup import check_name, check_scenario
 
     switch = {} if guard is None else {"guard.enabled": guard}
     changed = {**(overrides or {}), **switch}
+    if isinstance(given, str):
+        check_name(given)
     loaded = (
         override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )

@@ -13,6 +13,7 @@ CASES = {
     "command": (("rnu",), "no command is named 'rnu' (near: run"),
     "law": (("run", "--law", "mbb"), "no law is named 'mbb' (near: mb"),
     "scenario": (("run", "papersimulation"), "near: paper-simulation"),
+    "law as a scenario": (("run", "prox"), "wmr-ctrl run far-start --law prox"),
     "engine": (("run", "--engine", "numpi"), "no engine is named 'numpi' (near: numpy"),
     "law of a page": (
         ("page", "--out", "a.html", "--law", "mbb"),

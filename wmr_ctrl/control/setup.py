@@ -19,7 +19,7 @@ from wmr_ctrl.laws.law import Law, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.scenario import Scenario, override, preset_names
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
 from wmr_ctrl.world.grip import grip
@@ -147,6 +147,15 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
+
+
+def check_name(scenario: str) -> None:
+    """Raise ArgumentError where the name of a law stands for that of a scenario."""
+    if scenario in LAWS and scenario not in preset_names():
+        raise ArgumentError(
+            f"{scenario!r} is a law where a scenario belongs. The scenario comes first: "
+            f'`wmr-ctrl run far-start --law {scenario}`, or simulate("far-start", "{scenario}").'
+        )
 
 
 def check_scenario(scenario: Scenario) -> None:
