@@ -17,7 +17,7 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_plant import Lateness, linear_plant, sampled_plant
-from wmr_ctrl.checks.seen_pose import with_pose_sensor
+from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
 from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
@@ -274,8 +274,10 @@ def closed_loop(
     period: float,
     late: Lateness | None = None,
     robot: Robot | None = None,
+    *,
+    comes: bool = True,
 ) -> Floats:
-    """Matrix that takes the loop's state from one sample to the next.
+    """Matrix that takes the loop's state from one sample, in which a pose ``comes``, to the next.
 
     The state: that of `sampled_plant`, error and velocity (5) first, then the law's memory.
     ``late`` and ``robot`` default to the scenario's; the law keeps what it believes.
@@ -287,7 +289,7 @@ def closed_loop(
     asks = known.shape[1] > 2 * count
     seen = late or loop.lateness
     plant = sampled_plant(*moving, period, seen, mean=asks, remembered=count)
-    behind = with_pose_sensor(plant, v_d, period, seen)
+    behind = with_pose_sensor(plant, v_d, period, seen, comes=comes)
     by_state = gain[:, :5] @ behind.measured + known @ np.vstack((behind.applied, behind.sent))
     by_memory = gain[:, 5 : 5 + memory]
     upper = np.hstack((behind.moved + behind.forced @ by_state[:2], behind.forced @ by_memory[:2]))
@@ -297,11 +299,15 @@ def closed_loop(
 def _radius(
     loop: Loop, period: float, late: Lateness | None = None, robot: Robot | None = None
 ) -> float:
-    """Largest spectral radius over points of the reference."""
-    matrices = (
-        closed_loop(loop, v_d, period, late, robot) for v_d in operating_points(loop.scenario)
-    )
-    return max(float(np.abs(np.linalg.eigvals(matrix)).max()) for matrix in matrices)
+    """Largest spectral radius, per sample, over points of the reference."""
+    samples = (late or loop.lateness).samples_a_pose(period)
+
+    def of(v_d: Floats) -> float:
+        return radius_a_sample(
+            lambda comes: closed_loop(loop, v_d, period, late, robot, comes=comes), samples
+        )
+
+    return max(of(v_d) for v_d in operating_points(loop.scenario))
 
 
 def first_speeds(loop: Loop) -> Floats:

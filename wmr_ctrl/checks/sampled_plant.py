@@ -23,7 +23,7 @@ from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.world.pose_delay import PoseDelay
-from wmr_ctrl.world.pose_sensor import PoseSensor
+from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 
 Floats = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -40,7 +40,8 @@ class Lateness:
 
     A command takes over ``delay`` after it was given and is followed with time constant ``lag``;
     a velocity is its mean over a ``window`` that ended ``age`` ago; a pose is ``pose_age`` old, and
-    the share ``correction`` of its difference from the predicted one is believed.
+    the share ``correction`` of its difference from the predicted one is believed; one comes every
+    ``pose_period``.
     """
 
     delay: float = 0.0
@@ -49,6 +50,7 @@ class Lateness:
     window: Pair = (0.0, 0.0)
     pose_age: float = 0.0
     correction: float = 1.0
+    pose_period: float = 0.0
 
     @property
     def shown(self) -> float:
@@ -59,7 +61,11 @@ class Lateness:
     @property
     def discrete(self) -> bool:
         """Whether there is more than a lag: what a differential equation has no place for."""
-        return self.delay > 0 or self.shown > 0 or self.correction < 1
+        return self.delay > 0 or self.shown > 0 or self.correction < 1 or self.pose_period > 0
+
+    def samples_a_pose(self, period: float) -> int:
+        """Samples from one pose to the next, at a control period [s]."""
+        return int(ca.evalf(samples_a_pose(ca.SX(self.pose_period), ca.SX(period))))
 
     @property
     def words(self) -> dict[str, float]:
@@ -75,15 +81,22 @@ class Lateness:
 def lateness_of(setup: Setup) -> Lateness:
     """What all effects of a scenario add up to, at its largest where it varies.
 
-    Poses are taken to come at every sample: `rare_poses` tells where they do not.
+    No pose is taken to be lost: `lost_poses` tells where some are.
     """
     bound, scenario = setup.bound, setup.scenario
-    late, share = scenario.section(PoseDelay).pose_delay, scenario.section(PoseSensor).correction
-    return Lateness(bound.delay, bound.lag[1], bound.age, bound.window, late, share)
+    late, sensor = scenario.section(PoseDelay).pose_delay, scenario.section(PoseSensor)
+    velocities = (bound.delay, bound.lag[1], bound.age, bound.window)
+    return Lateness(*velocities, late, sensor.correction, sensor.pose_period)
+
+
+def lost_poses(scenario: Scenario) -> str:
+    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
+    lost = scenario.section(PoseSensor).pose_dropout
+    return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
 
 
 def rare_poses(scenario: Scenario) -> str:
-    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
+    """What a loop that is the same at every sample leaves out of the pose sensor, in words."""
     sensor, period = scenario.section(PoseSensor), scenario.clock.control
     parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
     parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)

@@ -8,6 +8,7 @@ reference all the same.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import casadi as ca
@@ -19,17 +20,18 @@ from wmr_ctrl.world.pose_sensor import reckoned
 
 
 def with_pose_sensor(
-    plant: SampledPlant, v_d: Floats, period: float, late: Lateness
+    plant: SampledPlant, v_d: Floats, period: float, late: Lateness, *, comes: bool = True
 ) -> SampledPlant:
     """The plant whose measured error (3) is that of the pose which its sensor shows.
 
-    ``v_d`` (2) in m/s, rad/s; poses come at every sample, ``late.pose_age`` old in whole periods,
-    and move the estimate by ``late.correction`` of the difference. The plant itself if they are
-    neither late nor filtered.
+    ``v_d`` (2) in m/s, rad/s. In this sample a pose ``comes`` or not: one that is
+    ``late.pose_age`` old in whole periods, and moves the estimate by ``late.correction`` of the
+    difference. The plant itself if poses are neither late nor filtered nor rare.
     """
-    age, share, size = round(late.pose_age / period), late.correction, len(plant.moved)
-    if age == 0 and share == 1.0:
+    age, size = round(late.pose_age / period), len(plant.moved)
+    if age == 0 and late.correction == 1.0 and late.samples_a_pose(period) == 1:
         return plant
+    share = late.correction if comes else 0.0
     to_error, turned, by_pose, by_velocity = map(np.asarray, _geometry()(v_d, period))
     more = 3 + 3 * age
     whole = np.eye(size + more)
@@ -47,6 +49,20 @@ def with_pose_sensor(
         _wide(plant.sent, more),
         (*plant.names, *(f"pose_before[{k}]" for k in range(1, more + 1))),
     )
+
+
+def cycle(moved: Callable[[bool], Floats], samples: int) -> Floats:
+    """Matrix from one pose to the next, so many samples later.
+
+    ``moved``: that of one sample, by whether a pose comes in it.
+    """
+    pose = moved(True)
+    return np.linalg.matrix_power(moved(False), samples - 1) @ pose if samples > 1 else pose
+
+
+def radius_a_sample(moved: Callable[[bool], Floats], samples: int) -> float:
+    """Spectral radius, per sample, of a loop that gets a pose every so many samples."""
+    return float(np.abs(np.linalg.eigvals(cycle(moved, samples))).max()) ** (1 / samples)
 
 
 def _wide(rows: Floats, more: int) -> Floats:

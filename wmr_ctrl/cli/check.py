@@ -209,9 +209,9 @@ def _item(text: str) -> str:
 
 def _rare(scenario: Scenario) -> str:
     """What the figures of stability leave out, if anything."""
-    from wmr_ctrl.checks.sampled_plant import rare_poses
+    from wmr_ctrl.checks.sampled_plant import lost_poses
 
-    said = rare_poses(scenario)
+    said = lost_poses(scenario)
     return f" ({said})" if said else ""
 
 

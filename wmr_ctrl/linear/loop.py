@@ -20,7 +20,7 @@ from wmr_ctrl.checks.sampled_plant import (
     lateness_of,
     sampled_plant,
 )
-from wmr_ctrl.checks.seen_pose import with_pose_sensor
+from wmr_ctrl.checks.seen_pose import cycle, with_pose_sensor
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import (
@@ -49,15 +49,17 @@ from wmr_ctrl.world.references import sample
 MEMORY = ("frozen", "learning")
 
 
-def plant_at(scenario: Scenario, point: Point, period: float | None = None) -> ct.StateSpace:
+def plant_at(
+    scenario: Scenario, point: Point, period: float | None = None, *, comes: bool = True
+) -> ct.StateSpace:
     """The plant near ``point``: force and disturbance to e, v1, omega.
 
     Continuous behind the drives' lag, but for a delay and late sensors, which no differential
     equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
-    and omega are as measured.
+    and omega are as measured, in a sample in which a pose ``comes`` or does not.
     """
     if period is not None:
-        return _sampled(scenario, point, period)
+        return _sampled(scenario, point, period, comes)
     return with_inputs(_robot_at(scenario, point), FORCES + DISTURBANCES)
 
 
@@ -67,11 +69,12 @@ def _robot_at(scenario: Scenario, point: Point) -> ct.StateSpace:
     return linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
 
 
-def _sampled(scenario: Scenario, point: Point, period: float) -> ct.StateSpace:
+def _sampled(scenario: Scenario, point: Point, period: float, comes: bool) -> ct.StateSpace:
     full = _robot_at(ideal_drives(scenario), point)
     push = full.B[:, [full.input_labels.index(name) for name in FORCES]]
     late = _lateness(scenario)
-    held = with_pose_sensor(sampled_plant(full.A, push, period, late), point.v_d, period, late)
+    robot = sampled_plant(full.A, push, period, late)
+    held = with_pose_sensor(robot, point.v_d, period, late, comes=comes)
     return ct.ss(
         held.moved, np.hstack((held.forced, held.pushed)), held.measured, np.zeros((5, 4)), period,
         name="plant", states=[*full.state_labels, *held.names], inputs=FORCES + DISTURBANCES,
@@ -192,6 +195,22 @@ def closed_matrix(plant: ct.StateSpace, law: ct.StateSpace) -> Floats:
     push = plant.B[:, [plant.input_labels.index(name) for name in FORCES]]
     moved = np.hstack((plant.A + push @ law.D @ plant.C, push @ law.C))
     return np.vstack((moved, np.hstack((law.B @ plant.C, law.A))))
+
+
+def cycle_at(
+    scenario: Scenario, law: str, point: Point, period: float, memory: str = "frozen"
+) -> tuple[Floats, int]:
+    """Matrix of the sampled loop from one pose to the next, and how many samples that takes.
+
+    One, where a pose comes at every sample.
+    """
+    controller = law_at(scenario, law, point, period, memory)
+
+    def moved(comes: bool) -> Floats:
+        return closed_matrix(plant_at(scenario, point, period, comes=comes), controller)
+
+    samples = _lateness(scenario).samples_a_pose(period)
+    return cycle(moved, samples), samples
 
 
 STILL = 1e-12

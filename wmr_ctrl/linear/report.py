@@ -12,15 +12,20 @@ from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
-from wmr_ctrl.checks.sampled_plant import rare_poses
+from wmr_ctrl.checks.sampled_plant import lost_poses, rare_poses
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
-from wmr_ctrl.linear.linearise import Floats, is_stable, radius
-from wmr_ctrl.linear.loop import closed_loop, constant_speed, late
+from wmr_ctrl.linear.linearise import Floats, is_stable
+from wmr_ctrl.linear.loop import closed_loop, constant_speed, cycle_at, late
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
 from wmr_ctrl.linear.point import Point, learned_point, on_reference
-from wmr_ctrl.linear.sampled import kink_periods, largest_learning_period, one_step_period
+from wmr_ctrl.linear.sampled import (
+    kink_periods,
+    largest_learning_period,
+    one_step_period,
+    radius_of,
+)
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
 
@@ -145,7 +150,7 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
         poles=_poles_at(scenario, law, at),
         adaptive_poles=_adaptive_poles(scenario, law, rest),
-        spectral_radius=radius(closed_loop(scenario, law, at, period).A),
+        spectral_radius=radius_of(scenario, law, at)(period),
         max_sample_time=largest_period(loop),
         max_delay=largest_stable_delay(loop),
         mass_range=stable_masses(loop),
@@ -164,8 +169,9 @@ def _poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -
     if not late(scenario):
         return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
     period = scenario.clock.control
-    z = np.asarray(closed_loop(scenario, law, at, period, memory).poles(), dtype=complex)
-    return _sorted(np.log(z[np.abs(z) > GONE]) / period)
+    matrix, samples = cycle_at(scenario, law, at, period, memory)
+    z = np.linalg.eigvals(matrix).astype(complex)
+    return _sorted(np.log(z[np.abs(z) > GONE]) / (samples * period))
 
 
 def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats | None:
@@ -215,10 +221,13 @@ def _poles(report: LinearReport) -> list[str]:
         lines.append(_line("poles with learning, rightmost [1/s]", shown))
     if report.late:
         lines.append(
-            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it."
+            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it;"
+            " where poses are rare, from one pose to the next, T being the time between two."
         )
     if said := rare_poses(report.scenario):
-        lines.append(f"All figures are {said}.")
+        lines.append(f"Margins and Bode plots are {said}.")
+    if said := lost_poses(report.scenario):
+        lines.append(f"All other figures are {said}.")
     lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
     for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
         lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")

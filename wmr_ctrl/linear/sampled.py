@@ -18,7 +18,7 @@ from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_
 from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.linear.blocks import PERIOD, law_loop
 from wmr_ctrl.linear.linearise import Floats, radius
-from wmr_ctrl.linear.loop import closed_matrix, law_at, plant_at
+from wmr_ctrl.linear.loop import cycle_at
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.linear.pull import pull_of
 from wmr_ctrl.scenario import Clock, Metrics, Scenario
@@ -39,12 +39,12 @@ def spectral_radius(
 def radius_of(
     scenario: Scenario, law: str, point: Point | None = None, memory: str = "frozen"
 ) -> Callable[[float], float]:
-    """Spectral radius as a function of the period [s], at ``point`` (default: on the reference)."""
+    """Spectral radius, per sample, by the period [s], at ``point`` (default: on the reference)."""
     at = on_reference(scenario, law) if point is None else point
 
     def of(period: float) -> float:
-        moving = plant_at(scenario, at, period)
-        return radius(closed_matrix(moving, law_at(scenario, law, at, period, memory)))
+        matrix, samples = cycle_at(scenario, law, at, period, memory)
+        return float(radius(matrix) ** (1 / samples))
 
     return of
 

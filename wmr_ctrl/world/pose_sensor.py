@@ -74,7 +74,7 @@ def build(scenario: Scenario) -> System:
     true = stack(item.sym for item in pose)
     measured = true + ca.vertcat(width * error.port.sym, 0)
     predicted = reckoned(estimate.sym, old.sym, T)
-    share = _share(sample.sym, ca.fmax(1, ca.floor(every / T + 0.5)), correction)
+    share = _share(sample.sym, samples_a_pose(every, T), correction)
     perfect = ca.logic_and(ca.logic_and(every == 0, width == 0), correction == 1)
     if scenario.section(PoseSensor).pose_dropout > 0:
         lost = p.take("sensor.pose_dropout")
@@ -93,6 +93,11 @@ def build(scenario: Scenario) -> System:
         period=scenario.clock.control,
         draws=tuple(draws),
     )
+
+
+def samples_a_pose(every: ca.SX, T: ca.SX) -> ca.SX:
+    """Control periods ``T`` from one pose to the next, by the time ``every`` between them [s]."""
+    return ca.fmax(1, ca.floor(every / T + 0.5))
 
 
 def corrected(predicted: ca.SX, measured: ca.SX, share: ca.SX) -> ca.SX:
