@@ -13,6 +13,7 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import exit_code, load, stale
+from wmr_ctrl.proofs.product import function_named
 from wmr_ctrl.proofs.runner import hashes, selected
 
 QUICK = [
@@ -150,3 +151,9 @@ def test_json_file(tmp_path) -> None:
 @pytest.mark.slow
 def test_everything_is_as_committed() -> None:
     assert exit_code(prove(), load()) == 0
+
+
+def test_functions_that_the_ledger_names_are_where_it_says() -> None:
+    named = {name for entry in load().entries for name in entry.functions}
+
+    assert [name for name in sorted(named) if function_named(name) is None] == []

@@ -14,6 +14,7 @@ from wmr_ctrl.proofs.claim import Claim
 from wmr_ctrl.proofs.finding import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
 from wmr_ctrl.proofs.ledger import Entry
 from wmr_ctrl.proofs.methods.spec import Both, Method, Ring, named, needs, trusted
+from wmr_ctrl.proofs.product import function_named
 
 
 def missing(method: Method | None) -> tuple[str, ...]:
@@ -38,8 +39,8 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     mutated = _mutated(claim, claim.method) if finding.verdict == PROVED else None
     seconds = round(perf_counter() - started, 2)
     digest = statement.graph.digest
-    same = known if known is not None and known.graph_hash == digest else None
-    functions = same.functions if same and _was_examined(same) else functions_of(claim)
+    same = known if known and known.graph_hash == digest and _was_examined(known) else None
+    functions = same.functions if same else functions_of(claim)
     verdict, reason = _guarded(finding, mutated, functions)
     return _entry(
         claim,
@@ -95,7 +96,9 @@ def _quick(method: Method) -> Method:
 
 
 def _was_examined(entry: Entry) -> bool:
-    return bool(entry.functions) or entry.verdict == LEMMA
+    """Whether its functions were looked for, and are still where they were found."""
+    there = all(function_named(name) is not None for name in entry.functions)
+    return there and (bool(entry.functions) or entry.verdict == LEMMA)
 
 
 def _guarded(

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from types import FrameType, FunctionType
 
 import casadi as ca
@@ -54,7 +55,10 @@ def functions_called(build: Callable[[], object]) -> list[str]:
 def function_named(name: str) -> FunctionType | None:
     """The function behind ``module:function``, a property's getter included; None for others."""
     module, _, path = name.partition(":")
-    value: object = sys.modules.get(module)
+    try:
+        value: object = import_module(module)
+    except ModuleNotFoundError:
+        return None
     for part in path.split("."):
         value = vars(value).get(part) if hasattr(value, "__dict__") else None
     if isinstance(value, property):

@@ -41,7 +41,9 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
 def examined(entry: Entry) -> Entry:
     """An entry with what altering its functions does, and with the solvers that agree."""
     claim = next(claim for claim in all_claims() if claim.id == entry.id)
-    agree = confirmed_by(claim.statement(1.0)) if claim.statement and uses_z3(claim.method) else ()
+    agree = entry.confirmed_by
+    if not agree and claim.statement and uses_z3(claim.method):
+        agree = confirmed_by(claim.statement(1.0))
     alterations = tried(claim, entry.functions) if entry.verdict == "PROVED" else None
     sys.stderr.write(f"{entry.id}: {alterations}, confirmed by {agree}\n")
     return replace(entry, alterations=alterations, confirmed_by=agree)

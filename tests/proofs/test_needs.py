@@ -1,0 +1,40 @@
+"""When an alteration of a function counts as noticed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import pytest
+
+from wmr_ctrl.proofs import alterations
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Statement, at_least, symbols
+
+CLAIM = next(claim for claim in all_claims() if claim.id == "guard.anchor")
+
+
+def least(extra: float) -> Statement:
+    t = symbols("x")
+    return Statement(t, (at_least(ca.fabs(t["x"]) + extra),))
+
+
+@pytest.mark.parametrize(("extra", "fails"), [(0, False), (-1, True)])
+def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails) -> None:
+    assert alterations.fails(CLAIM, least(extra)) is fails
+
+
+def test_an_open_end_counts_only_if_the_claim_itself_needs_no_more_patience(monkeypatch) -> None:
+    hard = Statement(symbols("x"), (at_least(ca.exp(ca.SX.sym("y"))),))
+    patient, hasty = Z3(effort=77), Z3(effort=1)
+    answers = {patient.effort: "PROVED", hasty.effort: "OPEN"}
+    monkeypatch.setattr(alterations, "hasty", lambda method: hasty)
+    monkeypatch.setattr(alterations, "_verdict", lambda method, _: answers[method.effort])
+    claim = replace(CLAIM, method=patient)
+
+    monkeypatch.setattr(alterations, "proves_hastily", lambda key: False)
+    assert not alterations.fails(claim, hard)
+
+    monkeypatch.setattr(alterations, "proves_hastily", lambda key: True)
+    assert alterations.fails(claim, hard)
