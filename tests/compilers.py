@@ -21,6 +21,11 @@ ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
 QEMU = ("qemu-aarch64", "qemu-aarch64-static")
 WINE = ("wine64", "/usr/lib/wine/wine64")
 NODE = ("node", "nodejs")
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
+"""Where Debian's libc6-arm64-cross puts the C library of that processor."""
+ARM = "aarch64-linux-gnu.2.17" if ARM_LIBRARIES.is_dir() else "aarch64-linux-musl"
+"""Without that library zig compiles one of its own into the program, for most of a minute."""
+BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}
 WINE_SETS_UP = threading.Lock()
 
 
@@ -63,16 +68,24 @@ def processor() -> set[str]:
 
 
 @lru_cache
-def wine_in(folder: Path) -> dict[str, str]:
-    """Environment in which wine keeps its files in a folder, which it has set up there.
+def wine() -> dict[str, str]:
+    """Environment in which wine keeps its files in the tests' cache, where they are set up by now.
 
-    Two programs that start wine at the same time in an empty folder both set it up, and then one of
-    them may die: so it is done here, once and before either runs.
+    Setting up takes a minute of a processor and 700 MB, so all tests share it. Two programs that
+    start wine at the same time in an empty folder both set it up, and then one of them may die: so
+    it is done here, by one thread of one process, before any of them runs.
     """
-    own = {"WINEDEBUG": "-all", "HOME": str(folder), "WINEPREFIX": str(folder / "wine")}
-    with WINE_SETS_UP:
-        subprocess.run(
-            [where(*WINE), "wineboot", "-i"],
-            capture_output=True, timeout=300, check=False, env={**os.environ, **own},
-        )  # fmt: skip
+    import fcntl
+
+    home = cache_dir() / "wine"
+    home.mkdir(parents=True, exist_ok=True)
+    own = {"WINEDEBUG": "-all", "HOME": str(home), "WINEPREFIX": str(home / "prefix")}
+    with WINE_SETS_UP, (home / "lock").open("w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (ready := home / "ready").exists():
+            subprocess.run(
+                [where(*WINE), "wineboot", "-i"],
+                capture_output=True, timeout=300, check=False, env={**os.environ, **own},
+            )  # fmt: skip
+            ready.touch()
     return own

@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from xdist.remote import Producer
+
+from tests.longest_first import Apart, seconds
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile(
@@ -33,7 +36,19 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Apart | None:
+    """What pyproject.toml's `--dist loadscope` means here; other words mean what xdist says."""
+    return Apart(config, log) if config.getoption("dist") == "loadscope" else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what is slow, and put first what takes longest."""
+    mark_slow(items)
+    items.sort(key=lambda item: -seconds(item.nodeid))
+
+
+def mark_slow(items: Iterable[pytest.Item]) -> None:
     """Mark the cases slow that shown_cases.txt does not show."""
     shown, collected = shown_cases(), defaultdict(list)
     for item in items:

@@ -55,6 +55,8 @@ def turns(*axes: Sequence[object], shown: int = 2) -> list[object]:
     return _marked(axes, cases[:shown], cases[shown:])
 
 
+SHOWN_LAWS = (("nn", 2), ("nn", 3), ("prox", 3))
+"""Controllers of which FMUs are built by default, with the version of FMI."""
 Case: TypeAlias = tuple[int, ...]
 """Which value of each axis."""
 
@@ -90,11 +92,11 @@ def quick(names: Iterable[str], *shown: str) -> list[object]:
     return [pytest.param(n, marks=() if n in shown else pytest.mark.slow) for n in names]
 
 
-def versioned(whats: Sequence[str], shown: str = "nn") -> list[object]:
-    """FMUs by what they hold and version of FMI; of most laws the older version is slow."""
-    rest = [name for name in NAMES if name != shown]
+def versioned(whats: Sequence[str], shown: Sequence[tuple[str, int]] = SHOWN_LAWS) -> list[object]:
+    """FMUs by what they hold and version of FMI; of laws all but those shown are slow."""
     return [
-        pytest.param(what, version, marks=pytest.mark.slow if slow else ())
-        for what, version in product(whats, (2, 3))
-        for slow in [what in rest and version == 2]
+        pytest.param(
+            *case, marks=pytest.mark.slow if case[0] in NAMES and case not in shown else ()
+        )
+        for case in product(whats, (2, 3))
     ]

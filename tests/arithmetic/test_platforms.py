@@ -10,6 +10,8 @@ import pytest
 
 from tests.arithmetic.functions import EVERY, SOURCE, files, hashes, library
 from tests.compilers import (
+    ARM,
+    BESIDE_QEMU,
     FLAGS,
     NODE,
     QEMU,
@@ -19,7 +21,7 @@ from tests.compilers import (
     needs_compiler,
     processor,
     where,
-    wine_in,
+    wine,
 )  # fmt: skip
 
 SCRIPT = Path(__file__).with_name("hashes.mjs")
@@ -67,18 +69,18 @@ def test_compilers_and_flags_give_the_same_bits(command: tuple[str, ...], tmp_pa
 @pytest.mark.parametrize("lanes", [0, 2])
 def test_aarch64_gives_the_same_bits(lanes: int, tmp_path: Path) -> None:
     emulator = where(*QEMU)
-    target = ("-target", "aarch64-linux-musl", f"-DWMR_LANES={lanes}", "-DWMR_PRINT", "-O2")
+    target = ("-target", ARM, f"-DWMR_LANES={lanes}", "-DWMR_PRINT", "-O2")
 
-    assert_equal_bits(emulator, built(tmp_path, (*ZIG, *target)))
+    assert_equal_bits(emulator, built(tmp_path, (*ZIG, *target)), **BESIDE_QEMU)
 
 
 @pytest.mark.slow
 def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
-    wine = where(*WINE)
+    emulator = where(*WINE)
     program = built(tmp_path, (*ZIG, "-target", "x86_64-windows-gnu", "-DWMR_PRINT", "-O2"),
                     "each.exe")  # fmt: skip
 
-    assert_equal_bits(wine, program, **wine_in(tmp_path))
+    assert_equal_bits(emulator, program, **wine())
 
 
 @pytest.mark.slow

@@ -11,7 +11,16 @@ from pathlib import Path
 import pytest
 
 from tests.bits.cases import bits_of, case, different, numbers
-from tests.compilers import FLAGS, WINE, compile_in, needs_compiler, processor, where, wine_in
+from tests.compilers import (
+    BESIDE_QEMU,
+    FLAGS,
+    WINE,
+    compile_in,
+    needs_compiler,
+    processor,
+    where,
+    wine,
+)
 from wmr_ctrl.codegen.build import LOOP, unity
 
 HERE = Path(__file__).parent
@@ -85,11 +94,11 @@ def written(lanes: int, law: str, name: str, folder: Path) -> Path:
 def ran(command: list[str], folder: Path) -> bytes:
     """What a program writes; a file takes it, since not every platform can wait for a pipe."""
     out = folder / "bits"
-    own = wine_in(folder.parent) if Path(command[0]).name in map(os.path.basename, WINE) else {}
+    own = wine() if Path(command[0]).name in map(os.path.basename, WINE) else {}
     with out.open("wb") as file:
         done = subprocess.run(
             command, stdout=file, stderr=subprocess.PIPE, check=False, timeout=300,
-            env={**os.environ, **own},
+            env={**os.environ, **BESIDE_QEMU, **own},
         )  # fmt: skip
     assert done.returncode == 0, f"{done.returncode}: {done.stderr.decode(errors='replace')}"
     return out.read_bytes()

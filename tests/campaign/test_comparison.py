@@ -1,11 +1,14 @@
 """The comparison with and without the guard: its plan, its rows, and what it finds.
 
-By default on the cases that decide; `-m slow` runs the whole plan.
+By default on the cases that decide; `-m slow` runs so many that every two of law, factor and base
+meet, with and without the guard. `wmr-ctrl reproduce` runs the whole plan.
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
+from itertools import combinations
 
 import pytest
 
@@ -16,6 +19,7 @@ from wmr_ctrl.campaign.comparison import (
     FACTORS,
     HELD_OUT,
     OUR_LAWS,
+    ComparisonCase,
     GuardComparison,
     Overrides,
     comparison_plan,
@@ -34,6 +38,21 @@ DECISIVE = (
     *comparison_plan(("prox",), ONE, ("100 ms",), ("base", "start outside")),
 )
 """Every law pushed over its limit, the refusal, the long hold, the start beyond the limits."""
+
+
+def meets() -> tuple[ComparisonCase, ...]:
+    """Of two bases that a factor has, each law gets one in turn; and what decides."""
+    plan = comparison_plan(seeds=ONE)
+    bases = {(case.factor, case.base) for case in plan}
+    places = [list(names) for names in (OUR_LAWS, FACTORS, BASES)]
+
+    def chosen(case: ComparisonCase) -> bool:
+        values = (case.law, case.factor, case.base)
+        turn = sum(names.index(value) for names, value in zip(places, values, strict=True)) % 2 == 0
+        return turn or case in DECISIVE or sum(case.factor == factor for factor, _ in bases) == 1
+
+    return tuple(case for case in plan if chosen(case))
+
 
 TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
 
@@ -59,6 +78,14 @@ def test_plan_has_every_case_once() -> None:
     assert {c.base for c in plan} == set(BASES)
 
 
+def test_what_is_run_slowly_brings_every_two_values_together() -> None:
+    def pairs(plan: Iterable[ComparisonCase]) -> set[object]:
+        rows = ((c.law, c.factor, c.base, c.guard) for c in plan)
+        return {pair for row in rows for pair in combinations(enumerate(row), 2)}
+
+    assert pairs(meets()) == pairs(comparison_plan(seeds=ONE))
+
+
 def test_sweeps_have_the_numbers_of_their_factors() -> None:
     assert swept("clock.control") == [(0.001, "T = 1 ms"), (0.02, "T = 20 ms"), (0.05, "T = 50 ms")]
     assert len(swept("actuator.tau_max")) == 4
@@ -69,10 +96,10 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
 
 @pytest.fixture(
     scope="module",
-    params=["decisive", pytest.param("whole", marks=pytest.mark.slow)],
+    params=["decisive", pytest.param("every two", marks=pytest.mark.slow)],
 )
 def comparison(request: pytest.FixtureRequest) -> GuardComparison:
-    plan = DECISIVE if request.param == "decisive" else comparison_plan(seeds=ONE)
+    plan = DECISIVE if request.param == "decisive" else meets()
     return run_comparison(run_each, compile_short, plan)
 
 

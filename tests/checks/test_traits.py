@@ -89,7 +89,7 @@ def test_nor_does_the_command(arguments: list[str]) -> None:
     assert done.exit_code == 0, done.output
     assert spoken(done.output, "plain") == []
     if arguments:
-        (law,) = json.loads(done.output)["laws"].values()
+        (law,) = json.loads(done.stdout)["laws"].values()
         assert len(law["warnings"]) >= 2
 
 

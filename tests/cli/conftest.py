@@ -14,7 +14,14 @@ from click.testing import CliRunner, Result
 import wmr_ctrl
 from wmr_ctrl.cli import root
 
-PROGRAM = (sys.executable, "-c", "from wmr_ctrl.cli import main; main()")
+CODE = """
+import signal
+from wmr_ctrl.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main()
+"""
+PROGRAM = (sys.executable, "-c", CODE)
+"""It hears Ctrl-C even where the tests were started to ignore it, as a shell's background is."""
 SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 """Options of a run that needs neither a compiler nor time."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl.cli.root import root
@@ -27,6 +28,7 @@ def test_links_lead_somewhere() -> None:
         assert (ROOT / target).exists(), target
 
 
-def test_python_example_runs() -> None:
+def test_python_example_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", "1")  # a thousand runs outweigh what that takes
     (code,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.S)
     exec(compile(code, "README.md", "exec"), {})

@@ -94,7 +94,7 @@ def test_foreign_controller_drives_our_plant(foreign, mapped):
 
 def test_an_fmu_that_fails_is_named(foreign, mapped):
     plant = foreign("TheirFailure", FAILING)
-    run = cosimulate(NOISY, "nn", plant=plant, map_file=mapped(PLANT_MAP))
+    run = cosimulate(NOISY, "pid", plant=plant, map_file=mapped(PLANT_MAP))
     assert run.outcome == "failed"
     assert re.search(r"TheirFailure\.fmu.*plant.*t = 0\.5", run.explanation)
     assert 49 <= run.rows <= 51
@@ -113,7 +113,7 @@ def test_an_fmu_that_is_none_is_named(tmp_path):
     wrong = tmp_path / "wrong.fmu"
     wrong.write_bytes(b"no archive")
     with pytest.raises(FmuError, match=r"wrong\.fmu"):
-        cosimulate(SHORT, "nn", plant=wrong)
+        cosimulate(SHORT, "pid", plant=wrong)
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -270,19 +270,19 @@ def test_progress_is_told():
 
 def test_unknown_master_and_names_list_the_near_ones(exported, mapped):
     with pytest.raises(UnknownNameError, match="near: jacobi"):
-        cosimulate(SHORT, "nn", master="jacoby")
+        cosimulate(SHORT, "pid", master="jacoby")
     with pytest.raises(UnknownNameError, match="near: outputs"):
         load_map(mapped("[plant.output]\nx = 'y'\n"))
     with pytest.raises(ArgumentError, match="does not give omega, theta"):
         cosimulate(
             SHORT,
-            "nn",
+            "pid",
             plant=exported("plant", 2),
             map_file=mapped("[plant.outputs]\nx='x'\ny='y'\nv1='v1'\n"),
         )
     with pytest.raises(UnknownNameError, match="variable of the FMU"):
         cosimulate(
-            SHORT, "nn", plant=exported("plant", 2), map_file=mapped("[plant.outputs]\nx='xx'\n")
+            SHORT, "pid", plant=exported("plant", 2), map_file=mapped("[plant.outputs]\nx='xx'\n")
         )
 
 
@@ -298,7 +298,7 @@ def test_unknown_master_and_names_list_the_near_ones(exported, mapped):
 def test_units_that_do_not_fit_are_refused(exported, mapped, row):
     with pytest.raises(ArgumentError, match=r"plant\.outputs|parsec"):
         cosimulate(
-            SHORT, "nn", plant=exported("plant", 2), map_file=mapped(f"[plant.outputs]\n{row}\n")
+            SHORT, "pid", plant=exported("plant", 2), map_file=mapped(f"[plant.outputs]\n{row}\n")
         )
 
 
@@ -364,7 +364,7 @@ def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
     with pytest.raises(ArgumentError, match=r"changes robot\.m"):
         cosimulate(
             scenario,
-            "nn",
+            "pid",
             plant=exported("plant", 2),
             map_file=mapped(f"[plant.outputs]\n{rows}\n"),
         )

@@ -17,7 +17,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from tests.compilers import QEMU, WINE, ZIG, compile_in, where, wine_in
+from tests.compilers import ARM_LIBRARIES, QEMU, WINE, ZIG, compile_in, where, wine
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi import targets
@@ -122,18 +122,14 @@ def test_five_platforms_in_one_file(tmp_path):
         }
 
 
-ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
-"""Where Debian's libc6-arm64-cross puts the C library of that processor."""
-
-
 @zig
 @pytest.mark.slow
 def test_the_windows_library_computes_the_same_under_wine(tmp_path):
-    wine = where(*WINE)
+    emulator = where(*WINE)
     here, there = (
         stepped(tmp_path / target, target, suffix, command)
         for target, suffix, command in (
-            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [wine]),
+            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [emulator]),
         )
     )  # fmt: skip
     assert there == pytest.approx(here, rel=1e-12, abs=1e-14)
@@ -171,7 +167,7 @@ def stepped(folder, target, suffix, run, what="plant"):
     refs = {v.name: str(v.valueReference) for v in described.modelVariables}
     given = {"plant": "tau_right", "closed-loop": "disturbance.std"}[what]
     command = [*run, str(program), str(folder / name), described.guid, refs[given], refs["omega"]]
-    environment = {**os.environ, **(wine_in(folder) if suffix else {})}
+    environment = {**os.environ, **(wine() if suffix else {})}
     done = subprocess.run(
         [*command, "200"], capture_output=True, text=True, env=environment, timeout=300, check=False
     )

@@ -54,7 +54,7 @@ LATEST = {"guard.late.half", "guard.late.unmixed", "guard.varying.unvaried"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}
 VARYING = {f"guard.varying.{name}" for name in ("left", "graceful", "steady.graceful")}
 VARYING |= {f"guard.varying.{name}counts" for name in ("", "steady.")}
-SLOW = {"guard.late.graceful", "prox.linear-smooth", *VARYING}
+SLOW = {"gain.ceiling", "guard.late.graceful", "prox.linear-smooth", "smooth.quotient", *VARYING}
 KNOWN = load().by_id()
 
 

@@ -96,9 +96,9 @@ def test_quick_takes_three_seeds_and_progress_ends_every_phase(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seeds", [1, 2])
-def test_the_verdicts_are_the_committed_ones_for_any_number_of_seeds(tmp_path, seeds):
-    verdicts = api.reproduce(tmp_path / "out", seeds=seeds)
+def test_the_verdicts_are_the_committed_ones_with_one_seed_too(tmp_path):
+    """With three they are by the exit code in tests/packaging/test_wheel.py."""
+    verdicts = api.reproduce(tmp_path / "out", seeds=1)
 
     assert verdicts.changed == ()
     assert verdicts.ok
