@@ -93,18 +93,43 @@ class Case:
 
 @dataclass(frozen=True)
 class Result:
-    """Largest |v|/limit per axis, d_least/dbar, and how far product and formula are apart [N]."""
+    """Largest |v|/limit per axis, d_least/dbar, and how far product and formula are apart [N].
+
+    ``seen``: velocities (parts, 2, lanes), each at the end of its part; ``mass`` (2, lanes).
+    """
 
     fastest: np.ndarray
     blamed: float
     apart: float
+    seen: np.ndarray
+    mass: np.ndarray
+
+
+@dataclass(frozen=True)
+class Thrown:
+    """How robots come outside: a start at ``start`` v_u1, or ``times`` dbar for ``samples``.
+
+    Either in the direction ``way`` (lanes) of +-1.
+    """
+
+    way: np.ndarray
+    start: float = 0.0
+    times: float = 0.0
+    samples: int = 0
 
 
 def trial(
-    case: Case, lanes: int, samples: int, seed: int, true: Case | None = None, compare: bool = True
+    case: Case,
+    lanes: int,
+    samples: int,
+    seed: int,
+    true: Case | None = None,
+    compare: bool = True,
+    thrown: Thrown | None = None,
 ) -> Result:
     """Robots with the numbers of ``true`` (or those stated) behind the guard of a case."""
     draw, real = np.random.default_rng(seed), true or case
+    thrown = thrown or Thrown(np.ones(lanes))
     system = guard_system(case.setup)
     act = system.function("guard", [system.update, system.y, system.d]).map(lanes)
     p = np.tile(np.array(system.p0)[:, None], lanes)
@@ -121,12 +146,13 @@ def trial(
     lags = _time_constants(draw, lanes, real)
     mass = share * np.where(draw.random(lanes) < 0.2, 70.0, real.M_min)
     grip = draw.choice([0.0, 0.0, 0.1, 0.5], lanes)
-    robots = Robots(np.zeros(2 * lanes), np.zeros(2 * lanes), lags(np.zeros(2 * lanes)))
+    begin = np.outer(thrown.start * LIMITS, thrown.way)
+    robots = Robots(begin.ravel(), np.zeros(2 * lanes), lags(np.zeros(2 * lanes)))
     old, wide = (round(t * PARTS) for t in (real.age, real.window))
     way_of_part = [np.zeros((2, lanes))] * (old + wide + 1)
-    speeds = [np.zeros((2, lanes))] * (old + wide + 1)
+    speeds = [begin] * (old + wide + 1)
     acting, coming = np.zeros((2, lanes)), []
-    fastest, blamed, apart = np.zeros(2), 0.0, 0.0
+    seen, blamed, apart = [], 0.0, 0.0
     for k in range(samples):
         v = robots.v.reshape(2, lanes)
         y = sum(way_of_part[old : old + wide]) / (wide * h) if wide else speeds[old]
@@ -148,16 +174,20 @@ def trial(
                 acting = np.where(start == k * PARTS + i, new, acting)
             v = robots.v.reshape(2, lanes)
             push = share * real.dbar * ways["push"](k, i, v)
+            if k < thrown.samples:
+                push = share * real.dbar * thrown.times * thrown.way
             held = np.where(chosen[k, i] < grip, np.inf, 0.0)
             robots.lag = lags((acting.ravel() - robots.acting) * np.where(v < 0, -1.0, 1.0).ravel())
-            sure = share * real.f_min * (np.abs(v) > real.f_speed)
+            most = np.abs(push) + np.maximum(np.abs(acting), np.abs(robots.acting.reshape(v.shape)))
+            sure = share * real.f_min * (np.abs(v) + h * most / mass > real.f_speed)
             total = robots.move(
                 acting.ravel(), push.ravel(), mass.ravel(), np.maximum(held, sure).ravel(), h
             )
             way_of_part = [total.reshape(2, lanes), *way_of_part[:-1]]
             speeds = [robots.v.reshape(2, lanes), *speeds[:-1]]
-            fastest = np.maximum(fastest, np.abs(speeds[0]).max(axis=1) / LIMITS)
-    return Result(fastest, blamed, apart)
+            seen.append(speeds[0])
+    fastest = np.abs(seen).max(axis=(0, 2)) / LIMITS
+    return Result(fastest, blamed, apart, np.array(seen), mass)
 
 
 def _time_constants(draw, lanes: int, real: Case):

@@ -284,6 +284,57 @@ def test_the_time_between_counts_forgets_a_speed_when_the_robot_stops():
     assert shown[-1] < count / 1.9
 
 
+# Why the time between counts has no bound.
+
+COUNTS = pytest.mark.parametrize("counts", [64, 1024, 65536])
+
+
+def timed(counts: int, v1: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """(v1, omega) shown for velocities (n,) that hold over a sample each."""
+    motion = rows(len(v1) + 1, np.random.default_rng(1))
+    way, turn = (np.concatenate([[0.0], np.cumsum(0.01 * item)]) for item in (v1, omega))
+    for k, row in enumerate(motion):
+        row |= {"path": [float(way[k])], "theta": [float(turn[k])], "skid": [0.0]}
+    changes = {"encoder.counts": counts, "encoder.method": "time"}
+    return fed(ENCODER.build(scenario(changes)), motion)[1:]
+
+
+@COUNTS
+def test_the_first_counts_after_a_stand_show_the_mean_over_all_of_it(counts):
+    v1 = np.concatenate([np.full(50, 0.5), np.zeros(1000), np.full(5, 0.9)])
+    shown = timed(counts, v1, 0 * v1)[:, 0]
+
+    assert v1[1050] == 0.9
+    assert shown[1050] < 0.01
+    assert shown[1052] == pytest.approx(0.9)
+
+
+@COUNTS
+def test_two_windows_mix_turn_and_thrust_whatever_the_counts(counts):
+    """The left wheel stands while the right one drives, then friction stops the turn."""
+    omega = np.concatenate([np.full(300, 1.5), np.zeros(20)])
+    v1 = np.full(320, 0.25 * 1.5)
+    v1[0] += 0.4 * 2 * math.pi * 0.1 / counts / 0.01  # so that the left wheel stands between edges
+    shown = timed(counts, v1, omega)
+    off = v1[300:] - shown[300:, 0]
+
+    assert off.max() == pytest.approx(0.25 * 1.5 / 2, rel=0.05)
+    assert bound_of(ENCODER, {"encoder.counts": counts, "encoder.method": "time"}).void
+
+
+@COUNTS
+def test_a_wheel_turns_by_nearly_a_count_unseen(counts):
+    """As far as a difference over one period may be off, of the mean over that period."""
+    count = 2 * math.pi * 0.1 / counts
+    speed = 0.98 * count / 0.01
+    v1 = np.zeros(2002)
+    v1[0], v1[2001] = 1.01 * count / 0.01, speed
+    shown = timed(counts, v1, 0 * v1)[2001, 0]
+    nbar = bound_of(ENCODER, {"encoder.counts": counts}).nbar[0]
+
+    assert 0.97 * nbar < speed - shown < nbar
+
+
 # What an effect does is within its bound.
 
 
@@ -430,6 +481,12 @@ def test_effects_add_up_and_two_means_are_none():
     ({"encoder.counts": 64, "sensor.velocity_window": 0.01}, r"encoder\.counts = 64 both"),
     ({"actuator.jitter": -0.001}, r"actuator\.jitter = -0\.001 must be at least 0"),
     ({"actuator.jitter": 0.02}, r"actuator\.jitter = 0\.02 s must be at most clock\.control"),
+    ({"guard.delay": [0.02, 0.01]}, r"guard\.delay = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
+    ({"guard.lag": [0.02, 0.01]}, r"guard\.lag = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
+    ({"guard.delay": [0.0, 0.02]}, r"guard\.delay = .* may not vary by more than clock\.control"),
+    ({"guard.delay": [-0.01, 0.01]}, r"guard\.delay\[1\] = -0\.01 must be at least 0"),
+    ({"actuator.lag": [0.02, 0.03]}, r"actuator\.lag = "),
+    ({"actuator.jitter": [0.0, 0.005]}, r"actuator\.jitter = "),
     ({"actuator.jitter": 0.0015}, r"actuator\.jitter = 0\.0015 s .*clock\.plant"),
     ({"actuator.lag": 0.01, "actuator.lag_spread": 1.0}, r"lag_spread = 1.* must be below 1"),
     ({"motor.free": 20.0}, r"motor\.free = 20\.0 rad/s does nothing without motor\.stall"),

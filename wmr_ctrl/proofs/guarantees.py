@@ -80,13 +80,13 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.late.promise guard.late.steady.room guard.late.steady.feasible",
     ),
     (
-        "and inside stays inside, a broken bound costs D (T + late)/M_min; how soon a robot "
-        "outside is back is not claimed with jitter or lag",
+        "and inside stays inside, a broken bound costs D (T + late)/M_min, and a robot outside is "
+        "back near the limit within a known time",
         "guard.late.rest guard.late.mean guard.late.lag guard.late.upper guard.late.lower "
         "guard.late.left guard.late.outside guard.late.graceful guard.late.lemma "
         "guard.late.steady.upper guard.late.steady.lower guard.late.steady.outside "
         "guard.late.steady.left guard.late.steady.graceful "
-        "guard.late.steady.return",
+        "guard.late.steady.return guard.late.return",
     ),
     (
         "The same behind a lag whose time constant varies within known bounds",

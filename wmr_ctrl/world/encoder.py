@@ -210,7 +210,9 @@ def bound(scenario: Scenario) -> Bound:
     their sum and difference then mix v1 and omega: with the right wheel's mean E and the left
     one's E', v1 is off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the
     turn between both, and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of
-    counts. That is no nbar to count on, so there is none: void.
+    counts. The windows begin at the last count of an earlier sample, however long ago that was; and
+    a wheel may turn by nearly a count without showing it, which is all that a difference over one
+    period is off by. That is no nbar and no window to count on, so there is none: void.
     """
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:

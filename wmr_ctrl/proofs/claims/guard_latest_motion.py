@@ -160,7 +160,7 @@ CLAIMS = (
         "v+ > u1 where the new command takes over: F + net <= -min(brakes - net, M_max (v+ - u1)"
         "/T)",
         "Outside the limit no disturbance can make the robot faster, once what was sent before is "
-        "over.  How soon it is back is not claimed.",
+        "over.",
         f"{BEGINS}; {CAPS}",
         partial(_outside, True),
     ),
@@ -285,5 +285,16 @@ CLAIMS = (
             "guard.late.feasible",
             "guard.late.largest",
         ),
+    ),
+    by_hand(
+        "return",
+        "Psi - u1 never grows while it is positive, and v+ - u1 is at most e at the latest a time "
+        "lag + T (Psi - u1 - e)/e after t1, for 0 < e <= T (brakes - net)/M_max; without lag from "
+        "then on",
+        "How soon a robot outside is back: at a steady pace down to what one sample of braking "
+        "takes away, then by halves.",
+        "the bounds hold from some t0 on; Psi is that of t1, the instant from which on only "
+        "commands act whose sample's window lies behind t0; brakes > net; M_min <= M <= M_max",
+        ("guard.late.outside", "guard.late.upper", "guard.late.lag", "guard.varying.outside"),
     ),
 )

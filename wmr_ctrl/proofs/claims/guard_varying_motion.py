@@ -169,7 +169,7 @@ CLAIMS = (
             "what is reached > u1 where the new command takes over: F + net <= -min(brakes - net, "
             "M_max (it - u1)/T)",
             "Outside the limit no disturbance can make the robot faster, once what was sent before "
-            "is over.  How soon it is back is not claimed.",
+            "is over.",
             f"guard.varying.counts; {CAPS}",
         ),
         _outside,
