@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import combinations, product
+from itertools import product
 from typing import TypeAlias
 
 import pytest
@@ -17,19 +17,12 @@ def headed(first: str, names: Iterable[str]) -> tuple[str, ...]:
     return (first, *(name for name in names if name != first))
 
 
-def crossed(*axes: Sequence[object]) -> list[object]:
+def rotated(*axes: Sequence[object]) -> list[object]:
     """Combinations for parametrize: those that differ from the first case in one way at most.
 
-    Of the others there are as many, slow, as bring every two values of two axes together at least
-    once: faults that need three values at a time to show are rare, and products grow too fast.
+    Slow is, of each value, one more in changing company: products grow too fast, and faults that
+    need three values at a time to show are rare.
     """
-    cases = list(product(*(range(len(axis)) for axis in axes)))
-    usual = [case for case in cases if sum(place > 0 for place in case) < 2]
-    return _marked(axes, usual, _covering(cases, usual))
-
-
-def rotated(*axes: Sequence[object]) -> list[object]:
-    """The same combinations by default; slow is, of each value, one more in changing company."""
     usual = [
         case
         for case in product(*(range(len(axis)) for axis in axes))
@@ -70,21 +63,6 @@ def _marked(
     return [pytest.param(*values(case)) for case in usual] + [
         pytest.param(*values(case), marks=pytest.mark.slow) for case in slow
     ]
-
-
-def _covering(cases: Sequence[Case], known: Iterable[Case]) -> list[Case]:
-    """Cases that bring together what the known ones leave apart, the most useful first."""
-    apart = set().union(*map(_pairs, cases)).difference(*map(_pairs, known))
-    chosen: list[Case] = []
-    while apart:
-        chosen.append(max(cases, key=lambda case: len(apart & _pairs(case))))
-        apart -= _pairs(chosen[-1])
-    return chosen
-
-
-def _pairs(case: Case) -> frozenset[tuple[tuple[int, int], ...]]:
-    """Values of two axes that a case brings together."""
-    return frozenset(combinations(enumerate(case), 2))
 
 
 def quick(names: Iterable[str], *shown: str) -> list[object]:

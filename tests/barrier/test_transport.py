@@ -86,7 +86,7 @@ def places(draw: np.random.Generator, count: int, axis: Axis) -> Iterator[np.nda
     yield from (speed, here, middle, moved(middle), np.exp(-(10 ** draw.uniform(-3, 0.7, count))))
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(100, marks=pytest.mark.slow)])
 @every_axis
 def test_s_falls_but_for_the_way_that_is_not_carried(axis: Axis, count: int) -> None:
     """S(v*; c_m) <= S(v; c), S(v+; c+) <= E (S(v; c) + |c+ - c_m|), to a few roundings of v."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from tests.board.emulated import BOARDS, Emulated, built, missing
 from tests.board.lockstep import lockstep
 from tests.board.robot import Robot
 from tests.codegen.measured import BOARD, loop_scenario
-from tests.matrix import crossed
+from tests.matrix import turns
 from wmr_ctrl.codegen.footprint import known_footprint
 from wmr_ctrl.codegen.package import step_kernel
 from wmr_ctrl.control.controller import controller
@@ -37,19 +38,22 @@ MOST_INSTRUCTIONS = {
 OTHER_SETTINGS = [(BOARD, True), *((board, False) for board in BOARDS if board != BOARD)]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "float32", "setting"),
-    crossed(["nn", "mb", "prox"], [True, False], [(BOARD, False), *OTHER_SETTINGS]),
+    ("program", "setting"),
+    turns(
+        list(product(["nn", "mb", "prox"], [True, False])),
+        [(BOARD, False), *OTHER_SETTINGS],
+        shown=0,
+    ),
 )
 def test_ten_seconds_in_lockstep(
-    law: str,
-    float32: bool,
+    program: tuple[str, bool],
     setting: tuple[str, bool],
     tmp_path: Path,
     record_property: object,
 ) -> None:
-    board, guarded = setting
+    """Each law in either precision; boards, and the guard on one, take turns."""
+    (law, float32), (board, guarded) = program, setting
     scenario = loop_scenario(guarded)
     found = lockstep(law, scenario, board, tmp_path, float32=float32)
     for name, value in asdict(found).items():

@@ -147,6 +147,8 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path):
         "pytest",
         "-q",
         "-x",
+        "-n",
+        "0",
         "-p",
         "no:cacheprovider",
         "-k",

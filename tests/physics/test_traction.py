@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.matrix import turns
 from wmr_ctrl import cosimulate, simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
@@ -48,9 +49,10 @@ def test_the_guard_s_promise_on_a_rigid_body(law):
     promise_is_one("far-start", law, 71, clock__duration=10.0)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("preset", ["paper-simulation", "far-start", "far-start-drop"])
-@pytest.mark.parametrize("law", ["mb", "prox", "smc"])
+@pytest.mark.parametrize(
+    ("law", "preset"),
+    turns(["mb", "prox", "smc"], ["paper-simulation", "far-start", "far-start-drop"], shown=0),
+)
 def test_the_guard_s_promise_on_a_rigid_body_over_whole_runs(law, preset):
     promise_is_one(preset, law, 72)
 
