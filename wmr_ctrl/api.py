@@ -307,7 +307,7 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     """The law's compiled controller, to be called sample by sample on arrays that stay in place.
 
     Write ``u`` (order: ``inputs``), call ``step()``, read the torque.  Raises UnknownNameError,
-    ScenarioError or CompilerError.
+    ScenarioError or CompilerError; ``step()`` raises ArgumentError for a sample that is refused.
 
     >>> law = compile_law("mb")
     >>> law.u[:] = [0, 0, -1.57, 0.2, 0.1, 0, 0, -0.5, -0.5, -0.7, 0, 0]

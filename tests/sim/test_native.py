@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -14,6 +16,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, runs_equal
 from wmr_ctrl.scenario import preset_names
+from wmr_ctrl.signals import LARGEST
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
@@ -171,6 +174,29 @@ def test_compiled_law_steps_like_the_loop() -> None:
         law.u[:] = [run[name][k] for name in law.inputs]
         torque = law.step()
         assert (torque == (run["tau_right"][k], run["tau_left"][k])).all()
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law: str) -> None:
+    one, good = compile_law(law), (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
+    one.u[:] = good
+    one.step()
+    kept = one.x.copy()
+    for at, size in itertools.product(
+        range(len(good)), (1.7e308, -1.7e308, 1.1e12, np.inf, np.nan)
+    ):
+        one.u[:] = good
+        one.u[at] = size
+        with pytest.raises(ArgumentError, match=re.escape(f"{one.inputs[at]} = ")):
+            one.step()
+        assert (one.torque == 0).all()
+        assert (one.x == kept).all()
+    for at, sign in itertools.product(range(len(good)), (-1.0, 1.0)):
+        one.u[:] = good
+        one.u[at] = sign * LARGEST
+        assert np.isfinite(one.step()).all()
+        assert np.isfinite(one.x).all()
+        one.reset()
 
 
 def test_bad_arguments() -> None:

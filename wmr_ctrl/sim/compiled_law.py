@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import ctypes as ct
 import time
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import CompiledLoop, elements
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.sim.memory import load
 
 Floats = NDArray[np.float64]
 
 
 class Call(ct.Structure):
-    """``wmr_call``: addresses of a law's inputs, parameters, memory and outputs."""
+    """``wmr_call``: addresses of a law's inputs, parameters, memory, outputs; the inputs' bound."""
 
-    _fields_ = tuple((name, ct.c_void_p) for name in ("u", "p", "x", "y"))
+    _fields_ = (*((name, ct.c_void_p) for name in ("u", "p", "x", "y")), ("largest", ct.c_double))
 
 
 class CompiledLaw:
@@ -26,7 +29,8 @@ class CompiledLaw:
     Write the inputs into ``u`` (order: ``inputs``; reference, pose, velocity) and call `step`: it
     returns ``torque`` (right, left) [N m] and moves the law's memory ``x`` (order: ``state``) to
     the next sample.  ``parameters`` may be changed in place, in the order of ``parameter_names``.
-    None of the four arrays may be replaced by another one.
+    None of the four arrays may be replaced by another one.  A sample is refused where an input is
+    not a number, or beyond 1e12 in size: ArgumentError, torques 0, the memory as it was.
     """
 
     def __init__(self, loop: CompiledLoop) -> None:
@@ -34,18 +38,19 @@ class CompiledLaw:
         law = loop.law
         self.inputs = tuple(signal.name for signal in law.inputs)
         self.state, self.parameter_names = elements(law.state), elements(law.parameters)
+        self._names = elements(law.inputs)
         self._start = np.array(law.start, dtype=float)
-        self.u: Floats = np.zeros(len(elements(law.inputs)))
+        self.u: Floats = np.zeros(len(self._names))
         self.parameters: Floats = np.array(law.values, dtype=float)
         self.torque: Floats = np.zeros(2)
         self.x: Floats = self._start.copy()
         self._arrays = (self.u, self.parameters, self.x, self.torque)
-        self._pointers = Call(*(item.ctypes.data for item in self._arrays))
+        self._pointers = Call(*(item.ctypes.data for item in self._arrays), LARGEST)
         load(loop.library)  # says what is wrong with a library that cannot be loaded
         # A step is shorter than letting go of Python's lock; and the function takes its one
         # argument as it is, since conversion would cost as much as the call.
         self._call = ct.PyDLL(loop.library)["wmr_law_step"]
-        self._call.restype = None
+        self._call.restype = ct.c_int32
         self._pointer = ct.byref(self._pointers)
 
     def reset(self) -> None:
@@ -53,9 +58,20 @@ class CompiledLaw:
         self.x[:] = self._start
 
     def step(self) -> Floats:
-        """Evaluate the law once; returns ``torque``."""
-        self._call(self._pointer)
+        """Evaluate the law once; returns ``torque``.  Raises ArgumentError for a refused sample."""
+        if self._call(self._pointer):
+            self._refuse()
         return self.torque
+
+    def _refuse(self) -> NoReturn:
+        bad = [name for name, value in zip(self._names, self.u, strict=True)
+               if not abs(value) <= LARGEST]  # fmt: skip
+        what = ", ".join(f"{name} = {self.u[self._names.index(name)]:g}" for name in bad)
+        raise ArgumentError(
+            f"the sample is refused: {what or 'its torques or memory'} must be finite and at most "
+            f"{LARGEST:g} in size. The torques are 0 and the law's memory is as it was; check "
+            "what was written into u and parameters."
+        )
 
 
 EVALUATIONS = 10_000
