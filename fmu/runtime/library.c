@@ -47,7 +47,7 @@ void WMR_OWN(wmr_set_sizes)(int64_t sizes[7])
     sizes[0] = WMR_WIDTH;
     sizes[1] = (int64_t)sizeof(wmr_settings);
     sizes[2] = WMR_FINDINGS;
-    sizes[3] = WMR_SUMS;
+    sizes[3] = WMR_WINDOW;
     sizes[4] = WMR_ROW;
     sizes[5] = WMR_STATE;
     sizes[6] = WMR_PARAMETERS;

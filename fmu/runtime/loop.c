@@ -125,7 +125,7 @@ void wmr_loop_start(const wmr_settings *s, wmr_loop *w)
         memset(s->queue, 0, 2 * (size_t)w->delay_steps * sizeof(wmr_v));
     }
     if (s->windows > 0) {
-        memset(s->sums, 0, (size_t)s->windows * WMR_SUMS * sizeof(wmr_v));
+        memset(s->sums, 0, (size_t)s->windows * WMR_WINDOW * sizeof(wmr_v));
     }
     w->findings[WMR_FOUND_FIRST_STEP] = w->findings[WMR_FOUND_LEFT_SAMPLE] = wmr_all(-1.0);
     w->running = wmr_always();
@@ -237,14 +237,16 @@ static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
     }
 }
 
-/* Adds this sample to the windows that it is in. */
+/* Adds this sample to the windows that it is in; behind the sums is how far it was off at most. */
 static void add_up(const wmr_settings *s, const wmr_loop *w, const wmr_v *seen)
 {
     for (int64_t k = 0; k < s->windows; ++k) {
         if (w->sample >= s->window[2 * k] && w->sample < s->window[2 * k + 1]) {
+            wmr_v *kept = s->sums + WMR_WINDOW * k, *most = kept + WMR_SUMS;
             for (int i = 0; i < WMR_SUMS; ++i) {
-                s->sums[WMR_SUMS * k + i] += wmr_choose(w->running, seen[i], wmr_all(0.0));
+                kept[i] += wmr_choose(w->running, seen[i], wmr_all(0.0));
             }
+            set(most, w->running & wmr_mask(seen[0] > *most), seen[0]);
         }
     }
 }

@@ -26,7 +26,7 @@ typedef struct {
     const wmr_v *parameters;           /* phases rows of WMR_PARAMETERS */
     const wmr_v *start;                /* WMR_STATE */
     wmr_v *queue;                      /* commands under way: 2 for each plant step of the delay */
-    wmr_v *sums;                       /* windows rows of WMR_SUMS */
+    wmr_v *sums;                       /* windows rows of WMR_WINDOW */
     double *const *log;                /* a lane each: samples rows of WMR_ROW, or NULL; or NULL */
 } wmr_settings;
 

@@ -11,7 +11,7 @@
 
 static struct {
     wmr_v parameters[PHASES * WMR_PARAMETERS], start[WMR_STATE], queue[2 * DELAY + 2];
-    wmr_v sums[WINDOWS * WMR_SUMS];
+    wmr_v sums[WINDOWS * WMR_WINDOW];
     uint64_t key[2 * WMR_WIDTH];
     double rows[SAMPLES * WMR_ROW];
 } memory;
@@ -57,5 +57,5 @@ int WMR_OWN(wmr_case)(void)
     s.log = 0;
     WMR_OWN(wmr_run_set)(&s, findings, state);
     shown &= show_lane(findings, WMR_FINDINGS) & show_lane(state, WMR_STATE);
-    return shown & show_lane(memory.sums, WINDOWS * WMR_SUMS);
+    return shown & show_lane(memory.sums, WINDOWS * WMR_WINDOW);
 }

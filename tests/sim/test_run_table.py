@@ -24,6 +24,7 @@ def test_columns_are_what_a_run_of_that_seed_says(table):
             "violations": said["violations"],
             "position_rms": said["position_rms"]["all"],
             "position_rms_last_quarter": said["position_rms"]["last_quarter"],
+            "position_max": said["position_max"],
             "ise_total": said["ise"]["total"],
             "ise_after": said["ise"]["after"],
             "max_abs_v1": said["max_abs_v"][0],

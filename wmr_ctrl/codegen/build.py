@@ -33,7 +33,7 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
-from wmr_ctrl.control.loop import SUMS, Graphs, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
@@ -204,7 +204,7 @@ def layout_of(loop: LoopGraphs) -> LoopLayout:
         tuple(item.signal for item in (*loop.fast, *loop.slow)),
         tuple(item.signal for item in loop.parameters.ports),
         FINDINGS,
-        SUMS,
+        WINDOW,
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, Graphs, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, WINDOW, Graphs, LoopGraphs, OutsideGraphs
 from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.signals import VELOCITY
@@ -106,6 +106,7 @@ def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
     sizes: dict[str, int | str] = {
         "ROW": loop.row.numel(),
         "SUMS": len(SUMS),
+        "WINDOW": len(WINDOW),
         "SEEN": len(SEEN),
         **{f"SEEN_{name.upper()}": place for place, name in enumerate(SEEN)},
     }
@@ -123,7 +124,7 @@ def plantless_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
 
 
 def _beside_plant(loop: Graphs) -> Mapping[str, int | str]:
-    return {"PLANT": loop.plant.x.numel(), "ACTING": loop.acting.numel(), "SUMS": 0}
+    return {"PLANT": loop.plant.x.numel(), "ACTING": loop.acting.numel(), "WINDOW": 0}
 
 
 def _constants(loop: Graphs) -> Mapping[str, int | str]:

@@ -52,6 +52,8 @@ from wmr_ctrl.world.references.evaluate import reference
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples")
 """Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same
 of the torque less the previous sample's, 1."""
+WINDOW = (*SUMS, "farthest")
+"""What each window keeps: the sums, and the largest of their first, dx^2 + dy^2 [m2]."""
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
 """What every run without a log watches: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""

@@ -24,14 +24,14 @@ SHAPES: Mapping[str, tuple[int, ...]] = {
     "e_rms": (len(E_RMS_WINDOWS), 3), "max_abs_v": (2,), "violations": (),
     "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
     "samples": (), "tau_peak": (), "tau_rms": (), "torque_change_rms": (), "position_rms": (2,),
-    "final_state": (5,),
-    "d_least": (2,), "bounds_left": (), "bounds_axis": (), "guard_share": (2,),
+    "position_max": (), "final_state": (5,), "d_least": (2,), "bounds_left": (), "bounds_axis": (),
+    "guard_share": (2,),
 }  # fmt: skip
 """Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
 window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
 into STOP_REASONS); ``samples`` made; torques [N m]; ``position_rms`` over all and over the last
-quarter [m]; ``final_state`` x, y [m], theta [rad],
+quarter, ``position_max`` over the last quarter [m]; ``final_state`` x, y [m], theta [rad],
 v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
 the first motion that a guard's bounds do not admit; ``guard_share``, share of samples in which the
 guard acted.  NaN where there was no such event or the run ended before its window
@@ -72,6 +72,7 @@ COLUMNS: tuple[FigureColumn, ...] = (
                  "position_rms", (0,)),
     FigureColumn("position_rms_last_quarter", "m", "RMS distance over the last quarter",
                  "position_rms", (1,)),
+    _column("position_max", "m", "largest distance over the last quarter"),
     _column("ise_total", _MIXED, "ISE over the whole run"),
     _column("ise_before", _MIXED, "ISE before the split"),
     _column("ise_after", _MIXED, "ISE from the split on"),
@@ -217,6 +218,7 @@ def _from_sums(memory: Memory, settings: Settings) -> Figures:
         "tau_rms": np.sqrt(mean[3, 5] / 2),
         "torque_change_rms": np.sqrt(mean[5, 6] / 2),
         "position_rms": np.sqrt(mean[[0, 4], 0].T),
+        "position_max": np.sqrt(np.where(full[4], sums[4, 8], np.nan)),
         "e_rms": np.sqrt(np.moveaxis(mean[6:, 2:5], 2, 0)),
     }
 

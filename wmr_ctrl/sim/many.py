@@ -32,7 +32,7 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
 
     Names and units are those of `sim.figures.SHAPES`, on the rigid body those of `RIGID_COLUMNS`
     too; ``outcome`` (str), ``seed`` and ``tracked`` (bool, the last quarter's position_rms against
-    metrics.tolerance) besides.
+    metrics.tolerance) besides.  A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
     """
 
     figures: Mapping[str, NDArray[np.float64]]

@@ -10,6 +10,7 @@ from wmr_ctrl.results import (
     e_rms,
     guard_share,
     ise,
+    position_max,
     position_rms,
     tau_peak,
     tau_rms,
@@ -46,6 +47,7 @@ def _of_log(run: Run) -> dict[str, object]:
         "tau_rms": tau_rms(run),
         "torque_change_rms": torque_change_rms(run),
         "position_rms": [position["all"], position["last_quarter"]],
+        "position_max": position_max(run),
         "guard_share": guard_share(run),
     }
 
