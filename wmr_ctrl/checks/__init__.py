@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 
-from wmr_ctrl.checks.barrier import pushed_through, wrong_model
+from wmr_ctrl.checks.barrier import pushed_through, unmodelled, wrong_model
 from wmr_ctrl.checks.contradictions import coarse_step, contradicted, violent_alpha
 from wmr_ctrl.checks.grip import first_torques as first_torques
 from wmr_ctrl.checks.grip import grip_warnings as grip_warnings
@@ -32,6 +32,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     preconditions,
     pushed_through,
     wrong_model,
+    unmodelled,
     network,
     drives,
     noise,

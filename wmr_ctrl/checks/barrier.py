@@ -73,12 +73,41 @@ def wrong_model(loop: Loop) -> Iterator[Warning]:
     asked = loop.traits.model and not learns
     if not asked or any(pushed_through(loop)):
         return
-    offset, phase = max(
-        ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario)),
-        key=lambda pair: abs(pair[0]),
-    )
+    offset, phase = _largest_error(loop)
     if abs(offset) >= NOTABLE:
         yield _wrong(loop, offset, phase)
+
+
+def unmodelled(loop: Loop) -> Iterator[Warning]:
+    """Yield how far friction leaves a law behind that neither knows nor learns it, if too far."""
+    traits, tolerance = loop.traits, loop.scenario.metrics.tolerance
+    makes_up = traits.model or traits.estimates or traits.observer
+    if makes_up or not traits.auxiliary:
+        return
+    offset, phase = _largest_error(loop)
+    behind = -offset / loop.setup.kinematics.k[0]
+    if behind <= tolerance:
+        return
+    force = phase.m * phase.mu * loop.scenario.robot.g
+    yield Warning(
+        "gains.kinematics.k",
+        f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that makes up for "
+        f"it: expect the robot about {behind:.2g} m behind its place along the "
+        f"path, more than metrics.tolerance = {tolerance:g} m. Raise gains.kinematics.k[1] and the gain "
+        f"on v1, together by {behind / tolerance:.2g} times, if the loop stays calm; or take a law that "
+        "knows or learns friction.",
+        "Eqs. (4), (7)",
+    )
+
+
+def _largest_error(loop: Loop) -> tuple[float, Phase]:
+    """The steady error of v1 [m/s] that is largest in size, and when."""
+    errors = ((velocity_error(loop, phase), phase) for phase in phases(loop.scenario))
+    return max(errors, key=lambda pair: abs(pair[0]))
+
+
+def _from(phase: Phase) -> str:
+    return f"from {phase.t:g} s on" if phase.t else "from the start"
 
 
 def velocity_error(loop: Loop, phase: Phase) -> float:
@@ -91,12 +120,11 @@ def velocity_error(loop: Loop, phase: Phase) -> float:
 def _wrong(loop: Loop, offset: float, phase: Phase) -> Warning:
     believed, robot = loop.scenario.believed, loop.scenario.robot
     forces = [mass * mu * robot.g for mass, mu in ((phase.m, phase.mu), (believed.m, believed.mu))]
-    when = f"from {phase.t:g} s on" if phase.t else "from the start"
     exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
     return Warning(
         "model",
-        f"Friction is {forces[0]:.3g} N {when} where {loop.law} believes {forces[1]:.3g} N{exact}. "
-        f"Expect {_consequence(loop, offset)} from then on; nn adapts instead.",
+        f"Friction is {forces[0]:.3g} N {_from(phase)} where {loop.law} believes {forces[1]:.3g} N"
+        f"{exact}. Expect {_consequence(loop, offset)} from then on; nn adapts instead.",
         f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
     )
 

@@ -1,0 +1,37 @@
+"""Friction that a law neither knows nor learns leaves the robot behind: told, and so it drives."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from wmr_ctrl.api import simulate
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.scenario import load_scenario
+
+SOFT = {"gains.pid.Kp": [100.0, 4.0], "gains.kinematics.k": [4.0, 5.0, 4.0]}
+
+
+def told(law: str, **changes: object) -> list[str]:
+    scenario = load_scenario("paper-simulation-nominal", changes)
+    return [str(item) for item in warnings_for(settle(scenario, law)) if "no term" in str(item)]
+
+
+def test_it_is_as_far_behind_as_told() -> None:
+    (text,) = told("pid", **SOFT)
+    behind = float(re.findall(r"about ([\d.]+) m behind", text)[0])
+    run = simulate("paper-simulation-nominal", "pid", overrides=SOFT)
+
+    assert "Friction is 39.2 N from the start" in text
+    assert "together by 2 times" in text
+    assert run["e"][-2000:, 0].mean() == pytest.approx(behind, rel=0.06)
+
+
+def test_it_is_not_told_within_the_tolerance_nor_of_laws_that_make_up_for_it() -> None:
+    assert not told("pid")
+    assert not told("pid", **SOFT, **{"metrics.tolerance": 0.2})
+    for law in set(NAMES) - {"pid"}:
+        assert not told(law, **{"gains.kinematics.k": SOFT["gains.kinematics.k"]})
