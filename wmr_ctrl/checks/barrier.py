@@ -92,9 +92,9 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
     yield Warning(
         "gains.kinematics.k",
         f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that makes up for "
-        f"it: expect the robot about {behind:.2g} m behind its place along the "
-        f"path, more than metrics.tolerance = {tolerance:g} m. Raise gains.kinematics.k[1] and the gain "
-        f"on v1, together by {behind / tolerance:.2g} times, if the loop stays calm; or take a law that "
+        f"it: expect the robot about {behind:.2g} m behind its place along the path, more than "
+        f"metrics.tolerance = {tolerance:g} m. Raise gains.kinematics.k[1] and the gain on v1, "
+        f"together by {behind / tolerance:.2g} times, if the loop stays calm; or take a law that "
         "knows or learns friction.",
         "Eqs. (4), (7)",
     )
