@@ -15,6 +15,7 @@ from wmr_ctrl.checks.sample_time import (
 )
 from wmr_ctrl.checks.sampled_plant import zero_order_hold
 
+NOMINAL = "paper-simulation-nominal"
 CIRCLE = np.array((0.2, 0.1))
 
 
@@ -39,6 +40,26 @@ def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
     if name == "paper-simulation":
         assert largest_period(loop("prox", late)) < period
         assert largest_period(loop("prox", {"clock.control": period})) > 0.13
+
+
+@pytest.mark.parametrize(("untold", "stable"), [(0.04, True), (0.05, False), (0.06, False)])
+def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, untold, stable):
+    """As long as a period it makes kanayama cycle, where the same delay told does not."""
+    own = {"clock.control": 0.05, "initial.pose": (2.001, 0.0, 0.0), "initial.velocity": (0.2, 0.1)}
+    late, told = {"actuator.untold": untold}, {"actuator.delay": untold}
+    seen = [_worst(loop("kanayama", own | how, NOMINAL), 0.05) for how in (late, told)]
+    run = simulate(NOMINAL, "kanayama", overrides=own | late)
+
+    assert (seen[0] < 1) is stable
+    assert seen[1] < 1
+    assert bool(np.ptp(run["v1"][-400:]) < 1e-3) is stable
+
+
+def test_no_shorter_period_is_spoken_of_where_none_was_tried(told):
+    late = {"clock.control": 0.02, "sensor.pose_delay": 1.0}
+    (warning,) = told("prox", late, key="clock.control")
+
+    assert "at clock.control = 0.02 s: lower" in warning.sentence
 
 
 def test_stable_periods_need_not_reach_down_to_zero(told, loop):

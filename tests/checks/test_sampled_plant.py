@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import stability
-from wmr_ctrl.checks.sampled_plant import Lateness, drives, sampled_plant
+from wmr_ctrl.checks.lateness import Lateness
+from wmr_ctrl.checks.sampled_plant import drives, sampled_plant
 from wmr_ctrl.linear.report import report_linear
 from wmr_ctrl.scenario import load_scenario
 

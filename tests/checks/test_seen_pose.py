@@ -7,9 +7,9 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import stability
+from wmr_ctrl.checks.lateness import lost_poses, rare_poses
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import closed_loop
-from wmr_ctrl.checks.sampled_plant import lost_poses, rare_poses
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.report import report_linear
 from wmr_ctrl.model.tracking import error_rotation

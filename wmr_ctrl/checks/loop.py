@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.sampled_plant import Lateness, lateness_of
+from wmr_ctrl.checks.lateness import Lateness, lateness_of
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup

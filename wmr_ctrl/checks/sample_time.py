@@ -15,8 +15,9 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.checks.lateness import Lateness
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
-from wmr_ctrl.checks.sampled_plant import Lateness, linear_plant, sampled_plant
+from wmr_ctrl.checks.sampled_plant import linear_plant, sampled_plant
 from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
 from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
@@ -69,11 +70,12 @@ def _linear(loop: Loop) -> Iterator[Warning]:
     late = "".join(f"a {word} of {value:g} s and " for word, value in loop.lateness.words.items())
     if limit == 0:
         lower = f"the {' and '.join(loop.lateness.words)}, or its gains" if late else "its gains"
+        least = shortest_tried(loop)
+        others = f" and at every shorter period that was tried (from {least:.3g} s up)"
         yield Warning(
             PERIOD,
             f"{loop.law} is unstable around the reference with {late}these gains at "
-            f"clock.control = {period:g} s and at every shorter period that was tried (from "
-            f"{shortest_tried(loop):.3g} s up): lower {lower}.",
+            f"clock.control = {period:g} s{others if least < period else ''}: lower {lower}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
@@ -155,20 +157,29 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
 class Stability:
     """Around the reference: stable periods, largest delay [s], ratios of true to believed mass.
 
-    Delay and masses are for the scenario's period; see `stable_periods` and the functions of the
-    same names.
+    Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
+    the shortest period that was looked at.
     """
 
     shortest: float
     period: float
     delay: float | None
     masses: tuple[float, float] | None
+    tried: float
+
+    @property
+    def mass_words(self) -> str:
+        """The ratios in words; what reaches as far as was tried is no limit."""
+        low, high = self.masses or (math.nan, math.nan)
+        less, more = " or less" * (low <= 1 / MASSES), " or more" * (high >= MASSES)
+        return f"{low:.3g}{less} to {high:.3g}{more} times the believed one"
 
 
 def stability(scenario: Scenario, law: str) -> Stability:
     """All three for a law on a scenario; raises UnknownNameError for a law."""
     loop = Loop(settle(scenario, law))
-    return Stability(*stable_periods(loop), largest_stable_delay(loop), stable_masses(loop))
+    delay, masses = largest_stable_delay(loop), stable_masses(loop)
+    return Stability(*stable_periods(loop), delay, masses, shortest_tried(loop))
 
 
 def largest_period(loop: Loop) -> float:

@@ -18,90 +18,17 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.checks.lateness import Lateness
 from wmr_ctrl.model.dynamics import acceleration, friction, reduced_mass
 from wmr_ctrl.model.tracking import error_rate
-from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.world.pose_delay import PoseDelay
-from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
+from wmr_ctrl.scenario import Robot
 
 Floats = NDArray[np.float64]
-Pair = tuple[float, float]
 
 GRID = 1e-9
 """Share of a period within which an instant counts as one of its ends."""
 VELOCITIES = slice(3, 5)
 """Where v1 and omega stand behind the tracking error."""
-
-
-@dataclass(frozen=True)
-class Lateness:
-    """How late commands act, velocities and poses are seen [s]; pairs are (linear, angular).
-
-    A command takes over ``delay`` after it was given and is followed with time constant ``lag``;
-    a velocity is its mean over a ``window`` that ended ``age`` ago; a pose is ``pose_age`` old, and
-    the share ``correction`` of its difference from the predicted one is believed; one comes every
-    ``pose_period``.
-    """
-
-    delay: float = 0.0
-    lag: float = 0.0
-    age: Pair = (0.0, 0.0)
-    window: Pair = (0.0, 0.0)
-    pose_age: float = 0.0
-    correction: float = 1.0
-    pose_period: float = 0.0
-
-    @property
-    def shown(self) -> float:
-        """Age of the oldest velocity or pose that a sensor still shows [s]."""
-        ages = [age + window for age, window in zip(self.age, self.window, strict=True)]
-        return max(*ages, self.pose_age)
-
-    @property
-    def discrete(self) -> bool:
-        """Whether there is more than a lag: what a differential equation has no place for."""
-        return self.delay > 0 or self.shown > 0 or self.correction < 1 or self.pose_period > 0
-
-    def samples_a_pose(self, period: float) -> int:
-        """Samples from one pose to the next, at a control period [s]."""
-        return int(ca.evalf(samples_a_pose(ca.SX(self.pose_period), ca.SX(period))))
-
-    @property
-    def words(self) -> dict[str, float]:
-        """What there is of it [s], by word."""
-        parts = {
-            "delay": self.delay, "lag": self.lag,
-            "velocity's age": max(self.age), "velocity's window": max(self.window),
-            "pose's age": self.pose_age,
-        }  # fmt: skip
-        return {word: value for word, value in parts.items() if value}
-
-
-def lateness_of(setup: Setup) -> Lateness:
-    """What all effects of a scenario add up to, at its largest where it varies.
-
-    No pose is taken to be lost: `lost_poses` tells where some are.
-    """
-    bound, scenario = setup.bound, setup.scenario
-    late, sensor = scenario.section(PoseDelay).pose_delay, scenario.section(PoseSensor)
-    velocities = (bound.delay, bound.lag[1], bound.age, bound.window)
-    return Lateness(*velocities, late, sensor.correction, sensor.pose_period)
-
-
-def lost_poses(scenario: Scenario) -> str:
-    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
-    lost = scenario.section(PoseSensor).pose_dropout
-    return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
-
-
-def rare_poses(scenario: Scenario) -> str:
-    """What a loop that is the same at every sample leaves out of the pose sensor, in words."""
-    sensor, period = scenario.section(PoseSensor), scenario.clock.control
-    parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
-    parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)
-    said = " and ".join(parts)
-    return f"as if a pose came at every sample, though {said}" if said else ""
 
 
 @dataclass(frozen=True)
@@ -134,16 +61,36 @@ def sampled_plant(
 ) -> SampledPlant:
     """The plant s' = rates s + push F, sampled every ``period`` [s] with a command held.
 
-    ``applied`` has rows only with ``mean``, ``sent`` two for each command ``remembered``.
+    ``applied`` has rows only with ``mean``, ``sent`` two for each command ``remembered``.  Both are
+    what the law takes for them: where a part of the delay is untold, those of other drives.
     """
-    return _Assembly(rates, push, period, late, mean=mean, remembered=remembered).plant
+    if late.untold == 0 or not (mean or remembered):
+        return _Assembly(rates, push, period, late, mean=mean, remembered=remembered).plant
+    behind = _Assembly(rates, push, period, late, mean=False, remembered=0).plant
+    return _beside(behind, drives(period, late, remembered), mean)
 
 
 def drives(period: float, late: Lateness, remembered: int = 0) -> SampledPlant:
     """The drives alone: commands to the mean force that acted, as the observer knows them."""
-    nothing, unseen = np.zeros((0, 0)), Lateness(late.delay, late.lag)
-    push = np.zeros((0, 2))
-    return _Assembly(nothing, push, period, unseen, mean=True, remembered=remembered).plant
+    nothing, push = np.zeros((0, 0)), np.zeros((0, 2))
+    return _Assembly(nothing, push, period, late.told, mean=True, remembered=remembered).plant
+
+
+def _beside(plant: SampledPlant, believed: SampledPlant, mean: bool) -> SampledPlant:
+    """The plant, and drives that get the same commands and tell what was applied and sent."""
+    n, more = len(plant.moved), len(believed.moved)
+    moved = np.zeros((n + more, n + more))
+    moved[:n, :n], moved[n:, n:] = plant.moved, believed.moved
+    applied = believed.applied if mean else believed.applied[:0]
+    return SampledPlant(
+        moved,
+        np.vstack((plant.forced, believed.forced)),
+        np.vstack((plant.pushed, believed.pushed)),
+        np.hstack((plant.measured, np.zeros((len(plant.measured), more)))),
+        np.hstack((np.zeros((len(applied), n)), applied)),
+        np.hstack((np.zeros((len(believed.sent), n)), believed.sent)),
+        (*plant.names, *(f"believed.{name}" for name in believed.names)),
+    )
 
 
 @dataclass(frozen=True)

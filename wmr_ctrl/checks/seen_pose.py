@@ -14,7 +14,8 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.sampled_plant import Floats, Lateness, SampledPlant
+from wmr_ctrl.checks.lateness import Lateness
+from wmr_ctrl.checks.sampled_plant import Floats, SampledPlant
 from wmr_ctrl.model.tracking import error_rotation
 from wmr_ctrl.world.pose_sensor import reckoned
 

@@ -107,6 +107,7 @@ def _document(
         "warnings": [*_merged(warned), *_inherited_warning(taken)],
         "inherited": {item.key: item.value for item in taken},
         "nominal": {law: _nominal(run) for law, run in runs.items()},
+        "min_period": {law: limits.shortest for law, limits in stable.items()},
         "max_period": {law: limits.period for law, limits in stable.items()},
         "max_delay": {law: limits.delay for law, limits in stable.items()},
         "mass_range": {law: limits.masses for law, limits in stable.items()},
@@ -209,7 +210,7 @@ def _item(text: str) -> str:
 
 def _rare(scenario: Scenario) -> str:
     """What the figures of stability leave out, if anything."""
-    from wmr_ctrl.checks.sampled_plant import lost_poses
+    from wmr_ctrl.checks.lateness import lost_poses
 
     said = lost_poses(scenario)
     return f" ({said})" if said else ""
@@ -217,7 +218,8 @@ def _rare(scenario: Scenario) -> str:
 
 def _stable(limits: Stability, period: float) -> str:
     if limits.period == 0:
-        return f"unstable around the reference at {period:g} s and all shorter periods"
+        shorter = " and all shorter periods that were tried" if limits.tried < period else ""
+        return f"unstable around the reference at {period:g} s{shorter}"
     limit = f"up to clock.control = {limits.period:.4g} s"
     if limits.shortest > 0:
         limit = f"for clock.control = {limits.shortest:.4g} to {limits.period:.4g} s"
@@ -227,7 +229,6 @@ def _stable(limits: Stability, period: float) -> str:
     if limits.delay is not None and limits.delay < float("inf"):
         parts.append(f"up to a delay of {limits.delay:.3g} s")
     if limits.masses is not None:
-        low, high = limits.masses
-        parts.append(f"for a mass of {low:.3g} to {high:.3g} times the believed one")
+        parts.append(f"for a mass of {limits.mass_words}")
     here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
     return f"stable around the reference {limit}{here}"

@@ -13,13 +13,8 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from wmr_ctrl.checks.sampled_plant import (
-    Lateness,
-    SampledPlant,
-    drives,
-    lateness_of,
-    sampled_plant,
-)
+from wmr_ctrl.checks.lateness import Lateness, lateness_of
+from wmr_ctrl.checks.sampled_plant import SampledPlant, drives, sampled_plant
 from wmr_ctrl.checks.seen_pose import cycle, with_pose_sensor
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.checks.lateness import lost_poses, rare_poses
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
-from wmr_ctrl.checks.sampled_plant import lost_poses, rare_poses
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
