@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl.cli.root import root
+from wmr_ctrl.laws.registry import NAMES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -26,6 +27,27 @@ def test_commands_and_their_options_exist() -> None:
 def test_links_lead_somewhere() -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", TEXT):
         assert (ROOT / target).exists(), target
+
+
+def rows_below(heading: str, text: str) -> dict[str, list[str]]:
+    """Cells by law, of the first table below a heading."""
+    lines = text[text.index(heading) :].split("\n")
+    first = next(k for k, line in enumerate(lines) if line.startswith("| law |")) + 2
+    cells = [line.strip("| ").split(" | ") for line in lines[first : lines.index("", first)]]
+    return {row[0]: row[1:] for row in cells}
+
+
+def test_distances_are_those_of_the_page() -> None:
+    """The median RMS on the preset's own circle, at each period."""
+    page = (ROOT / "docs" / "tracking.md").read_text(encoding="utf-8")
+    shown = rows_below("## How well it tracks", TEXT)
+    periods = re.findall(r"^### (\d+ ms), ", page, flags=re.M)
+    told = [rows_below(f"### {period}", page) for period in periods]
+
+    assert f"| law | {' | '.join(periods)} |" in TEXT
+    assert shown.keys() == set(NAMES)
+    for law, cells in shown.items():
+        assert cells == [page_rows[law][0].split(",")[0] for page_rows in told]
 
 
 def test_python_example_runs(monkeypatch: pytest.MonkeyPatch) -> None:

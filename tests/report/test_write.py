@@ -133,6 +133,21 @@ def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
     assert not any("40 s" in row or "40–" in row for row in without)
 
 
+@pytest.mark.parametrize("short", [False, True])
+def test_the_distance_from_the_reference_is_told_first(campaign, written, short):
+    table = scenario_table(campaign.table, "paper-simulation", "", changes=True, short=short)
+    first, second = (row[0] for row in table.rows[:2])
+    header, rows = table_of(written.folder / "table.csv")
+    names = ["position_rms_last_quarter [m]", "position_max [m]"]
+    least_max = [row[header.index(names[1])] for row in rows if row[3] == "min"]
+
+    assert first.startswith("RMS distance")
+    assert second.startswith("largest distance")
+    assert header[5:7] == names
+    assert len(least_max) == 11 * 4 + 5 * 2
+    assert all(map(float, least_max))
+
+
 def test_the_best_of_a_row_is_marked_unless_all_are_alike():
     assert least([3.0, 1.0, None, 1.0]) == {2, 4}
     assert least([2.0, 2.0]) == least([None]) == set()

@@ -14,6 +14,8 @@ from wmr_ctrl.results import (
     distance,
     e_rms,
     ise,
+    position_max,
+    position_rms,
     rises,
     settling_time,
     tau_peak,
@@ -137,6 +139,10 @@ def _ise_orientation(run: Run) -> float | None:
     return None if total is None or position is None else total - position
 
 
+def _position_rms(key: str, run: Run) -> float | None:
+    return position_rms(run)[key]
+
+
 def _ise(key: str, run: Run) -> float | None:
     return ise(run)[key]
 
@@ -150,6 +156,13 @@ def _max_abs(axis: int, run: Run) -> float:
     return run.monitor.max_abs_v[axis]
 
 
+_POSITION = (
+    Figure("position_rms", "m", "RMS of the distance from the reference, whole run",
+           partial(_position_rms, "all")),
+    Figure("position_rms_last_quarter", "m", "RMS of the distance over the last quarter",
+           partial(_position_rms, "last_quarter")),
+    Figure("position_max", "m", "largest distance over the last quarter", position_max),
+)  # fmt: skip
 _MIXED = "m2.s + rad2.s"
 _ISE = (
     Figure("ise_total", _MIXED, "ISE over the whole run", partial(_ise, "total")),
@@ -205,7 +218,7 @@ _WEIGHTS = tuple(
 )  # fmt: skip
 
 FIGURES: tuple[Figure, ...] = (
-    *_ISE, *_ERRORS, *_DISTANCES, *_LIMITS, *_TORQUES, *_BARRIER, *_WEIGHTS,
+    *_POSITION, *_DISTANCES, *_ISE, *_ERRORS, *_LIMITS, *_TORQUES, *_BARRIER, *_WEIGHTS,
 )  # fmt: skip
 """Every figure, in the order of the table's columns."""
 

@@ -78,7 +78,7 @@ def _windows(figure: str, text: str) -> tuple[_Line, ...]:
             f"{figure}_rms_{a}_{b}",
             f"RMS {text}, {a}–{b} s",
             change=(a, b) not in _LATE,
-            short=(a, b) in _LATE and figure in ("e1", "d"),
+            short=(a, b) in _LATE and figure == "e1",
         )
         for a, b in _W
     )
@@ -86,14 +86,17 @@ def _windows(figure: str, text: str) -> tuple[_Line, ...]:
 
 _BROKEN = "seeds that broke a limit"
 _LINES = (
+    _Line("position_rms_last_quarter", "RMS distance, 60–80 s", short=True),
+    _Line("position_max", "largest distance, 60–80 s", short=True),
+    _Line("position_rms", "RMS distance, 0–80 s"),
+    *_windows("d", "distance"),
+    *_windows("e1", "e₁"),
+    *_windows("e2", "e₂"),
+    *_windows("e3", "e₃"),
     _Line("ise_total", "ISE, 0–80 s", short=True),
     _Line("ise_before", "ISE, 0–40 s", change=True),
     _Line("ise_after", "ISE, 40–80 s", change=True),
     _Line("ise_position", "ISE without θ"),
-    *_windows("e1", "e₁"),
-    *_windows("e2", "e₂"),
-    *_windows("e3", "e₃"),
-    *_windows("d", "distance"),
     _Line("max_abs_v1", "largest |v₁|", better=False),
     _Line("max_abs_omega", "largest |ω|", better=False),
     _Line("violated", _BROKEN, short=True),
