@@ -32,7 +32,7 @@ from benchmarks.contenders import (
     contenders,
 )  # fmt: skip
 from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_write, percent
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.references import sample
 
@@ -189,7 +189,7 @@ def table(case: Case, results: Sequence[Result]) -> str:
                (-1, [r.microseconds for r in results])]  # fmt: skip
     bests = [np.nanargmax([sign * x for x in values]) for sign, values in columns]
     for k, result in enumerate(results):
-        kept = "none" if result.excess <= 1e-9 else f"{100 * result.excess:.2g} %"
+        kept = "none" if result.excess <= 1e-9 else percent(result.excess)
         cells = [f"**{values[k]:.3g}**" if bests[i] == k else f"{values[k]:.3g}"
                  for i, (_, values) in enumerate(columns)]  # fmt: skip
         lines.append(f"| {result.contender} | {kept} | {' | '.join(cells)} |")

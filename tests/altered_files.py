@@ -116,7 +116,10 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
-        ("checks/guard_price.py", "return max(phase.m", "return min(phase.m"),
+        ("world/friction.py", "return max(phase.m", "return min(phase.m"),
+        ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
+         "return self.asked[0] > self.usable[0], False"),
+        ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
         ("checks/guard_price.py", "start <= u1 <", "start < u1 <"),
         ("checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
     ),

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.checks.guard_price import slowest
+from wmr_ctrl import simulate
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 
@@ -61,9 +64,43 @@ def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
     changes = [{"t": 5.0, "mu": 0.3}, {"t": 9.0, "mu": 0.1, "m": 55.0}]
     numbers = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 10.0], "changes": changes}
     of = loop("prox", numbers)
+    price = speed_price(of.scenario, of.setup.guard)
     friction = 0.3 * of.scenario.robot.m * of.scenario.robot.g
 
-    assert slowest(of) == pytest.approx(1 - (friction + 60) / (25 * 100), rel=1e-9)
+    assert price.usable[0] == pytest.approx(1 - (friction + 60) / (25 * 100), rel=1e-9)
+    assert price.usable[1] == pytest.approx(1.5 - 10 / (2.7 * 100), rel=1e-9)
+
+
+NARROW = {"limits.v_u1": [1.0, 0.11], "limits.v_u2": [0.8, 0.105]}
+"""The reference asks for 0.1 rad/s, and the guard leaves 0.11 - 15 * 0.01/4.86."""
+
+
+def test_a_reference_that_turns_faster_than_the_guard_allows(told):
+    (found,) = told("prox", NARROW, scenario="safe-simulation", key="guard.dbar")
+
+    assert "asks for 0.1 rad/s, and the guard leaves at most 0.0791 rad/s" in found.sentence
+    assert "v_u1 - nbar - (dbar - f_min) (1/alpha + delay)/M_min" in found.sentence
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.02])
+def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
+    """It is asked for more, without a push: the guard lets it come to the usable rate, and stay."""
+    changed = {**NARROW, "actuator.delay": delay, "disturbance.std": 0.0, "guard.dbar": [60.0, 8.0]}
+    scenario = load_scenario("safe-simulation", changed)
+    price = speed_price(scenario, settle(scenario, "prox").guard)
+    run = simulate("safe-simulation", "prox", overrides=changed)
+    late = run["omega"][len(run["omega"]) // 2 :]
+
+    assert run.settings.usable == price.usable
+    assert run.settings.asked == price.asked
+    assert price.short == (False, True)
+    assert late.mean() == pytest.approx(price.usable[1], rel=1e-2)
+
+
+def test_without_guard_there_is_no_price_to_tell():
+    run = simulate("paper-simulation", "mb", overrides={"clock.duration": 0.5})
+
+    assert run.settings.usable is run.settings.asked is None
 
 
 def test_a_robot_that_cannot_move_is_told(told):

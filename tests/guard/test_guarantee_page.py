@@ -177,19 +177,21 @@ def test_a_constant_delay_may_be_shorter_than_stated_and_not_longer():
 
 
 @pytest.mark.parametrize(("period", "delay"), [(0.01, 0.0), (0.1, 0.0), (0.01, 0.05)])
-def test_the_usable_speed_is_the_highest_steady_one(period, delay):
-    """Against a friction of 96 N and the largest push, the lightest robot."""
-    scenario, friction = scenario_at(period, delay), 96.0
-    told = usable_speed(scenario, settle(scenario, None).guard, (friction, 0.0))[0]
+@pytest.mark.parametrize(("axis", "friction"), [(0, 96.0), (1, 0.0), (1, 6.0)])
+def test_the_usable_speed_is_the_highest_steady_one(period, delay, axis, friction):
+    """Of the lightest robot, against a friction [N, N m] and room for the largest push."""
+    scenario, braking = scenario_at(period, delay), np.eye(2)[axis] * friction
+    told = usable_speed(scenario, settle(scenario, None).guard, tuple(braking))[axis]
     guards, v, force = Guards(scenario, 1), np.zeros((2, 1)), []
-    late = round(delay / period)
+    asked, late = 1e6 * np.eye(2)[:, [axis]], round(delay / period)
     for _ in range(int(2 / period) + 20):
-        force.append(guards(np.full((2, 1), 1e6) * [[1], [0]], v))
+        force.append(guards(asked, v))
         acting = force[-1 - late] if len(force) > late else np.zeros((2, 1))
         for _ in range(TICKS):
-            drag = np.array([[friction], [0.0]])
-            v = tick(v, acting, 0.0, drag, LOW[:, None], period / TICKS)
-    assert v[0, 0] == pytest.approx(told, rel=1e-3)
+            v = tick(v, acting, 0.0, braking[:, None], LOW[:, None], period / TICKS)
+    assert v[axis, 0] == pytest.approx(told, rel=1e-3)
+    kept_back = (friction + DBAR[axis]) * (period + delay) / LOW[axis]
+    assert told + kept_back == pytest.approx(U1[axis], rel=1e-9)
 
 
 def test_what_cannot_hold_is_refused_with_the_number():

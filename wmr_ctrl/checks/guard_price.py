@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
-from wmr_ctrl.guard.bounds import early_speed, unbeatable_speed, usable_speed
-from wmr_ctrl.world.friction import phases
-from wmr_ctrl.world.references import reference_bounds
+from wmr_ctrl.guard.bounds import early_speed
+from wmr_ctrl.guard.price import SpeedPrice, speed_price
 
 PLACE = "guard, docs/guarantee.md"
 REMEDIES = {
@@ -18,6 +17,9 @@ OTHER_REMEDY = (
     "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
 )
 """What to do about an effect that breaks an assumption, by the key at fault."""
+AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
+MOTIONLESS = ("no motion at all", "no turn at all")
+"""Words for the way ahead, and for a turn, which no friction brakes."""
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
@@ -29,19 +31,10 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
         if void:
             yield _void(void)
     yield from _early_start(loop)
-    fastest = reference_bounds(loop.scenario)[1]
-    usable = slowest(loop)
-    if fastest > usable:
-        yield _too_fast(loop, fastest, usable)
-
-
-def slowest(loop: Loop) -> float:
-    """Speed [m/s] that the guard leaves against the largest friction of the run."""
-    return usable_speed(loop.scenario, loop.setup.guard, (_friction(loop), 0.0))[0]
-
-
-def _friction(loop: Loop) -> float:
-    return max(phase.m * phase.mu * loop.scenario.robot.g for phase in phases(loop.scenario))
+    price = speed_price(loop.scenario, loop.setup.guard)
+    for axis, short in enumerate(price.short):
+        if short:
+            yield _too_fast(loop, price, axis)
 
 
 def _void(void: str) -> Warning:
@@ -67,18 +60,18 @@ def _early_start(loop: Loop) -> Iterator[Warning]:
             )
 
 
-def _too_fast(loop: Loop, fastest: float, usable: float) -> Warning:
-    guard = loop.setup.guard
-    can = f"at most {usable:.3g} m/s" if usable > 0 else "no motion at all"
-    simple = not (guard.age[0] or guard.window[0] or guard.slowest)
+def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
+    guard, unit = loop.setup.guard, UNITS[axis]
+    usable, best = price.usable[axis], price.unbeatable[axis]
+    can = f"at most {usable:.3g} {unit}" if usable > 0 else MOTIONLESS[axis]
+    simple = not (guard.age[axis] or guard.window[axis] or guard.slowest)
     time = "delay" if simple else "age + window/2 + delay + lag"
-    best = unbeatable_speed(loop.scenario, guard, (_friction(loop), 0.0))[0]
-    other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} m/s."
+    other = "" if simple else f" No guard at all could leave more than {max(best, 0):.3g} {unit}."
     return Warning(
         "guard.dbar",
-        f"The reference asks for {fastest:.3g} m/s, and against friction the guard leaves {can}, "
-        f"v_u1 - nbar - (friction + dbar - f_min) (1/alpha + {time})/M_min: it falls behind."
-        f"{other} Shorten clock.control, or state a larger guard.M_min or a smaller guard.dbar if "
-        "they are true.",
+        f"The reference asks for {price.asked[axis]:.3g} {unit}, and {AGAINST[axis]}the guard "
+        f"leaves {can}, v_u1 - nbar - ({BRAKES[axis]}dbar - f_min) (1/alpha + {time})/M_min: it "
+        f"falls behind.{other} Shorten clock.control, or state a larger guard.M_min or a smaller "
+        "guard.dbar if they are true.",
         PLACE,
     )

@@ -181,16 +181,15 @@ def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
 
 def _sight(run: Run) -> str:
     """What one run showed, in a sentence."""
-    from wmr_ctrl.results import arrival, guard_share, position_rms, tracked
+    from wmr_ctrl.results import arrival, guard_share, percent, position_rms, tracked
 
     late, shares = position_rms(run)["last_quarter"], guard_share(run)
     away = "it ended early" if late is None else f"{late:.3g} m RMS from its place at the end"
     verdict = "tracked" if tracked(run) else "not tracked"
     held = ""
     if run.guard and shares is not None:
-        held = ", the guard changed {:.2g} % of the thrusts and {:.2g} % of the moments".format(
-            *(100 * share for share in shares)
-        )
+        thrusts, moments = map(percent, shares)
+        held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
     times = arrival(run)
     goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
     return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"

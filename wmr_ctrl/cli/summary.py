@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
-from wmr_ctrl.results import Remark, RigidMonitor, Run, summary
+from wmr_ctrl.results import Remark, RigidMonitor, Run, percent, speeds, summary
 
 MISSING = "- (not reached)"
 Row = tuple[str, str, str]
@@ -44,8 +44,9 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
         shares = figures["guard_share"] or (None, None)
         named = zip(("thrust", "moment"), shares, strict=True)
         for axis, share in named:
-            changed = MISSING if share is None else f"{100 * share:.3g} %"
+            changed = MISSING if share is None else percent(share)
             yield f"guard changed the {axis}", changed, "of the samples"
+        yield from _usable(run)
     yield from _disturbance(run, figures)
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
@@ -54,6 +55,14 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, change", change, "RMS a sample, last half"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
+
+
+def _usable(run: Run) -> Iterator[Row]:
+    """What the guard leaves of the limits, beside what the reference asks for."""
+    usable, asked = run.settings.usable, run.settings.asked
+    if usable is not None and asked is not None:
+        beyond = ": TOO FAST" if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
+        yield "usable with the guard", speeds(usable), f"reference {speeds(asked)}{beyond}"
 
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:

@@ -14,6 +14,7 @@ from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
 from wmr_ctrl.guard.contradictions import refuse_contradictions
+from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.guard.refusals import settled_guard
 from wmr_ctrl.laws.law import Law, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
@@ -77,7 +78,11 @@ class Setup:
     @property
     def assumptions(self) -> Assumptions:
         """What a guard assumes of the motion, be it on or off."""
-        return replace(assumptions(self.scenario, self.guard), void=self.bound.void)
+        assumed = replace(assumptions(self.scenario, self.guard), void=self.bound.void)
+        if not self.scenario.guard.enabled:
+            return assumed
+        price = speed_price(self.scenario, self.guard)
+        return replace(assumed, usable=price.usable, asked=price.asked)
 
     @cached_property
     def bound(self) -> Bound:

@@ -25,13 +25,12 @@ from wmr_ctrl.campaign.comparison import (
     overrides_of,
     position_rms_of,
 )
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import net, usable_speed
 from wmr_ctrl.report.drawing import Drawing
+from wmr_ctrl.report.guard_price_table import price_table
 from wmr_ctrl.report.style import ABSENT, look, shown
 from wmr_ctrl.report.tables import TextTable, comparison_tables
 from wmr_ctrl.results import Outcome
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario import load_scenario
 
 ALWAYS = 0.25
 """Share of samples in clip from which on it is the guard, not the law, that steers."""
@@ -249,62 +248,11 @@ def _pairs(
     return cells
 
 
-@dataclass(frozen=True, slots=True)
-class GuardPrice:
-    """Thrust axis of a case: friction and dbar [N], M_min [kg], T [s], v_use [m/s].
-
-    ``standstill`` is the period from which on v_use is negative [s].
-    """
-
-    friction: float
-    dbar: float
-    mass: float
-    period: float
-    usable: float
-    standstill: float
-
-
-def price_of(base: str, factor: str) -> GuardPrice:
-    """v_use of a case against the largest friction of the paper's robot."""
-    scenario = _scenario(base, factor)
-    guard = settle(scenario, None).guard
-    friction = largest_friction(load_scenario(SCENARIO))
-    usable = usable_speed(scenario, guard, (friction, 0.0))[0]
-    mass, dbar = (guard.M_min or (0.0, 0.0))[0], (guard.dbar or (0.0, 0.0))[0]
-    room = scenario.limits.v_u1[0] - (guard.nbar or (0.0, 0.0))[0]
-    standstill = mass * room / (friction + net(guard, 0))
-    return GuardPrice(friction, dbar, mass, scenario.clock.control, usable, standstill)
-
-
-def price_table(cases: tuple[tuple[str, str], ...]) -> TextTable:
-    """The usable speed under the bounds of each case."""
-    priced = [(base, factor, price_of(base, factor)) for base, factor in cases]
-    body = tuple(
-        (f"{factor}, {base}", *map(shown, (p.mass, p.dbar, p.friction, p.usable)),
-         shown(1e3 * p.standstill))
-        for base, factor, p in priced
-    )  # fmt: skip
-    head = ("bounds of", "M_min [kg]", "d̄ [N]", "friction f [N]", "v_use [m/s]",
-            "T with v_use = 0 [ms]")  # fmt: skip
-    return TextTable("Largest steady speed that the guard admits", head, body)
-
-
-def largest_friction(scenario: Scenario) -> float:
-    """Largest mu m g over the robot and its changes [N]."""
-    robot = scenario.robot
-    pairs = [(robot.mu, robot.m), *((c.mu, c.m) for c in scenario.changes)]
-    return max((mu or 0.0) * (m or 0.0) * robot.g for mu, m in pairs)
-
-
 def start_ratio(factor: str) -> float:
     """Largest |v|/limit at the start of a case."""
     scenario = load_scenario(SCENARIO, overrides_of(next(iter(BASES)), factor))
     pairs = zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
     return max(abs(v) / limit for v, limit in pairs)
-
-
-def _scenario(base: str, factor: str) -> Scenario:
-    return load_scenario(SCENARIO, {**overrides_of(base, factor), "guard.enabled": True})
 
 
 @dataclass(frozen=True, slots=True)
@@ -333,7 +281,7 @@ def guard_section(rows: GuardComparison, drawings: Sequence[Drawing]) -> GuardSe
         seeds=", ".join(map(str, rows.seeds)),
         findings=findings(rows),
         shortfalls=shortfalls(rows),
-        price=price_table(priced) if priced else None,
+        price=price_table(rows, priced) if priced else None,
         tables={base: comparison_tables(rows, base) for base in rows.bases},
         drawings=drawings,
     )

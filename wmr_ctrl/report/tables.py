@@ -242,7 +242,7 @@ def comparison_tables(rows: GuardComparison, base: str) -> tuple[TextTable, ...]
     return (
         _table(rows, cases, runs, lambda law, case: _pair(rows, base, case, law, _broken)),
         *(_median_table(rows, base, column) for column in _COMPARED),
-        _table(rows, cases, clip, lambda law, case: _clip(rows.of(base, case, law, True))),
+        _table(rows, cases, clip, lambda law, case: clip_shares(rows.of(base, case, law, True))),
     )
 
 
@@ -297,7 +297,8 @@ def _broken(runs: Sequence[ComparedRun]) -> str:
     return f"{count}/{len(runs)}: {'diverged' if ended else f'{steps:.0f}'}"
 
 
-def _clip(runs: Sequence[ComparedRun]) -> str:
+def clip_shares(runs: Sequence[ComparedRun]) -> str:
+    """Median share of samples in which the guard changed thrust and moment [%], as a cell."""
     shares = [row.clipped for row in runs if row.clipped is not None]
     if _refused(runs) or not shares:
         return _refused(runs) or ABSENT

@@ -34,6 +34,7 @@ from wmr_ctrl.results.tracking import (
     tracked,
 )
 from wmr_ctrl.results.windows import covered, span, window
+from wmr_ctrl.results.wording import percent, speeds
 
 __all__ = [
     "DIVERGENCE",
@@ -72,6 +73,7 @@ __all__ = [
     "load_run",
     "oscillation",
     "outcome_of",
+    "percent",
     "position_max",
     "position_rms",
     "remarks_on",
@@ -80,6 +82,7 @@ __all__ = [
     "save_run",
     "settling_time",
     "span",
+    "speeds",
     "summary",
     "tau_peak",
     "tau_rms",

@@ -32,12 +32,15 @@ class Assumptions:
     """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
 
     ``force`` stops the robot in one sample: the scale of what the monitor compares.  ``void``: what
-    the scenario has that no such bound covers, in sentences.
+    the scenario has that no such bound covers, in sentences.  ``usable`` and ``asked``, with the
+    guard on: largest steady speeds that it leaves, and those of the reference [m/s, rad/s].
     """
 
     dbar: tuple[float, float]
     force: tuple[float, float]
     void: str = ""
+    usable: Pair | None = None
+    asked: Pair | None = None
 
 
 def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:

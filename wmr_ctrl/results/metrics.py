@@ -105,6 +105,8 @@ def summary(run: Run) -> dict[str, object]:
         "tracked": tracked(run),
         "arrival": arrival(run),
         "guard_share": guard_share(run),
+        "usable_speed": run.settings.usable,
+        "reference_speed": run.settings.asked,
         "torque_change_rms": torque_change_rms(run),
         "max_abs_v": run.monitor.max_abs_v,
         "violations": run.monitor.violations,

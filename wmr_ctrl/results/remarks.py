@@ -19,6 +19,7 @@ from wmr_ctrl.results.tracking import (
     position_rms,
     tracked,
 )
+from wmr_ctrl.results.wording import percent
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
@@ -129,7 +130,7 @@ def _oscillates(run: Run) -> Iterator[Remark]:
 def _held_back(run: Run) -> Iterator[Remark]:
     shares = guard_share(run, last_quarter(run.settings))
     if shares is not None and max(shares) >= HELD_BACK:
-        thrust, moment = (f"{100 * share:.3g} %" for share in shares)
+        thrust, moment = map(percent, shares)
         yield Remark(
             "guard-holds-back",
             f"Over the last quarter the guard changed the thrust in {thrust} and the moment in "

@@ -25,7 +25,9 @@ class Settings:
     ``tolerance``: position error that counts as tracked [m], None where not known; ``void``: what
     the scenario has that the guard's guarantee does not cover, in sentences; ``plant_kind``:
     "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which the
-    desired motion comes to rest for good [s], None where it never does.
+    desired motion comes to rest for good [s], None where it never does; ``usable`` and ``asked``:
+    largest steady speeds that the guard leaves, and the reference's largest [m/s, rad/s], None
+    without guard.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -40,15 +42,18 @@ class Settings:
     void: str = ""
     plant_kind: str = "ode"
     arrival: float | None = None
+    usable: tuple[float, float] | None = None
+    asked: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
             object.__setattr__(self, name, float(getattr(self, name)))
         linear, angular = self.v_u1
         object.__setattr__(self, "v_u1", (float(linear), float(angular)))
-        if self.dbar is not None:
-            force, moment = self.dbar
-            object.__setattr__(self, "dbar", (float(force), float(moment)))
+        for name in ("dbar", "usable", "asked"):
+            if getattr(self, name) is not None:
+                first, second = getattr(self, name)
+                object.__setattr__(self, name, (float(first), float(second)))
         self._check()
 
     def _check(self) -> None:

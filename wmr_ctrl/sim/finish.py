@@ -52,7 +52,9 @@ def finished(
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)
         monitor = replace(seen, bounds_left=left, d_least=least)
-        settings = replace(settings, dbar=bounds.dbar, void=bounds.void)
+        settings = replace(
+            settings, dbar=bounds.dbar, void=bounds.void, usable=bounds.usable, asked=bounds.asked
+        )
     return Run(
         scenario.name, law, guard, seed, engine, settings, signals, columns, monitor,
         outcome_of(monitor, guard), {**provenance(scenario), **facts},

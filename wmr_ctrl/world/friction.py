@@ -43,6 +43,11 @@ def heaviest(scenario: Scenario) -> float:
     return max(phase.m for phase in phases(scenario))
 
 
+def largest_friction(scenario: Scenario) -> float:
+    """Largest mu m g of the robot over a run [N]."""
+    return max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
+
+
 def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
     numbers = (phase.mu, phase.m, robot.g, robot.v_s)
