@@ -58,6 +58,18 @@ def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers) -
     assert "guard.trust = true" in str(refused.value)
     assert [number for number in numbers if number not in str(refused.value)] == []
     assert key in [item.key for item in warnings_for(settle(trusted, "kanayama"))]
+    assert [number for number in numbers if number not in settle(trusted, "prox").void] == []
+
+
+def test_no_run_with_a_trusted_contradiction_is_said_to_be_well() -> None:
+    stated = {"guard.dbar": [50.0, 12.0], "guard.trust": True, "clock.duration": 4.0}
+    run = simulate("safe-simulation", "mb", overrides=stated)
+    honest = simulate("safe-simulation", "mb", overrides={"clock.duration": 4.0})
+    (void,) = (item.text for item in run.remarks if item.key == "assumption-void")
+
+    assert "guard.dbar[1] = 50 N is below the 60 N" in void
+    assert "Nothing needs to be done" not in run.explanation
+    assert "assumption-void" not in [item.key for item in honest.remarks]
 
 
 @pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)

@@ -176,7 +176,7 @@ def _overstated(loop: Loop) -> Iterator[Warning]:
 
 
 def _late(loop: Loop) -> Warning:
-    held = loop.guarded and not loop.setup.bound.void
+    held = loop.guarded and not loop.setup.void
     promise = "The guard keeps the limits all the same, not the path. " if held else ""
     cost = (
         "the theorems let the torque act at once, and at 10 ms a single period of delay is enough "

@@ -13,7 +13,7 @@ from typing import TypeVar
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
-from wmr_ctrl.guard.contradictions import refuse_contradictions
+from wmr_ctrl.guard.contradictions import contradictions, refuse_contradictions
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.guard.refusals import settled_guard
 from wmr_ctrl.laws.law import Law, Predicting, TorqueLimited, commands_predicted
@@ -78,11 +78,20 @@ class Setup:
     @property
     def assumptions(self) -> Assumptions:
         """What a guard assumes of the motion, be it on or off."""
-        assumed = replace(assumptions(self.scenario, self.guard), void=self.bound.void)
+        assumed = replace(assumptions(self.scenario, self.guard), void=self.void)
         if not self.scenario.guard.enabled:
             return assumed
         price = speed_price(self.scenario, self.guard)
         return replace(assumed, usable=price.usable, asked=price.asked)
+
+    @property
+    def void(self) -> str:
+        """Which assumptions of the guarantee the scenario itself breaks, in sentences; or none.
+
+        Those that no bound covers, and bounds that are stated, broken and let pass by guard.trust.
+        """
+        trusted = contradictions(self.scenario, self.bound) if self.scenario.guard.trust else ()
+        return " ".join(filter(None, (self.bound.void, *(item.sentence for item in trusted))))
 
     @cached_property
     def bound(self) -> Bound:

@@ -149,7 +149,7 @@ def _law(setup: Setup, base: Row, loop: PageLoop) -> Plain:
         "loop": int(loop.name[1:]),
         "phases": [step for step, _ in _phases(setup, loop)],
         "rows": [_spelled(_changed(old, new)) for old, new in zip(before, rows, strict=True)],
-        "void": setup.bound.void,
+        "void": setup.void,
     }
 
 
