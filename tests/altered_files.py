@@ -92,6 +92,10 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("branches.py", "tuple(inner[0]), tuple(inner[1])", "tuple(inner[1]), tuple(inner[0])"),
     ),
     *_rows(
+        CODEGEN, f"{EMITTER}a_loop_of_which_something_else_reads_one_element_keeps_its_array",
+        ("fold.py", "reads[number] == 1", "reads[number] >= 1"),
+    ),
+    *_rows(
         RUNTIME, PIECES,
         ("noise.c", "#define ROUNDS 10", "#define ROUNDS 9"),
         ("noise.c", "+ (cross >> 32)", ""),
@@ -103,6 +107,18 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         RUNTIME, f"{OPTIONS}[pid-changed0]",
         ("loop.c", "-2.0 * wmr_log", "-1.0 * wmr_log"),
         ("loop.c", "1.0 - u[0]", "1.0 - 0.5 * u[0]"),
+        ("loop.c", "TWO_PI * u[1]", "3.0 * u[1]"),
+        ("loop.c", "counter[2] = 0;", "counter[2] = 1;"),
+        ("loop.c", "copy(slot, command, 2)", "copy(slot, arriving, 2)"),
+        ("loop.c", "(WMR_AT(number, 0) + 0.5)", "(WMR_AT(number, 0) - 0.5)"),
+    ),
+    *_rows(
+        RUNTIME, "tests/codegen/test_seed.py",
+        ("seed.c", "value ^= *constant;", ""),
+        ("seed.c", "0xca01f9ddu * x - ", "0xca01f9ddu * x + "),
+        ("seed.c", "value ^ (value >> 16)", "value ^ (value >> 15)"),
+        ("seed.c", "(uint32_t)(seed >> 32)", "0"),
+        ("seed.c", "if (from != to)", "if (from < to)"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/guard/test_derived.py",

@@ -136,6 +136,18 @@ def test_a_loop_read_once_needs_no_array() -> None:
     assert "y[j] = (k[0] * x[j]) + 1.0" in text.replace("((", "(").replace("));", ");")
 
 
+def test_a_loop_of_which_something_else_reads_one_element_keeps_its_array() -> None:
+    x, k = ca.SX.sym("x", 16), ca.SX.sym("k")
+    scaled = [x[i] * k for i in range(16)]
+    y = ca.vertcat(*(part + 1 for part in scaled), ca.sin(scaled[3]))
+    item = kernel("half_read", "One element more.", {"x": x, "k": k}, {"y": y})
+    draw = np.random.default_rng(4).normal(size=17)
+    step, wanted = compiled([item])[0], machine(item)
+
+    assert "sin" in definition(item)
+    assert (step(draw[:16], draw[16:]) == wanted(draw[:16], draw[16:])).all()
+
+
 def test_expensive_sides_of_a_choice_are_evaluated_only_if_chosen() -> None:
     x = ca.SX.sym("x")
     text = definition(

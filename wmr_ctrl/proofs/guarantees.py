@@ -44,9 +44,15 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.rounding.single.torques",
     ),
     (
-        "Behind a delay one bound's rounding near the limit is less than what is kept back (not "
-        "closed: the text of the entry says what is left out)",
-        "guard.delay.rounding",
+        "Behind a constant delay, in double precision, the exact robot keeps u1 to the last bit, "
+        "with any number of commands under way, in the stated range of its numbers",
+        "guard.delay.rounding guard.delay.rounding.read guard.delay.rounding.queue-ahead "
+        "guard.delay.rounding.queue-ahead-angular guard.delay.rounding.queue-back "
+        "guard.delay.rounding.queue-back-angular guard.delay.rounding.both "
+        "guard.delay.rounding.both-angular guard.delay.rounding.scaled guard.delay.rounding.brakes "
+        "guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.room "
+        "guard.delay.rounding.size guard.delay.rounding.anchor guard.delay.rounding.force-ahead "
+        "guard.delay.rounding.force-back guard.delay.rounding.lemma",
     ),
     ("The simulated robot does not outrun what the guard counts with", "guard.simulated"),
     (

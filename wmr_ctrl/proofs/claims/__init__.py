@@ -32,6 +32,7 @@ THEMES = (
     ("guard_varying_motion", "What it promises behind a lag that varies"),
     ("wheel_maps", "Wheels behind the guard"),
     ("guard_rounding", "The velocity guard in rounded arithmetic"),
+    ("guard_delay_rounding", "The velocity guard behind a delay in rounded arithmetic"),
     ("world", "Encoders and wheels"),
     ("ground", "Motors, ground and air"),
     ("resolvent", "The barrier's proximal map"),

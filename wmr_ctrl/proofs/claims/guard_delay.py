@@ -112,21 +112,6 @@ def _necessary(flip: float) -> Statement:
     return Statement(t, (above(swung, t["u1"]),), (*positive, tight, held))
 
 
-def _rounding(flip: float) -> Statement:
-    """Scaled to u1 = M_min alpha = 1; ``count`` commands under way, each with a rounding."""
-    t = symbols("arrived net count lost before after")
-    arrived, net, count = t["arrived"], t["net"], t["count"]
-    shrunk = 1 - (1 + count) * 2.0**-44 if flip > 0 else ca.SX(1)
-    room = shrunk - arrived * (1 + t["lost"])
-    force = (room * (1 + t["before"]) - net) * (1 + t["after"])
-    unit = 2.0**-53
-    bounds = {"lost": 8 + 4 * count, "before": ca.SX(6), "after": ca.SX(2)}
-    small = [at_least(most * unit, way * t[key]) for way in (1, -1) for key, most in bounds.items()]
-    signs = (at_least(arrived), at_least(room), at_least(net), at_least(ca.SX(1), 2 * net))
-    counted = (at_least(count), at_least(ca.SX(1e5), count))
-    return Statement(t, (at_least(ca.SX(1), arrived + force + net),), (*signs, *counted, *small))
-
-
 def _longer(_: float) -> Statement:
     """The command under way acts 1 % longer than the guard counts: false."""
     a = LateAxis()
@@ -257,16 +242,6 @@ CLAIMS = (
         "after a sample.",
         "u1, T, delay, M_min, dbar > 0",
         _necessary,
-    ),
-    late_claim(
-        "rounding",
-        "with relative errors, v <= u1 for F = hi of a guard that aims at u1 (1 - (1 + n) 2^-44), "
-        "n commands under way, from where it sees room",
-        "What the guard keeps back is more than hi's own rounding near the limit; as without delay "
-        "this does not close the induction.",
-        "scaled to u1 = M_min alpha = 1; at most 8 + 4 n, 6 and 2 roundings of 2^-53 in the speed "
-        "that is counted, before and after the last difference; n <= 1e5",
-        _rounding,
     ),
     late_claim(
         "longer",

@@ -1,0 +1,383 @@
+"""The guard's rounding behind a constant delay, with any number of commands under way.
+
+As `guard_rounding`, but the speed that is counted is what v can have reached when the new command
+starts to act.  The share ``kept`` of u1 that is kept back, (1 + n) 2^-44 with n commands, is
+a symbol: every error is bounded by a part of it.  The sums over the commands are computed one
+command after the other; what one of them adds is shown for any sum before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import casadi as ca
+
+from wmr_ctrl.guard.delay import UnderWay, largest_force
+from wmr_ctrl.guard.guard import Bounds, clipped, floor
+from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
+from wmr_ctrl.proofs.claims.guard_delay_sums import LIBM, QUEUE, ROUNDS, late_claim
+from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS
+from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.rounded import UNIT
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+
+SPREAD = 16
+"""Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""
+WHEELS = ON_WHEELS * SPREAD
+READ = 5 * SPREAD
+"""Units of K that the wheels' rounding takes, and that reading a command back from torques does."""
+FAR = 15 / 32
+"""Share of ``kept`` by which both sums together may be more than the caps allow."""
+LATE = "delay ahead back arrived brakes largest more hat most lo"
+
+
+@dataclass(frozen=True)
+class QueuedAxis(GuardAxis):
+    """One axis; ``arrived`` bounds v (or -v) where the new command starts to act."""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name; ``share`` is what is left of u1."""
+        return symbols(f"{NUMBERS} {PRESENT} {LATE} share", f"{NUMBERS} delay share")
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """The stated numbers, with the delay."""
+        at_once = Bounds(**{name: self[name] for name in NUMBERS.split()})
+        return replace(at_once, delay=self["delay"])
+
+    @cached_property
+    def aimed(self) -> Bounds:
+        """What the text reads: u1 is shrunk."""
+        return replace(self.bounds, u1=self["u1"] * self["share"])
+
+    @property
+    def kept(self) -> ca.SX:
+        """What is kept back, as a share of u1."""
+        return 1 - self["share"]
+
+    @property
+    def coming(self) -> UnderWay:
+        """What is under way, as its two sums."""
+        return UnderWay(self["ahead"], self["back"])
+
+    @property
+    def late(self) -> ca.SX:
+        """alpha delay."""
+        return self["alpha"] * self["delay"]
+
+    @property
+    def reach(self) -> ca.SX:
+        """K = M_min alpha u1 [N or N m]."""
+        return self["M_min"] * self["alpha"] * self["u1"]
+
+    @property
+    def slope(self) -> ca.SX:
+        """M_min alpha."""
+        return self["M_min"] * self["alpha"]
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """The theorem's hypotheses with room for the rounding, but for those of the caps."""
+        b, less = self.bounds, self["u1"] * (1 - 4 * self.kept)
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self["delay"])]
+        counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self["ahead"], self["back"])
+        not_negative = [at_least(item) for item in counted]
+        return (
+            *positive, *not_negative, at_least(b.M_max, b.M_min),
+            at_least(1 + DOUBLE.quicker, b.alpha * b.period),
+            at_least(self.kept, 1024 * UNIT), at_least(2.0**-20, self.kept),
+            at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
+            at_least(self.reach, self.net), at_least(self.reach, -self.net),
+        )  # fmt: skip
+
+    @property
+    def enough(self) -> Relation:
+        """kept = (1 + n) 2^-44 with alpha delay <= n, n commands."""
+        return at_least(self.kept * (1 + 2.0**-40), 512 * UNIT * (1 + self.late))
+
+    @property
+    def met(self) -> tuple[Relation, ...]:
+        """The conditions of the caps."""
+        room = self.kept * self.reach
+        need = (1 + self.late) * (2 * ca.fmax(self.net, 0) + 8 * room)
+        have = self.slope * (self["u1"] - self["f_speed"])
+        brakes = at_least(self["brake"], ca.fabs(self.net) + 5 * room)
+        return (at_least(have, need), brakes, at_least(self.late, 2.0**-6), self.enough)
+
+    @property
+    def aim(self) -> ca.SX:
+        """M_min alpha (u1 (1 - kept) - f_speed)."""
+        return self.slope * (self["u1"] * self["share"] - self["f_speed"])
+
+    def capped(self, brakes: ca.SX, largest: ca.SX) -> tuple[Relation, ...]:
+        """What brakes and the largest command leave to each other."""
+        room = 2 * self.kept * self.reach
+        return (
+            at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
+            at_least(largest, self.net + room),
+        )  # fmt: skip
+
+    @property
+    def over(self) -> ca.SX:
+        """By how much the computed brakes' part of the sum may be off, times 1 + alpha delay."""
+        return (16 + 8 * (1 + self.late)) * UNIT * self.reach
+
+    def arrives(self, way: int) -> tuple[Relation, ...]:
+        """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
+        coming = self["ahead"] if way > 0 else self["back"]
+        fastest = ca.fmax(way * self["v"], self["f_speed"])
+        most = fastest + coming * (1 + self.kept / 64) + self["u1"] * self.kept / 8
+        return at_least(most, self["arrived"]), at_least(self["u1"], self["arrived"])
+
+    def safe(self, way: int, force: ca.SX) -> Relation:
+        """The force leaves what the wheels' rounding and the motion need."""
+        left = self.slope * (self["u1"] * (1 - self.kept / 32) - self["arrived"])
+        return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
+
+    @property
+    def on_wheels(self) -> ca.SX:
+        """What the wheels' rounding may take of this axis."""
+        return WHEELS * UNIT * self.reach
+
+    def room(self, brakes: ca.SX) -> Relation:
+        """What both sums leave for braking."""
+        u1 = self["u1"] * (1 - self.kept * (1 - FAR))
+        left = self.slope * (u1 - self["f_speed"] - self["ahead"] - self["back"])
+        return at_least(left, ca.fmax(brakes + self.net, 0))
+
+
+def _force(way: int, flip: float) -> Statement:
+    """Ahead, whatever lo is; back, lo being what hi is ahead, mirrored."""
+    a = QueuedAxis()
+    b = a.aimed if flip > 0 or way < 0 else a.bounds
+    cuts = {"brakes": b.braking, "largest": largest_force(b)}
+    given = [*a.stated, *a.measured]
+    if way > 0:
+        room = 2 * a.kept * a.reach
+        given += [*a.arrives(way), at_least(a["brakes"], a.net + room)]
+    else:
+        cuts["lo"] = floor(a["y"], b, a.coming)
+        given += [*a.capped(a["brakes"], a["largest"]), *a.arrives(way)]
+        given += [a.safe(way, a["lo"]), a.room(flip * a["brakes"])]
+    computed = {"hat": clipped(a["asked"], a["y"], b, a.coming)}
+    return Statement(a.symbols, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed)
+
+
+def _clipped(asked: ca.SX, a: QueuedAxis) -> dict[str, ca.SX]:
+    return {"hat": clipped(asked, a["y"], a.aimed, a.coming)}
+
+
+def _size(flip: float) -> Statement:
+    a = QueuedAxis()
+    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + (DOUBLE.quicker if flip > 0 else -0.01))
+    caps = ca.fmax(a["largest"], a["brakes"])
+    given = (
+        *a.stated, *a.capped(a["brakes"], a["largest"]), at_least(reach, a["brakes"]),
+    )  # fmt: skip
+    goals = tuple(at_least(most, way * a["hat"]) for most in (reach, caps) for way in (1, -1))
+    return Statement(a.symbols, goals, given, cuts, computed=_clipped(a["asked"], a))
+
+
+def _anchor(flip: float) -> Statement:
+    a = QueuedAxis()
+    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    most = (1 if flip > 0 else 0.99) * a["brakes"]
+    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    given = (*a.stated, *a.capped(a["brakes"], a["largest"]))
+    return Statement(a.symbols, goals, given, cuts, computed=_clipped(ca.SX(0), a))
+
+
+def _brakes(flip: float) -> Statement:
+    a = QueuedAxis()
+    least = ca.fabs(a.net) + (5 if flip > 0 else 5.1) * a.kept * a.reach
+    share = (a["brakes"] + a.net) * (1 + a.late)
+    goals = (at_least(a["brakes"], least), at_least(a.aim + a.over, share))
+    computed = {"brakes": a.aimed.braking}
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
+    """What braking and the largest command take together, and the rounding in it."""
+    both = a.late * (a["largest"] + a.net) + ca.fmax(a["brakes"] + a.net, 0)
+    return both, (8 + 4 * a.late) * UNIT * a.reach
+
+
+def _largest(flip: float) -> Statement:
+    a = QueuedAxis()
+    both, off = _sum(a)
+    off = (1 if flip > 0 else 0.1) * off
+    computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+def _caps(flip: float) -> Statement:
+    a = QueuedAxis()
+    both, off = _sum(a)
+    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.kept * a.reach)
+    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.late))
+    more = (a.over + off) * (1 if flip > 0 else 0.1)
+    goals = (
+        *a.capped(a["brakes"], a["largest"]),
+        at_least(more, a.late * (a["brakes"] - a["largest"])),
+    )
+    given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, given)
+
+
+def _room(flip: float) -> Statement:
+    a = QueuedAxis()
+    both, off = _sum(a)
+    extra = (WHEELS + READ + 32 + 20 * a.late) * UNIT * a.reach
+    counted = a["delay"] * (a["largest"] + a.net + a["more"])
+    given = (
+        *a.stated, a.enough, *a.capped(a["brakes"], a["largest"]), at_least(a.aim + off, both),
+        at_least(a["more"]), at_least(extra * (1 if flip > 0 else 100), a.late * a["more"]),
+        at_least((1 + a.kept / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
+    )  # fmt: skip
+    return Statement(a.symbols, (a.room(a["brakes"]),), given)
+
+
+def _together(flip: float) -> Statement:
+    """``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between."""
+    a = QueuedAxis()
+    lost = (1 if flip > 0 else 2) * a.on_wheels
+    end = a["arrived"] + a["t"] * ca.fmax(a["hat"] + a.net, 0) / a["mass"]
+    given = (
+        *a.stated, *a.during, at_least(a["u1"], a["arrived"]), at_least(a["arrived"], a["f_speed"]),
+        at_least(ca.fmax(a["asked"], a["most"]) + lost, a["hat"]),
+        a.safe(1, a["asked"]), a.safe(1, a["most"]),
+    )  # fmt: skip
+    return Statement(a.symbols, (at_least(a["u1"], end),), given)
+
+
+THEME = "guard"
+RANGE = (
+    "kept = (1 + n) 2^-44 with n >= 1 commands under way, at most 2^-20; alpha T <= 1 + 2^-50; "
+    "|net| <= K = M_min alpha u1; 2 nbar, f_speed <= u1 (1 - 4 kept); M_min <= M_max"
+)
+MET = (
+    "2^-6 <= alpha delay <= n; (2 max(net, 0) + 8 kept K) (1 + alpha delay) <= M_min alpha (u1 - "
+    "f_speed); brake >= |net| + 5 kept K"
+)
+CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
+SPARE = f"{WHEELS} 2^-53 K"
+AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
+
+LIMITS = (
+    late_claim(
+        "rounding.brakes",
+        "computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= "
+        f"{AIM} + (24 + 8 alpha delay) 2^-53 K",
+        "What the guard brakes with is right but for a few roundings.",
+        f"{RANGE}; {MET}{ROUNDS}",
+        _brakes,
+        LIBM,
+    ),
+    late_claim(
+        "rounding.largest",
+        f"alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {AIM} to "
+        "(8 + 4 alpha delay) 2^-53 K",
+        "And so is the largest command.",
+        f"{RANGE}; {MET}{ROUNDS}",
+        _largest,
+        LIBM,
+    ),
+    late_claim(
+        "rounding.caps",
+        f"{CAPS}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay)",
+        "So the caps keep their order.",
+        f"{RANGE}; {MET}",
+        _caps,
+        ("guard.delay.rounding.brakes", "guard.delay.rounding.largest"),
+    ),
+    late_claim(
+        "rounding.room",
+        "M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0)",
+        "What is under way never takes the room that braking needs, as computed.",
+        f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
+        f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
+        _room,
+        (
+            "guard.delay.rounding.largest",
+            "guard.delay.rounding.caps",
+            "guard.delay.rounding.both",
+            "guard.delay.rounding.both-angular",
+        ),
+    ),
+    late_claim(
+        "rounding.size",
+        "|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes)",
+        "No computed force is large enough to make its rounding matter.",
+        f"{RANGE}; {CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}",
+        _size,
+        (*LIBM, "guard.delay.rounding.caps"),
+    ),
+    late_claim(
+        "rounding.anchor",
+        "the computed safe point is at most the computed brakes",
+        "What the wheels have to keep free is what the text keeps free.",
+        f"{RANGE}; {CAPS}{ROUNDS}",
+        _anchor,
+        (*LIBM, "guard.delay.rounding.caps"),
+    ),
+)
+ARRIVED = "v+ <= max({sign}v, f_speed) + (1 + kept/64) {word} + u1 kept/8 and v+ <= u1"
+FORCES = tuple(
+    late_claim(
+        f"rounding.force-{word}",
+        f"the computed force F^ has {sign}F^ + net + {SPARE} <= max(M_min alpha (u1 (1 - kept/32) "
+        f"- v+), 0), v+ being {sign}v or f_speed where the new command starts to act",
+        f"What the guard's text computes keeps the limit {told}, and leaves room for what the "
+        "wheels' arithmetic adds.",
+        f"{RANGE}; {CAPS}; |y - v| <= nbar; {ARRIVED.format(sign=sign, word=word)}{known}{ROUNDS}",
+        partial(_force, way),
+        (*LIBM, "guard.delay.rounding.caps", *premises),
+    )
+    for word, way, sign, told, known, premises in (
+        ("ahead", 1, "", "ahead", "", ()),
+        (
+            "back", -1, "-", "back",
+            "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; guard.delay.rounding.room",
+            ("guard.delay.rounding.force-ahead", "guard.delay.rounding.room"),
+        ),
+    )
+)  # fmt: skip
+PARTS = (*QUEUE, *LIMITS, *FORCES)
+CLAIMS = (
+    *PARTS,
+    late_claim(
+        "rounding",
+        "v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that "
+        "the compiled text computes, v+ = max(v, f_speed) <= u1 where it starts to act; the same "
+        "for -v",
+        "Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with "
+        "any number of commands under way; what they add up to is put together by hand.",
+        f"{RANGE}; F <= the larger of two forces that are safe as in guard.delay.rounding.force-*, "
+        f"to {SPARE}; no overflow, no underflow",
+        _together,
+        (*(part.id for part in PARTS), "guard.rounding.linear-first",
+         "guard.rounding.rotation-first", "guard.rounding.torques", "guard.axes", "guard.lemma"),
+    ),
+    Claim(
+        "guard.delay.rounding.lemma",
+        (),
+        OURS,
+        "behind a constant delay the exact robot, pushed by the double-precision torques of the "
+        "compiled text, keeps |v| <= u1 at every instant, from every start that guard.delay.lemma "
+        "allows",
+        "guard.delay.lemma with computed numbers: the parts above, summed over the queue and put "
+        "together; induction over the samples.",
+        f"{RANGE}; {MET}; both axes; sum tau_j T <= delay (1 + 2^-51); G1 + G2/l <= {SPREAD} "
+        f"K1/max(1, alpha1 delay), l G1 + G2 <= {SPREAD} K2/max(1, alpha2 delay), G the bounds of "
+        "guard.delay.rounding.size; brakes1 + brakes2/l <= (2 tau_max/r) (1 + 2^-51); no overflow, "
+        "no underflow",
+        verdict=HAND,
+        premises=("guard.delay.rounding", "guard.delay.lemma"),
+        theme=THEME,
+    ),
+)  # fmt: skip

@@ -1,0 +1,201 @@
+"""Rounding of what is counted of commands under way: their sums, one command after the other.
+
+What is computed before the last command is cut off and stands for any number, so what is shown of
+one command more holds for any queue.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import casadi as ca
+
+from wmr_ctrl.guard.delay import UnderWay, under_way
+from wmr_ctrl.guard.guard import Bounds
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.proofs.claims.guard_axis import z3_claim
+from wmr_ctrl.proofs.rounded import UNIT
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, column, symbols
+
+SENT = 5
+"""Commands of the queue that is written out."""
+ROUNDS = "; operations rounded by at most 2^-53"
+LIBM = ("assumption.libm",)
+ON_AXES = (("", 0, "first axis"), ("-angular", 1, "second axis"))
+WAYS = (("ahead", 1, ""), ("back", -1, "-"))
+
+
+late_claim = partial(z3_claim, "guard.delay", 100)
+"""An entry of the guard behind a delay."""
+
+
+@dataclass(frozen=True)
+class Queue:
+    """Commands under way on one axis, their sums without the factor T/M_min.
+
+    What is computed before the last command is cut off: any number, so any queue, none as well.
+    """
+
+    axis: int
+    length: int = SENT
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Forces, moments, times; the sums before the last command, and what is said of them."""
+        n = self.length
+        sums = "front rear exact off grown lost ahead back counted most"
+        listed = {**column("F", n), **column("N", n), **column("time", n)}
+        return {**listed, **symbols(f"dbar f_min {sums}", "dbar f_min")}
+
+    def __getitem__(self, name: str) -> ca.SX:
+        """The symbol of a name."""
+        return self.symbols[name]
+
+    def sums(self, count: int) -> UnderWay:
+        """Of the first ``count`` commands."""
+        one, none = ca.SX(1), ca.SX(0)
+        b = Bounds(one, one, one, one, self["dbar"], none, one, none, self["f_min"], none)
+        listed = range(1, count + 1)
+        sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
+        return under_way(sent, self.axis, b)
+
+    @property
+    def last(self) -> tuple[ca.SX, ca.SX]:
+        """Force and time of the last command."""
+        return self[f"{'FN'[self.axis]}{self.length}"], self[f"time{self.length}"]
+
+    @property
+    def net(self) -> ca.SX:
+        """dbar - f_min."""
+        return self["dbar"] - self["f_min"]
+
+    @property
+    def before(self) -> dict[str, ca.SX]:
+        """The sums before the last command, as computed: whatever they are."""
+        sums = self.sums(self.length - 1)
+        return {"front": sums.ahead, "rear": sums.back}
+
+    def known(self, *names: str) -> tuple[Relation, ...]:
+        """Signs of the sums before, and how far they have grown."""
+        _, time = self.last
+        grown = (at_least(self["grown"], 3 * UNIT), at_least(2.0**-24, self["grown"]))
+        return (at_least(time), *grown, *(at_least(self[name]) for name in names))
+
+
+def _queue(way: int, axis: int, flip: float) -> Statement:
+    """One command more: the exact sum is at most the computed one, grown, and what is off."""
+    q = Queue(axis)
+    name = "front" if way > 0 else "rear"
+    whole = q.sums(SENT)
+    computed = {"ahead": whole.ahead if way > 0 else whole.back}
+    force, time = q.last
+    exact = q["exact"] + time * ca.fmax(way * force + q["lost"] + q.net, 0)
+    off = q["off"] + time * (q["lost"] + 2 * UNIT * ca.fabs(q.net))
+    grown = 1 + q["grown"] + (3 if flip > 0 else -9) * UNIT
+    given = (
+        *q.known("front", "rear", "off", "lost"),
+        at_least((1 + q["grown"]) * q[name] + q["off"], q["exact"]),
+    )  # fmt: skip
+    goal = at_least(grown * q["ahead"] + off, exact)
+    return Statement(q.symbols, (goal,), given, q.before, computed=computed)
+
+
+def _both(axis: int, flip: float) -> Statement:
+    """One command more: both computed sums are at most what the largest command makes of them."""
+    q = Queue(axis)
+    whole = q.sums(SENT)
+    force, time = q.last
+    most = q["counted"] + time * (q["most"] + q.net + 3 * UNIT * ca.fabs(q.net))
+    grown = 1 + q["grown"] + (3 if flip > 0 else -9) * UNIT
+    given = (
+        *q.known("front", "rear", "counted"),
+        *(at_least(q["most"], size) for size in (ca.fabs(q.net), force, -force)),
+        at_least((1 + q["grown"]) * q["counted"], q["front"] + q["rear"]),
+    )  # fmt: skip
+    computed = {"ahead": whole.ahead, "back": whole.back}
+    goal = at_least(grown * most, q["ahead"] + q["back"])
+    return Statement(q.symbols, (goal,), given, q.before, computed=computed)
+
+
+def _scaled(flip: float) -> Statement:
+    t = symbols("F N time period M_min dbar f_min front rear ahead back", "period M_min dbar f_min")
+    one, none = ca.SX(1), ca.SX(0)
+    sent = [(ca.vertcat(t["F"], t["N"]), t["time"])]
+
+    def sums(period: ca.SX, mass: ca.SX) -> UnderWay:
+        numbers = (t["dbar"], none, one, none, t["f_min"], none)
+        return under_way(sent, 0, Bounds(one, period, mass, one, *numbers))
+
+    raw, whole = sums(one, one), sums(t["period"], t["M_min"])
+    goals = []
+    for before, after in (("front", "ahead"), ("rear", "back")):
+        exact = t[before] * t["period"] / t["M_min"]
+        lost = (4 if flip > 0 else 1) * UNIT * exact
+        goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
+    positive = (above(t["period"]), above(t["M_min"]), at_least(t["front"]), at_least(t["rear"]))
+    cuts, computed = (
+        {names[0]: sums.ahead, names[1]: sums.back}
+        for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))
+    )
+    return Statement(t, tuple(goals), positive, cuts, computed=computed)
+
+
+def _read(flip: float) -> Statement:
+    """A command as the guard knows it: the force of the torques that were sent."""
+    t = symbols("right left thrust moment r half", "r half")
+    exact = wheel_to_force(t["r"], t["half"], ca.vertcat(t["right"], t["left"]))
+    goals = []
+    for place, name in enumerate(("thrust", "moment")):
+        lost = (5 if flip > 0 else 1) * UNIT * ca.fabs(exact[place])
+        goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
+    computed = {"thrust": exact[0], "moment": exact[1]}
+    return Statement(t, tuple(goals), (above(t["r"]), above(t["half"])), computed=computed)
+
+
+QUEUE = (
+    late_claim(
+        "rounding.read",
+        "what the guard reads of a sent command misses the exact force of its torques by at most "
+        "5 2^-53 of that, on either axis",
+        "Commands under way are remembered as torques and read back as forces.",
+        f"any torques, r, l > 0{ROUNDS}",
+        _read,
+        LIBM,
+    ),
+    *(
+        late_claim(
+            f"rounding.queue-{word}{suffix}",
+            f"one command more: sum tau_j max({sign}F_j + lost + net, 0) <= (1 + g + 3 2^-53) "
+            "computed sum + off, off growing by tau_j (lost + 2^-52 |net|); "
+            f"{told}",
+            "The sum over the commands is never computed too small, by more than this.",
+            f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0"
+            f"{ROUNDS}",
+            partial(_queue, way, axis),
+            LIBM,
+        )
+        for word, way, sign in WAYS
+        for suffix, axis, told in ON_AXES
+    ),
+    *(
+        late_claim(
+            f"rounding.both{suffix}",
+            "one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + "
+            f"net + 3 2^-53 |net|); {told}",
+            "Nor is it computed so large that no room is left for braking.",
+            f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
+            partial(_both, axis),
+            LIBM,
+        )
+        for suffix, axis, told in ON_AXES
+    ),
+    late_claim(
+        "rounding.scaled",
+        "the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that",
+        "The factor that is multiplied at the end.",
+        f"sums >= 0, T, M_min > 0{ROUNDS}",
+        _scaled,
+        LIBM,
+    ),
+)
