@@ -94,6 +94,8 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
         ({"grid": {"robot.m": []}}, ArgumentError, "at least one value"),
         ({"grid": {"robot.m": [50, -1]}}, ScenarioError, "robot.m"),
         ({"grid": {"robot.mu": [0.1]}}, ArgumentError, "not both"),
+        ({"set": {"robot.m": 50}}, ArgumentError, r"robot\.m: .* \[set\] and in \[grid\]"),
+        ({"set": {"robot": {"mu": 0.1}}}, ArgumentError, r"robot\.mu: .*\[set\] and in \[sample\]"),
         ({"figures": ["speed"]}, UnknownNameError, "speed"),
         ({"seeds": 10**12}, ArgumentError, "at most 1e\\+09"),
         ({"seeds": 0}, ArgumentError, "seeds"),

@@ -11,7 +11,7 @@ import itertools
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -159,16 +159,24 @@ def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
         _stop(raw.get("stop"), figures), figures,
         _whole(raw.get("chunk", CHUNKS[plant]), "chunk", 1),
     )  # fmt: skip
+    _check_places({"set": fixed, "grid": grid, "sample": sample.ranges if sample else {}})
     _check(plan)
     return plan
 
 
+def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
+    """Raise where a field stands in two tables."""
+    for one, two in itertools.combinations(tables, 2):
+        double = sorted({*tables[one]} & {*tables[two]})
+        if double:
+            raise ArgumentError(
+                f"{', '.join(double)}: it stands in [{one}] and in [{two}]. Give it in one, "
+                "not both: [set] is for what all runs share, [grid] and [sample] for what differs."
+            )
+
+
 def _check(plan: StudyPlan) -> None:
-    """Raise where keys clash, there are too many runs, or a value by itself is refused."""
-    keys = plan.keys
-    double = {key for key in keys if keys.count(key) > 1}
-    if double:
-        raise ArgumentError(f"{', '.join(sorted(double))}: give it in grid or in sample, not both.")
+    """Raise where there are too many runs, or a value by itself is refused."""
     sizes = [len(plan.laws), len(plan.guards), plan.seeds, *map(len, plan.grid.values())]
     if plan.sample:
         sizes.append(plan.sample.n)
