@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import string
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from wmr_ctrl.report.claims import (
     Divisor,
     Evidence,
     Measured,
+    Quoted,
     TestSpec,
     Verdict,
     judge_all,
@@ -180,6 +182,19 @@ def test_of_several_cases_the_worst_counts():
 
     assert evidence(*rows).values(high) == {0: 4.0}
     assert evidence(*rows).values(low) == {0: 2.0}
+
+
+def test_sentences_quote_the_runs_at_hand():
+    spec = TestSpec("k", "text", "limit_ratio", laws=("nn",))
+    some, none = (Quoted(Measured(spec, values)) for values in ({0: 0.5, 1: 1.2, 2: 1.0}, {}))
+
+    assert f"{some:broken}, {some:range}, {some:%}" == "1 of 3 seeds, 500 to 1200 mm, 100 %"
+    assert f"{none:broken}, {none:range}" == "0 of 0 seeds, –"
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)
+def test_no_sentence_counts_seeds_by_itself(claim):
+    assert not re.search(r"seed", re.sub(r"\{.*?\}", "", claim.explanation))
 
 
 def test_a_missing_number_is_the_worst_of_all():

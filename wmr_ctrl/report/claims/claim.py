@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 from wmr_ctrl.campaign import Spread, spread
-from wmr_ctrl.report.style import shown
+from wmr_ctrl.report.style import ABSENT, shown, spoken
 
 
 class Verdict(StrEnum):
@@ -96,7 +96,8 @@ def _short(bound: float) -> str:
 class PaperClaim:
     """A claim of the paper and how it is judged; every text is a plain sentence or two.
 
-    ``explanation`` may quote medians by ``{key}`` and is written for the verdict ``expected``.
+    ``explanation`` may quote tests by ``{key}`` (`Quoted`) and is written for the verdict
+    ``expected``.
     ``never``: the claim is that something never happens, which runs can refute but not show.
     """
 
@@ -134,6 +135,27 @@ class Measured:
     def spread(self) -> Spread:
         """The spread of the values over the seeds."""
         return spread(self.values.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Quoted:
+    """A test in a sentence: its median, or by the format what the runs at hand say.
+
+    ``broken``: in how many seeds a share of the limit is above 1; ``range``: least to greatest, of
+    metres in mm; else as `wmr_ctrl.report.style.SpokenNumber`.
+    """
+
+    test: Measured
+
+    def __format__(self, spec: str) -> str:
+        values = [value for value in self.test.values.values() if value is not None]
+        if spec == "broken":
+            return f"{sum(value > 1 for value in values)} of {len(values)} seeds"
+        if spec != "range":
+            return format(spoken(self.test.spread.median), spec)
+        if not values:
+            return ABSENT
+        return f"{shown(1000 * min(values), 2)} to {shown(1000 * max(values), 2)} mm"
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from wmr_ctrl.report.claims.claim import (
     Judged,
     Measured,
     PaperClaim,
+    Quoted,
     TestSpec,
     Verdict,
     load_claims,
 )
-from wmr_ctrl.report.style import spoken
 
 PAPER_TIMES: Mapping[str, float] = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
 """Seconds that 10,000 evaluations of each law took the paper's authors."""
@@ -131,5 +131,4 @@ def _of_stand_in(passed: Sequence[bool]) -> Verdict:
 
 
 def _explained(claim: PaperClaim, tests: Sequence[Measured]) -> str:
-    medians = {test.spec.key: spoken(test.spread.median) for test in tests}
-    return claim.explanation.format(**medians)
+    return claim.explanation.format(**{test.spec.key: Quoted(test) for test in tests})
