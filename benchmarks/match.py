@@ -40,7 +40,7 @@ STEP = 1e-3
 HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "robot.mu": 0.15}
 """The robot that tracks: none of the contenders was told."""
 NOISE = 1.0
-BUDGET, SPREAD = 4, 0.5
+BUDGET, SPREAD = 12, 0.5
 TRAIN, TEST = (1,), (7101, 7102)
 
 
