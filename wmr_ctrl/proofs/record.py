@@ -9,7 +9,9 @@ today where their graph is the same.
 
 from __future__ import annotations
 
+import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,12 +67,22 @@ def _show(share: float, entry: Entry) -> None:
     sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
 
 
-if __name__ == "__main__":
-    asked = [word for word in sys.argv[1:] if not word.startswith("--")]
-    if "--words" in sys.argv:
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Check what is asked for, and record it."""
+    parser = argparse.ArgumentParser(prog="python -m wmr_ctrl.proofs.record", description=__doc__)
+    parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
+    only = parser.add_mutually_exclusive_group()
+    only.add_argument("--words", action="store_true", help="check nothing, renew the words")
+    only.add_argument("--examine", action="store_true", help="alter what was not altered yet")
+    given = parser.parse_args(arguments)
+    if given.words:
         checked = Ledger(())
-    elif "--examine" in sys.argv:
-        checked = Ledger(tuple(map(examined, _unexamined(asked))))
+    elif given.examine:
+        checked = Ledger(tuple(map(examined, _unexamined(given.ids))))
     else:
-        checked = prove(asked, _show)
+        checked = prove(given.ids, _show)
     record(merged(checked, load() if COMMITTED.exists() else Ledger(())))
+
+
+if __name__ == "__main__":
+    main()
