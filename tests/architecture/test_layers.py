@@ -33,6 +33,7 @@ ORDER = (
     {"tuning"},
     {"__init__"},
     {"cli"},
+    {"__main__"},
 )
 THIRD_PARTY = {
     "errors": set(),
@@ -69,6 +70,7 @@ THIRD_PARTY = {
     "outputs": set(),
     "studies": set(),
     "__init__": set(),
+    "__main__": set(),
 }
 """What each layer may import from elsewhere; the command line (cli) may import anything."""
 JOINERS = {"engines", "api", "tuning", "cli", "fmi"}

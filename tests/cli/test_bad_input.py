@@ -52,6 +52,11 @@ CASES = {
     "suffix of the run": ((*RUN, "--out", "a.txt"), "--out 'a.txt' must end in .npz or .csv"),
     "suffix of the plot": ((*RUN, "--plot", "a.npz"), "--plot 'a.npz' must end in .png"),
     "suffix of the film": ((*RUN, "--animate", "a.avi"), "--animate 'a.avi' must end in .gif"),
+    "picture for a folder": (
+        ("linearize", "paper-simulation", "--plot", "lin.png"),
+        "Name the folder, such as 'lin'",
+    ),
+    "page for a folder": (("reproduce", "--out", "report.html"), "is the name of a file"),
     "no suffix": ((*RUN, "--out", "a"), "must end in .npz or .csv"),
     "folder of the run": ((*RUN, "--out", "no/a.npz"), "Create the folder first"),
     "folder of the plot": ((*RUN, "--plot", "no/a.png"), "Create the folder first"),

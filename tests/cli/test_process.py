@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 
 import pytest
 
@@ -33,6 +34,14 @@ def test_result_goes_to_stdout_and_talk_to_stderr(program):
     assert done.returncode == 0
     assert json.loads(done.stdout)["outcome"] == "completed"
     assert done.stderr.startswith("warning: ")
+
+
+def test_the_package_is_the_program_too(environment, tmp_path):
+    line = (sys.executable, "-m", "wmr_ctrl", "laws", "--json")
+    done = subprocess.run(line, capture_output=True, text=True, env=environment, cwd=tmp_path)
+
+    assert done.returncode == 0
+    assert "prox" in done.stdout
 
 
 @pytest.mark.parametrize("args", [("run", "--law", "mbb"), ("--bogus",), ("run", "no.toml")])

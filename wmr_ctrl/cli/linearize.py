@@ -23,7 +23,7 @@ from wmr_ctrl.cli.progress import Progress
 @click.option(
     "--plot",
     metavar="DIR",
-    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into DIR.",
+    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR.",
 )
 @json_option("Print all figures as one JSON document.")
 @debug_option

@@ -99,9 +99,21 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
     check_writable(path)
 
 
+FILE_SUFFIXES = (
+    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".json",
+    ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
+)  # fmt: skip
+"""Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
+
+
 def check_folder(path: str, option: str) -> None:
-    """Raise where a folder cannot be made or written to; nothing is touched."""
+    """Raise where a folder cannot be made or written to, or has a file's name; touch nothing."""
     folder = Path(path)
+    if folder.suffix.lower() in FILE_SUFFIXES and not folder.is_dir():
+        raise ArgumentError(
+            f"{option} {path!r} is the name of a file, but several files are written, into a "
+            f"folder. Name the folder, such as {folder.stem!r}."
+        )
     nearest = next(item for item in (folder, *folder.absolute().parents) if item.exists())
     if not nearest.is_dir():
         raise ArgumentError(f"{option} {path!r}: {nearest} is a file. Name a folder.")
