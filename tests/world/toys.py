@@ -199,10 +199,11 @@ class ToyGust(Section):
 
 
 def gust(scenario: Scenario) -> System:
-    """Filtered noise on both wheels, drawn anew in each plant step."""
+    """Filtered noise on both wheels, the difference of two pairs, drawn anew in each plant step."""
     p, state = Parameters(scenario), port(Signal("toy_gust", "N.m", "filtered noise", 2))
-    kick = draw(Signal("toy_gust", "1", "numbers", 2), NORMAL, p.take("toy_gust.torque") > 0, 3.0)
-    following = 0.9 * state.sym + p.take("toy_gust.torque") * kick.port.sym
+    kick = draw(Signal("toy_gust", "1", "numbers", 4), NORMAL, p.take("toy_gust.torque") > 0, 3.0)
+    first, other = ca.vertsplit(kick.port.sym, 2)
+    following = 0.9 * state.sym + p.take("toy_gust.torque") * (first - other)
     return System(
         "toy_gust", "gusts", (), (state,), p.ports, following,
         tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
@@ -216,7 +217,7 @@ GUST = Effect(
     section=ToyGust,
     build=gust,
     acts=lambda scenario: scenario.section(ToyGust).torque > 0,
-    bound=lambda scenario: Bound(dbar=(600.0 * scenario.section(ToyGust).torque,) * 2),
+    bound=lambda scenario: Bound(dbar=(1200.0 * scenario.section(ToyGust).torque,) * 2),
     rate=Rate.STEP,
 )
 
