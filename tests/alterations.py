@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
-from tests.altered_files import ALTERED_FILES, altered_copy, copy_of_tree, failing
+from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
 from wmr_ctrl.proofs.alterations import is_caught
 from wmr_ctrl.proofs.claims import all_claims
@@ -91,6 +91,7 @@ def of_files(words: list[str]) -> Iterator[Outcome]:
         return
     with tempfile.TemporaryDirectory(prefix="altered") as folder:
         base = copy_of_tree(Path(folder))
+        check_tests(base, wanted)
         for item in wanted:
             with altered_copy(base, item):
                 yield Outcome(item.path, f"{item.old} -> {item.new}", failing(base, item.tests))

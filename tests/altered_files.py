@@ -10,7 +10,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +65,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("torque_noise.py", "std * normal", "-std * normal"),
     ),
     *_rows(
-        WORLD, f"{OPTIONS}[pid-changed4]",
+        WORLD, f"{OPTIONS}[prox-changed4]",
         ("velocity_noise.py", "+ half[i]", "- half[i]"),
     ),
     *_rows(
@@ -178,6 +178,19 @@ def copy_of_tree(base: Path) -> Path:
         else:
             shutil.copy(source, base / name)
     return base
+
+
+def check_tests(base: Path, rows: Iterable[TextAlteration]) -> None:
+    """Raise RuntimeError where a row names a test that is not there."""
+    named = sorted({test for row in rows for test in row.tests.split()})
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--co", "-n", "0", "-m", "",
+         "-o", f"cache_dir={base / 'cache'}", *named],
+        cwd=base, env={**os.environ, "PYTHONPATH": str(base)}, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    if done.returncode:
+        raise RuntimeError(done.stdout + done.stderr)
 
 
 def failing(base: Path, tests: str) -> str:
