@@ -13,6 +13,7 @@ from wmr_ctrl.results import (
     Run,
     guard_share,
     oscillation,
+    percent,
     position_max,
     position_rms,
     torque_change_rms,
@@ -86,6 +87,47 @@ def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
 
     assert "oscillates" in keys(run)
     assert "Nothing needs to be done" not in run.explanation
+
+
+@pytest.mark.parametrize("duration", [2.0, 3.0, 5.0, 10.0, 20.0, 30.0])
+@pytest.mark.parametrize("law", ["pid", "smc", "mb", "nn", "prox", "kanayama"])
+def test_a_short_run_that_settles_is_no_oscillation(law: str, duration: float) -> None:
+    """One or two periods are what the start leaves behind, a few more what noise does."""
+    for seed in range(3):
+        late = {"clock.duration": duration}
+        assert oscillation(simulate("paper-simulation", law, seed=seed, overrides=late)) is None
+
+
+def test_nor_is_a_guarded_far_start() -> None:
+    short = {"guard.enabled": True, "disturbance.truncate": 3.0, "clock.duration": 5.0}
+    assert oscillation(simulate("far-start", "prox", overrides=short)) is None
+
+
+@pytest.mark.parametrize(("period", "delay"), [(0.05, 0.05), (0.02, 0.06), (0.01, 0.05)])
+@pytest.mark.parametrize("duration", [6.0, 10.0, 20.0])
+def test_limit_cycles_are_told_on_short_runs_too(
+    period: float, delay: float, duration: float
+) -> None:
+    late = {"clock.control": period, "actuator.delay": delay, "clock.duration": duration}
+    found = oscillation(simulate("safe-simulation", "prox", overrides=late))
+
+    assert found is not None
+    assert found.swing > 40
+    assert 2 < found.frequency < 3
+
+
+@pytest.mark.parametrize(("decay", "periods", "told"), [
+    (0.0, 40, True), (0.0, 5, True), (0.0, 2.5, False), (0.5, 40, False), (-0.3, 40, True),
+])  # fmt: skip
+def test_a_cycle_has_periods_and_does_not_decay(
+    make_run: MakeRun, decay: float, periods: float, told: bool
+) -> None:
+    """exp(-decay t) sin(2 pi f t), the given number of periods in the last half of 16 s."""
+    t = 0.01 * np.arange(1600)
+    wave = np.exp(-decay * t) * np.sin(2 * np.pi * periods / 8 * t)
+    found = oscillation(make_run(duration=16.0, tau_right=wave, tau_left=wave))
+
+    assert (found is not None) is told
 
 
 @pytest.mark.parametrize("reference", ["circle", "lemniscate", "stop-and-go", "rounded-square"])
@@ -170,3 +212,10 @@ def test_tables_have_the_runs_figures(changed: dict[str, float]) -> None:
         assert table["torque_change_rms"][seed] == pytest.approx(torque_change_rms(run), rel=1e-6)
         assert table["guard_share"][seed] == pytest.approx(guard_share(run), abs=2e-3)
         assert table["tracked"][seed] == tracked(run)
+
+
+def test_shares_read_as_percent() -> None:
+    shares = (0.0, 0.00275, 0.5, 0.9996, 1.0, 1.5, 12.34)
+    assert [percent(x) for x in shares] == [
+        "0 %", "0.275 %", "50 %", "100 %", "100 %", "150 %", "1230 %",
+    ]  # fmt: skip

@@ -1,7 +1,9 @@
 """Whether the wheel torques swing in a cycle of their own, told from the answer to noise.
 
 A loop that answers noise spreads its torques over many frequencies, and what a reference asks for
-is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line.
+is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line
+and keeps it up.  The end of a start's transient, and a few periods of noise, do one of these at
+most: they are none, and where a window is too short to tell, nothing is told.
 """
 
 from __future__ import annotations
@@ -19,7 +21,14 @@ if TYPE_CHECKING:
 
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""
-SWING = 0.3
+SHARP, SHORT_LINE, SHORT_SWING = 20, 0.75, 0.9
+"""With fewer periods than the first, a line takes in much of its surroundings, and so the noise:
+more of the power has to be there, and a larger swing."""
+PERIODS = 4
+"""Fewest periods in the window: less may be what a start leaves behind."""
+KEPT = 2 / 3
+"""A quarter of the window swings at least by this share of any quarter before: nothing decays."""
+SWING = 0.5
 """Peak to peak swing in that line, as a share of the torques' RMS, from which it counts."""
 LEAST = 1e-3
 """The same in N m: less is nothing that a drive could show."""
@@ -46,10 +55,16 @@ def oscillation(run: Run) -> Oscillation | None:
     if not np.isfinite(torque).all():
         return None
     right, left = torque.T
-    level = max(SWING * float(np.sqrt(np.mean(torque**2))), LEAST)
+    level, duration = float(np.sqrt(np.mean(torque**2))), len(torque) * run.settings.control
     lines = [_line(part, run.settings.control) for part in ((right + left) / 2, (right - left) / 2)]
-    strong = [item for item in lines if item is not None and item.swing > level]
+    strong = [item for item in lines if item is not None and _is_strong(item, level, duration)]
     return max(strong, key=lambda item: item.swing, default=None)
+
+
+def _is_strong(item: Oscillation, level: float, duration: float) -> bool:
+    """Whether a line swings by enough of the torques' RMS ``level`` over the window."""
+    needed = SWING if item.frequency * duration > SHARP - 0.5 else SHORT_SWING
+    return item.swing > max(needed * level, LEAST)
 
 
 def _line(torque: FloatArray, period: float) -> Oscillation | None:
@@ -61,7 +76,19 @@ def _line(torque: FloatArray, period: float) -> Oscillation | None:
     power[frequency < min(SLOWEST, 1 / (SAMPLES * period))] = 0.0
     peak = int(power.argmax())
     wide = max(3, peak // 10)
-    line, total = float(np.sum(power[max(0, peak - wide) : peak + wide + 1])), float(np.sum(power))
-    if total == 0 or line < LINE * total:
+    band = slice(max(0, peak - wide), peak + wide + 1)
+    line, total = float(np.sum(power[band])), float(np.sum(power))
+    needed = LINE if peak >= SHARP else SHORT_LINE
+    if total == 0 or line < needed * total or peak < PERIODS or _falls(swinging, band):
         return None
     return Oscillation(2 * math.sqrt(2 * line), float(frequency[peak]))
+
+
+def _falls(swinging: FloatArray, band: slice) -> bool:
+    """Whether what is in a band of frequencies decays from quarter to quarter of the window."""
+    whole = np.fft.rfft(swinging)
+    kept = np.zeros_like(whole)
+    kept[band] = whole[band]
+    quarters = np.array_split(np.fft.irfft(kept, len(swinging)), 4)
+    swings = [float(np.sqrt(np.mean(part**2))) for part in quarters]
+    return any(swings[i] < KEPT * max(swings[:i]) for i in range(1, 4))
