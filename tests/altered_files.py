@@ -128,6 +128,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/", "tests/guard/test_derived.py",
         ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
+        ("guard/counted.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
         ("guard/bounds.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
     *_rows(

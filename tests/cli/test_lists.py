@@ -140,6 +140,23 @@ def test_check_runs_each_law_once(wmr):
     assert max(map(len, text.splitlines())) <= 80
 
 
+def test_check_shows_what_the_guard_counts_on_and_leaves(wmr):
+    narrow = ("--set", "limits.v_u1=1,0.11", "--set", "limits.v_u2=0.8,0.105")
+    command = ("check", "safe-simulation", "--law", "prox", *narrow)
+    guard, text = json.loads(wmr(*command, "--json").stdout)["guard"], wmr(*command).stdout
+    said = " ".join(text.split())
+
+    assert guard["usable_speed"][1] == pytest.approx(0.11 - 15 * 0.01 / 4.86)
+    assert guard["reference_speed"] == [pytest.approx(0.2), pytest.approx(0.1)]
+    assert guard["dbar"] == guard["sources"]["dbar"]["torque noise"] == [60, 15]
+    assert guard["M_max"] == [71.5, pytest.approx(7.7)]
+    assert "dbar 60 N, 15 N m (torque noise); nbar 0 m/s, 0 rad/s; no delay; no lag" in said
+    assert "it leaves at most 0.965 m/s, 0.0791 rad/s against friction" in said
+    assert "changed 0 % of the thrusts and 100 % of the moments" in said.replace("99.9", "100")
+    off = json.loads(wmr(*command, "--no-guard", "--json").stdout)
+    assert off["guard"] is None
+
+
 def test_check_without_a_compiler_says_so(wmr, monkeypatch):
     def missing(*_, **__):
         raise CompilerError("no C compiler was found.")

@@ -8,6 +8,7 @@ import pytest
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import early_speed
+from wmr_ctrl.guard.counted import ROBOT, STATED, counted
 from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}
@@ -28,3 +29,28 @@ def test_friction_above_the_push_makes_nothing_faster_before_the_first_command()
     held = replace(guard, f_min=(80.0, 5.0))
 
     assert early_speed(held) == (0.0, pytest.approx(0.02 * 10.0 / guard.M_min[1]))
+
+
+def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
+    """Where effects add to a number, they and guard.d_model are the whole of it."""
+    effects = {"encoder.counts": 4096.0, "actuator.delay": 0.02, "actuator.jitter": 0.01,
+               "disturbance.push": [5.0, 1.0], "guard.d_model": [7.0, 3.0],
+               "disturbance.truncate": 3.0}  # fmt: skip
+    setup = settle(load_scenario("paper-simulation", {**ON, **effects}), None)
+    known = counted(setup.scenario, setup.guard, setup.effects)
+
+    assert set(known["dbar"].sources) == {"torque noise", "push", "guard.d_model"}
+    for name in ("dbar", "nbar", "delay", "lag", "age", "window"):
+        added = [pair for pair in known[name].sources.values() if pair is not None]
+        total = tuple(sum(pair[i] for pair in added) for i in (0, 1))
+        assert known[name].value == pytest.approx(total, abs=1e-15), name
+    assert set(known["M_min"].sources) == {ROBOT}
+    assert known["delay"].value == pytest.approx((0.02, 0.03))
+
+
+def test_what_is_stated_is_counted_as_stated() -> None:
+    stated = {**ON, "guard.dbar": [90.0, 20.0], "disturbance.truncate": 3.0}
+    setup = settle(load_scenario("paper-simulation", stated), None)
+    found = counted(setup.scenario, setup.guard, setup.effects)["dbar"]
+
+    assert (found.value, dict(found.sources)) == ((90.0, 20.0), {STATED: None})

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmr_ctrl.cli.console import print_json, say, wrapped
+from wmr_ctrl.cli.guard_lines import guard_lines, guard_numbers
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import CompilerError
 
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Stability, Warning
+    from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.inherited import InheritedValue
@@ -58,7 +60,7 @@ def check(
     taken = inherited(case, scenario, parse_assignments(assignments))
     names = chosen or tuple(LAWS)
     with Progress("what theory says") as progress:
-        warned, stable = {}, {}
+        warned, stable, first = {}, {}, settle(case, names[0])
         for count, law in enumerate(names):
             progress(count / len(names))
             setup = settle(case, law)
@@ -66,9 +68,10 @@ def check(
             stable[law] = stability(case, law)
         runs = _runs(case, warned, progress)
     if as_json:
-        print_json(_document(case, warned, stable, runs, taken))
+        print_json({**_document(case, warned, stable, runs, taken), "guard": guard_numbers(first)})
     else:
-        click.echo("\n".join(_lines(case, warned, stable, runs, taken)))
+        lines = [*_head(case, first, taken), *_lines(case, warned, stable, runs)]
+        click.echo("\n".join(lines))
 
 
 def _runs(scenario: Scenario, laws: Mapping[str, object], progress: Progress) -> dict[str, Run]:
@@ -147,15 +150,21 @@ def _nominal(run: Run) -> dict[str, Any]:
     return {key: figures[key] for key in keys}
 
 
-def _lines(
-    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, taken: Taken
-) -> list[str]:
+def _head(scenario: Scenario, setup: Setup, taken: Taken) -> list[str]:
+    """What concerns the scenario, whatever the law."""
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
     if scenario.reference.arrival is not None:
         lines.append(_goal(scenario, scenario.reference.arrival))
-    lines += [_item(warning["text"] or "") for warning in _inherited_warning(taken)]
-    shared = _shared(warned)
+    inherited = [warning["text"] or "" for warning in _inherited_warning(taken)]
+    return [*lines, *map(_item, (*guard_lines(setup), *inherited))]
+
+
+def _lines(
+    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs
+) -> list[str]:
+    """What theory and one run have against the laws."""
+    lines, shared = list[str](), _shared(warned)
     if shared:
         lines += ["", "all laws", *(_item(str(warning)) for warning in shared)]
     for law, warnings in warned.items():

@@ -87,8 +87,8 @@ def _line(torque: FloatArray, period: float) -> Oscillation | None:
 def _falls(swinging: FloatArray, band: slice) -> bool:
     """Whether what is in a band of frequencies decays from quarter to quarter of the window."""
     whole = np.fft.rfft(swinging)
-    kept = np.zeros_like(whole)
-    kept[band] = whole[band]
-    quarters = np.array_split(np.fft.irfft(kept, len(swinging)), 4)
+    within = np.zeros_like(whole)
+    within[band] = whole[band]
+    quarters = np.array_split(np.fft.irfft(within, len(swinging)), 4)
     swings = [float(np.sqrt(np.mean(part**2))) for part in quarters]
     return any(swings[i] < KEPT * max(swings[:i]) for i in range(1, 4))
