@@ -112,6 +112,45 @@ def test_refuses_what_it_has_no_loop_for(page: Path, tmp_path: Path) -> None:
         assert part in text
 
 
+REFUSED = (
+    ({"robot.m": -3}, "robot.m = -3 must be above 0"),
+    ({"robot.r": 0}, "robot.r = 0 must be above 0"),
+    ({"limits.v_u1": [-1, 0]}, "limits.v_u1[1] = -1 must be above 0"),
+    ({"limits.v_u2[1]": 1.2}, "limits.v_u2[1] = 1.2 must be below limits.v_u1[1] = 1"),
+    ({"limits.clip": 0.5}, "limits.clip = 0.5 must be below v_u1[1] - v_u2[1]"),
+    ({"seed": -1}, "seed = -1 must be a whole number"),
+    ({"seed": 1.5}, "seed = 1.5 must be a whole number"),
+    ({"guard.enabled": "yes"}, 'guard.enabled = "yes" must be true or false'),
+    ({"initial.pose[1]": 1e300}, "initial.pose[1] = 1e+300 must be at most"),
+    ({"robot.mu": None}, "robot.mu = null must be a number"),
+    ({"reference.radius": 0}, "ref_radius = 0 must be at least 0.000001"),
+    ({"clock.control": "fast"}, "clock.control = fast must be a finite number"),
+)
+
+
+@pytest.mark.slow
+def test_refuses_what_the_fields_of_a_scenario_refuse(page: Path, tmp_path: Path) -> None:
+    said = from_page(page, tmp_path, [("mb", 1.0, given) for given, _ in REFUSED])
+
+    for text, (given, wanted) in zip(said, REFUSED, strict=True):
+        assert isinstance(text, str), given
+        assert wanted in text, (given, text)
+        assert "." in text.removeprefix(wanted)
+
+
+@pytest.mark.slow
+def test_a_reference_is_moved_by_the_scenario_s_key(page: Path, tmp_path: Path) -> None:
+    by_key, by_name, own = from_page(
+        page, tmp_path, [("mb", 1.0, {key: 1.5}) for key in ("reference.radius", "ref_radius")]
+        + [("mb", 1.0, {})],
+    )  # fmt: skip
+    assert not isinstance(by_key, str)
+    assert not isinstance(by_name, str)
+    assert not isinstance(own, str)
+    assert np.array_equal(by_key["x"], by_name["x"])
+    assert not np.array_equal(by_key["x"], own["x"])
+
+
 @pytest.mark.slow
 def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
     text = page.read_text(encoding="utf-8")

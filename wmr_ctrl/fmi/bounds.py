@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from wmr_ctrl.control.setup import KINEMATICS
 from wmr_ctrl.fields.section import Section, quantities
+from wmr_ctrl.fields.values import Range as Admitted
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.scenario import Scenario
@@ -23,6 +24,16 @@ def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
     holders = ((key, _holder(scenario, key)) for key in keys)
     return {
         key: _range(holder, key.rpartition(".")[2]) for key, holder in holders if holder is not None
+    }
+
+
+def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
+    """What the field of each key path admits, its ends told apart from what is just outside."""
+    holders = ((key, _holder(scenario, key)) for key in keys)
+    return {
+        key: dict(quantities(holder))[key.rpartition(".")[2]].bounds
+        for key, holder in holders
+        if holder is not None
     }
 
 

@@ -11,6 +11,8 @@ from wmr_ctrl import __version__
 from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fmi.bounds import fields_of
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
@@ -18,6 +20,7 @@ from wmr_ctrl.page.stands import SettledStand, settled_stands
 from wmr_ctrl.page.story import PageScene
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import look, unit_text
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 
 Plain = dict[str, Any]
@@ -56,6 +59,9 @@ def content_of(
         steps = max([steps, *(_delay_steps(setup) for setup in setups)])
         scenery.append(_scene(scene, stands, loops))
         progress(len(scenery) / len(scenes))
+    numbers = {item.name: item for loop in loops for item in loop.layout.parameters}
+    for scene, plain in zip(scenes, scenery, strict=True):
+        plain |= _admitted(scene.scenario, numbers.values())
     known = [item for loop in loops for item in (*loop.layout.columns, *loop.layout.parameters)]
     return Content(
         tuple(loops),
@@ -117,6 +123,17 @@ def _scene(scene: PageScene, stands: list[SettledStand], loops: PageLoops) -> Pl
         "stands": [_stand(item, base, loops) for item in stands],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
     }
+
+
+def _admitted(scenario: Scenario, parameters: Iterable[Signal]) -> Plain:
+    """What the scenario's fields admit, by key, and where a key has another name in the loop."""
+    signals = [item.name for item in parameters]
+    own = dict(quantities(type(scenario.reference)))
+    aliases = {f"reference.{name}": f"ref_{name}" for name in own if f"ref_{name}" in signals}
+    fields = fields_of(scenario, [*signals, "initial.pose", "initial.velocity"])
+    fields |= {loop: own[key.partition(".")[2]].bounds for key, loop in aliases.items()}
+    plain = {name: asdict(bounds) for name, bounds in fields.items()}
+    return {"admitted": plain, "aliases": aliases}
 
 
 def _control(control: Control) -> Plain:

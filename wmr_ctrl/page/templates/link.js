@@ -30,14 +30,22 @@ function asked(told, text) {
     laws: laws.length ? laws : inOrder(told, scene.shown),
     seed: Math.min(Math.max(Math.round(number("seed", told.seed)), 0), Number.MAX_SAFE_INTEGER),
     speed: Math.min(Math.max(number("speed", scene.speed), 0.05), 20),
-    overrides: Object.fromEntries((given.get("set") ?? "").split(",").map((item) => moved(scene, item)).filter(Boolean)),
+    overrides: movedNumbers(told, scene, given.get("set") ?? ""),
   };
+}
+
+// Numbers of a link that the scenario's fields admit; the limits only where they go together.
+function movedNumbers(told, scene, text) {
+  const numbers = Object.fromEntries(text.split(",").map((item) => moved(scene, item)).filter(Boolean));
+  const base = numbered(Object.values(scene.base)[0]);
+  if (!pairFault({ ...base, ...numbers })) return numbers;
+  return Object.fromEntries(Object.entries(numbers).filter(([name]) => !name.startsWith("limits.")));
 }
 
 function moved(scene, item) {
   const at = item.lastIndexOf(":"), name = item.slice(0, at), value = Number(item.slice(at + 1));
   const control = scene.controls.find((one) => one.name === name || one.along.includes(name));
-  if (at < 1 || !control || item.slice(at + 1) === "" || Number.isNaN(value)) return null;
+  if (at < 1 || !control || item.slice(at + 1) === "" || faultOf(scene, name, value)) return null;
   return [name, clamp(value, Number(control.bounds[0]), Number(control.bounds[1]))];
 }
 
