@@ -16,7 +16,7 @@ from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
 from wmr_ctrl.guard.contradictions import contradictions, refuse_contradictions
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.guard.refusals import settled_guard
-from wmr_ctrl.laws.law import Law, Predicting, TorqueLimited, commands_predicted
+from wmr_ctrl.laws.law import Law, OwnKinematics, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
@@ -143,7 +143,8 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     value, a reference that is not finite, or a guard that is on and cannot keep its limits or
     counts on bounds that the scenario breaks.
     """
-    return _settled(gripping(scenario), None if law is None else LAWS[law], tuple(EFFECTS))
+    chosen = None if law is None else LAWS[law]
+    return _settled(with_kinematics(gripping(scenario), chosen), chosen, tuple(EFFECTS))
 
 
 @lru_cache(maxsize=4096)
@@ -198,6 +199,14 @@ def gains_by_law(scenario: Scenario) -> dict[str, Section]:
 def kinematic_gains(scenario: Scenario) -> KinematicGains:
     """k_1, k_2, k_3 of Eq. (7)."""
     return build(KinematicGains, scenario.gains.get(KINEMATICS, {}), f"gains.{KINEMATICS}")
+
+
+def with_kinematics(scenario: Scenario, law: Law | None) -> Scenario:
+    """The scenario with the law's own gains of Eq. (7) in the place of the shared ones, if any."""
+    gains = None if law is None else gains_of(scenario, law)
+    if not isinstance(gains, OwnKinematics) or gains.kinematics is None:
+        return scenario
+    return override(scenario, {f"gains.{KINEMATICS}.k": list(gains.kinematics)})
 
 
 def check_gains(scenario: Scenario) -> None:

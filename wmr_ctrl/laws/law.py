@@ -69,6 +69,21 @@ class TorqueLimited(Section):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OwnKinematics(Section):
+    """Gains of a law that may have gains of Eq. (7) of its own, beside those that laws share."""
+
+    KEY: ClassVar[str] = "gains"
+
+    kinematics: tuple[float, float, float] | None = quantity(
+        None,
+        size=3,
+        unit="1/s, 1/m2, 1/s",
+        doc="k_1, k_2, k_3 of Eq. (7) for this law alone; left out: gains.kinematics.k",
+        above=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class BarrierChoice(Section):
     """Gains of a law that lets one choose the form of the barrier function."""
 

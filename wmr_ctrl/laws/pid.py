@@ -13,8 +13,8 @@ from typing import ClassVar
 
 import casadi as ca
 
-from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.laws.law import Law, Traits
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.law import Law, OwnKinematics, Traits
 from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
@@ -24,7 +24,7 @@ STARTED = Signal("started", "1", "0 before the first sample, then 1")
 
 
 @dataclass(frozen=True, kw_only=True)
-class PidGains(Section):
+class PidGains(OwnKinematics):
     """Gains of the PID law, per axis (linear, angular)."""
 
     KEY: ClassVar[str] = "gains.pid"

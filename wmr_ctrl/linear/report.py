@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.lateness import lost_poses, rare_poses
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
-from wmr_ctrl.control.setup import settle
+from wmr_ctrl.control.setup import settle, with_kinematics
+from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable
@@ -137,6 +138,7 @@ class LinearReport:
 
 def report_linear(scenario: Scenario, law: str) -> LinearReport:
     """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError."""
+    scenario = with_kinematics(scenario, LAWS[law])
     at, period = on_reference(scenario, law), scenario.clock.control
     rest, loop = learned_point(scenario, law), law_loop(scenario, law)
     behind, outer = late(scenario), loop.traits.auxiliary

@@ -55,15 +55,20 @@ def _class_of(scenario: Scenario, key: str) -> type[Section]:
 def _fields(table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool) -> Table:
     for name, what in quantities(cls):
         note = _note(what.unit, what.doc) if comments else ""
-        if name in raw:
-            _add(table, name, raw[name], note)
-        elif comments:
-            table.add(tomlkit.comment(f"{name} = ...  # {note}"))
+        _add_or_tell(table, name, raw.get(name), note)
     return table
 
 
 def _note(unit: str, doc: str) -> str:
     return f"[{unit}] {doc}" if unit else doc
+
+
+def _add_or_tell(table: Table, name: str, value: Any, note: str) -> None:
+    """A field; one that is left out is a comment, where there are comments."""
+    if value is not None:
+        _add(table, name, value, note)
+    elif note:
+        table.add(tomlkit.comment(f"{name} = ...  # {note}"))
 
 
 def _add(table: Table, name: str, value: Any, note: str) -> None:
@@ -83,7 +88,7 @@ def _gains(raw: Mapping[str, Any], docs: GainsDocs, comments: bool) -> Table:
         for name in dict.fromkeys([*known, *raw.get(law, {})]):
             default, unit, doc = known.get(name, (None, "", ""))
             value = raw.get(law, {}).get(name, default)
-            _add(table, name, _listed(value), _note(unit, doc) if comments else "")
+            _add_or_tell(table, name, _listed(value), _note(unit, doc) if comments else "")
         gains.add(law, table)
     if comments and not gains:
         gains.add(

@@ -92,7 +92,14 @@ class TuningPlan:
     @property
     def searched(self) -> tuple[str, ...]:
         """Keys of the gains that are searched."""
-        return tuple(key for key in tunable(LAWS[self.law]) if key not in self.hold)
+        keys = (key for key in tunable(LAWS[self.law]) if key not in self.hold)
+        return tuple(self._own(key) for key in keys)
+
+    def _own(self, key: str) -> str:
+        """The key; of Eq. (7)'s gains that of the law's own, where the scenario states them."""
+        own = f"gains.{self.law}.kinematics"
+        stated = self.scenario.gains.get(self.law, {}).get("kinematics") is not None
+        return own if stated and key == "gains.kinematics.k" else key
 
 
 @dataclass(frozen=True)
