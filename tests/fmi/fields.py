@@ -64,6 +64,7 @@ OTHER: Mapping[str, Any] = {
     "guard.f_min": [1.17, 0.0],
     "guard.f_speed": [0.27, 0.7],
     "gains.nn.ratio_cap": 1.01,
+    "gains.pid.kinematics": [11.0, 6.0, 5.0],
     "gains.kanayama.k": [0.1, 0.7, 0.2],
     "metrics.split": 0.1,
     "reference.points": [*TINY, [0.010, 0.012]],
