@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.references.corners import simplified
 from wmr_ctrl.world.references.csv_points import read_points
+from wmr_ctrl.world.references.waypoints import Waypoints, waypoint_path
 
 GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
 
@@ -73,8 +77,54 @@ def test_too_many_points(tmp_path):
     (tmp_path / "way.csv").write_text("".join(f"{i},{i % 2}\n" for i in range(401)))
     (tmp_path / "mine.toml").write_text('[reference]\nkind = "waypoints"\nfile = "way.csv"\n')
 
-    with pytest.raises(ScenarioError, match="at most 400"):
+    with pytest.raises(ScenarioError, match=r"at most 400.*reference\.tolerance = 0\.05"):
         load_scenario(tmp_path / "mine.toml")
+
+
+def bends(count):
+    """A planner's path: close points of a bend, each off by half a millimetre."""
+    way = np.linspace(0, 6, count)
+    jitter = np.random.default_rng(1).uniform(-5e-4, 5e-4, (count, 2))
+    return np.column_stack([way, np.sin(way)]) + jitter
+
+
+@pytest.mark.parametrize("at_end", ["stop", "loop"])
+def test_a_planners_path_is_thinned_within_the_tolerance(tmp_path, at_end):
+    points = bends(20_000)
+    if at_end == "loop":
+        turn = np.linspace(0, 2 * np.pi, 20_000, endpoint=False)
+        points = np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)])
+    np.savetxt(tmp_path / "way.csv", points, delimiter=",")
+    (tmp_path / "mine.toml").write_text(
+        '[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
+        f'tolerance = 0.05\nat_end = "{at_end}"\n'
+    )
+    path = waypoint_path(load_scenario(tmp_path / "mine.toml").reference)
+    places = path.derivatives(0, np.linspace(0, 1, 65)).reshape(-1, 2)
+    from_all, _ = cKDTree(points).query(places)
+    to_path, _ = cKDTree(places).query(points)
+
+    assert len(path.coefficients) < 100
+    assert from_all.max() < 0.05
+    assert to_path.max() < 0.05
+
+
+@pytest.mark.parametrize(("tolerance", "word"), [(1e-4, "Raise"), (20.0, "Lower")])
+def test_a_tolerance_that_does_not_fit_the_points_is_refused(tolerance, word):
+    turn = np.linspace(0, 2 * np.pi, 5000, endpoint=False)
+    points = np.column_stack([3 * np.cos(turn), 2 * np.sin(turn)]) + bends(5000) * [0, 1e-3]
+
+    with pytest.raises(ScenarioError, match=rf"5000 points .* {word} reference\.tolerance"):
+        waypoint_path(Waypoints(points=points.tolist(), tolerance=tolerance, closed=True))
+
+
+def test_a_way_back_on_the_same_line_is_not_left_out():
+    there = np.linspace([0.0, 0.0], [5.0, 0.0], 300)
+    back = np.linspace([5.0, 0.0], [2.0, 0.0], 200)[1:]
+    again = np.linspace([2.0, 0.0], [6.0, 0.0], 300)[1:]
+    left = simplified(np.vstack([there, back, again]), 0.01, closed=False)
+
+    assert left.tolist() == [[0.0, 0.0], [5.0, 0.0], [2.0, 0.0], [6.0, 0.0]]
 
 
 @settings(max_examples=100, deadline=None)

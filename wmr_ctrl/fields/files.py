@@ -7,18 +7,18 @@ from pathlib import Path
 from wmr_ctrl.errors import ScenarioError
 
 LARGEST_FILE = 1_000_000
-"""Bytes; a scenario or a list of waypoints is far smaller."""
+"""Bytes; a scenario is far smaller."""
 
 
-def read_text(file: Path, what: str) -> str:
-    """Return the text of a UTF-8 file; errors start with ``what``."""
+def read_text(file: Path, what: str, largest: int = LARGEST_FILE) -> str:
+    """Return the text of a UTF-8 file of at most ``largest`` bytes; errors start with ``what``."""
     try:
         if file.is_dir():
             raise ScenarioError(f"{what}: {file} is a directory. Name a file in it.")
         if file.exists() and not file.is_file():
             raise ScenarioError(f"{what}: {file} is not a regular file.")
         with file.open("rb") as stream:
-            data = stream.read(LARGEST_FILE + 1)
+            data = stream.read(largest + 1)
     except FileNotFoundError:
         raise ScenarioError(f"{what}: there is no file {file}. Check the path.") from None
     except (OSError, ValueError) as problem:
@@ -26,15 +26,13 @@ def read_text(file: Path, what: str) -> str:
             raise
         reason = getattr(problem, "strerror", None) or str(problem)
         raise ScenarioError(f"{what}: {str(file)[:200]!r} cannot be read: {reason}.") from None
-    return decode(data, f"{what}: {file}")
+    return decode(data, f"{what}: {file}", largest)
 
 
-def decode(data: bytes, what: str) -> str:
+def decode(data: bytes, what: str, largest: int = LARGEST_FILE) -> str:
     """Return UTF-8 bytes, with or without byte order mark, as text; errors start with ``what``."""
-    if len(data) > LARGEST_FILE:
-        raise ScenarioError(
-            f"{what} is larger than {LARGEST_FILE // 10**6} MB. Is it the right file?"
-        )
+    if len(data) > largest:
+        raise ScenarioError(f"{what} is larger than {largest // 10**6} MB. Is it the right file?")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:

@@ -2,7 +2,7 @@
 
 Each corner is a polynomial of degree five whose first three control points lie on the one line and
 whose last three on the other, evenly spaced towards the corner: direction and curvature are
-continuous where it meets the lines.
+continuous where it meets the lines.  Points beyond need are left out before (`simplified`).
 """
 
 from __future__ import annotations
@@ -58,6 +58,36 @@ def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
     return SplinePath(
         sums(np.array(spans)), table, theta[:, SAMPLES // 2], 2 * math.pi * turns, closed
     )
+
+
+def simplified(points: Array, within: float, closed: bool) -> Array:
+    """As few of ``points`` (n, 2) [m] as the way of Ramer, Douglas and Peucker needs.
+
+    Straight lines through those that are left stay within that distance [m] of the lines through
+    all, at a place that is as far along: what is left out goes back by no more than that either.
+    """
+    ring = np.vstack([points, points[:1]]) if closed else points
+    kept = {0, len(ring) - 1}
+    open_pieces = [(0, len(ring) - 1)]
+    while open_pieces:
+        first, last = open_pieces.pop()
+        if last - first > 1:
+            off = _missed(ring[first : last + 1])
+            middle = first + 1 + int(np.argmax(off))
+            if off.max() > within:
+                kept.add(middle)
+                open_pieces += [(first, middle), (middle, last)]
+    return ring[sorted(kept)[: -1 if closed else None]]
+
+
+def _missed(points: Array) -> Array:
+    """How far each inner point is from the line between the ends, or behind one before it [m]."""
+    way, away = points[-1] - points[0], points - points[0]
+    length = float(np.hypot(*way))
+    direction = way / length if length > 0 else np.zeros(2)
+    along = away @ direction
+    off = np.hypot(*(away - np.outer(np.clip(along, 0, length), direction)).T)
+    return np.maximum(off, np.maximum.accumulate(along) - along)[1:-1]
 
 
 def _sides(ways: Array, lengths: Array, tolerance: float, closed: bool) -> Array:

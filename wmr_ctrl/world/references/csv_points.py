@@ -13,6 +13,8 @@ from wmr_ctrl.fields.files import read_text
 from wmr_ctrl.fields.problems import show
 
 Point = tuple[float, float]
+LARGEST_PATH = 10_000_000
+"""Bytes; a planner's path has some fifty a point."""
 SAME = 1e-9
 """Points nearer to each other than this, m, are the same."""
 
@@ -22,7 +24,7 @@ def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
 
     Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
     """
-    numbered = list(_rows(read_text(file, path), f"{path}: {file.name}"))
+    numbered = list(_rows(read_text(file, path, LARGEST_PATH), f"{path}: {file.name}"))
     if numbered and _is_header(numbered[0][1]):
         numbered = numbered[1:]
     points = [_point(cells, f"{path}: {file.name}, row {row}") for row, cells in numbered]

@@ -2,7 +2,8 @@
 
 In place of ``points`` may stand ``file = "way.csv"`` (x,y in m, a point a row) or ``"way.yaml"``
 (a path message: ``poses`` with ``position``).  The smooth path through the points has four
-continuous derivatives; with ``tolerance`` it is straight lines whose corners are rounded.  At the
+continuous derivatives; with ``tolerance`` it is straight lines whose corners are rounded, and of
+more than MOST_POINTS points those are left out that half of the tolerance does not need.  At the
 beginning and at the end v1_d is 0, and the theorems of the paper, which ask for v1_d > 0, then
 promise nothing: the laws stay defined, and that the robot arrives is what a run shows.
 """
@@ -22,7 +23,7 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.references.corners import rounded
+from wmr_ctrl.world.references.corners import rounded, simplified
 from wmr_ctrl.world.references.csv_points import SAME, read_points
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.path_yaml import read_poses
@@ -59,7 +60,10 @@ class Waypoints(Reference):
     """
 
     points: tuple[tuple[float, float], ...] = quantity(
-        (), unit="m", doc="x, y of each point, in the order of travel", kind="points"
+        (),
+        unit="m",
+        kind="points",
+        doc=f"x, y of each point, in the order of travel; more than {MOST_POINTS} need tolerance",
     )
     speed: float = quantity(0.2, unit="m/s", doc="speed wherever no limit is lower", minimum=1e-6)
     v_max: float | None = quantity(
@@ -69,8 +73,8 @@ class Waypoints(Reference):
     a_max: float = quantity(0.2, unit="m/s2", doc="largest rate of v1_d", minimum=1e-6)
     alpha_max: float = quantity(1.0, unit="rad/s2", doc="largest rate of v2_d", minimum=1e-6)
     tolerance: float | None = quantity(
-        None, unit="m", doc="how far a corner may be cut; left out: smooth through all points",
-        minimum=1e-6,
+        None, unit="m", minimum=1e-6,
+        doc="how far a corner may be cut; left out: smooth through all points",
     )  # fmt: skip
     at_end: str = quantity(
         STOP, unit="1", doc="what follows the last point", options=(STOP, CONTINUE, LOOP)
@@ -103,8 +107,11 @@ def waypoint_path(reference: Waypoints) -> SplinePath:
 
     Raises ScenarioError if the points do not make a path that can be driven forwards.
     """
-    points = _checked_points(reference)
-    closed, tolerance = reference.returns, reference.tolerance
+    given, closed, tolerance = _checked_points(reference), reference.returns, reference.tolerance
+    points = given
+    if tolerance is not None and len(given) > MOST_POINTS:
+        tolerance /= 2
+        points = _thinned(given, tolerance, closed)
     try:
         path = fit(points, 1.0, closed) if tolerance is None else rounded(points, tolerance, closed)
     except (ValueError, np.linalg.LinAlgError) as problem:
@@ -112,7 +119,7 @@ def waypoint_path(reference: Waypoints) -> SplinePath:
             f"reference.points: no smooth path runs through them ({problem}). "
             "Space them more evenly."
         ) from None
-    _check_forward(path, points)
+    _check_forward(path, given)
     return path
 
 
@@ -141,7 +148,7 @@ def _checked_points(reference: Waypoints) -> Array:
     points, closed = list(reference.points), reference.returns
     if closed and len(points) > 1 and _distance(points[0], points[-1]) < SAME:
         points.pop()
-    _check_count(points, 3 if closed else 2, closed)
+    _check_count(len(points), closed, reference.tolerance)
     for i in range(1, len(points)):
         if _distance(points[i - 1], points[i]) < SAME:
             raise ScenarioError(
@@ -151,18 +158,36 @@ def _checked_points(reference: Waypoints) -> Array:
     return np.array(points, dtype=float)
 
 
-def _check_count(points: list[tuple[float, float]], least: int, closed: bool) -> None:
+def _thinned(points: Array, within: float, closed: bool) -> Array:
+    """Those of many points that a path within so many metres of all needs."""
+    left = simplified(points, within, closed)
+    if _least(closed) <= len(left) <= MOST_POINTS:
+        return left
+    change = "Raise" if len(left) > MOST_POINTS else "Lower"
+    raise ScenarioError(
+        f"reference.tolerance = {2 * within:g} m: of the {len(points)} points of the path "
+        f"{len(left)} are needed to stay within half of it, and {_least(closed)} to {MOST_POINTS} "
+        f"are possible. {change} reference.tolerance."
+    )
+
+
+def _least(closed: bool) -> int:
+    return 3 if closed else 2
+
+
+def _check_count(count: int, closed: bool, tolerance: float | None) -> None:
     shape = "a closed path" if closed else "a path"
-    if len(points) < least:
+    if count < _least(closed):
         raise ScenarioError(
-            f"reference.points has {len(points)} different point(s), but {shape} needs at least "
-            f"{least}. Add points, as x, y in m, or name a file of them in reference.file; "
-            "`wmr-ctrl scenarios --reference waypoints` shows an example."
+            f"reference.points has {count} different point(s), but {shape} needs at least "
+            f"{_least(closed)}. Add points, as x, y in m, or name a file of them in "
+            "reference.file; `wmr-ctrl scenarios --reference waypoints` shows an example."
         )
-    if len(points) > MOST_POINTS:
+    if count > MOST_POINTS and tolerance is None:
         raise ScenarioError(
-            f"reference.points has {len(points)} points; at most {MOST_POINTS} are possible. "
-            "Thin them out: the path between them is smooth."
+            f"reference.points has {count} points; a path through all can have at most "
+            f"{MOST_POINTS}. Say how far the path may miss them, such as "
+            "reference.tolerance = 0.05 in m: those that it does not need are then left out."
         )
 
 
@@ -220,15 +245,23 @@ def trajectory(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     lap = p["ref_laps"] * ca.floor(t / starts[-1])
     tau = t - lap * starts[-1]
     table = ca.horzcat(starts, p["ref_place"], p["ref_rate"], p["ref_acceleration"])
-    row = table[0, :]
-    for k in range(1, starts.numel()):
-        row = ca.if_else(tau >= starts[k], table[k, :], row)
+    row = _row_at(tau, table)
     late, acceleration = tau - row[0], row[3]
     place = row[1] + late * (row[2] + late * acceleration / 2)
     rate = ca.fmax(row[2] + late * acceleration, 0)
     there = on_path(place, lap, p)
     speeds, slopes = there[3:5], there[5:7]
     return ca.vertcat(there[:3], speeds * rate, slopes * rate**2 + speeds * acceleration)
+
+
+def _row_at(tau: ca.SX, table: ca.SX) -> ca.SX:
+    """The last row that has begun at ``tau``, the first before any: by halves, so nested little."""
+    if table.size1() == 1:
+        return table
+    half = table.size1() // 2
+    return ca.if_else(
+        tau >= table[half, 0], _row_at(tau, table[half:, :]), _row_at(tau, table[:half, :])
+    )
 
 
 def read(values: Raw) -> Raw:
