@@ -67,7 +67,7 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
     all, at a place that is as far along: what is left out goes back by no more than that either.
     """
     ring = np.vstack([points, points[:1]]) if closed else points
-    kept = {0, len(ring) - 1}
+    corners = {0, len(ring) - 1}
     open_pieces = [(0, len(ring) - 1)]
     while open_pieces:
         first, last = open_pieces.pop()
@@ -75,9 +75,9 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
             off = _missed(ring[first : last + 1])
             middle = first + 1 + int(np.argmax(off))
             if off.max() > within:
-                kept.add(middle)
+                corners.add(middle)
                 open_pieces += [(first, middle), (middle, last)]
-    return ring[sorted(kept)[: -1 if closed else None]]
+    return ring[sorted(corners)[: -1 if closed else None]]
 
 
 def _missed(points: Array) -> Array:
