@@ -128,6 +128,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/", "tests/guard/test_derived.py",
         ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
+        ("world/friction.py", "return max(phase.m for", "return min(phase.m for"),
         ("guard/counted.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
         ("guard/bounds.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
@@ -137,7 +138,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
-        ("world/friction.py", "return max(phase.m", "return min(phase.m"),
+        ("world/friction.py", "return max(phase.m * phase.mu", "return min(phase.m * phase.mu"),
         ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),

@@ -71,6 +71,15 @@ def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
     assert price.usable[1] == pytest.approx(1.5 - 10 / (2.7 * 100), rel=1e-9)
 
 
+def test_a_reference_that_drives_backwards_asks_for_as_much(loop):
+    asked = []
+    for speed in (0.7, -0.7):
+        of = loop("prox", {**ON, "reference.kind": "line", "reference.speed": speed})
+        asked.append(speed_price(of.scenario, of.setup.guard).asked)
+
+    assert asked[0] == asked[1] == (0.7, 0.0)
+
+
 NARROW = {"limits.v_u1": [1.0, 0.11], "limits.v_u2": [0.8, 0.105]}
 """The reference asks for 0.1 rad/s, and the guard leaves 0.11 - 15 * 0.01/4.86."""
 

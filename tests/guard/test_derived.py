@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -22,6 +23,14 @@ def test_dbar_counts_the_model_s_share_on_each_axis() -> None:
     alone, more = derived(), derived(**{"guard.d_model": [7.0, 3.0]})
 
     assert more.dbar == pytest.approx((alone.dbar[0] + 7.0, alone.dbar[1] + 3.0))
+
+
+def test_a_slope_pulls_at_the_heaviest_robot_of_the_run() -> None:
+    slope = {"slope.angle": 0.05}
+    light, heavy = derived(**slope, changes=[]), derived(**slope, changes=[{"t": 9.0, "m": 70.0}])
+    pull = 9.81 * math.sin(0.05)
+
+    assert heavy.dbar[0] - light.dbar[0] == pytest.approx((70.0 - 50.0) * pull, rel=1e-9)
 
 
 def test_friction_above_the_push_makes_nothing_faster_before_the_first_command() -> None:
