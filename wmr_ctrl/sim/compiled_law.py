@@ -64,9 +64,10 @@ class CompiledLaw:
         return self.torque
 
     def _refuse(self) -> NoReturn:
-        bad = [name for name, value in zip(self._names, self.u, strict=True)
-               if not abs(value) <= LARGEST]  # fmt: skip
-        what = ", ".join(f"{name} = {self.u[self._names.index(name)]:g}" for name in bad)
+        given = zip(self._names, self.u, strict=True)
+        what = ", ".join(
+            f"{name} = {value:g}" for name, value in given if not abs(value) <= LARGEST
+        )
         raise ArgumentError(
             f"the sample is refused: {what or 'its torques or memory'} must be finite and at most "
             f"{LARGEST:g} in size. The torques are 0 and the law's memory is as it was; check "
