@@ -149,6 +149,8 @@ def test_the_battery_runs_clean_under_sanitizers(tmp_path):
         "-x",
         "-n",
         "0",
+        "--timeout",
+        "600",
         "-p",
         "no:cacheprovider",
         "-k",

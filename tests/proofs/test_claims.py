@@ -58,6 +58,14 @@ def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
     assert seen[-1] == pytest.approx(1)
 
 
+def test_two_processes_find_what_one_does() -> None:
+    one, two = (prove(["eq03", "lemma.log"], processes=count) for count in (1, 2))
+
+    assert [(e.id, e.verdict, e.graph_hash) for e in one.entries] == [
+        (e.id, e.verdict, e.graph_hash) for e in two.entries
+    ]
+
+
 def test_a_beginning_selects_all_of_its_kind() -> None:
     assert set(selected(["authority"])) >= {"authority.shape", "authority.limit"}
     with pytest.raises(UnknownNameError, match="eq25"):

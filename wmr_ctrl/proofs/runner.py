@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import threading
 import time
@@ -95,9 +97,28 @@ def _entries(ids: Sequence[str], processes: int) -> Iterable[Entry]:
         yield from map(check_id, ids)
         return
     context = get_context("spawn")
-    with ProcessPoolExecutor(processes, context, follow_parent, (os.getpid(),)) as pool:
-        for future in as_completed([pool.submit(check_id, key) for key in ids]):
+    with ProcessPoolExecutor(processes, context, _begin, (os.getpid(),)) as pool:
+        for future in as_completed([pool.submit(_checked, key) for key in ids]):
             yield future.result()
+
+
+def _begin(parent: int) -> None:
+    """Set up a process that works: it ends with its parent, and its solvers know one thread only.
+
+    What they no longer need is collected between two entries: a collection in the thread that
+    watches the parent would free a solver's terms while the solver works on them. And at its end,
+    with all results sent, the process leaves at once: taking down the solvers' libraries while that
+    thread wakes now and then could last for ever, and the parent would wait for it.
+    """
+    gc.disable()
+    atexit.register(os._exit, 0)
+    follow_parent(parent)
+
+
+def _checked(key: str) -> Entry:
+    entry = check_id(key)
+    gc.collect()
+    return entry
 
 
 def follow_parent(parent: int) -> None:
