@@ -7,7 +7,6 @@ import os
 import shutil
 import subprocess
 import sys
-import threading
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +16,11 @@ import pytest
 from wmr_ctrl.codegen.cache_folder import cache_dir
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
-ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
+ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")
+"""Without symbols, as FMUs are linked: zig compiles the C library of a platform once with them and
+once without, and that of Windows takes more than a minute of a processor."""
+SIMD128 = ("-Xclang", "-target-feature", "-Xclang", "+simd128")
+"""Vectors of WebAssembly for what is compiled: for -msimd128 zig builds its C library anew."""
 QEMU = ("qemu-aarch64", "qemu-aarch64-static")
 WINE = ("wine64", "/usr/lib/wine/wine64")
 NODE = ("node", "nodejs")
@@ -26,7 +29,6 @@ ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
 ARM = "aarch64-linux-gnu.2.17" if ARM_LIBRARIES.is_dir() else "aarch64-linux-musl"
 """Without that library zig compiles one of its own into the program, for most of a minute."""
 BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}
-WINE_SETS_UP = threading.Lock()
 
 
 def where(*names: str) -> str:
@@ -69,23 +71,16 @@ def processor() -> set[str]:
 
 @lru_cache
 def wine() -> dict[str, str]:
-    """Environment in which wine keeps its files in the tests' cache, where they are set up by now.
+    """Environment in which wine runs a program at once, with a folder of the tests' cache as home.
 
-    Setting up takes a minute of a processor and 700 MB, so all tests share it. Two programs that
-    start wine at the same time in an empty folder both set it up, and then one of them may die: so
-    it is done here, by one thread of one process, before any of them runs.
+    Setting up a Windows takes wine a minute of a processor and 700 MB: the stamp says that there
+    is nothing to bring up to date. Programs for the command line need none of it, since in the
+    mode that serves for setting up, libraries come from where wine itself is installed.
     """
-    import fcntl
-
     home = cache_dir() / "wine"
-    home.mkdir(parents=True, exist_ok=True)
-    own = {"WINEDEBUG": "-all", "HOME": str(home), "WINEPREFIX": str(home / "prefix")}
-    with WINE_SETS_UP, (home / "lock").open("w", encoding="utf-8") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (ready := home / "ready").exists():
-            subprocess.run(
-                [where(*WINE), "wineboot", "-i"],
-                capture_output=True, timeout=300, check=False, env={**os.environ, **own},
-            )  # fmt: skip
-            ready.touch()
-    return own
+    prefix = home / "prefix"
+    prefix.mkdir(parents=True, exist_ok=True)
+    (prefix / ".update-timestamp").write_text("disable\n", encoding="utf-8")
+    return {
+        "WINEDEBUG": "-all", "HOME": str(home), "WINEPREFIX": str(prefix), "WINEBOOTSTRAPMODE": "1"
+    }  # fmt: skip

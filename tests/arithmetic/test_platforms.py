@@ -15,6 +15,7 @@ from tests.compilers import (
     FLAGS,
     NODE,
     QEMU,
+    SIMD128,
     WINE,
     ZIG,
     compile_in,
@@ -84,7 +85,7 @@ def test_windows_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lanes", [(), ("-DWMR_LANES=2", "-msimd128")], ids=["one", "simd128"])
+@pytest.mark.parametrize("lanes", [(), ("-DWMR_LANES=2", *SIMD128)], ids=["one", "simd128"])
 def test_webassembly_gives_the_same_bits(lanes: tuple[str, ...], tmp_path: Path) -> None:
     node = where(*NODE)
     target = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-Wl,--export=hash_of", "-O2")

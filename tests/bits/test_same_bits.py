@@ -9,7 +9,7 @@ import pytest
 
 from tests.bits.cases import CASES, SEED, bits_of, case, different
 from tests.bits.platforms import HERE, Platform, differences
-from tests.compilers import ARM, NODE, QEMU, WINE, ZIG
+from tests.compilers import ARM, NODE, QEMU, SIMD128, WINE, ZIG
 from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
@@ -45,7 +45,7 @@ ELSEWHERE = (
     Platform("aarch64 2 lanes", BOARD, 2, QEMU),
     Platform("windows", WINDOWS, 0, WINE, suffix=".exe"),
     Platform("wasm", WASM, 0, NODE, HERE / "run.mjs"),
-    Platform("wasm 2 lanes", (*WASM, "-msimd128"), 2, NODE, HERE / "run.mjs"),
+    Platform("wasm 2 lanes", (*WASM, *SIMD128), 2, NODE, HERE / "run.mjs"),
 )
 QUICK = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[6])
 EVERYWHERE = HERE_NOW + ELSEWHERE

@@ -161,7 +161,10 @@ def stepped(folder, target, suffix, run, what="plant"):
         archive.extract(name, folder)
     program = folder / f"step{suffix}"
     source = str(fmu_dir() / "examples" / "fmi2_step.c")
-    command = [*ZIG, "-target", f"{target}-gnu", "-I", str(HEADERS), "-o", str(program), source]
+    triple = targets.targets_of(target)[0].triple
+    # The platform as the FMU has it, unsanitised: zig builds no second runtime for the program.
+    own = ("-target", triple, "-fno-sanitize=undefined", "-I", str(HEADERS))
+    command = [*ZIG, *own, "-o", str(program), source]
     compile_in(folder, command)
     described = read_model_description(str(path), validate=False)
     refs = {v.name: str(v.valueReference) for v in described.modelVariables}
