@@ -7,7 +7,8 @@ the operations that only one side needs; if those are worth a branch they move i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 
 from wmr_ctrl.codegen.items import IfElse, Item, Operation, ordered, values
 from wmr_ctrl.model.graph import SELECT, Graph
@@ -24,42 +25,32 @@ def branched(
     With ``worth`` 1 nothing is computed that is not asked for.
     """
     outside, items = frozenset(needed), list(items)
-    while True:
+    while _cost(items) >= worth:
         scope = _Scope(graph, items, outside)
         candidates = [_Branch(graph, scope, condition, worth) for condition in scope.choices]
         best = max(candidates, key=lambda item: item.cost, default=None)
         if best is None or best.cost < worth:
-            return items
+            break
         items = ordered(best.contracted())
+    return items
 
 
 class _Scope:
-    """Items in order, who makes and who reads each value, the choices on each condition.
+    """Items in order, who makes each value and how often it is read, the choices by conditions.
 
-    ``outside`` are the values that are read outside of it.
+    ``kept`` are the items that make a value which is read outside of it; ``uses`` counts each
+    reader of an item once for each value that it reads.
     """
 
     def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
-        self.items, self.outside = items, outside
+        self.items = items
         self.position = {item: place for place, item in enumerate(items)}
         self.maker = {number: item for item in items for number in item.defines}
-        self.users: dict[int, list[Item]] = {}
-        for item in items:
-            for number in item.reads:
-                self.users.setdefault(number, []).append(item)
+        self.kept = {item for number, item in self.maker.items() if number in outside}
+        self.uses = Counter(
+            self.maker[number] for item in items for number in item.reads if number in self.maker
+        )
         self.choices = _choices(graph, items)
-
-    def dependents(self, start: Item, last: int) -> Iterator[Item]:
-        """What needs an item, as far as position ``last``."""
-        waiting, known = [start], {start}
-        while waiting:
-            item = waiting.pop()
-            for number in item.defines:
-                for user in self.users.get(number, ()):
-                    if user not in known and self.position[user] <= last:
-                        known.add(user)
-                        waiting.append(user)
-                        yield user
 
 
 def _choices(graph: Graph, items: Iterable[Item]) -> dict[int, list[Operation]]:
@@ -105,41 +96,41 @@ class _Branch:
 
     def _independent_choices(self) -> list[Operation]:
         """Choices on the condition none of which depends on another."""
-        listed = self.scope.choices[self.condition]
-        last = self.scope.position[listed[-1]]
-        chosen: list[Operation] = []
+        listed, position = self.scope.choices[self.condition], self.scope.position
+        first, last = position[listed[0]], position[listed[-1]]
+        own: set[Item] = set(listed)
         dependent: set[Item] = set()
-        for item in listed:
-            if item not in dependent:
-                chosen.append(item)
-                dependent.update(
-                    self.scope.dependents(item, last) if item is not listed[-1] else ()
-                )
-        return chosen
+        made: set[int] = set()  # by choices, and by what depends on them
+        for item in self.scope.items[first : last + 1]:
+            if not made.isdisjoint(item.reads):
+                dependent.add(item)
+            if item in own or item in dependent:
+                made.update(item.defines)
+        return [item for item in listed if item not in dependent]
 
     def _cone(self, side: int) -> list[Item]:
-        """Items that nothing needs but this side of the choices, in order."""
-        inside: set[Item] = set()
+        """Items that nothing needs but this side of the choices, in order.
+
+        An item is one of them with the last of its readers.
+        """
+        scope, left = self.scope, dict[Item, int]()
+        inside: list[Item] = []
         choices = set(self.choices)
-        waiting = self._arms(side)
+        waiting = self._read_on_one_side(side)
         while waiting:
-            item = self.scope.maker.get(waiting.pop())
-            if item is None or item in inside or item in choices:
+            item = scope.maker.get(waiting.pop())
+            if item is None or item in choices or item in scope.kept:
                 continue
-            if all(self._only(number, side, inside, choices) for number in item.defines):
-                inside.add(item)
+            left[item] = left.get(item, scope.uses[item]) - 1
+            if left[item] == 0:
+                inside.append(item)
                 waiting.extend(item.reads)
-        return sorted(inside, key=self.scope.position.__getitem__)
+        return sorted(inside, key=scope.position.__getitem__)
 
-    def _only(self, number: int, side: int, inside: set[Item], choices: set[Operation]) -> bool:
-        return number not in self.scope.outside and all(
-            user in inside or (user in choices and self._on_side(user, number, side))
-            for user in self.scope.users.get(number, ())
-        )
-
-    def _on_side(self, choice: Item, number: int, side: int) -> bool:
-        operands = self.graph.nodes[choice.defines[0]].operands
-        return all((operand == number) <= (place == side) for place, operand in enumerate(operands))
+    def _read_on_one_side(self, side: int) -> list[int]:
+        """What choices read there and nowhere else, once for each of them."""
+        read = (self.graph.nodes[item.node].operands for item in self.choices)
+        return [operands[side] for operands in read if operands.count(operands[side]) == 1]
 
 
 def _cost(items: Iterable[Item]) -> int:
