@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import casadi as ca
 import pytest
 
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.methods import smt
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
@@ -81,6 +84,34 @@ def test_z3_leaves_a_claim_open_whose_hypotheses_contradict_each_other() -> None
     nonsense = about("x", lambda x: ([above(x, 5)], [above(x), above(-x)]))
 
     assert Z3().decide(nonsense).verdict == "OPEN"
+
+
+def test_a_step_that_does_not_follow_is_no_help() -> None:
+    claim = about("x", lambda x: ([equal(x)], [at_least(x)]))
+    stepped = replace(claim, steps=(at_least(-claim.symbols["x"]),))
+
+    assert Z3().decide(stepped).verdict == "REFUTED"
+
+
+def test_a_root_in_a_step_is_not_taken_for_one_in_the_goal() -> None:
+    claim = about("x y", lambda x, y: ([equal(ca.sqrt(x), 2)], [equal(y, 4), at_least(x)]))
+    stepped = replace(claim, steps=(equal(ca.sqrt(claim.symbols["y"]), 2),))
+
+    assert Z3().decide(stepped).verdict == "REFUTED"
+
+
+def test_steps_are_no_part_of_what_is_claimed() -> None:
+    stepped = replace(SQUARE, steps=(above(SQUARE.symbols["x"]),))
+
+    assert Z3().decide(stepped).verdict == "PROVED"
+    assert stepped.graph.digest == SQUARE.graph.digest
+
+
+def test_a_query_that_takes_too_long_by_the_clock_stays_open(monkeypatch) -> None:
+    slow = next(claim for claim in all_claims() if claim.id == "strict.falls")
+    monkeypatch.setattr(smt, "LONGEST", 1)
+
+    assert slow.method.decide(slow.statement(1.0)).verdict == "OPEN"
 
 
 def test_ring_requires_its_cases_to_lie_inside_the_hypotheses() -> None:

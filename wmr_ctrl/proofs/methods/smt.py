@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import atan2
 from typing import Any
@@ -18,6 +18,13 @@ from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk
+
+HASTE = ((None, 0.2), (3, 1), (None, 1), (1, 1), (6, 1))
+"""Ways to ask in haste: facts that join a query at a time (None: all at once), and the work on it
+in millions of z3's units.
+"""
+LONGEST = 600_000
+"""Milliseconds for one query by the clock: z3 does not always keep to its own units of work."""
 
 
 class TermArithmetic:
@@ -146,11 +153,15 @@ def decide(statement: Statement, method: Z3) -> Finding:
 
     REFUTED by an exact point.
     """
+    known = first_violation(statement, method.points)
+    if known is not None:
+        return Finding(REFUTED, {"points tried": len(method.points)}, known)
     try:
         problem = posed(statement)
+        shown = _shown(statement, problem.terms, method)
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
-    answers = [_ask(problem.base, wrong, method) for wrong in problem.wrong]
+    answers = [_ask(problem.base, wrong, method, shown) for wrong in problem.wrong]
     evidence = {
         "queries": len(answers),
         "z3": " ".join(sorted({str(answer) for answer, _ in answers})),
@@ -158,9 +169,21 @@ def decide(statement: Statement, method: Z3) -> Finding:
     if all(answer == z3.unsat for answer, _ in answers):
         return _unless_undefined(statement, problem, method, evidence)
     models = [model for _, model in answers if model is not None]
-    tried = [*method.points, *(p for m in models for p in _points(statement, problem.terms, m))]
+    tried = (point for model in models for point in _points(statement, problem.terms, model))
     point = first_violation(statement, tried)
     return Finding(OPEN if point is None else REFUTED, evidence, point)
+
+
+def _shown(statement: Statement, terms: TermArithmetic, method: Z3) -> list[Any]:
+    """The steps that follow from the hypotheses and from those before; no verdict rests on more."""
+    shown: list[Any] = []
+    if not statement.steps:
+        return shown
+    problem = posed(replace(statement, goals=statement.steps), terms)
+    for wrong in problem.wrong:
+        if _ask(problem.base, wrong, method, shown)[0] == z3.unsat:
+            shown.append(z3.Not(wrong))
+    return shown
 
 
 @dataclass(frozen=True)
@@ -173,9 +196,12 @@ class Problem:
     undefined: list[Any]
 
 
-def posed(statement: Statement) -> Problem:
-    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable."""
-    terms = TermArithmetic()
+def posed(statement: Statement, terms: TermArithmetic | None = None) -> Problem:
+    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable.
+
+    ``terms`` of another statement, where both are to mean the same by the same names.
+    """
+    terms = terms or TermArithmetic()
     walk = Walk(statement.graph, terms, lambda _: False)
     values = walk.outputs()
     goals = len(statement.goals)
@@ -210,12 +236,55 @@ def _unless_vacuous(
     return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
 
 
-def _ask(base: list[Any], extra: Any, method: Z3) -> tuple[Any, Any]:
-    solver = z3.Solver()
-    solver.set("rlimit", 1_000_000 * method.effort)
-    solver.add(*base, extra)
-    answer = solver.check()
-    return answer, solver.model() if answer == z3.sat else None
+def _ask(base: Sequence[Any], extra: Any, method: Z3, shown: Sequence[Any] = ()) -> tuple[Any, Any]:
+    """z3's answer and its model; in a context of its own, so that no earlier query changes it.
+
+    In haste with as few facts as it takes, which is most often enough; else with all.
+    """
+    own = z3.Context()
+    given, also = ([term.translate(own) for term in terms] for terms in (base, shown))
+    query = Query(given, also, extra.translate(own))
+    for count, effort in (*HASTE, (None, method.effort)):
+        answer, model = query.asked_with(count, min(effort, method.effort))
+        if answer != z3.unknown:
+            break
+    return answer, model and model.translate(extra.ctx)
+
+
+@dataclass(frozen=True)
+class Query:
+    """Whether ``extra`` can be true together with all that is given and all that was shown."""
+
+    given: Sequence[Any]
+    shown: Sequence[Any]
+    extra: Any
+
+    def asked(self, facts: Sequence[Any], effort: float) -> tuple[Any, Any]:
+        """z3's answer to some of the facts, and its model if there is one."""
+        solver = z3.Solver(ctx=self.extra.ctx)
+        solver.set("rlimit", int(1_000_000 * effort))
+        solver.set("timeout", LONGEST)
+        solver.add(*facts, self.extra)
+        answer = solver.check()
+        return answer, solver.model() if answer == z3.sat else None
+
+    def asked_with(self, count: int | None, effort: float) -> tuple[Any, Any]:
+        """The same with few facts: those alone that models of fewer do not keep, ``count`` a time.
+
+        Most facts about roundings are of no use to a goal, and each of them costs much.
+        """
+        if count is None:
+            return self.asked([*self.shown, *self.given], effort)
+        shortest = sorted(self.given, key=lambda fact: len(fact.sexpr()))
+        left, few = dict(enumerate([*self.shown, *shortest])), list[Any]()
+        while True:
+            answer, model = self.asked(few, effort)
+            if model is None:
+                return answer, None
+            broken = [k for k, fact in left.items() if not z3.is_true(model.eval(fact, True))]
+            if not broken:
+                return answer, model
+            few += [left.pop(k) for k in broken[:count]]
 
 
 def _relation(kind: str, value: Any) -> Any:
