@@ -100,6 +100,11 @@ def test_a_root_in_a_step_is_not_taken_for_one_in_the_goal() -> None:
     assert Z3().decide(stepped).verdict == "REFUTED"
 
 
+def test_a_point_that_lacks_an_input_is_not_tried() -> None:
+    assert Z3(points=(at(x=1),)).decide(SQUARE).verdict == "PROVED"
+    assert Z3(points=(at(x=1),)).decide(WRONG_SQUARE).verdict == "REFUTED"
+
+
 def test_steps_are_no_part_of_what_is_claimed() -> None:
     stepped = replace(SQUARE, steps=(above(SQUARE.symbols["x"]),))
 

@@ -159,7 +159,9 @@ def _summed(
         *_near(late, rest, _units(3, 2) * size + _units(2) * slow),
         *_near(late, aim - held_back, lost + _units(4, 4) * size + _units(2) * slow),
         at_least(a.late * a.reach, slow), at_least(full, aim),
-        at_least(aim + 8 * UNIT * full, can), at_least(aim + 16 * UNIT * full, held_back),
+        at_least(aim + 8 * UNIT * full, can),
+        at_least((1 + 2 * UNIT) * can + 3 * UNIT * net, a["brakes"] + a.net),
+        at_least(aim + 16 * UNIT * full, held_back),
         at_least(full * (1 + 64 * UNIT), held_back + size),
     )  # fmt: skip
 

@@ -47,6 +47,8 @@ class PointArithmetic:
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Exact where every operand is rational and the operation keeps it so."""
+        if all(type(a) is arb for a in args):
+            return _of_balls(op, args)
         if any(isinstance(a, Pi) for a in args):
             args = [_unwrap(op, a) for a in args]
         if all(isinstance(a, Fraction) for a in args):
@@ -127,7 +129,7 @@ def sign_of(value: Any) -> int:
     """-1, 0 or 1, certain."""
     if isinstance(value, Pi):
         value = value.times
-    if isinstance(value, Fraction):
+    if type(value) is not arb and isinstance(value, Fraction):
         return (value > 0) - (value < 0)
     if value > 0:
         return 1
@@ -139,6 +141,8 @@ def sign_of(value: Any) -> int:
 
 
 def _ball(value: Any) -> arb:
+    if type(value) is arb:
+        return value
     if isinstance(value, Pi):
         return value.ball()
     return arb(fmpq(value.numerator, value.denominator)) if isinstance(value, Fraction) else value
@@ -179,7 +183,10 @@ def _in_balls(op: str, args: list[Any]) -> Any:
     if op in ("sin", "cos") and isinstance(args[0], Pi):
         quarter = int(2 * args[0].times) + (1 if op == "cos" else 0)
         return Fraction((0, 1, 0, -1)[quarter % 4])
-    args = [_ball(a) for a in args]
+    return _of_balls(op, [_ball(a) for a in args])
+
+
+def _of_balls(op: str, args: list[arb]) -> Any:
     if op not in _BALLS:
         raise UndecidedError(f"operation {op} has no exact evaluation")
     found = _BALLS[op](*args)

@@ -153,25 +153,34 @@ def decide(statement: Statement, method: Z3) -> Finding:
 
     REFUTED by an exact point.
     """
-    known = first_violation(statement, method.points)
-    if known is not None:
-        return Finding(REFUTED, {"points tried": len(method.points)}, known)
+    known = _fitting(statement, method.points)
+    found = first_violation(statement, known)
+    if found is not None:
+        return Finding(REFUTED, {"points tried": len(known)}, found)
     try:
         problem = posed(statement)
         shown = _shown(statement, problem.terms, method)
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
-    answers = [_ask(problem.base, wrong, method, shown) for wrong in problem.wrong]
-    evidence = {
-        "queries": len(answers),
-        "z3": " ".join(sorted({str(answer) for answer, _ in answers})),
-    }
-    if all(answer == z3.unsat for answer, _ in answers):
-        return _unless_undefined(statement, problem, method, evidence)
-    models = [model for _, model in answers if model is not None]
-    tried = (point for model in models for point in _points(statement, problem.terms, model))
-    point = first_violation(statement, tried)
-    return Finding(OPEN if point is None else REFUTED, evidence, point)
+    answers: list[str] = []
+    for wrong in problem.wrong:
+        answer, model = _ask(problem.base, wrong, method, shown)
+        answers.append(str(answer))
+        found = first_violation(statement, _points(statement, problem.terms, model))
+        if found is not None:
+            return Finding(REFUTED, _evidence(answers), found)
+    if set(answers) <= {"unsat"}:
+        return _unless_undefined(statement, problem, method, _evidence(answers))
+    return Finding(OPEN, _evidence(answers))
+
+
+def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
+    """Those of the points that have all that the graph reads."""
+    return [point for point in points if set(statement.graph.input_names) <= set(point)]
+
+
+def _evidence(answers: Sequence[str]) -> dict[str, Any]:
+    return {"queries": len(answers), "z3": " ".join(sorted(set(answers)))}
 
 
 def _shown(statement: Statement, terms: TermArithmetic, method: Z3) -> list[Any]:
@@ -231,7 +240,7 @@ def _unless_vacuous(
     answer, model = _ask(base, z3.BoolVal(True), method)
     if answer != z3.sat:
         return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
-    tried = [*method.points, *_points(statement, arithmetic, model)]
+    tried = [*_fitting(statement, method.points), *_points(statement, arithmetic, model)]
     exact = (point for point in tried if judge(statement, point)[0])
     return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
 
@@ -292,7 +301,9 @@ def _relation(kind: str, value: Any) -> Any:
 
 
 def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
-    """A model as rational points; angles from their sine and cosine."""
+    """A model, if there is one, as rational points; angles from their sine and cosine."""
+    if model is None:
+        return
     term = {
         name: model.eval(variable, model_completion=True)
         for name, variable in arithmetic.inputs.items()
