@@ -71,8 +71,7 @@ def test_the_index_names_each_notebook_once():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_a_notebook_runs(path, monkeypatch):
-    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", "1")  # notebooks make many runs
+def test_a_notebook_runs(path):
     render = pytest.importorskip("analysis.render", reason="needs the extra notebooks")
     book = render.executed(path)
 

@@ -120,7 +120,6 @@ def run_python(page: Page, block, names: dict[str, object], printed: io.StringIO
 def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     """All blocks of a page in order, in a folder of their own."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("WMR_CTRL_OPTIMIZE", "1")  # pages make many runs
     names: dict[str, object] = {"__name__": "__main__"}
     for block in page.blocks:
         if block.file:
