@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -34,6 +34,21 @@ def pytest_configure(config: pytest.Config) -> None:
     cache = getattr(config, "cache", None)
     if cache is not None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
+
+
+@pytest.fixture(scope="module")
+def one_set_of_instructions() -> Iterator[None]:
+    """Loops for lanes are compiled for one set of vector instructions, in a third of the time.
+
+    For files with many loops of their own. Sets are compared with single runs, each by its name,
+    in tests/bits, tests/sim/test_batch.py and, for every effect, tests/world/test_structures.py.
+    """
+    from wmr_ctrl.codegen import build
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "vector_sets", lambda: (build.BASELINE,))
+        patch.setattr(build, "_PROGRAMS", {})  # others' libraries have every set
+        yield
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -7,7 +7,7 @@ meet, with and without the guard. `wmr-ctrl reproduce` runs the whole plan.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import combinations
 
 import pytest
@@ -26,10 +26,11 @@ from wmr_ctrl.campaign.comparison import (
     run_comparison,
     swept,
 )
-from wmr_ctrl.codegen import build
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.sim.ready import Ready
+
+pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]
@@ -93,15 +94,6 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
 
 
 # -- real runs ----------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module", autouse=True)
-def one_set_of_instructions() -> Iterator[None]:
-    """Some fifty loops are compiled for each set: tests/bits and tests/world compare the sets."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(build, "vector_sets", lambda: (build.BASELINE,))
-        patch.setattr(build, "_PROGRAMS", {})  # others' libraries have them all
-        yield
 
 
 @pytest.fixture(

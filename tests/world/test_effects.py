@@ -45,6 +45,8 @@ from wmr_ctrl.world.slope import SLOPE
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN
 from wmr_ctrl.world.wheels import WHEELS
 
+pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
+
 Changes = Mapping[str, Any]
 Rows = list[dict[str, list[float]]]
 
