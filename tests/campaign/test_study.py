@@ -106,11 +106,23 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
         ({"grids": {}}, UnknownNameError, "grid"),
         ({"laws": []}, ArgumentError, "laws"),
         ({"guard": ["yes"]}, ArgumentError, "guard"),
+        (
+            {"grid": {"guard.enabled": [False, True]}},
+            ArgumentError,
+            r"\[grid\].*`guard` at the top",
+        ),
+        ({"guard": [True], "set": {"guard.enabled": False}}, ArgumentError, r"\[set\].*`guard`"),
     ],
 )
 def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
     with pytest.raises(error, match=words):
         plan_of({**PLAN, **changes})
+
+
+def test_the_guard_that_is_set_for_all_runs_is_what_they_have():
+    plan = plan_of({"scenario": "safe-simulation", "set": {"guard": {"enabled": False}}})
+
+    assert [plan.case(cell).guard for cell in range(plan.cells)] == [False]
 
 
 def test_a_file_may_nest_or_quote_its_keys(tmp_path):

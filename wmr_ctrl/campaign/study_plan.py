@@ -33,6 +33,7 @@ KEYS = (
     "scenario", "laws", "guard", "plant", "seeds", "set", "grid", "sample", "stop", "figures",
     "chunk",
 )  # fmt: skip
+ENABLED = "guard.enabled"
 CHUNKS = {"ode": 1024, "mujoco": 32}
 """Runs between two times that results are written: some minutes at most."""
 MOST_RUNS = 10**9
@@ -146,20 +147,22 @@ def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
     for key in raw:
         if key not in KEYS:
             raise UnknownNameError("key of a plan", key, KEYS)
-    scenario = _scenario(raw.get("scenario", "paper-simulation"), folder)
     fixed = flat(_table(raw, "set"))
+    scenario = override(_scenario(raw.get("scenario", "paper-simulation"), folder), fixed)
     grid = {key: _values(key, values) for key, values in flat(_table(raw, "grid")).items()}
     sample = _sample(_table(raw, "sample")) if "sample" in raw else None
     first, count = _seeds(raw.get("seeds", 20))
     plant = _plant(raw.get("plant", "ode"))
     figures = _figures(raw.get("figures"), plant)
     plan = StudyPlan(
-        override(scenario, fixed), _texts(raw.get("laws", ["nn"])),
+        scenario, _texts(raw.get("laws", ["nn"])),
         _guards(raw.get("guard", [scenario.guard.enabled])), plant, first, count, {}, grid, sample,
         _stop(raw.get("stop"), figures), figures,
         _whole(raw.get("chunk", CHUNKS[plant]), "chunk", 1),
     )  # fmt: skip
-    _check_places({"set": fixed, "grid": grid, "sample": sample.ranges if sample else {}})
+    varied = {"grid": grid, "sample": sample.ranges if sample else {}}
+    _check_places({"set": fixed, **varied})
+    _check_guard({**varied, **({"set": fixed} if "guard" in raw else {})})
     _check(plan)
     return plan
 
@@ -172,6 +175,16 @@ def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
             raise ArgumentError(
                 f"{', '.join(double)}: it stands in [{one}] and in [{two}]. Give it in one, "
                 "not both: [set] is for what all runs share, [grid] and [sample] for what differs."
+            )
+
+
+def _check_guard(tables: Mapping[str, Iterable[str]]) -> None:
+    """Raise where a table would say again, or otherwise, what the plan's `guard` says."""
+    for name, keys in tables.items():
+        if ENABLED in keys:
+            raise ArgumentError(
+                f"{ENABLED} stands in [{name}]; in a plan `guard` at the top says which runs have "
+                "it, such as guard = [false, true]."
             )
 
 
