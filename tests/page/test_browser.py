@@ -113,6 +113,24 @@ def test_a_link_holds_the_settings(opened: tuple[Browser, str]) -> None:
     assert one.said == []
 
 
+def test_a_link_that_asks_for_too_much_is_followed_and_told_so(
+    opened: tuple[Browser, str],
+) -> None:
+    one, url = opened
+    notice = "document.getElementById('notices').textContent"
+
+    show(one, url, "laws=mb.moon&period=0.03&set=robot.m:70,robot.mu:1e99")
+    one.value("wmr.page.draw()")
+    said = str(one.value(notice))
+    assert one.value("wmr.page.fleet.value('robot.m')") == 70
+    assert all(part in said for part in ("laws=moon", "period=0.03", "set=robot.mu:1e99"))
+    assert not any(part in said for part in ("laws=mb", "robot.m:70"))
+
+    show(one, url, "scene=slow&laws=mb&guard=1&period=5e-2&set=robot.m:70.0")
+    one.value("wmr.page.draw()")
+    assert "link" not in str(one.value(notice))
+
+
 @pytest.mark.parametrize(
     "link",
     [

@@ -24,7 +24,7 @@ function asked(told, text) {
   const guard = given.has("guard") ? given.get("guard") === "1" : own.guard;
   const wanted = findStand(scene, guard, number("period", own.period), number("delay", own.delay));
   const laws = inOrder(told, (given.get("laws") ?? "").split("."));
-  return {
+  const found = {
     scene,
     stand: wanted && !wanted.refusal ? wanted : own,
     laws: laws.length ? laws : inOrder(told, scene.shown),
@@ -32,6 +32,24 @@ function asked(told, text) {
     speed: Math.min(Math.max(number("speed", scene.speed), 0.05), 20),
     overrides: movedNumbers(told, scene, given.get("set") ?? ""),
   };
+  return { ...found, unmet: unmet(given, found) };
+}
+
+// What a link asks for in vain, in its own words.
+function unmet(given, { scene, stand, laws, seed, speed, overrides }) {
+  const set = Object.entries(overrides).map(([name, value]) => `${name}:${value}`);
+  const met = { scene: [scene.key], laws, guard: [Number(stand.guard)], period: [stand.period], delay: [stand.delay], seed: [seed], speed: [speed], set };
+  const isMet = (name, part) => (met[name] ?? []).some((one) => plain(one) === plain(part));
+  const parts = [...given].flatMap(([name, text]) => text.split(SIGNS[name] ?? /$/).map((part) => [name, part]));
+  return parts.filter(([name, part]) => !isMet(name, part)).map(([name, part]) => `${name}=${part}`.slice(0, 60));
+}
+
+const SIGNS = { laws: ".", set: "," };
+
+// The same text for the same number, however it is written.
+function plain(part) {
+  const text = String(part), at = text.lastIndexOf(":") + 1, number = Number(text.slice(at) || NaN);
+  return Number.isFinite(number) ? text.slice(0, at) + number : text;
 }
 
 // Numbers of a link that the scenario's fields admit; the limits only where they go together.

@@ -59,6 +59,7 @@ class Page {
 
   open(wanted) {
     const { fleet } = this;
+    this.unmet = wanted.unmet;
     fleet.overrides = wanted.overrides;
     fleet.seed = wanted.seed;
     fleet.begin(wanted.scene, wanted.stand, wanted.laws);
@@ -321,6 +322,7 @@ class Page {
 
   notices() {
     const { fleet } = this, found = new Set(this.refused ? [`The guard stays as it was: ${this.refused}`] : []);
+    if (this.unmet.length) found.add(`The link asks for what cannot be had here, and was followed without it: ${this.unmet.slice(0, 3).join(", ")}${this.unmet.length > 3 ? " and more" : ""}.`);
     for (const member of fleet.members.values()) {
       const { feasible, least } = member.carried;
       if (!fleet.stand.guard) continue;
