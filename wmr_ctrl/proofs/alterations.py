@@ -66,8 +66,7 @@ def needs(claim: Claim, name: str) -> bool:
     found = (altered_statement(claim, name, change) for change in CHANGES.values())
     statements = [statement for statement in found if statement is not None]
     quick = hasty(claim.method)
-    bare = (replace(statement, steps=()) for statement in statements)
-    return any(_verdict(quick, statement) == REFUTED for statement in bare) or any(
+    return any(_verdict(quick, statement) == REFUTED for statement in statements) or any(
         fails(claim, statement) for statement in statements
     )
 

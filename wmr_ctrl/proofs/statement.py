@@ -51,9 +51,6 @@ class Statement:
     whatever value they have.  ``numbers`` are symbols with one value.  Each of the symbols named
     in ``computed`` is whatever the compiled text may compute for its expression, every operation
     rounded with a relative error of at most ``unit``.
-
-    ``steps`` are no part of what is claimed: a solver may show them first, one after the other, and
-    those that it shows it knows when it comes to the goals.
     """
 
     symbols: Mapping[str, ca.SX]
@@ -63,7 +60,6 @@ class Statement:
     numbers: Mapping[str, float] = field(default_factory=dict)
     computed: Mapping[str, ca.SX] = field(default_factory=dict)
     unit: float = UNIT
-    steps: tuple[Relation, ...] = ()
 
     @cached_property
     def graph(self) -> ProvedGraph:

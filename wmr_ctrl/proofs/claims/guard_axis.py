@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +10,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.guard import Bounds, clipped
 from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.methods.spec import Z3, Point
+from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
 
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
@@ -95,10 +95,9 @@ def z3_claim(
     hypotheses: str,
     statement: Callable[[float], Statement],
     premises: tuple[str, ...] = (),
-    points: Sequence[Point] = (),
 ) -> Claim:
-    """The entry ``family.name`` about the guard, for z3; ``points`` are tried first."""
-    key, method = f"{family}.{name}", Z3(effort=effort, points=points)
+    """The entry ``family.name`` about the guard, for z3."""
+    key, method = f"{family}.{name}", Z3(effort=effort)
     return Claim(
         key, (), OURS, claim, meaning, hypotheses, statement, method, "", premises, "guard"
     )

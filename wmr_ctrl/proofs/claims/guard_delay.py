@@ -12,7 +12,6 @@ from collections.abc import Callable
 import casadi as ca
 
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
 from wmr_ctrl.proofs.claims.guard_queue import CAPS, COMMANDS, FEASIBLE, THEME, late_claim
@@ -154,12 +153,6 @@ def _uncapped(_: float) -> Statement:
     return Statement(a.symbols, (goal,), given)
 
 
-FULL = at(
-    u1=1, y=2, nbar=0, f_speed=0, periods=2, sent=-1, dbar=0, f_min=0, period="1/2", M_min=1,
-    alpha=1, M_max="3/2", brake="1/4", delay=1,
-)  # fmt: skip
-"""Beyond the limit with the largest command back still under way."""
-
 CLAIMS = (
     late_claim(
         "caps",
@@ -270,7 +263,6 @@ CLAIMS = (
         "False: without the smaller cap a state can be reached that has no safe force.",
         FEASIBLE,
         _uncapped,
-        points=(FULL,),
     ),
     Claim(
         "guard.delay.lemma",

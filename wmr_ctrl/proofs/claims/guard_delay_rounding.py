@@ -13,14 +13,14 @@ from functools import partial
 import casadi as ca
 
 from wmr_ctrl.guard.delay import largest_force
-from wmr_ctrl.guard.guard import ceiling, clipped, floor, room
+from wmr_ctrl.guard.guard import clipped, floor
 from wmr_ctrl.proofs.claim import OURS, Claim
 from wmr_ctrl.proofs.claims.guard_delay_sums import LIBM, QUEUE, ROUNDS, late_claim
 from wmr_ctrl.proofs.claims.guard_queued_axis import READ, SPREAD, WHEELS, QueuedAxis
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Relation, Statement, at_least, symbols
+from wmr_ctrl.proofs.statement import Statement, at_least
 
 
 def _force(way: int, flip: float) -> Statement:
@@ -30,47 +30,14 @@ def _force(way: int, flip: float) -> Statement:
     cuts = {"brakes": b.braking, "largest": largest_force(b)}
     given = [*a.stated, *a.measured]
     if way > 0:
-        spare = 2 * a.kept * a.reach
-        given += [*a.arrives(way), at_least(a["brakes"], a.net + spare)]
+        room = 2 * a.kept * a.reach
+        given += [*a.arrives(way), at_least(a["brakes"], a.net + room)]
     else:
         cuts["lo"] = floor(a["y"], b, a.coming)
         given += [*a.capped(a["brakes"], a["largest"]), *a.arrives(way)]
         given += [a.safe(way, a["lo"]), a.room(flip * a["brakes"])]
-    t = symbols("left up")
-    computed = {
-        "hat": clipped(a["asked"], a["y"], b, a.coming),
-        "left": room(a["y"], b, a.coming), "up": ceiling(a["y"], b, a.coming),
-    }  # fmt: skip
-    steps = (_ahead if way > 0 else _back)(a, t["left"], t["up"])
-    return Statement(
-        {**a.symbols, **t}, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed,
-        steps=steps,
-    )  # fmt: skip
-
-
-def _ahead(a: QueuedAxis, left: ca.SX, up: ca.SX) -> tuple[Relation, ...]:
-    """What bounds the force: hi, whose room ends well below the limit."""
-    most = a["u1"] * (1 - 27 / 32 * a.kept) - a["arrived"]
-    slow = a.slope * (left + 12 * UNIT * ca.fabs(left)) + 4 * UNIT * a.reach
-    return (
-        at_least(up, a["hat"]), at_least(ca.fmax(most, -a["u1"] / 2), left),
-        at_least(ca.fmax(slow, a.net - a["brakes"]), up + a.net),
-    )  # fmt: skip
-
-
-def _back(a: QueuedAxis, left: ca.SX, up: ca.SX) -> tuple[Relation, ...]:
-    """The smaller of lo and hi; hi brakes at most, or where there is room it follows that.
-
-    Standing or going back, there is room; so hi itself is safe.
-    """
-    slow = a.slope * (1 - 8 * UNIT) * left - a.net - 4 * UNIT * a.reach
-    fastest = ca.fmax(a["f_speed"], a["v"] + 2 * a["nbar"])
-    least = a["u1"] * (a["share"] - 16 * UNIT) - a["ahead"] - fastest
-    return (
-        at_least(a["hat"], ca.fmin(a["lo"], up)), at_least(up, ca.fmin(a["largest"], -a["brakes"])),
-        at_least(ca.fmax(-left, up - ca.fmin(a["largest"], slow))),
-        at_least(ca.fmax(a["v"], left - least)), a.safe(-1, up),
-    )  # fmt: skip
+    computed = {"hat": clipped(a["asked"], a["y"], b, a.coming)}
+    return Statement(a.symbols, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed)
 
 
 def _clipped(asked: ca.SX, a: QueuedAxis) -> dict[str, ca.SX]:
@@ -114,65 +81,12 @@ def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
 
 
 def _largest(flip: float) -> Statement:
-    a, t = QueuedAxis(), symbols("each whole span held can")
+    a = QueuedAxis()
     both, off = _sum(a)
     off = (1 if flip > 0 else 0.1) * off
-    largest = largest_force(a.aimed)
-    each = _operand(largest, 0)
-    whole = _operand(each, 0)
-    parts = {"each": each, "whole": whole, "span": _operand(whole, 0), "held": _operand(whole, 1)}
-    can = _operand(_operand(a.aimed.braking, 1), 0)
-    computed = {"brakes": a.aimed.braking, "largest": largest, **parts, "can": can}
+    computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
     goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
-    return Statement(
-        {**a.symbols, **t}, goals, (*a.stated, *a.met), computed=computed,
-        steps=_summed(a, *t.values()),
-    )  # fmt: skip
-
-
-def _operand(expr: ca.SX, place: int) -> ca.SX:
-    """What the last operation of an expression reads; itself where there is no such operand."""
-    return expr.dep(place) if expr.n_dep() > place else expr
-
-
-def _summed(
-    a: QueuedAxis, each: ca.SX, whole: ca.SX, span: ca.SX, held: ca.SX, can: ca.SX
-) -> tuple[Relation, ...]:
-    """largest = each - net, each = whole/delay, whole = span - held: what rounding makes of each.
-
-    brakes = min(brake, can - net).  All times alpha, or alpha delay: a unit or so for each
-    operation, and what they add up to.
-    """
-    full, net, aim = a.reach * a["share"], ca.fabs(a.net), a.aim
-    held_back, rest = ca.fmax(a["brakes"] + a.net, 0), a["alpha"] * whole
-    parts, late = a.late * each, a.late * (a["largest"] + a.net)
-    size, slow = ca.fabs(rest), a.late * net
-    lost = _units(3) * (full + held_back) + _units(1) * net
-    return (
-        *_near(a["alpha"] * span, aim, _units(3) * full),
-        *_near(a["alpha"] * held, held_back, _units(3) * held_back + _units(1) * net),
-        *_near(rest, a["alpha"] * (span - held), _units(1) * size),
-        *_near(rest, aim - held_back, lost + _units(1) * size),
-        *_near(parts, rest, _units(2) * size),
-        *_near(a["largest"] + a.net, each, _units(1) * ca.fabs(each) + _units(2) * net),
-        *_near(late, parts, _units(1) * ca.fabs(parts) + _units(2) * slow),
-        *_near(late, rest, _units(3, 2) * size + _units(2) * slow),
-        *_near(late, aim - held_back, lost + _units(4, 4) * size + _units(2) * slow),
-        at_least(a.late * a.reach, slow), at_least(full, aim),
-        at_least(aim + 8 * UNIT * full, can),
-        at_least((1 + 2 * UNIT) * can + 3 * UNIT * net, a["brakes"] + a.net),
-        at_least(aim + 16 * UNIT * full, held_back),
-        at_least(full * (1 + 64 * UNIT), held_back + size),
-    )  # fmt: skip
-
-
-def _units(count: int, more: int = 1) -> float:
-    """So many units of rounding, and a little for their products."""
-    return UNIT * (count + more * 64 * UNIT)
-
-
-def _near(value: ca.SX, other: ca.SX, most: ca.SX) -> tuple[Relation, Relation]:
-    return at_least(most, value - other), at_least(most, other - value)
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
 
 
 def _caps(flip: float) -> Statement:

@@ -102,35 +102,20 @@ def _queue(way: int, axis: int, flip: float) -> Statement:
 
 
 def _both(axis: int, flip: float) -> Statement:
-    """One command more: both computed sums are at most what the largest command makes of them.
-
-    Steps: what it adds to both, that times its time, the sums with it, and what was counted before.
-    """
-    q, t = Queue(axis), symbols("push pull")
+    """One command more: both computed sums are at most what the largest command makes of them."""
+    q = Queue(axis)
     whole = q.sums(SENT)
     force, time = q.last
-    room = q["most"] + q.net + 3 * UNIT * ca.fabs(q.net)
+    most = q["counted"] + time * (q["most"] + q.net + 3 * UNIT * ca.fabs(q.net))
     grown = 1 + q["grown"] + (3 if flip > 0 else -9) * UNIT
     given = (
         *q.known("front", "rear", "counted"),
         *(at_least(q["most"], size) for size in (ca.fabs(q.net), force, -force)),
         at_least((1 + q["grown"]) * q["counted"], q["front"] + q["rear"]),
     )  # fmt: skip
-    pushed, added, sums = t["push"] + t["pull"], time * room, q["ahead"] + q["back"]
-    steps = (
-        at_least(_off(room), pushed), at_least(_off(added), time * pushed),
-        at_least(_off(q["front"] + q["rear"] + _off(time * pushed)), sums),
-        at_least(_off((1 + q["grown"]) * q["counted"]) + _off(_off(_off(added))), sums),
-    )  # fmt: skip
-    pushes = {"push": ca.fmax(force + q.net, 0), "pull": ca.fmax(q.net - force, 0)}
-    computed = {"ahead": whole.ahead, "back": whole.back, **pushes}
-    goal = at_least(grown * (q["counted"] + added), sums)
-    return Statement({**q.symbols, **t}, (goal,), given, q.before, computed=computed, steps=steps)
-
-
-def _off(exact: ca.SX) -> ca.SX:
-    """The most that one rounding makes of a number that is not negative."""
-    return exact + UNIT * exact
+    computed = {"ahead": whole.ahead, "back": whole.back}
+    goal = at_least(grown * most, q["ahead"] + q["back"])
+    return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
 def _scaled(flip: float) -> Statement:

@@ -91,7 +91,6 @@ def _spare(flip: float) -> Statement:
 
 
 def _room(flip: float) -> Statement:
-    """Steps: either room is as large as what is spare less J S, or else enough."""
     a = LatestAxis()
     b = a.bounds
     t = symbols("spare_ahead spare_back")
@@ -101,16 +100,10 @@ def _room(flip: float) -> Statement:
     t |= symbols("again_ahead again_back")
     again = at_least(most, t["again_ahead"] + t["again_back"])
     signs = (at_least(t["again_ahead"]), at_least(t["again_back"]))
-    rooms = rooms_of(a)
-    goal = _enough(a, *rooms, 1 if flip > 0 else 0.99)
-    S = a.largest + a.net
-    steps = tuple(
-        at_least(b.M_min * room, ca.fmin(b.M_min * t[name] - a.J * S, S / b.alpha))
-        for name, room in zip(("spare_ahead", "spare_back"), rooms, strict=True)
-    )
+    goal = _enough(a, *rooms_of(a), 1 if flip > 0 else 0.99)
     positive = tuple(above(item) for item in (b.M_min, b.alpha, b.period, a.J))
     given = (*positive, *a.capped, *signs, again, _spared(a, t["spare_ahead"], t["spare_back"]))
-    return Statement({**a.symbols, **t}, (goal,), given, {**a.cuts, **cuts}, steps=steps)
+    return Statement({**a.symbols, **t}, (goal,), given, {**a.cuts, **cuts})
 
 
 def _any_rooms(a: LatestAxis) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:

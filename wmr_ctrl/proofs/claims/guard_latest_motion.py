@@ -14,7 +14,6 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import clipped, room
-from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, by_hand, latest_claim, rooms_of
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
@@ -139,13 +138,6 @@ def _unmixed(_: float) -> Statement:
     return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
 
 
-TWICE = at(
-    u1=1, arrived="7/8", since=0, sent=-4, dbar=2, f_min=0, mass=2, t=1, asked=3, nbar=0, y=0,
-    f_speed=0, back=0, jitter="1/2", period=1, M_min=1, alpha="1/2", M_max=3, brake=0, delay=1,
-    ahead=2, mixed="3/4", usual="7/8", brakes=3, largest=3, v=0, rest_ahead=2, rest_back=0,
-)  # fmt: skip
-"""A command that is wanted as large as it may be, and acts for T + J."""
-
 CLAIMS = (
     latest_claim(
         "upper",
@@ -210,7 +202,6 @@ CLAIMS = (
         "False: a command that takes over early and is replaced late acts for more than T.",
         "0 < J <= T",
         _unmixed,
-        points=(TWICE,),
     ),
     latest_claim(
         "steady.upper",

@@ -190,23 +190,15 @@ def _spare(varies: bool, flip: float) -> Statement:
 
 
 def _left(varies: bool, flip: float) -> Statement:
-    """M_min left >= min(core, S/alpha): a weighted mean of both on every line, a step each."""
+    """M_min left >= min(core, S/alpha): a weighted mean of both on every line."""
     a = VaryingAxis(varies=varies)
     b, room, most = a.bounds, symbols("room")["room"], a["most"]
-    left, core = a.coming.left(room, b), _core(a, 1, room, most)
-    least = (1 if flip > 0 else 1.01) * ca.fmin(core, most / b.alpha)
-    goal, *steps = (at_least(b.M_min * line, least) for line in (left, *_lines(left)))
+    left, core = b.M_min * a.coming.left(room, b), _core(a, 1, room, most)
+    goal = at_least(left, (1 if flip > 0 else 1.01) * ca.fmin(core, most / b.alpha))
     given = (
         *a.more(1), *a.numbers, above(b.M_min), above(b.alpha), *([above(a.J)] * varies),
     )  # fmt: skip
-    return Statement({**a.symbols, "room": room}, (goal,), given, steps=tuple(steps))
-
-
-def _lines(least: ca.SX) -> list[ca.SX]:
-    """What a minimum is the smallest of."""
-    if not least.is_op(ca.OP_FMIN):
-        return [least]
-    return [line for place in (0, 1) for line in _lines(least.dep(place))]
+    return Statement({**a.symbols, "room": room}, (goal,), given)
 
 
 def _room(varies: bool, flip: float) -> Statement:

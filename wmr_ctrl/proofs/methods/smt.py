@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain, product
 from math import atan2
+from time import monotonic
 from typing import Any
 
 import z3
@@ -19,12 +21,20 @@ from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk
 
-HASTE = ((None, 0.2), (3, 1), (None, 1), (1, 1), (6, 1))
-"""Ways to ask in haste: facts that join a query at a time (None: all at once), and the work on it
-in millions of z3's units.
-"""
-LONGEST = 600_000
-"""Milliseconds for one query by the clock: z3 does not always keep to its own units of work."""
+ENGINES: Mapping[str, Callable[[], Any]] = {
+    "z3's order": lambda: _by_cells(),
+    "smt": z3.SimpleSolver,
+    "Brown's order": lambda: _by_cells(variable_ordering_strategy=1),
+    "triangular order": lambda: _by_cells(variable_ordering_strategy=2),
+    "order as posed": lambda: _by_cells(reorder=False),
+}
+"""z3's engines for the reals, each asked by name: cells of the space, by the order in which its
+variables are taken, and case distinction over linear arithmetic.  Left to itself, z3 goes from one
+to the next by the clock: a busy machine ends in another one, which may never come back."""
+PATIENCE = (1, 8, 60, 600)
+"""Seconds of the clock for the attempts of each engine: what one closes at once, the other may work
+on without an end, and some of its steps count little in z3's own units.  No answer hangs on them
+but for a machine that needs more than the last."""
 
 
 class TermArithmetic:
@@ -159,14 +169,14 @@ def decide(statement: Statement, method: Z3) -> Finding:
         return Finding(REFUTED, {"points tried": len(known)}, found)
     try:
         problem = posed(statement)
-        shown = _shown(statement, problem.terms, method)
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
     answers: list[str] = []
     for wrong in problem.wrong:
-        answer, model = _ask(problem.base, wrong, method, shown)
-        answers.append(str(answer))
-        found = first_violation(statement, _points(statement, problem.terms, model))
+        answers.append(str(_ask(problem.base, wrong, method)))
+        models = _models(problem.base, wrong, method) if answers[-1] == "sat" else ()
+        met = (point for model in models for point in _points(statement, problem.terms, model))
+        found = first_violation(statement, met)
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
     if set(answers) <= {"unsat"}:
@@ -183,18 +193,6 @@ def _evidence(answers: Sequence[str]) -> dict[str, Any]:
     return {"queries": len(answers), "z3": " ".join(sorted(set(answers)))}
 
 
-def _shown(statement: Statement, terms: TermArithmetic, method: Z3) -> list[Any]:
-    """The steps that follow from the hypotheses and from those before; no verdict rests on more."""
-    shown: list[Any] = []
-    if not statement.steps:
-        return shown
-    problem = posed(replace(statement, goals=statement.steps), terms)
-    for wrong in problem.wrong:
-        if _ask(problem.base, wrong, method, shown)[0] == z3.unsat:
-            shown.append(z3.Not(wrong))
-    return shown
-
-
 @dataclass(frozen=True)
 class Problem:
     """A statement as terms: what is known, and what would be wrong with each goal or operation."""
@@ -205,12 +203,9 @@ class Problem:
     undefined: list[Any]
 
 
-def posed(statement: Statement, terms: TermArithmetic | None = None) -> Problem:
-    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable.
-
-    ``terms`` of another statement, where both are to mean the same by the same names.
-    """
-    terms = terms or TermArithmetic()
+def posed(statement: Statement) -> Problem:
+    """The statement for a solver: it holds if ``base`` with each wrong term is unsatisfiable."""
+    terms = TermArithmetic()
     walk = Walk(statement.graph, terms, lambda _: False)
     values = walk.outputs()
     goals = len(statement.goals)
@@ -223,7 +218,7 @@ def posed(statement: Statement, terms: TermArithmetic | None = None) -> Problem:
 def _unless_undefined(
     statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
 ) -> Finding:
-    answers = {str(_ask(problem.base, outside, method)[0]) for outside in problem.undefined}
+    answers = {str(_ask(problem.base, outside, method)) for outside in problem.undefined}
     found = {**evidence, "domains": len(problem.undefined)}
     if answers <= {"unsat"}:
         return _unless_vacuous(statement, problem.terms, problem.base, method, found)
@@ -237,63 +232,53 @@ def _unless_vacuous(
     method: Z3,
     evidence: Mapping[str, Any],
 ) -> Finding:
-    answer, model = _ask(base, z3.BoolVal(True), method)
+    answer = _ask(base, z3.BoolVal(True), method)
     if answer != z3.sat:
         return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
-    tried = [*_fitting(statement, method.points), *_points(statement, arithmetic, model)]
-    exact = (point for point in tried if judge(statement, point)[0])
+    models = _models(base, z3.BoolVal(True), method)
+    met = (point for model in models for point in _points(statement, arithmetic, model))
+    exact = (
+        point
+        for point in chain(_fitting(statement, method.points), met)
+        if judge(statement, point)[0]
+    )
     return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
 
 
-def _ask(base: Sequence[Any], extra: Any, method: Z3, shown: Sequence[Any] = ()) -> tuple[Any, Any]:
-    """z3's answer and its model; in a context of its own, so that no earlier query changes it.
+def _ask(base: list[Any], extra: Any, method: Z3) -> Any:
+    """What one of z3's engines finds within the method's effort."""
+    left = list(ENGINES)
+    for patience in PATIENCE:
+        for engine in tuple(left):
+            solver = _solver(engine, method.effort, patience)
+            solver.add(*base, extra)
+            started = monotonic()
+            answer = solver.check()
+            if answer != z3.unknown:
+                return answer
+            if monotonic() - started < patience:  # it has no more to try, or has used its effort up
+                left.remove(engine)
+    return z3.unknown
 
-    In haste with as few facts as it takes, which is most often enough; else with all.
-    """
-    own = z3.Context()
-    given, also = ([term.translate(own) for term in terms] for terms in (base, shown))
-    query = Query(given, also, extra.translate(own))
-    for count, effort in (*HASTE, (None, method.effort)):
-        answer, model = query.asked_with(count, min(effort, method.effort))
-        if answer != z3.unknown:
-            break
-    return answer, model and model.translate(extra.ctx)
+
+def _models(base: list[Any], extra: Any, method: Z3) -> Iterator[Any]:
+    """One model by each engine that finds one: where one has roots, another may be rational."""
+    for patience, engine in product(PATIENCE[:2], ENGINES):
+        solver = _solver(engine, method.effort, patience)
+        solver.add(*base, extra)
+        if solver.check() == z3.sat:
+            yield solver.model()
 
 
-@dataclass(frozen=True)
-class Query:
-    """Whether ``extra`` can be true together with all that is given and all that was shown."""
+def _by_cells(**options: int) -> Any:
+    return z3.With(z3.Tactic("qfnra-nlsat"), **options).solver()
 
-    given: Sequence[Any]
-    shown: Sequence[Any]
-    extra: Any
 
-    def asked(self, facts: Sequence[Any], effort: float) -> tuple[Any, Any]:
-        """z3's answer to some of the facts, and its model if there is one."""
-        solver = z3.Solver(ctx=self.extra.ctx)
-        solver.set("rlimit", int(1_000_000 * effort))
-        solver.set("timeout", LONGEST)
-        solver.add(*facts, self.extra)
-        answer = solver.check()
-        return answer, solver.model() if answer == z3.sat else None
-
-    def asked_with(self, count: int | None, effort: float) -> tuple[Any, Any]:
-        """The same with few facts: those alone that models of fewer do not keep, ``count`` a time.
-
-        Most facts about roundings are of no use to a goal, and each of them costs much.
-        """
-        if count is None:
-            return self.asked([*self.shown, *self.given], effort)
-        shortest = sorted(self.given, key=lambda fact: len(fact.sexpr()))
-        left, few = dict(enumerate([*self.shown, *shortest])), list[Any]()
-        while True:
-            answer, model = self.asked(few, effort)
-            if model is None:
-                return answer, None
-            broken = [k for k, fact in left.items() if not z3.is_true(model.eval(fact, True))]
-            if not broken:
-                return answer, model
-            few += [left.pop(k) for k in broken[:count]]
+def _solver(engine: str, effort: int, patience: int) -> Any:
+    solver = ENGINES[engine]()
+    solver.set("rlimit", 1_000_000 * effort)
+    solver.set("timeout", 1000 * patience)
+    return solver
 
 
 def _relation(kind: str, value: Any) -> Any:
@@ -301,9 +286,7 @@ def _relation(kind: str, value: Any) -> Any:
 
 
 def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
-    """A model, if there is one, as rational points; angles from their sine and cosine."""
-    if model is None:
-        return
+    """A model as rational points; angles from their sine and cosine."""
     term = {
         name: model.eval(variable, model_completion=True)
         for name, variable in arithmetic.inputs.items()

@@ -54,10 +54,10 @@ class Ring(Method):
 
 @dataclass(frozen=True)
 class Z3(Method):
-    """z3's default solver on the graph.
+    """z3 on the graph: its engines for the reals, one after the other.
 
-    ``effort`` bounds a query, in millions of z3's own units of work: what is found does not depend
-    on how busy a machine is.  A million takes half a second or less.
+    ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
+    depend on how busy a machine is.  A million takes half a second or less.
     """
 
     ENGINE: ClassVar[str] = "smt"
