@@ -58,6 +58,7 @@ def test_a_selection_runs_and_agrees_with_the_committed_ledger() -> None:
     assert seen[-1] == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_two_processes_find_what_one_does() -> None:
     one, two = (prove(["eq03", "lemma.log"], processes=count) for count in (1, 2))
 
