@@ -6,10 +6,8 @@ from fractions import Fraction
 
 import casadi as ca
 import pytest
-import z3
 
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
-from wmr_ctrl.proofs.methods import smt
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
@@ -116,28 +114,20 @@ def test_a_free_symbol_is_refused() -> None:
         _ = Statement({"x": x}, (equal(x * y),)).graph
 
 
-class Tired:
-    """A solver that answers nothing, and an hour that goes on while it works."""
-
-    def __init__(self, hour: list[float], patience: float) -> None:
-        self.hour, self.patience = hour, patience
-
-    def add(self, *terms: object) -> None:
-        assert terms
-
-    def check(self) -> object:
-        self.hour.append(self.hour[-1] + self.patience)
-        return z3.unknown
-
-
 def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
+    import z3
+
+    from wmr_ctrl.proofs.methods import smt
+
     asked, hour = [], [0.0]
 
-    def tired(engine: str, _: int, patience: int) -> Tired:
+    def attempt(engine: str, terms: list[object], _: int, patience: int) -> tuple[object, None]:
+        assert terms
         asked.append((engine, patience))
-        return Tired(hour, patience if engine == "smt" else patience / 2)
+        hour.append(hour[-1] + (patience if engine == "smt" else patience / 2))
+        return z3.unknown, None
 
-    monkeypatch.setattr(smt, "_solver", tired)
+    monkeypatch.setattr(smt, "_attempt", attempt)
     monkeypatch.setattr(smt, "monotonic", lambda: hour[-1])
 
     assert Z3().decide(about("x", lambda x: ([at_least(x * x)], []))).verdict == "OPEN"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import gc
 import os
 import threading
@@ -106,12 +105,9 @@ def _begin(parent: int) -> None:
     """Set up a process that works: it ends with its parent, and its solvers know one thread only.
 
     What they no longer need is collected between two entries: a collection in the thread that
-    watches the parent would free a solver's terms while the solver works on them. And at its end,
-    with all results sent, the process leaves at once: taking down the solvers' libraries while that
-    thread wakes now and then could last for ever, and the parent would wait for it.
+    watches the parent would free a solver's terms while the solver works on them.
     """
     gc.disable()
-    atexit.register(os._exit, 0)
     follow_parent(parent)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain, product
+from itertools import chain
 from math import atan2
 from time import monotonic
 from typing import Any
@@ -173,10 +173,10 @@ def decide(statement: Statement, method: Z3) -> Finding:
         return Finding(OPEN, {"not posed": str(error)})
     answers: list[str] = []
     for wrong in problem.wrong:
-        answers.append(str(_ask(problem.base, wrong, method)))
-        models = _models(problem.base, wrong, method) if answers[-1] == "sat" else ()
-        met = (point for model in models for point in _points(statement, problem.terms, model))
-        found = first_violation(statement, met)
+        terms = [*problem.base, wrong]
+        answer, model = _ask(terms, method)
+        answers.append(str(answer))
+        found = first_violation(statement, _met(statement, problem.terms, terms, model, method))
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
     if set(answers) <= {"unsat"}:
@@ -218,7 +218,7 @@ def posed(statement: Statement) -> Problem:
 def _unless_undefined(
     statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
 ) -> Finding:
-    answers = {str(_ask(problem.base, outside, method)) for outside in problem.undefined}
+    answers = {str(_ask([*problem.base, out], method)[0]) for out in problem.undefined}
     found = {**evidence, "domains": len(problem.undefined)}
     if answers <= {"unsat"}:
         return _unless_vacuous(statement, problem.terms, problem.base, method, found)
@@ -232,53 +232,53 @@ def _unless_vacuous(
     method: Z3,
     evidence: Mapping[str, Any],
 ) -> Finding:
-    answer = _ask(base, z3.BoolVal(True), method)
+    answer, model = _ask(base, method)
     if answer != z3.sat:
         return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
-    models = _models(base, z3.BoolVal(True), method)
-    met = (point for model in models for point in _points(statement, arithmetic, model))
-    exact = (
-        point
-        for point in chain(_fitting(statement, method.points), met)
-        if judge(statement, point)[0]
-    )
+    met = _met(statement, arithmetic, base, model, method)
+    tried = chain(_fitting(statement, method.points), met)
+    exact = (point for point in tried if judge(statement, point)[0])
     return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
 
 
-def _ask(base: list[Any], extra: Any, method: Z3) -> Any:
-    """What one of z3's engines finds within the method's effort."""
+def _ask(terms: list[Any], method: Z3) -> tuple[Any, Any]:
+    """What one of z3's engines finds within the method's effort, and a model where there is one."""
     left = list(ENGINES)
     for patience in PATIENCE:
         for engine in tuple(left):
-            solver = _solver(engine, method.effort, patience)
-            solver.add(*base, extra)
             started = monotonic()
-            answer = solver.check()
+            answer, model = _attempt(engine, terms, method.effort, patience)
             if answer != z3.unknown:
-                return answer
+                return answer, model
             if monotonic() - started < patience:  # it has no more to try, or has used its effort up
                 left.remove(engine)
-    return z3.unknown
+    return z3.unknown, None
 
 
-def _models(base: list[Any], extra: Any, method: Z3) -> Iterator[Any]:
-    """One model by each engine that finds one: where one has roots, another may be rational."""
-    for patience, engine in product(PATIENCE[:2], ENGINES):
-        solver = _solver(engine, method.effort, patience)
-        solver.add(*base, extra)
-        if solver.check() == z3.sat:
-            yield solver.model()
+def _attempt(engine: str, terms: list[Any], effort: int, patience: int) -> tuple[Any, Any]:
+    solver = ENGINES[engine]()
+    solver.set("rlimit", 1_000_000 * effort)
+    solver.set("timeout", 1000 * patience)
+    solver.add(*terms)
+    answer = solver.check()
+    return answer, solver.model() if answer == z3.sat else None
+
+
+def _met(
+    statement: Statement, arithmetic: TermArithmetic, terms: list[Any], model: Any, method: Z3
+) -> Iterator[Point]:
+    """Points of a model, if there is one, then of each engine's: some have roots, some do not."""
+    if model is None:
+        return
+    yield from _points(statement, arithmetic, model)
+    for engine in ENGINES:
+        _, other = _attempt(engine, terms, method.effort, PATIENCE[1])
+        if other is not None:
+            yield from _points(statement, arithmetic, other)
 
 
 def _by_cells(**options: int) -> Any:
     return z3.With(z3.Tactic("qfnra-nlsat"), **options).solver()
-
-
-def _solver(engine: str, effort: int, patience: int) -> Any:
-    solver = ENGINES[engine]()
-    solver.set("rlimit", 1_000_000 * effort)
-    solver.set("timeout", 1000 * patience)
-    return solver
 
 
 def _relation(kind: str, value: Any) -> Any:
