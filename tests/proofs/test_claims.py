@@ -12,7 +12,7 @@ import pytest
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
 from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import exit_code, load, stale
+from wmr_ctrl.proofs.ledger import differences, exit_code, load, stale
 from wmr_ctrl.proofs.product import function_named
 from wmr_ctrl.proofs.runner import hashes, selected
 
@@ -159,7 +159,10 @@ def test_json_file(tmp_path) -> None:
 
 @pytest.mark.slow
 def test_everything_is_as_committed() -> None:
-    assert exit_code(prove(), load()) == 0
+    ledger = prove()
+
+    assert [(d.id, d.now) for d in differences(ledger, load())] == []
+    assert exit_code(ledger, load()) == 0
 
 
 def test_functions_that_the_ledger_names_are_where_it_says() -> None:

@@ -121,15 +121,37 @@ def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
 
     asked, hour = [], [0.0]
 
-    def attempt(engine: str, terms: list[object], _: int, patience: int) -> tuple[object, None]:
+    def attempt(engine: str, terms: list[object], _: int, patience: float) -> tuple[object, None]:
         assert terms
         asked.append((engine, patience))
-        hour.append(hour[-1] + (patience if engine == "smt" else patience / 2))
+        hour.append(hour[-1] + (patience if engine == "cases" else patience / 2))
         return z3.unknown, None
 
     monkeypatch.setattr(smt, "_attempt", attempt)
     monkeypatch.setattr(smt, "monotonic", lambda: hour[-1])
 
     assert Z3().decide(about("x", lambda x: ([at_least(x * x)], []))).verdict == "OPEN"
-    again = [("smt", patience) for patience in smt.PATIENCE[1:]]
+    again = [("cases", patience) for patience in smt.PATIENCE[1:]]
     assert asked == [*((engine, smt.PATIENCE[0]) for engine in smt.ENGINES), *again]
+
+
+def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> None:
+    from wmr_ctrl.proofs.methods import smt
+
+    solvers = []
+
+    def recorded(context):
+        solvers.append(smt._by_cases(context, random_seed=3))
+        return solvers[-1]
+
+    monkeypatch.setattr(smt, "ENGINES", {"cases": recorded})
+
+    def steps(count: int) -> list[object]:
+        before = len(solvers)
+        Z3().decide(about("x y", lambda x, y: ([at_least(x**count + y**2 - x * y)], [above(x, 1)])))
+        return [solver.statistics().get_key_value("rlimit count") for solver in solvers[before:]]
+
+    first = steps(2)
+    assert len(first) > 1
+    steps(4)
+    assert steps(2) == first

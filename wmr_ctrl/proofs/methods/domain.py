@@ -34,7 +34,9 @@ def violations(walk: Walk, goals: int) -> Iterator[Any]:
 
 def _guards(walk: Walk, goals: int) -> dict[int, Any]:
     """Of each node that a goal needs, the condition under which it is read."""
-    guards: dict[int, Any] = {k: z3.BoolVal(True) for k in walk.graph.outputs[:goals]}
+    guards: dict[int, Any] = {
+        k: z3.BoolVal(True, walk.values[k].ctx) for k in walk.graph.outputs[:goals]
+    }
     for k in range(len(walk.graph.nodes) - 1, -1, -1):
         for arg, condition in _reads(walk, k) if k in guards else ():
             _add(guards, arg, guards[k] if condition is None else z3.And(guards[k], condition))

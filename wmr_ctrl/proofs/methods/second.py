@@ -37,11 +37,12 @@ def obligations(statement: Statement) -> Iterator[Obligation]:
     for kind, terms in (("goal", problem.wrong), ("domain", problem.undefined)):
         for number, term in enumerate(terms, 1):
             yield Obligation(f"{kind}-{number}", _text(problem, term), "unsat")
-    yield Obligation("hypotheses", _text(problem, z3.BoolVal(True)), "sat")
+    true = z3.BoolVal(True, problem.terms.context)
+    yield Obligation("hypotheses", _text(problem, true), "sat")
 
 
 def _text(problem: Problem, term: Any) -> str:
-    solver = z3.Solver()
+    solver = z3.Solver(ctx=problem.terms.context)
     solver.add(*problem.base, term)
     return f"(set-logic QF_NRA)\n{solver.to_smt2()}"
 

@@ -21,26 +21,37 @@ from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk
 
-ENGINES: Mapping[str, Callable[[], Any]] = {
-    "z3's order": lambda: _by_cells(),
-    "smt": z3.SimpleSolver,
-    "Brown's order": lambda: _by_cells(variable_ordering_strategy=1),
-    "triangular order": lambda: _by_cells(variable_ordering_strategy=2),
-    "order as posed": lambda: _by_cells(reorder=False),
+ENGINES: Mapping[str, Callable[[z3.Context], Any]] = {
+    "z3's order": lambda context: _by_cells(context),
+    "cases": lambda context: _by_cases(context, random_seed=0),
+    "Brown's order": lambda context: _by_cells(context, variable_ordering_strategy=1),
+    "triangular order": lambda context: _by_cells(context, variable_ordering_strategy=2),
+    "order as posed": lambda context: _by_cells(context, reorder=False),
+    "cases anew": lambda context: _by_cases(context, random_seed=1),
+    "cases, a third time": lambda context: _by_cases(context, random_seed=2),
+    "cases, a fourth time": lambda context: _by_cases(context, random_seed=3),
+    "cases, a fifth time": lambda context: _by_cases(context, random_seed=4),
 }
 """z3's engines for the reals, each asked by name: cells of the space, by the order in which its
-variables are taken, and case distinction over linear arithmetic.  Left to itself, z3 goes from one
-to the next by the clock: a busy machine ends in another one, which may never come back."""
-PATIENCE = (1, 8, 60, 600)
+variables are taken, and case distinction over linear arithmetic, whose luck with one seed says
+little about the next.  Left to itself, z3 goes from one to the next by the clock: a busy machine
+ends in another one, which may never come back."""
+PATIENCE = (0.5, 4, 30, 240)
 """Seconds of the clock for the attempts of each engine: what one closes at once, the other may work
-on without an end, and some of its steps count little in z3's own units.  No answer hangs on them
-but for a machine that needs more than the last."""
+on without an end, and some of its steps count little in z3's own units.  An attempt goes the same
+way each time and on every machine, so that a slow one needs a longer attempt, not another verdict;
+what closes now closes in seconds."""
 
 
 class TermArithmetic:
-    """z3 terms; ``facts`` collects what is known about roots, sines and exponentials."""
+    """z3 terms; ``facts`` collects what is known about roots, sines and exponentials.
+
+    They live in a context of their own: z3 orders terms by their number, so that in a common one
+    what it finds, and when, would hang on all that was asked before.
+    """
 
     def __init__(self) -> None:
+        self.context = z3.Context()
         self.inputs: dict[str, Any] = {}
         self.facts: list[Any] = []
         self.atoms: dict[tuple[str, Any], Any] = {}
@@ -49,11 +60,11 @@ class TermArithmetic:
     def constant(self, value: float) -> Any:
         """The double, exactly."""
         exact = Fraction(value)
-        return z3.RealVal(f"{exact.numerator}/{exact.denominator}")
+        return z3.RealVal(f"{exact.numerator}/{exact.denominator}", self.context)
 
     def variable(self, name: str) -> Any:
         """One real variable per input."""
-        return self.inputs.setdefault(name, z3.Real(name))
+        return self.inputs.setdefault(name, z3.Real(name, self.context))
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Term of an operation."""
@@ -78,7 +89,7 @@ class TermArithmetic:
 
     def number(self, condition: Any) -> Any:
         """1 or 0."""
-        return z3.If(condition, z3.RealVal(1), z3.RealVal(0))
+        return z3.If(condition, self.constant(1), self.constant(0))
 
     def _inv(self, a: Any) -> Any:
         term = 1 / a
@@ -125,7 +136,7 @@ class TermArithmetic:
     def _atom(self, function: str, a: Any) -> Any:
         term = z3.simplify(a)
         return self.atoms.setdefault(
-            (function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}")
+            (function, term.sexpr()), z3.Real(f"{function} of {len(self.atoms)}", self.context)
         )
 
     def angles(self) -> Mapping[str, tuple[Any, Any]]:
@@ -140,11 +151,15 @@ class TermArithmetic:
 _OPERATIONS: dict[str, Callable[..., Any]] = {
     **{name: call for name, call in ARITHMETIC.items() if name not in ("mul", "inv")},
     "fabs": lambda a: z3.If(a >= 0, a, -a),
-    "sign": lambda a: z3.If(a > 0, z3.RealVal(1), z3.If(a < 0, z3.RealVal(-1), z3.RealVal(0))),
+    "sign": lambda a: z3.If(a > 0, _number(1, a), z3.If(a < 0, _number(-1, a), _number(0, a))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
     "fmax": lambda a, b: z3.If(a >= b, a, b),
     "constpow": lambda a, b: _power(a, b),
 }
+
+
+def _number(value: int, like: Any) -> Any:
+    return z3.RealVal(value, like.ctx)
 
 
 def _power(a: Any, b: Any) -> Any:
@@ -250,16 +265,17 @@ def _ask(terms: list[Any], method: Z3) -> tuple[Any, Any]:
             answer, model = _attempt(engine, terms, method.effort, patience)
             if answer != z3.unknown:
                 return answer, model
-            if monotonic() - started < patience:  # it has no more to try, or has used its effort up
+            if monotonic() - started < 0.9 * patience:  # it has no more to try, or no more effort
                 left.remove(engine)
     return z3.unknown, None
 
 
-def _attempt(engine: str, terms: list[Any], effort: int, patience: int) -> tuple[Any, Any]:
-    solver = ENGINES[engine]()
+def _attempt(engine: str, terms: list[Any], effort: int, patience: float) -> tuple[Any, Any]:
+    context = z3.Context()
+    solver = ENGINES[engine](context)
     solver.set("rlimit", 1_000_000 * effort)
-    solver.set("timeout", 1000 * patience)
-    solver.add(*terms)
+    solver.set("timeout", int(1000 * patience))
+    solver.add(*(term.translate(context) for term in terms))
     answer = solver.check()
     return answer, solver.model() if answer == z3.sat else None
 
@@ -277,8 +293,14 @@ def _met(
             yield from _points(statement, arithmetic, other)
 
 
-def _by_cells(**options: int) -> Any:
-    return z3.With(z3.Tactic("qfnra-nlsat"), **options).solver()
+def _by_cells(context: z3.Context, **options: int) -> Any:
+    return z3.With(z3.Tactic("qfnra-nlsat", context), **options).solver()
+
+
+def _by_cases(context: z3.Context, **options: int) -> Any:
+    solver = z3.SimpleSolver(context)
+    solver.set(**options)
+    return solver
 
 
 def _relation(kind: str, value: Any) -> Any:
@@ -288,12 +310,14 @@ def _relation(kind: str, value: Any) -> Any:
 def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Iterator[Point]:
     """A model as rational points; angles from their sine and cosine."""
     term = {
-        name: model.eval(variable, model_completion=True)
+        name: model.eval(variable.translate(model.ctx), model_completion=True)
         for name, variable in arithmetic.inputs.items()
     }
     point = {name: _rational(value) for name, value in term.items()}
     for name, (s, c) in arithmetic.angles().items():
-        s_value, c_value = (_rational(model.eval(x, model_completion=True)) for x in (s, c))
+        s_value, c_value = (
+            _rational(model.eval(x.translate(model.ctx), model_completion=True)) for x in (s, c)
+        )
         point[name] = Fraction(atan2(float(s_value), float(c_value)))
     yield {name: point.get(name, Fraction(0)) for name in statement.graph.input_names}
 
