@@ -1,7 +1,7 @@
 """Make the committed ledger and its page anew: ``python -m wmr_ctrl.proofs.record [ID ...]``.
 
 ``--words`` checks nothing; ``--examine`` alters the functions of the entries
-that were not tried so yet, and asks the second solver.
+that were not tried so yet, of those that are named in any case, and asks the second solver.
 
 With ids only those entries are checked; the others stay as committed, with the claims' words of
 today where their graph is the same.
@@ -51,11 +51,11 @@ def examined(entry: Entry) -> Entry:
     return replace(entry, alterations=alterations, confirmed_by=agree)
 
 
-def _unexamined(asked: list[str]) -> list[Entry]:
+def _to_examine(asked: list[str]) -> list[Entry]:
     known = load().by_id()
     wanted = (known[key] for key in selected(asked) if key in known)
     backed = (entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA"))
-    return [entry for entry in backed if entry.alterations is None]
+    return [entry for entry in backed if asked or entry.alterations is None]
 
 
 def worded(entry: Entry, claim: Claim) -> Entry:
@@ -73,12 +73,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     only = parser.add_mutually_exclusive_group()
     only.add_argument("--words", action="store_true", help="check nothing, renew the words")
-    only.add_argument("--examine", action="store_true", help="alter what was not altered yet")
+    only.add_argument("--examine", action="store_true", help="alter the functions of entries")
     given = parser.parse_args(arguments)
     if given.words:
         checked = Ledger(())
     elif given.examine:
-        checked = Ledger(tuple(map(examined, _unexamined(given.ids))))
+        checked = Ledger(tuple(map(examined, _to_examine(given.ids))))
     else:
         checked = prove(given.ids, _show)
     record(merged(checked, load() if COMMITTED.exists() else Ledger(())))
