@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
@@ -51,7 +52,7 @@ class Lateness:
 
     def samples_a_pose(self, period: float) -> int:
         """Samples from one pose to the next, at a control period [s]."""
-        return int(ca.evalf(samples_a_pose(ca.SX(self.pose_period), ca.SX(period))))
+        return int(_samples()(self.pose_period, period))
 
     @property
     def words(self) -> dict[str, float]:
@@ -62,6 +63,12 @@ class Lateness:
             "pose's age": self.pose_age,
         }  # fmt: skip
         return {word: value for word, value in parts.items() if value}
+
+
+@cache
+def _samples() -> ca.Function:
+    every, T = ca.SX.sym("every"), ca.SX.sym("T")
+    return ca.Function("samples", [every, T], [samples_a_pose(every, T)])
 
 
 def lateness_of(setup: Setup) -> Lateness:

@@ -19,7 +19,7 @@ from wmr_ctrl.checks.lateness import Lateness
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_plant import linear_plant, sampled_plant
 from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
-from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, supremum
+from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, bisect, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -41,6 +41,9 @@ MASSES, NEAR = 20.0, (0.6, 1.6)
 POINTS = 9
 INSIDE = 0.99
 MOST_STEPS = 500
+
+RTOL = 1e-7
+"""Of an edge of stability; four digits of it are printed."""
 
 
 def sample_time(loop: Loop) -> Iterator[Warning]:
@@ -187,6 +190,7 @@ def largest_period(loop: Loop) -> float:
     return stable_periods(loop)[1]
 
 
+@lru_cache(maxsize=64)
 def stable_periods(loop: Loop) -> tuple[float, float]:
     """Ends [s] of the stretch of stable periods that holds the scenario's, or of the next below.
 
@@ -231,6 +235,7 @@ def largest_stable_delay(loop: Loop) -> float | None:
     return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
 
 
+@lru_cache(maxsize=64)
 def stable_masses(loop: Loop) -> tuple[float, float] | None:
     """Smallest and largest ratio of true to believed mass and inertia with a stable loop.
 
@@ -264,10 +269,7 @@ def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) ->
 
 def _edge(of: Callable[[float], float], inside: float, outside: float) -> float:
     """Where between a stable and an unstable value the loop changes from one to the other."""
-    for _ in range(40):
-        middle = (inside + outside) / 2
-        inside, outside = (middle, outside) if of(middle) <= 1 + MARGIN else (inside, middle)
-    return inside
+    return bisect(lambda value: of(value) <= 1 + MARGIN, inside, outside, RTOL)
 
 
 @lru_cache(maxsize=64)

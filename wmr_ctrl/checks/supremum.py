@@ -27,9 +27,14 @@ def supremum(
     return bisect(lambda t: of(t) <= 1 + MARGIN, below, period, rtol) if below else 0.0
 
 
-def bisect(holds: Callable[[float], bool], below: float, above: float, rtol: float = 1e-9) -> float:
-    """Largest x in [below, above] with ``holds(x)``: true at ``below``, false at ``above``."""
-    while above - below > rtol * abs(above):
-        middle = (below + above) / 2
-        below, above = (middle, above) if holds(middle) else (below, middle)
-    return below
+def bisect(
+    holds: Callable[[float], bool], inside: float, outside: float, rtol: float = 1e-9
+) -> float:
+    """The last x on the way from ``inside`` to ``outside`` with ``holds(x)``.
+
+    True at ``inside``, which may be the larger of the two, and false at ``outside``.
+    """
+    while abs(outside - inside) > rtol * max(abs(inside), abs(outside)):
+        middle = (inside + outside) / 2
+        inside, outside = (middle, outside) if holds(middle) else (inside, middle)
+    return inside

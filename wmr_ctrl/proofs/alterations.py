@@ -129,5 +129,5 @@ def hasty(method: Method) -> Method:
     if isinstance(method, Ball):
         return replace(method, budget=min(method.budget, 400))
     if isinstance(method, Z3):
-        return replace(method, effort=5)
+        return replace(method, effort=5, seconds=4)
     return replace(method, quick=True) if isinstance(method, Ring) else method

@@ -259,7 +259,7 @@ def _unless_vacuous(
 def _ask(terms: list[Any], method: Z3) -> tuple[Any, Any]:
     """What one of z3's engines finds within the method's effort, and a model where there is one."""
     left = list(ENGINES)
-    for patience in PATIENCE:
+    for patience in (attempt for attempt in PATIENCE if attempt <= method.seconds):
         for engine in tuple(left):
             started = monotonic()
             answer, model = _attempt(engine, terms, method.effort, patience)

@@ -57,7 +57,8 @@ class Z3(Method):
     """z3 on the graph: its engines for the reals, one after the other.
 
     ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
-    depend on how busy a machine is.  A million takes half a second or less.
+    depend on how busy a machine is.  A million takes half a second or less, as a rule; ``seconds``
+    bounds by the clock what counts little.
     """
 
     ENGINE: ClassVar[str] = "smt"
@@ -66,6 +67,7 @@ class Z3(Method):
     NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
 
     effort: int = 60
+    seconds: float = 240
     points: Sequence[Point] = ()
 
 
