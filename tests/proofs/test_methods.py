@@ -117,7 +117,7 @@ def test_a_free_symbol_is_refused() -> None:
 def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
     import z3
 
-    from wmr_ctrl.proofs.methods import smt
+    from wmr_ctrl.proofs.methods import portfolio
 
     asked, hour = [], [0.0]
 
@@ -127,24 +127,24 @@ def test_z3_is_asked_again_only_where_the_clock_stopped_it(monkeypatch) -> None:
         hour.append(hour[-1] + (patience if engine == "cases" else patience / 2))
         return z3.unknown, None
 
-    monkeypatch.setattr(smt, "_attempt", attempt)
-    monkeypatch.setattr(smt, "monotonic", lambda: hour[-1])
+    monkeypatch.setattr(portfolio, "attempt", attempt)
+    monkeypatch.setattr(portfolio, "monotonic", lambda: hour[-1])
 
     assert Z3().decide(about("x", lambda x: ([at_least(x * x)], []))).verdict == "OPEN"
-    again = [("cases", patience) for patience in smt.PATIENCE[1:]]
-    assert asked == [*((engine, smt.PATIENCE[0]) for engine in smt.ENGINES), *again]
+    again = [("cases", patience) for patience in portfolio.PATIENCE[1:]]
+    assert asked == [*((engine, portfolio.PATIENCE[0]) for engine in portfolio.ENGINES), *again]
 
 
 def test_what_z3_does_hangs_on_nothing_that_was_asked_before(monkeypatch) -> None:
-    from wmr_ctrl.proofs.methods import smt
+    from wmr_ctrl.proofs.methods import portfolio
 
     solvers = []
 
     def recorded(context):
-        solvers.append(smt._by_cases(context, random_seed=3))
+        solvers.append(portfolio._by_cases(context, random_seed=3))
         return solvers[-1]
 
-    monkeypatch.setattr(smt, "ENGINES", {"cases": recorded})
+    monkeypatch.setattr(portfolio, "ENGINES", {"cases": recorded})
 
     def steps(count: int) -> list[object]:
         before = len(solvers)

@@ -19,7 +19,7 @@ from wmr_ctrl.checks.lateness import Lateness
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
 from wmr_ctrl.checks.sampled_plant import linear_plant, sampled_plant
 from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
-from wmr_ctrl.checks.supremum import MARGIN, RATIO, SHORTEST, bisect, supremum
+from wmr_ctrl.checks.supremum import MARGIN, RATIO, RTOL, SHORTEST, bisect, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
@@ -41,9 +41,6 @@ MASSES, NEAR = 20.0, (0.6, 1.6)
 POINTS = 9
 INSIDE = 0.99
 MOST_STEPS = 500
-
-RTOL = 1e-7
-"""Of an edge of stability; four digits of it are printed."""
 
 
 def sample_time(loop: Loop) -> Iterator[Warning]:

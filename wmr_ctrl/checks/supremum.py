@@ -12,11 +12,15 @@ MARGIN = 1e-9
 """A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
 
 
+RTOL = 1e-7
+"""Of an edge of stability; four digits of it are printed."""
+
+
 def supremum(
     of: Callable[[float], float],
     shortest: float = SHORTEST,
     ratio: float = RATIO,
-    rtol: float = 1e-7,
+    rtol: float = RTOL,
 ) -> float:
     """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
     below, period = 0.0, shortest

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
 from math import atan2
-from time import monotonic
 from typing import Any
 
 import z3
@@ -16,31 +15,11 @@ from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
 from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
 from wmr_ctrl.proofs.methods.domain import violations
 from wmr_ctrl.proofs.methods.point import judge
+from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
 from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk
-
-ENGINES: Mapping[str, Callable[[z3.Context], Any]] = {
-    "z3's order": lambda context: _by_cells(context),
-    "cases": lambda context: _by_cases(context, random_seed=0),
-    "Brown's order": lambda context: _by_cells(context, variable_ordering_strategy=1),
-    "triangular order": lambda context: _by_cells(context, variable_ordering_strategy=2),
-    "order as posed": lambda context: _by_cells(context, reorder=False),
-    "cases anew": lambda context: _by_cases(context, random_seed=1),
-    "cases, a third time": lambda context: _by_cases(context, random_seed=2),
-    "cases, a fourth time": lambda context: _by_cases(context, random_seed=3),
-    "cases, a fifth time": lambda context: _by_cases(context, random_seed=4),
-}
-"""z3's engines for the reals, each asked by name: cells of the space, by the order in which its
-variables are taken, and case distinction over linear arithmetic, whose luck with one seed says
-little about the next.  Left to itself, z3 goes from one to the next by the clock: a busy machine
-ends in another one, which may never come back."""
-PATIENCE = (0.5, 4, 30, 240)
-"""Seconds of the clock for the attempts of each engine: what one closes at once, the other may work
-on without an end, and some of its steps count little in z3's own units.  An attempt goes the same
-way each time and on every machine, so that a slow one needs a longer attempt, not another verdict;
-what closes now closes in seconds."""
 
 
 class TermArithmetic:
@@ -186,15 +165,15 @@ def decide(statement: Statement, method: Z3) -> Finding:
         problem = posed(statement)
     except UndecidedError as error:
         return Finding(OPEN, {"not posed": str(error)})
-    answers: list[str] = []
+    answers: list[Answer] = []
     for wrong in problem.wrong:
         terms = [*problem.base, wrong]
-        answer, model = _ask(terms, method)
-        answers.append(str(answer))
-        found = first_violation(statement, _met(statement, problem.terms, terms, model, method))
+        answers.append(ask(terms, method))
+        met = _met(statement, problem.terms, terms, answers[-1].model, method)
+        found = first_violation(statement, met)
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
-    if set(answers) <= {"unsat"}:
+    if {answer.word for answer in answers} <= {"unsat"}:
         return _unless_undefined(statement, problem, method, _evidence(answers))
     return Finding(OPEN, _evidence(answers))
 
@@ -204,8 +183,15 @@ def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
     return [point for point in points if set(statement.graph.input_names) <= set(point)]
 
 
-def _evidence(answers: Sequence[str]) -> dict[str, Any]:
-    return {"queries": len(answers), "z3": " ".join(sorted(set(answers)))}
+def _evidence(answers: Sequence[Answer]) -> dict[str, Any]:
+    words = sorted({answer.word for answer in answers})
+    return {"queries": len(answers), "z3": " ".join(words), **_engines(answers)}
+
+
+def _engines(answers: Sequence[Answer], before: Sequence[str] = ()) -> dict[str, list[str]]:
+    """Engines that closed what the first did not at once, if there are any."""
+    names = {*before, *(answer.engine for answer in answers if answer.engine)}
+    return {"engines": sorted(names)} if names else {}
 
 
 @dataclass(frozen=True)
@@ -233,7 +219,7 @@ def posed(statement: Statement) -> Problem:
 def _unless_undefined(
     statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
 ) -> Finding:
-    answers = {str(_ask([*problem.base, out], method)[0]) for out in problem.undefined}
+    answers = {ask([*problem.base, out], method).word for out in problem.undefined}
     found = {**evidence, "domains": len(problem.undefined)}
     if answers <= {"unsat"}:
         return _unless_vacuous(statement, problem.terms, problem.base, method, found)
@@ -247,37 +233,15 @@ def _unless_vacuous(
     method: Z3,
     evidence: Mapping[str, Any],
 ) -> Finding:
-    answer, model = _ask(base, method)
-    if answer != z3.sat:
-        return Finding(OPEN, {**evidence, "hypotheses": str(answer)})
-    met = _met(statement, arithmetic, base, model, method)
+    answer = ask(base, method)
+    if answer.word != "sat":
+        return Finding(OPEN, {**evidence, "hypotheses": answer.word})
+    met = _met(statement, arithmetic, base, answer.model, method)
     tried = chain(_fitting(statement, method.points), met)
     exact = (point for point in tried if judge(statement, point)[0])
-    return Finding(PROVED, {**evidence, "hypotheses": "satisfiable"}, next(exact, None))
-
-
-def _ask(terms: list[Any], method: Z3) -> tuple[Any, Any]:
-    """What one of z3's engines finds within the method's effort, and a model where there is one."""
-    left = list(ENGINES)
-    for patience in (attempt for attempt in PATIENCE if attempt <= method.seconds):
-        for engine in tuple(left):
-            started = monotonic()
-            answer, model = _attempt(engine, terms, method.effort, patience)
-            if answer != z3.unknown:
-                return answer, model
-            if monotonic() - started < 0.9 * patience:  # it has no more to try, or no more effort
-                left.remove(engine)
-    return z3.unknown, None
-
-
-def _attempt(engine: str, terms: list[Any], effort: int, patience: float) -> tuple[Any, Any]:
-    context = z3.Context()
-    solver = ENGINES[engine](context)
-    solver.set("rlimit", 1_000_000 * effort)
-    solver.set("timeout", int(1000 * patience))
-    solver.add(*(term.translate(context) for term in terms))
-    answer = solver.check()
-    return answer, solver.model() if answer == z3.sat else None
+    engines = _engines([answer], evidence.get("engines", ()))
+    found = {**evidence, "hypotheses": "satisfiable", **engines}
+    return Finding(PROVED, found, next(exact, None))
 
 
 def _met(
@@ -287,20 +251,8 @@ def _met(
     if model is None:
         return
     yield from _points(statement, arithmetic, model)
-    for engine in ENGINES:
-        _, other = _attempt(engine, terms, method.effort, PATIENCE[1])
-        if other is not None:
-            yield from _points(statement, arithmetic, other)
-
-
-def _by_cells(context: z3.Context, **options: int) -> Any:
-    return z3.With(z3.Tactic("qfnra-nlsat", context), **options).solver()
-
-
-def _by_cases(context: z3.Context, **options: int) -> Any:
-    solver = z3.SimpleSolver(context)
-    solver.set(**options)
-    return solver
+    for other in other_models(terms, method):
+        yield from _points(statement, arithmetic, other)
 
 
 def _relation(kind: str, value: Any) -> Any:

@@ -58,7 +58,8 @@ class Z3(Method):
 
     ``effort`` bounds each of them, in millions of z3's own units of work: what is found does not
     depend on how busy a machine is.  A million takes half a second or less, as a rule; ``seconds``
-    bounds by the clock what counts little.
+    bounds by the clock what counts little.  The engines named in ``first`` are asked before the
+    others: what closed it before.
     """
 
     ENGINE: ClassVar[str] = "smt"
@@ -68,6 +69,7 @@ class Z3(Method):
 
     effort: int = 60
     seconds: float = 240
+    first: tuple[str, ...] = ()
     points: Sequence[Point] = ()
 
 
