@@ -51,7 +51,6 @@ class StudyPlan:
     plant: str
     first_seed: int
     seeds: int
-    fixed: Mapping[str, object]
     grid: Mapping[str, tuple[object, ...]]
     sample: SamplePlan | None
     stop: StopRule | None
@@ -94,7 +93,7 @@ class StudyPlan:
     def case(self, cell: int) -> PlannedCase:
         """The case of a cell."""
         law, guard = divmod(cell % (len(self.laws) * len(self.guards)), len(self.guards))
-        changes = {**self.fixed, **dict(zip(self.keys, self.values(cell), strict=True))}
+        changes = dict(zip(self.keys, self.values(cell), strict=True))
         return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes)
 
     def run(self, index: int) -> tuple[PlannedCase, int]:
@@ -118,7 +117,6 @@ class StudyPlan:
             "guard": list(self.guards),
             "plant": self.plant,
             "seeds": {"first": self.first_seed, "count": self.seeds},
-            "set": dict(self.fixed),
             "grid": {key: list(values) for key, values in self.grid.items()},
             "sample": sample
             and {"method": sample.method, "n": sample.n, "seed": sample.seed,
@@ -156,7 +154,7 @@ def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
     figures = _figures(raw.get("figures"), plant)
     plan = StudyPlan(
         scenario, _texts(raw.get("laws", ["nn"])),
-        _guards(raw.get("guard", [scenario.guard.enabled])), plant, first, count, {}, grid, sample,
+        _guards(raw.get("guard", [scenario.guard.enabled])), plant, first, count, grid, sample,
         _stop(raw.get("stop"), figures), figures,
         _whole(raw.get("chunk", CHUNKS[plant]), "chunk", 1),
     )  # fmt: skip
