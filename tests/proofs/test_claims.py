@@ -144,6 +144,16 @@ def test_the_second_solver_agrees_where_it_is_installed() -> None:
     assert second.confirmed_by(claim.statement(1.0)) == ("cvc5",)
 
 
+def test_the_second_solver_has_more_than_one_way() -> None:
+    pytest.importorskip("cvc5")
+    second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
+    claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
+    asked = {item.name: item for item in second.obligations(claim.statement(1.0))}
+
+    for name in ("goal-1", "hypotheses"):
+        assert second.answer(asked[name].text) == asked[name].wanted
+
+
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:
     monkeypatch.setattr(check, "missing", lambda method: ("z3",) if method else ())
     monkeypatch.setattr(command, "prove", lambda only, progress: prove(only, progress, processes=1))

@@ -24,6 +24,7 @@ files `domain-*.smt2` ask.
 With any solver that reads SMT-LIB 2, for instance
 
     cvc5 --tlimit=60000 guard.upper/goal-1.smt2
+    cvc5 --tlimit=60000 --nl-cov --nl-ext=none guard.upper/goal-1.smt2
     z3 -T:60 guard.upper/goal-1.smt2
 
 Symbols named `sin of N`, `log of N` and so on stand for that function of the N-th argument; of

@@ -2,6 +2,7 @@
 
 ``--words`` checks nothing; ``--examine`` alters the functions of the entries
 that were not tried so yet, of those that are named in any case, and asks the second solver.
+``--confirm`` asks that solver alone, about what it did not confirm yet.
 
 With ids only those entries are checked; the others stay as committed, with the claims' words of
 today where their graph is the same.
@@ -42,20 +43,35 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
 
 def examined(entry: Entry) -> Entry:
     """An entry with what altering its functions does, and with the solvers that agree."""
-    claim = next(claim for claim in all_claims() if claim.id == entry.id)
-    agree = entry.confirmed_by
-    if not agree and claim.statement and uses_z3(claim.method):
-        agree = confirmed_by(claim.statement(1.0))
-    alterations = tried(claim, entry.functions) if entry.verdict == "PROVED" else None
-    sys.stderr.write(f"{entry.id}: {alterations}, confirmed by {agree}\n")
-    return replace(entry, alterations=alterations, confirmed_by=agree)
+    alterations = None
+    if entry.verdict == "PROVED":
+        alterations = tried(_claim_of(entry), entry.functions)
+        sys.stderr.write(f"{entry.id}: {alterations}\n")
+    return confirmed(replace(entry, alterations=alterations))
+
+
+def confirmed(entry: Entry) -> Entry:
+    """An entry with the solvers that agree, where it rests on one alone so far."""
+    claim = _claim_of(entry)
+    if entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
+        return entry
+    agree = confirmed_by(claim.statement(1.0))
+    sys.stderr.write(f"{entry.id}: confirmed by {', '.join(agree) or 'no other'}\n")
+    return replace(entry, confirmed_by=agree)
+
+
+def _claim_of(entry: Entry) -> Claim:
+    return next(claim for claim in all_claims() if claim.id == entry.id)
+
+
+def _backed(asked: list[str]) -> list[Entry]:
+    known = load().by_id()
+    wanted = (known[key] for key in selected(asked) if key in known)
+    return [entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA")]
 
 
 def _to_examine(asked: list[str]) -> list[Entry]:
-    known = load().by_id()
-    wanted = (known[key] for key in selected(asked) if key in known)
-    backed = (entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA"))
-    return [entry for entry in backed if asked or entry.alterations is None]
+    return [entry for entry in _backed(asked) if asked or entry.alterations is None]
 
 
 def worded(entry: Entry, claim: Claim) -> Entry:
@@ -74,11 +90,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     only = parser.add_mutually_exclusive_group()
     only.add_argument("--words", action="store_true", help="check nothing, renew the words")
     only.add_argument("--examine", action="store_true", help="alter the functions of entries")
+    only.add_argument("--confirm", action="store_true", help="ask the second solver")
     given = parser.parse_args(arguments)
     if given.words:
         checked = Ledger(())
     elif given.examine:
         checked = Ledger(tuple(map(examined, _to_examine(given.ids))))
+    elif given.confirm:
+        checked = Ledger(tuple(map(confirmed, _backed(given.ids))))
     else:
         checked = prove(given.ids, _show)
     record(merged(checked, load() if COMMITTED.exists() else Ledger(())))

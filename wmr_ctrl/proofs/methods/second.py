@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import chain
 from typing import Any
 
 import z3
@@ -16,8 +17,18 @@ from wmr_ctrl.proofs.methods.spec import Z3, Both, Method
 from wmr_ctrl.proofs.statement import Statement
 
 NAME = "cvc5"
-PATIENCE = 10
-"""Seconds of the processor's time for one obligation, so that a busy machine finds the same."""
+IMPATIENCE, PATIENCE = 2, 10
+"""Seconds of the processor's time for one obligation and strategy, at first and in the end, so that
+a busy machine finds the same."""
+COVERINGS = {"nl-cov": "true", "nl-ext": "none"}
+STRATEGIES: Mapping[str, Mapping[str, str]] = {
+    "as it comes": {},
+    "coverings": COVERINGS,
+    "coverings, justified": {**COVERINGS, "decision": "justification"},
+    "coverings, equalities split": {**COVERINGS, "arith-rewrite-equalities": "true"},
+}
+"""cvc5's ways with products of unknowns, one after the other: linear lemmas by default, and cells
+that cover the space (cylindrical algebraic coverings), whose luck hangs on what comes first."""
 LONGEST = 300.0
 """Seconds for one obligation by the clock, whatever the processor does meanwhile."""
 
@@ -63,11 +74,15 @@ def confirmed_by(statement: Statement, patience: int = PATIENCE) -> tuple[str, .
 
 
 def answer(text: str, patience: int = PATIENCE) -> str:
-    """What cvc5 says to a file: sat, unsat or unknown; in a process of its own, which can be ended.
+    """What cvc5 says to a file: sat, unsat or unknown; each strategy soon, then with patience."""
+    limits = [limit for limit in (IMPATIENCE, patience) if limit <= patience]
+    said = (_said(text, limit, way) for limit in limits for way in STRATEGIES.values())
+    return next((word for word in said if word in ("sat", "unsat")), "unknown")
 
-    It does not always keep to its own limits.
-    """
-    command = [sys.executable, "-c", _ASK, str(patience)]
+
+def _said(text: str, patience: int, options: Mapping[str, str]) -> str:
+    """In a process of its own, which can be ended: it does not always keep to its own limits."""
+    command = [sys.executable, "-c", _ASK, str(patience), *chain(*options.items())]
     try:
         done = subprocess.run(
             command, input=text, capture_output=True, text=True, timeout=LONGEST, check=False
@@ -86,6 +101,8 @@ try:
 except ImportError:  # Windows: LONGEST alone bounds it
     pass
 solver = cvc5.Solver(cvc5.TermManager())
+for name, value in zip(sys.argv[2::2], sys.argv[3::2]):
+    solver.setOption(name, value)
 parser = cvc5.InputParser(solver)
 parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, sys.stdin.read(), "obligation")
 symbols = parser.getSymbolManager()
