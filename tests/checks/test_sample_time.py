@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from wmr_ctrl.checks.sample_time import first_speeds, kink_limits
+from wmr_ctrl import load_scenario, simulate
+from wmr_ctrl.checks.sample_time import first_speeds, kink_limits, largest_stable_period
 
 PERIOD = "clock.control"
 
@@ -81,3 +83,34 @@ def test_guarded_first_step_stays_inside(loop, told):
 
     assert (first_speeds(loop("mb", held)) <= (1, 1.5)).all()
     assert [w.sentence.split()[0] for w in told("mb", held, key=PERIOD)] == [PERIOD]
+
+
+@pytest.mark.parametrize("stated", [{}, {"encoder.window": 0.02}, {"encoder.window": 0.1}])
+@pytest.mark.parametrize("law", ["prox", "kanayama"])
+def test_a_window_of_one_sample_goes_with_the_period(law, stated):
+    """The limit is the same from whatever period the search begins."""
+    base = {"encoder.counts": 1024, "clock.duration": 8.0, "guard.enabled": False, **stated}
+    window = stated.get("encoder.window", 0.0)
+    periods = [0.01, 0.02, 0.04] if not window else [p for p in (0.01, 0.02, 0.05) if p < window]
+    limits = [limit_at(law, {**base, PERIOD: period}) for period in periods]
+
+    assert limits == pytest.approx([limits[0]] * len(limits), rel=1e-4)
+    assert limits[0] < limit_at(law, {**base, PERIOD: 0.01, "encoder.counts": None})
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_run_with_encoders_cycles_beyond_the_limit_only(share):
+    base = {"encoder.counts": 100_000, "disturbance.std": 0.0, "guard.enabled": False}
+    limit = limit_at("prox", {**base, PERIOD: 0.01})
+    period = round(share * limit, 3)
+    run = simulate(
+        "safe-simulation", "prox",
+        overrides={**base, PERIOD: period, "clock.duration": round(600 * period, 3)},
+    )  # fmt: skip
+    torque = run["tau_right"][-100:]
+
+    assert (np.ptp(torque) > 1.0) == (share > 1)
+
+
+def limit_at(law, changes):
+    return largest_stable_period(load_scenario("safe-simulation", changes), law)

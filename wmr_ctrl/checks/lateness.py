@@ -71,16 +71,25 @@ def _samples() -> ca.Function:
     return ca.Function("samples", [every, T], [samples_a_pose(every, T)])
 
 
-def lateness_of(setup: Setup) -> Lateness:
+def lateness_of(setup: Setup, period: float | None = None) -> Lateness:
     """What all effects of a scenario add up to, at its largest where it varies.
 
-    No pose is taken to be lost: `lost_poses` tells where some are.
+    At the scenario's control period, or at another one [s]: a window of one sample goes with it,
+    and none is shorter.  No pose is taken to be lost: `lost_poses` tells where some are.
     """
     bound, scenario = setup.bound, setup.scenario
     late, sensor = scenario.section(PoseDelay).pose_delay, scenario.section(PoseSensor)
-    velocities = (bound.delay, bound.lag[1], bound.age, bound.window)
+    own = scenario.clock.control
+    first, second = (_window(stated, own, period or own) for stated in bound.window)
+    velocities = (bound.delay, bound.lag[1], bound.age, (first, second))
     untold = bound.delay - scenario.actuator.delay
     return Lateness(*velocities, late, sensor.correction, sensor.pose_period, untold)
+
+
+def _window(stated: float, sample: float, period: float) -> float:
+    """A window [s], ``stated`` where a ``sample`` takes so long [s], at another period [s]."""
+    one = 0 < stated < 1.5 * sample
+    return period if one else max(stated, period if stated else 0.0)
 
 
 def lost_poses(scenario: Scenario) -> str:

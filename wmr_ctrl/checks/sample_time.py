@@ -67,9 +67,9 @@ def kink_limits(loop: Loop) -> Floats:
 
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
-    late = "".join(f"a {word} of {value:g} s and " for word, value in loop.lateness.words.items())
+    late = "".join(f"a {word} of {value:g} s and " for word, value in loop.late_words.items())
     if limit == 0:
-        lower = f"the {' and '.join(loop.lateness.words)}, or its gains" if late else "its gains"
+        lower = f"the {' and '.join(loop.late_words)}, or its gains" if late else "its gains"
         least = shortest_tried(loop)
         others = f" and at every shorter period that was tried (from {least:.3g} s up)"
         yield Warning(
@@ -197,7 +197,7 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
     shortest, inside = shortest_tried(loop), loop.scenario.clock.control
 
     def of(period: float) -> float:
-        return _radius(loop, period)
+        return largest_radius(loop, period)
 
     outside = math.inf
     while of(inside) > 1 + MARGIN:
@@ -227,7 +227,7 @@ def largest_stable_delay(loop: Loop) -> float | None:
     least = loop.lateness.delay if loop.setup.prediction else 0.0
 
     def of(delay: float) -> float:
-        return _radius(loop, period, replace(loop.lateness, delay=delay))
+        return largest_radius(loop, period, replace(loop.lateness, delay=delay))
 
     return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
 
@@ -245,7 +245,7 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
 
     def of(ratio: float) -> float:
         robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
-        return _radius(loop, loop.scenario.clock.control, loop.lateness, robot)
+        return largest_radius(loop, loop.scenario.clock.control, loop.lateness, robot)
 
     steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
     up, down = _last(of, 1.0, steps), _last(of, 1.0, [1 / step for step in steps])
@@ -297,7 +297,7 @@ def closed_loop(
     memory = len(gain) - 2
     known, count = gain[:, 5 + memory :], loop.commands(period)
     asks = known.shape[1] > 2 * count
-    seen = late or loop.lateness
+    seen = late or loop.lateness_at(period)
     plant = sampled_plant(*moving, period, seen, mean=asks, remembered=count)
     behind = with_pose_sensor(plant, v_d, period, seen, comes=comes)
     by_state = gain[:, :5] @ behind.measured + known @ np.vstack((behind.applied, behind.sent))
@@ -306,15 +306,16 @@ def closed_loop(
     return np.vstack((upper, np.hstack((by_state[2:], by_memory[2:]))))
 
 
-def _radius(
+def largest_radius(
     loop: Loop, period: float, late: Lateness | None = None, robot: Robot | None = None
 ) -> float:
     """Largest spectral radius, per sample, over points of the reference."""
-    samples = (late or loop.lateness).samples_a_pose(period)
+    seen = late or loop.lateness_at(period)
+    samples = seen.samples_a_pose(period)
 
     def of(v_d: Floats) -> float:
         return radius_a_sample(
-            lambda comes: closed_loop(loop, v_d, period, late, robot, comes=comes), samples
+            lambda comes: closed_loop(loop, v_d, period, seen, robot, comes=comes), samples
         )
 
     return max(of(v_d) for v_d in operating_points(loop.scenario))

@@ -67,7 +67,7 @@ def _robot_at(scenario: Scenario, point: Point) -> ct.StateSpace:
 def _sampled(scenario: Scenario, point: Point, period: float, comes: bool) -> ct.StateSpace:
     full = _robot_at(ideal_drives(scenario), point)
     push = full.B[:, [full.input_labels.index(name) for name in FORCES]]
-    late = _lateness(scenario)
+    late = _lateness(scenario, period)
     robot = sampled_plant(full.A, push, period, late)
     held = with_pose_sensor(robot, point.v_d, period, late, comes=comes)
     return ct.ss(
@@ -77,8 +77,8 @@ def _sampled(scenario: Scenario, point: Point, period: float, comes: bool) -> ct
     )  # fmt: skip
 
 
-def _lateness(scenario: Scenario) -> Lateness:
-    return lateness_of(settle(unguarded(scenario), "pid"))  # the same for every law
+def _lateness(scenario: Scenario, period: float | None = None) -> Lateness:
+    return lateness_of(settle(unguarded(scenario), "pid"), period)  # the same for every law
 
 
 def late(scenario: Scenario) -> bool:
@@ -125,7 +125,7 @@ def law_at(
     assert period is not None, "a continuous law knows its own torque"
     known = np.tile(point.force, 1 + commands)
     asking = linearise(block, np.concatenate((point.law_input, known)), graph=graph)
-    return _with_drives(asking, drives(period, _lateness(scenario), commands), commands)
+    return _with_drives(asking, drives(period, _lateness(scenario, period), commands), commands)
 
 
 def _with_drives(law: ct.StateSpace, behind: SampledPlant, commands: int) -> ct.StateSpace:
@@ -204,7 +204,7 @@ def cycle_at(
     def moved(comes: bool) -> Floats:
         return closed_matrix(plant_at(scenario, point, period, comes=comes), controller)
 
-    samples = _lateness(scenario).samples_a_pose(period)
+    samples = _lateness(scenario, period).samples_a_pose(period)
     return cycle(moved, samples), samples
 
 
