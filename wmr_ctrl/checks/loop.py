@@ -107,8 +107,8 @@ class Loop:
     def late_words(self) -> dict[str, float]:
         """What is late [s], by word; a window of one sample goes with the period itself."""
         one = 1.5 * self.scenario.clock.control
-        found = self.lateness.words.items()
-        return {word: value for word, value in found if "window" not in word or value > one}
+        words = self.lateness.words.items()
+        return {word: value for word, value in words if "window" not in word or value > one}
 
     def lateness_at(self, period: float) -> Lateness:
         """The same at another control period [s]."""
