@@ -397,6 +397,28 @@ def test_an_encoder_is_off_the_mean_by_less_than_its_bound(window, wheels):
     assert (worst > 0.4 * np.array(bound.nbar)).all()
 
 
+@pytest.mark.parametrize(
+    ("radius", "track"),
+    [([0.1, -0.2], 0.3), ([-0.1, 0.15], -0.3), ([0.2, 0.1], 0.0), ([0.0, 0.0], 0.4)],
+    ids=str,
+)
+def test_other_wheels_misstate_the_velocity_by_their_bound_and_by_all_of_it(radius, track):
+    """What true wheels turn, converted with r = 0.1 m and l = 0.25 m, over all velocities."""
+    wheels = {"wheels.radius": radius, "wheels.track": track}
+    with_them, without = (
+        bound_of(ENCODER, {"encoder.counts": 1e6, **changes}).nbar for changes in (wheels, {})
+    )
+    v, omega = np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.5, 1.5, 9))
+    sides = [
+        (v + side * 0.25 * (1 + track) * omega) / (0.1 * (1 + share))
+        for side, share in zip((1, -1), radius, strict=True)
+    ]
+    shown = 0.1 * (sides[0] + sides[1]) / 2, 0.1 * (sides[0] - sides[1]) / (2 * 0.25)
+    worst = [np.abs(shown[0] - v).max(), np.abs(shown[1] - omega).max()]
+
+    assert np.subtract(with_them, without) == pytest.approx(worst, rel=1e-9, abs=1e-12)
+
+
 def test_a_gyro_takes_the_place_of_the_encoders_omega():
     changes = {"encoder.counts": 256, "gyro.enabled": True, "gyro.bias": -0.02, "gyro.noise": 0.01}
     both = settle(scenario(changes), LAW).bound

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -23,6 +23,8 @@ from wmr_ctrl.world.motor import largest_torque
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
+
+Number = TypeVar("Number", float, "ca.SX")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,13 +109,23 @@ def misread(scenario: Scenario) -> Pair:
     (d v1 + c l' omega)/l, so they are off by at most |c - 1| u1 + |d| l' u2 [m/s] and
     |c l'/l - 1| u2 + |d| u1/l [rad/s] within the limits u1, u2 (ledger: world.wheels.misread*).
     """
-    wheels, robot, (u1, u2) = scenario.section(Wheels), scenario.robot, scenario.limits.v_u1
-    right, left = (1.0 / (1.0 + item) for item in wheels.radius)
-    mean, half = (right + left) / 2.0, abs(right - left) / 2.0
-    wider = 1.0 + wheels.track
+    wheels = scenario.section(Wheels)
+    return misread_by(wheels.radius, wheels.track, scenario.robot.l, scenario.limits.v_u1)
+
+
+def misread_by(
+    radius: tuple[Number, Number], track: Number, half_track: Number, most: tuple[Number, Number]
+) -> tuple[Number, Number]:
+    """The same for shares of the ``radius`` and the ``track``, numbers or symbols.
+
+    ``half_track`` [m] is the believed l, ``most`` [m/s, rad/s] the limits (u1, u2).
+    """
+    right, left = (1.0 / (1.0 + item) for item in radius)
+    mean, half, wider = (right + left) / 2.0, abs(right - left) / 2.0, 1.0 + track
+    u1, u2 = most
     return (
-        abs(mean - 1.0) * u1 + half * wider * robot.l * u2,
-        abs(mean * wider - 1.0) * u2 + half * u1 / robot.l,
+        abs(mean - 1.0) * u1 + half * wider * half_track * u2,
+        abs(mean * wider - 1.0) * u2 + half * u1 / half_track,
     )
 
 

@@ -117,13 +117,8 @@ def _misread(axis: int, flip: float) -> Statement:
     turn = encoder.turned(load_scenario("paper-simulation", dict(g.numbers)), g.parameters,
                           t["v"], t["omega"])  # fmt: skip
     shown = _velocity(g, turn)[axis]
-    right, left = (1 / (1 + g[f"wheels.radius[{i}]"]) for i in (1, 2))
-    mean, half, wider = (right + left) / 2, ca.fabs(right - left) / 2, 1 + g["wheels.track"]
-    arm = g["robot.l"]
-    bounds = (
-        ca.fabs(mean - 1) * t["u1"] + half * wider * arm * t["u2"],
-        ca.fabs(mean * wider - 1) * t["u2"] + half * t["u1"] / arm,
-    )
+    radius = (g["wheels.radius[1]"], g["wheels.radius[2]"])
+    bounds = wheels.misread_by(radius, g["wheels.track"], g["robot.l"], (t["u1"], t["u2"]))
     off = shown - (t["v"] if axis == 0 else t["omega"])
     given = (
         *positive(g, "robot.r", "robot.l", "encoder.counts"),
