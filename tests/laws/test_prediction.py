@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -76,6 +78,51 @@ def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> N
     assert apart.max() < 1e-3  # it turns at 1.2 rad/s there, and the midpoint is of second order
     assert np.median(apart) < 1e-5
     assert found[:, 5:] == pytest.approx(desired[2:, :5], abs=1e-6)
+
+
+def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed() -> None:
+    """Two commands under way, 1.5 periods: the plain equations of motion in steps of 0.1 ms."""
+    believed = {"model.m": 60.0, "model.I": 4.0, "model.mu": 0.1}
+    here = Sample(settle(late("prox", 1.5, **believed), "prox"))
+    made_up = ca.SX.sym("made_up", 2)
+    then, ports = ahead(here, made_up)
+    symbols = [*(item.sym for item in (*here.inputs, *ports)), made_up]
+    numbers = here.parameters.ports
+    graph = ca.Function(
+        "seen",
+        [ca.vertcat(*symbols), ca.vertcat(*(item.sym for item in numbers))],
+        [then.pose, then.v, then.pose_d, then.v_d],
+    )
+    desired, rate = (0.3, -0.2, 0.4, 0.5, -0.6), np.array((0.8, 3.0))
+    pose, v, force = (0.1, 0.2, -0.7), (0.4, 0.5), np.array((20.0, -5.0))
+    newest, oldest = (3.0, 1.0), (-1.0, 2.0)
+    values = [value for port in numbers for value in port.value]
+    row = (*desired, *rate, *pose, *v, *newest, *oldest, *force)
+    found = [item.full().ravel() for item in graph(row, values)]
+
+    def gained(time: float, v: np.ndarray) -> np.ndarray:
+        right, left = oldest if time < 0.05 else newest
+        pushes = np.array(((right + left) / 0.1, 0.25 * (right - left) / 0.1))
+        drag = (0.1 * 60.0 * 9.81 * np.tanh(v[0] / 0.01), 0.0)
+        return (pushes - force - drag) / (60.0, 4.0)
+
+    ends = (*moved(pose, v, gained), *moved(desired[:3], desired[3:], lambda _time, _v: rate))
+    for i, (told, wanted) in enumerate(zip(found, ends, strict=True)):
+        assert told == pytest.approx(wanted, abs=1e-9 if i % 2 else 1e-3)  # velocity, pose
+
+
+def moved(
+    pose: tuple[float, ...], v: tuple[float, ...], gained: Callable[[float, np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pose and velocity after 0.15 s of a velocity that gains ``gained`` of time and itself."""
+    at, speed, step = np.array(pose), np.array(v), 1e-4
+    for i in range(1500):
+        more = speed + step * gained((i + 0.5) * step, speed)
+        v1, omega = (speed + more) / 2
+        theta = at[2] + step * omega / 2
+        at = at + step * np.array((-np.sin(theta) * v1, np.cos(theta) * v1, omega))
+        speed = more
+    return at, speed
 
 
 @predicting
