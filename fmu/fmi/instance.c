@@ -132,8 +132,25 @@ static int finite_from(const wmr_instance *s, size_t first)
     return 1;
 }
 
+/* Whether each limit of the velocity lies above the place where the barrier begins. */
+static int limits_fit(const wmr_instance *s)
+{
+#ifdef WMR_AT_V_U2
+    const double *limit = s->state.values + WMR_AT_V_U1, *begin = s->state.values + WMR_AT_V_U2;
+    return begin[0] < limit[0] && begin[1] < limit[1];
+#else
+    (void)s;
+    return 1;
+#endif
+}
+
 wmr_status wmr_leave_init(wmr_instance *s)
 {
+    if (!limits_fit(s)) {
+        return wmr_say(s, WMR_ERROR,
+                       "the parameters contradict one another: limits.v_u2 must be below "
+                       "limits.v_u1 in both elements, since the barrier acts between the two.");
+    }
     if (!kind_start(s)) {
         return wmr_say(s, WMR_ERROR,
                        "the parameters contradict one another: the periods must be whole "
@@ -191,11 +208,15 @@ static wmr_status check_step(wmr_instance *s, double t, double h)
 /* States and what was computed from them stand side by side. */
 enum { RESULTS = WMR_ROWS - WMR_X };
 
+/* An importer may try again after Discard.  A closed loop has no input, and its samples come at
+   their own instants: each try would end alike. */
+#define NOT_FINITE (WMR_KIND == WMR_LOOP ? WMR_ERROR : WMR_DISCARD)
+
 static wmr_status step_back(wmr_instance *s, const double *results)
 {
     memcpy(s->state.values + WMR_X, results, RESULTS * sizeof(double));
     s->state.stale = 1;
-    return wmr_say(s, WMR_DISCARD,
+    return wmr_say(s, NOT_FINITE,
                    "states or outputs are no longer finite; the step was taken back. Ask for a "
                    "shorter one, or for smaller values.");
 }

@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from fmpy import simulate_fmu
+from fmpy.fmi1 import FMICallException
 
 from tests.fmi.raw import DISCARD, ERROR, OK
 from tests.matrix import versioned
@@ -64,3 +66,51 @@ def test_a_step_that_overflows_is_taken_back_whole(raw):
         assert one.reset() == OK
         assert one.begin().step(0.0, STEP) == OK
         one.free()
+
+
+UNSTABLE = {"gains.nn.sigma[1]": 1e12}
+"""Forgets far more than the whole memory a sample: weights that grow without end."""
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_closed_loop_that_overflows_gives_error_for_it_has_no_inputs(raw, version):
+    one = raw("closed-loop", version).new()
+    assert one.put(UNSTABLE) == OK
+    one.begin()
+    k, before = 0, one.all()
+    while k < 1000 and (status := one.step(k * STEP, STEP)) == OK:
+        k, before = k + 1, one.all()
+    assert status == ERROR
+    assert "no longer finite" in one.fmu.messages[-1]
+    assert one.all() == before
+    assert one.step(k * STEP, STEP) == ERROR
+    assert one.reset() == OK
+    assert one.begin().step(0.0, STEP) == OK
+    one.free()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    "given", [UNSTABLE, {"limits.v_u1[1]": 0.1}], ids=["not finite", "no room for the barrier"]
+)
+def test_fmpy_ends_where_a_closed_loop_cannot_go_on(exported, version, given):
+    path = str(exported("closed-loop", version))
+    with pytest.raises(FMICallException):
+        simulate_fmu(path, stop_time=10, step_size=0.02, output_interval=0.02, start_values=given)
+
+
+@every_law
+@pytest.mark.parametrize("axis", [1, 2])
+def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis):
+    fmu = raw(what, version)
+    limit, begin = (f"limits.v_u{i}[{axis}]" for i in (1, 2))
+    if begin not in fmu.variables:
+        pytest.skip("has no barrier")
+    (height,) = fmu.new().get(limit)
+    for low, status in ((height, ERROR), (2.0 * height, ERROR), (0.5 * height, OK)):
+        one = fmu.new()
+        assert one.put({begin: low}) == OK
+        assert one.setup() == OK
+        assert one.leave() == status
+        one.free()
+    assert sum("limits.v_u2 must be below limits.v_u1" in text for text in fmu.messages) >= 2

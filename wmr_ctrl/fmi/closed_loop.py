@@ -12,7 +12,7 @@ from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.bounds import SMALLEST, Range, clock_of, ranges_of
-from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.model import FmuModel, places_of_limits
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, port, stack
@@ -159,6 +159,7 @@ def _layout(
         "AT_STEP": at["clock.plant"],
         "AT_MAX_ABS_V": at["max_abs_v[1]"],
         "AT_VIOLATIONS": at["violations"],
+        **places_of_limits(rows),
     }
 
 

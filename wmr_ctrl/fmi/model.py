@@ -71,6 +71,14 @@ class FmuModel:
         return next(i for i, item in enumerate(self.variables) if item.name == name)
 
 
+def places_of_limits(rows: Sequence[Variable]) -> dict[str, int]:
+    """Layout of the velocity limits and of where the barrier begins; empty without a barrier."""
+    at = {row.name: i for i, row in enumerate(rows)}
+    names = {"AT_V_U1": "limits.v_u1[1]", "AT_V_U2": "limits.v_u2[1]"}
+    known = all(name in at for name in names.values())
+    return {key: at[name] for key, name in names.items()} if known else {}
+
+
 Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]
 """Row of a calculated variable, and the rows that it depends on (True: linearly, constant)."""
 
