@@ -121,7 +121,13 @@ def test_bad_files_are_explained_in_one_paragraph(wmr, empty_folder, name, comma
 
 
 @pytest.mark.parametrize(
-    ("points", "words"), [("1,2\n", "at least 2"), ("", "at least 2"), ("1,2\n1,x\n", "row 2")]
+    ("points", "words"),
+    [
+        ("1,2\n", "at least 2"),
+        ("", "at least 2"),
+        ("1,2\n1,x\n", "row 2"),
+        ("x [mm],y [mm]\n0,0\n1000,0\n", "x and y in m are expected"),
+    ],
 )
 def test_bad_waypoints_are_explained(wmr, empty_folder, points, words):
     (empty_folder / "points.csv").write_text(points)

@@ -1,10 +1,11 @@
-"""Waypoints from a CSV file: one point a row, x and y in metres, perhaps a header row."""
+"""Waypoints from a CSV file: one point a row, x and y in m, perhaps a header that names them."""
 
 from __future__ import annotations
 
 import csv
 import io
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +16,9 @@ from wmr_ctrl.fields.problems import show
 Point = tuple[float, float]
 LARGEST_PATH = 10_000_000
 """Bytes; a planner's path has some fifty a point."""
+AXES = ("x", "y")
+NAME = re.compile(r"([xyXY])\s*(?:\[\s*m\s*\]|\(\s*m\s*\))?")
+"""Of a column: x or y, perhaps with m in brackets or parentheses."""
 SAME = 1e-9
 """Points nearer to each other than this, m, are the same."""
 
@@ -22,12 +26,16 @@ SAME = 1e-9
 def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
     """Return the points of a CSV file; blank rows and rows that start with ``#`` are skipped.
 
+    A header says which column is x and which is y; without one, x comes first.
     Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
     """
     numbered = list(_rows(read_text(file, path, LARGEST_PATH), f"{path}: {file.name}"))
+    order = (0, 1)
     if numbered and _is_header(numbered[0][1]):
-        numbered = numbered[1:]
-    points = [_point(cells, f"{path}: {file.name}, row {row}") for row, cells in numbered]
+        row, header = numbered.pop(0)
+        _check_width(header, f"{path}: {file.name}, row {row}")
+        order = _order_of(header, f"{path}: {file.name}, row {row}")
+    points = [_point(cells, order, f"{path}: {file.name}, row {row}") for row, cells in numbered]
     if len(points) < 2:
         raise ScenarioError(
             f"{path}: {file.name} holds {len(points)} point(s), but a path needs at least 2. "
@@ -59,13 +67,30 @@ def _is_header(cells: list[str]) -> bool:
     return all(cell and _number(cell) is None for cell in cells)
 
 
-def _point(cells: list[str], place: str) -> Point:
+def _order_of(header: list[str], place: str) -> tuple[int, int]:
+    """Columns of x and y, from 0, in a header of two names."""
+    matches = [NAME.fullmatch(cell) for cell in header]
+    names = [match[1].lower() if match else "" for match in matches]
+    if sorted(names) != list(AXES):
+        raise ScenarioError(
+            f"{place}: the header says {' and '.join(map(show, header))}, but x and y in m are "
+            "expected. Name the columns x and y, in either order, perhaps with the unit as in "
+            "x [m], and give the coordinates in m."
+        )
+    return names.index("x"), names.index("y")
+
+
+def _check_width(cells: list[str], place: str) -> None:
     if len(cells) != 2:
         raise ScenarioError(
             f"{place} has {len(cells)} column(s), but a point needs two, x and y in m. Separate "
             "them by a comma, with a point as the decimal sign."
         )
-    x, y = (_coordinate(cell, f"{place}, column {i}") for i, cell in enumerate(cells, start=1))
+
+
+def _point(cells: list[str], order: tuple[int, int], place: str) -> Point:
+    _check_width(cells, place)
+    x, y = (_coordinate(cells[i], f"{place}, column {i + 1}") for i in order)
     return x, y
 
 
