@@ -82,6 +82,11 @@ class StudyPlan:
         """Runs of the whole plan, if no rule stops it."""
         return self.cells * self.seeds
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the plan may do but had better not, one sentence each."""
+        return self.sample.warnings if self.sample else ()
+
     def values(self, cell: int) -> tuple[object, ...]:
         """Values of `keys` in a cell."""
         point = cell // (len(self.laws) * len(self.guards))

@@ -28,7 +28,7 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 class StudyOutcome:
     """What a study left: its folder, the table's path, the runs made and those of the whole plan.
 
-    ``stopped``: cases that the rule ended before all their seeds.
+    ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's.
     """
 
     folder: Path
@@ -36,6 +36,7 @@ class StudyOutcome:
     runs: int
     planned: int
     stopped: int
+    warnings: tuple[str, ...]
 
     def __str__(self) -> str:
         early = f"; {self.stopped} cases were settled early" if self.stopped else ""
@@ -84,7 +85,8 @@ def run_study(
                 if not cells:
                     break
         stopped = plan.cells - len(cells)
-        return StudyOutcome(out, folder.write_table(looks), done, plan.runs, stopped)
+        table = folder.write_table(looks)
+        return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings)
 
 
 def _phase(look: int, looks: int) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from typing import Any
+from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,9 @@ class SamplePlan:
         low, high = np.array(list(self.ranges.values())).T
         if self.method == SOBOL:
             sampler: Any = library("SALib.sample.sobol", "study")
-            rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
+            with catch_warnings():
+                filterwarnings("ignore", ".*power of 2", UserWarning)  # `warnings` tells it
+                rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
             return np.asarray(rows, dtype=np.float64)
         draw = np.random.Generator(np.random.Philox(self.seed))
         unit = draw.random((self.n, len(low)))
@@ -42,6 +45,17 @@ class SamplePlan:
             strata = np.column_stack([draw.permutation(self.n) for _ in low])
             unit = (strata + unit) / self.n
         return low + (high - low) * unit
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes the sample worse than it could be, one sentence each."""
+        if self.method != SOBOL or self.n.bit_count() == 1:
+            return ()
+        below = 1 << (self.n.bit_length() - 1)
+        return (
+            f"sample.n = {self.n} is not a power of 2, which Sobol's points need to be evenly "
+            f"spread. Take {below} or {2 * below}.",
+        )
 
     @property
     def problem(self) -> dict[str, object]:

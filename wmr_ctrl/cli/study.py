@@ -51,7 +51,10 @@ def study(
         raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
     check_folder(out, "--out")
     from wmr_ctrl import api
+    from wmr_ctrl.campaign.study_plan import load_plan
 
+    for text in load_plan(words[0]).warnings:
+        say("warning", text)
     with Progress("study") as progress:
         result = api.study(words[0], out, executor=executor, jobs=jobs, progress=progress)
     if as_json:
