@@ -77,3 +77,54 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
 
 def test_a_study_needs_a_folder(wmr, plan):
     assert wmr("study", plan).exit_code == 2
+
+
+SOBOL = """\
+laws = ["pid"]
+seeds = 1
+[set]
+clock.duration = 0.1
+[sample]
+method = "sobol"
+n = {n}
+robot.mu = [0.1, 0.2]
+robot.m = [50.0, 60.0]
+"""
+
+
+@pytest.mark.parametrize(("n", "warned"), [(6, True), (4, False)])
+def test_a_number_that_is_no_power_of_2_is_told_in_one_warning(wmr, tmp_path, recwarn, n, warned):
+    pytest.importorskip("SALib")
+    (tmp_path / "plan.toml").write_text(SOBOL.format(n=n))
+    found = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json")
+    told = " ".join(found.stderr.split())
+
+    assert found.exit_code == 0, found.stderr
+    assert json.loads(found.stdout)["runs"] == n * (2 + 2)
+    assert told.count("power of 2") == warned
+    assert told.startswith("warning: sample.n = 6 is not a power of 2") == warned
+    assert ("Take 4 or 8." in told) == warned
+    assert not [w for w in recwarn if "power of 2" in str(w.message)]
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        (None, "there is no folder"),
+        ({}, "study.json is missing"),
+        ({"study.json": '{"plan": {"grid": {}, "sample": null}}'}, "columns.csv is missing"),
+        ({"study.json": "{"}, "damaged"),
+    ],
+)
+def test_what_cannot_be_drawn_is_one_paragraph(wmr, tmp_path, files, words):
+    folder = tmp_path / "s"
+    if files is not None:
+        folder.mkdir()
+        for name, text in files.items():
+            (folder / name).write_text(text)
+    found = wmr("study", "plot", folder)
+
+    assert found.exit_code == 2
+    assert words in " ".join(found.stderr.split())
+    assert "Errno" not in found.stderr
+    assert "Error:" not in found.stderr

@@ -97,14 +97,26 @@ def _read(folder: Path) -> StudyTable:
                 for name, values in lists.items():
                     values.append(_number(row[places[name]]))
     except (OSError, KeyError, ValueError, StopIteration) as error:
-        raise ResultFileError(
-            f"{str(folder)!r} holds no finished study ({type(error).__name__}: {error}). Run "
-            "`wmr-ctrl study PLAN.toml --out DIR` to its end."
-        ) from error
+        raise ResultFileError(_unfinished(folder, error)) from error
     if not group:
         raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
     numbers = {name: np.array(values) for name, values in lists.items()}
     return StudyTable(plan, numbers, np.array(group), units)
+
+
+def _unfinished(folder: Path, error: Exception) -> str:
+    """Why the folder cannot be drawn, and what to do."""
+    if not folder.exists():
+        why = f"there is no folder {str(folder)!r}."
+    elif isinstance(error, OSError) and error.filename:
+        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
+        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
+    else:
+        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
+    return (
+        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
+        "has run to its end."
+    )
 
 
 def _number(cell: str) -> float:
