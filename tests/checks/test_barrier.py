@@ -97,3 +97,14 @@ def test_guard_holds_what_the_barrier_cannot(told):
     found = told("mb", {"guard.enabled": True}, scenario="far-start-friction-overestimated")
 
     assert not any("cannot hold" in warning.sentence for warning in found)
+
+
+def test_the_wheels_pull_no_more_than_they_can(loop):
+    weak = loop("prox", {"actuator.tau_max": 0.5})
+    phase = next(phases(weak.scenario))
+    robot = weak.scenario.robot
+    free = largest_pull(loop("prox"), phase)
+
+    assert (largest_pull(weak, phase) < free).all()
+    braking = 2 * 0.5 / robot.r + 2 * robot.m * robot.g * phase.mu
+    assert largest_pull(weak, phase)[0] <= braking

@@ -81,7 +81,8 @@ def _line(torque: FloatArray, period: float) -> Oscillation | None:
     needed = LINE if peak >= SHARP else SHORT_LINE
     if total == 0 or line < needed * total or peak < PERIODS or _falls(swinging, band):
         return None
-    return Oscillation(2 * math.sqrt(2 * line), float(frequency[peak]))
+    swing = min(2 * math.sqrt(2 * line), float(np.ptp(torque)))  # a square wave's line is longer
+    return Oscillation(swing, float(frequency[peak]))
 
 
 def _falls(swinging: FloatArray, band: slice) -> bool:
