@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from wmr_ctrl.proofs.alterations import tried
+from wmr_ctrl.proofs.alterations import functions_of, tried
 from wmr_ctrl.proofs.claim import Claim
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
@@ -43,11 +43,11 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
 
 def examined(entry: Entry) -> Entry:
     """An entry with what altering its functions does, and with the solvers that agree."""
-    alterations = None
+    alterations, functions = None, functions_of(_claim_of(entry))
     if entry.verdict == "PROVED":
-        alterations = tried(_claim_of(entry), entry.functions)
+        alterations = tried(_claim_of(entry), functions)
         sys.stderr.write(f"{entry.id}: {alterations}\n")
-    return confirmed(replace(entry, alterations=alterations))
+    return confirmed(replace(entry, functions=functions, alterations=alterations))
 
 
 def confirmed(entry: Entry) -> Entry:
