@@ -13,6 +13,7 @@ from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 
 Pair = tuple[float, float]
+WINDOW = "velocity's window"
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Lateness:
         """What there is of it [s], by word."""
         parts = {
             "delay": self.delay, "lag": self.lag,
-            "velocity's age": max(self.age), "velocity's window": max(self.window),
+            "velocity's age": max(self.age), WINDOW: max(self.window),
             "pose's age": self.pose_age,
         }  # fmt: skip
         return {word: value for word, value in parts.items() if value}
@@ -88,8 +89,14 @@ def lateness_of(setup: Setup, period: float | None = None) -> Lateness:
 
 def _window(stated: float, sample: float, period: float) -> float:
     """A window [s], ``stated`` where a ``sample`` takes so long [s], at another period [s]."""
-    one = 0 < stated < 1.5 * sample
-    return period if one else max(stated, period if stated else 0.0)
+    if stated == 0 or is_one_sample(stated, sample):
+        return period if stated else 0.0
+    return max(stated, period)
+
+
+def is_one_sample(window: float, sample: float) -> bool:
+    """Whether a window [s] is that of a single ``sample`` [s]."""
+    return 0 < window < 1.5 * sample
 
 
 def lost_poses(scenario: Scenario) -> str:

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.lateness import Lateness, lateness_of
+from wmr_ctrl.checks.lateness import WINDOW, Lateness, is_one_sample, lateness_of
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
@@ -106,9 +106,10 @@ class Loop:
     @property
     def late_words(self) -> dict[str, float]:
         """What is late [s], by word; a window of one sample goes with the period itself."""
-        one = 1.5 * self.scenario.clock.control
-        words = self.lateness.words.items()
-        return {word: value for word, value in words if "window" not in word or value > one}
+        words, period = dict(self.lateness.words), self.scenario.clock.control
+        if is_one_sample(words.get(WINDOW, 0.0), period):
+            del words[WINDOW]
+        return words
 
     def lateness_at(self, period: float) -> Lateness:
         """The same at another control period [s]."""

@@ -43,9 +43,10 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
 
 def examined(entry: Entry) -> Entry:
     """An entry with what altering its functions does, and with the solvers that agree."""
-    alterations, functions = None, functions_of(_claim_of(entry))
+    claim, alterations = _claim_of(entry), None
+    functions = functions_of(claim)
     if entry.verdict == "PROVED":
-        alterations = tried(_claim_of(entry), functions)
+        alterations = tried(claim, functions)
         sys.stderr.write(f"{entry.id}: {alterations}\n")
     return confirmed(replace(entry, functions=functions, alterations=alterations))
 

@@ -87,6 +87,10 @@ class TermArithmetic:
         self.facts.append(z3.Implies(a >= 0, z3.And(root >= 0, root * root == a)))
         return root
 
+    def _sign(self, a: Any) -> Any:
+        up, level, down = map(self.constant, (1, 0, -1))
+        return z3.If(a > 0, up, z3.If(a < 0, down, level))
+
     def _sin(self, a: Any) -> Any:
         return self._pair(a)[0]
 
@@ -130,15 +134,10 @@ class TermArithmetic:
 _OPERATIONS: dict[str, Callable[..., Any]] = {
     **{name: call for name, call in ARITHMETIC.items() if name not in ("mul", "inv")},
     "fabs": lambda a: z3.If(a >= 0, a, -a),
-    "sign": lambda a: z3.If(a > 0, _number(1, a), z3.If(a < 0, _number(-1, a), _number(0, a))),
     "fmin": lambda a, b: z3.If(a <= b, a, b),
     "fmax": lambda a, b: z3.If(a >= b, a, b),
     "constpow": lambda a, b: _power(a, b),
 }
-
-
-def _number(value: int, like: Any) -> Any:
-    return z3.RealVal(value, like.ctx)
 
 
 def _power(a: Any, b: Any) -> Any:
