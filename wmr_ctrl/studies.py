@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from wmr_ctrl.campaign.engine import Overrides, PhaseProgress, Prepare
     from wmr_ctrl.campaign.rigid import RigidComparison
+    from wmr_ctrl.campaign.study_plan import StudyPlan
     from wmr_ctrl.campaign.study_rows import StudyChunk, TakeColumns
     from wmr_ctrl.campaign.study_run import StudyOutcome
     from wmr_ctrl.scenario import Scenario
@@ -23,14 +24,14 @@ if TYPE_CHECKING:
 
 
 def study(
-    plan: str | Path | Mapping[str, object],
+    plan: str | Path | Mapping[str, object] | StudyPlan,
     out: str | Path,
     *,
     executor: str | Executor = "threads",
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
 ) -> StudyOutcome:
-    """Run a plan (a TOML file, or its tables as a mapping) and write ``out``/table.csv.
+    """Run a plan (a TOML file, its tables, or a StudyPlan) and write ``out``/table.csv.
 
     ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
     as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
@@ -46,7 +47,9 @@ def study(
     from wmr_ctrl.sim.batch import check_jobs
 
     check_jobs(jobs)
-    chosen = plan_of(plan) if isinstance(plan, Mapping) else load_plan(plan)
+    if isinstance(plan, str | Path):
+        plan = load_plan(plan)
+    chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     if chosen.plant == "mujoco":
         _check_body(chosen.scenario)
     facts = partial(study_facts, chosen.scenario, chosen.laws, chosen.plant)

@@ -53,10 +53,11 @@ def study(
     from wmr_ctrl import api
     from wmr_ctrl.campaign.study_plan import load_plan
 
-    for text in load_plan(words[0]).warnings:
+    plan = load_plan(words[0])
+    for text in plan.warnings:
         say("warning", text)
     with Progress("study") as progress:
-        result = api.study(words[0], out, executor=executor, jobs=jobs, progress=progress)
+        result = api.study(plan, out, executor=executor, jobs=jobs, progress=progress)
     if as_json:
         print_json(
             {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}
