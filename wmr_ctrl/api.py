@@ -20,7 +20,8 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.sim.finish import check_seeds, versions
+from wmr_ctrl.scenario.overrides import checked
+from wmr_ctrl.sim.finish import checked_seeds, versions
 from wmr_ctrl.studies import rigid_comparison
 from wmr_ctrl.studies import study as study
 
@@ -62,7 +63,7 @@ def scenario_of(
     from wmr_ctrl.control.setup import check_name, check_scenario
 
     switch = {} if guard is None else {"guard.enabled": guard}
-    changed = {**(overrides or {}), **switch}
+    changed = {**checked(overrides), **switch}
     if isinstance(given, str):
         check_name(given)
     loaded = (
@@ -102,7 +103,7 @@ def simulate(
     from wmr_ctrl.engines import check_plant, ready_plantless, run_compiled, run_numpy
 
     chosen = scenario_of(scenario, overrides, guard)
-    check_seeds([seed])
+    checked_seeds([seed])
     check_plant(plant, engine)
     if plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid
@@ -141,8 +142,7 @@ def simulate_runs(
     """
     from wmr_ctrl.engines import check_plant, runs_of
 
-    listed = list(seeds)
-    check_seeds(listed)
+    listed = checked_seeds(seeds)
     check_plant(plant)
     return runs_of(plant, scenario_of(scenario, overrides, guard), law, listed, jobs, progress)
 
@@ -172,8 +172,7 @@ def simulate_many(
     """
     from wmr_ctrl.engines import check_plant, table_of
 
-    listed = list(seeds)
-    check_seeds(listed)
+    listed = checked_seeds(seeds)
     check_plant(plant)
     if progress:
         progress(0.0)

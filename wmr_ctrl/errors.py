@@ -17,9 +17,9 @@ class ScenarioError(WmrError, ValueError):
 class UnknownNameError(WmrError, LookupError):
     """A name (scenario, law, engine, gain, key) that is not known; the near ones are listed."""
 
-    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
+    def __init__(self, kind: str, name: object, known: Iterable[str], remedy: str = "") -> None:
         options = sorted(known)
-        near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
+        near = difflib.get_close_matches(str(name), options, n=3, cutoff=0.4)
         hint = f"near: {', '.join(near)}; " if near else ""
         tail = f" {remedy}" if remedy else ""
         super().__init__(f"no {kind} is named {name!r} ({hint}known: {', '.join(options)}).{tail}")

@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.api import compile_law, simulate
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.api import compile_law, reproduce, scenario_of, simulate, simulate_many
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, runs_equal
 from wmr_ctrl.scenario import preset_names
@@ -204,3 +205,23 @@ def test_bad_arguments() -> None:
         simulate("paper-simulation", "nn", engine="matlab")
     with pytest.raises(ArgumentError, match="seed"):
         simulate("paper-simulation", "nn", seed=-1)
+
+
+@pytest.mark.parametrize(
+    ("error", "message", "call"),
+    [
+        (ScenarioError, "scenario = 3 must be", lambda: simulate(3)),
+        (ScenarioError, "scenario = none? must be", lambda: simulate(None)),
+        (UnknownNameError, "no law is named 3", lambda: simulate("paper-simulation", 3)),
+        (ScenarioError, "overrides = .*mu.* must map", lambda: scenario_of("far-start", ["mu=1"])),
+        (ScenarioError, "overrides = .* must map", lambda: scenario_of("far-start", {3: 1})),
+        (ArgumentError, "seeds = 5 must be a list", lambda: simulate_many("far-start", "mb", 5)),
+        (ArgumentError, "seeds = 'a' from 0", lambda: reproduce("never", seeds="a")),
+    ],
+)
+def test_what_is_of_another_kind_is_refused_by_its_name(
+    error: type[WmrError], message: str, call: Callable[[], object]
+) -> None:
+    """Python allows any value anywhere; each is answered as a wrong one in a file is."""
+    with pytest.raises(error, match=f"(?i){message}"):
+        call()

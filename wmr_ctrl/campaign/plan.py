@@ -130,7 +130,7 @@ def paper_plan(
     The seeds are ``first_seed``, ``first_seed`` + 1, ...  Raises ArgumentError for fewer than one
     seed, a negative one, or a law given twice.
     """
-    if seeds < 1 or first_seed < 0:
+    if not isinstance(seeds, int) or seeds < 1 or first_seed < 0:
         raise ArgumentError(
             f"seeds = {seeds!r} from {first_seed!r} on: give at least one seed, from 0 up."
         )

@@ -17,7 +17,7 @@ from wmr_ctrl.page.module import build_module
 from wmr_ctrl.page.story import scenes
 from wmr_ctrl.results.files import atomic_write, check_writable
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.finish import check_seeds
+from wmr_ctrl.sim.finish import checked_seeds
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""
@@ -43,7 +43,7 @@ def write_page(
     a law, ArgumentError for the seed, ScenarioError for what the scenario cannot be,
     CompilerError without zig, ResultFileError where the file cannot be written.
     """
-    check_seeds([seed])
+    checked_seeds([seed])
     if seed >= LARGEST_SEED:
         raise ArgumentError(
             f"seed = {seed} is beyond what a browser counts to; take one below 2^53."

@@ -32,6 +32,17 @@ def override(scenario: Scenario, overrides: Mapping[str, object]) -> Scenario:
     return from_dict(apply(scenario_dict(scenario), overrides), scenario.name)
 
 
+def checked(overrides: Mapping[str, object] | None) -> Mapping[str, object]:
+    """The overrides, none for None; raises ScenarioError unless they map texts to values."""
+    given = {} if overrides is None else overrides
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise ScenarioError(
+            f"overrides = {show(overrides)} must map keys to values, such as "
+            '{"clock.duration": 5.0}.'
+        )
+    return given
+
+
 def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
     """Split texts ``KEY=VALUE`` into a mapping of overrides; of a repeated key the last counts."""
     pairs = {}
@@ -70,9 +81,10 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     drops the changes that the run no longer reaches, unless changes are overridden too.  A
     relative ``reference.file`` is relative to the current directory.
     """
-    if not overrides:
+    given = checked(overrides)
+    if not given:
         return deepcopy(dict(raw))
-    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in overrides.items()}
+    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in given.items()}
     result = _with_kind(deepcopy(dict(raw)), values)
     result = with_defaults(result)
     for key, value in values.items():

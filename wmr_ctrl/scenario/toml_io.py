@@ -31,6 +31,11 @@ def load_scenario(
     Raises UnknownNameError for a preset that does not exist, ScenarioError for anything that is
     wrong inside; the message starts with the file or the key.
     """
+    if not isinstance(name_or_path, str | os.PathLike):
+        raise ScenarioError(
+            f"scenario = {show(name_or_path)} must be the name of a preset, the path of a TOML "
+            "file or a Scenario."
+        )
     source = os.fspath(name_or_path)
     raw = _resolved(source, Path(), ())
     name = Path(source).stem if is_path(source) else source

@@ -91,9 +91,13 @@ def versions() -> dict[str, str]:
     }
 
 
-def check_seeds(seeds: Iterable[int]) -> None:
-    """Raise ArgumentError unless every seed is a whole number from 0 up, below 2^63."""
-    for seed in seeds:
+def checked_seeds(seeds: Iterable[int]) -> list[int]:
+    """The seeds; raises ArgumentError unless each is a whole number from 0 up, below 2^63."""
+    if not isinstance(seeds, Iterable):
+        raise ArgumentError(f"seeds = {seeds!r} must be a list of seeds, such as range(20).")
+    listed = list(seeds)
+    for seed in listed:
         whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
         if not (whole and 0 <= operator.index(seed) < 2**63):
             raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")
+    return listed

@@ -31,7 +31,7 @@ from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import atomic_write, check_writable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
-from wmr_ctrl.sim.finish import check_seeds
+from wmr_ctrl.sim.finish import checked_seeds
 from wmr_ctrl.sim.many import RunTable, run_many
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
 
@@ -172,11 +172,10 @@ def tune(
     Raises MissingExtraError without the extra tune, ArgumentError (that file belongs to another
     search, say), ScenarioError, ResultFileError.
     """
-    chosen, trained, tested = scenario_of(scenario), tuple(seeds), tuple(test_seeds)
-    check_seeds([*trained, *tested])
+    chosen = scenario_of(scenario)
     plan = TuningPlan(
-        scenario=chosen, law=law, seeds=trained, test_seeds=tested, trials=trials, weight=weight,
-        hold=tuple(hold),
+        scenario=chosen, law=law, seeds=tuple(checked_seeds(seeds)),
+        test_seeds=tuple(checked_seeds(test_seeds)), trials=trials, weight=weight, hold=tuple(hold),
     )  # fmt: skip
     return _searched(
         plan, partial(run_many, partial(ready_batch, law=law), jobs=jobs), out, progress
