@@ -100,6 +100,7 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
         ({"seeds": 10**12}, ArgumentError, "at most 1e\\+09"),
         ({"seeds": 0}, ArgumentError, "seeds"),
         ({"sample": {"robot.mu": [0.1, 0.1]}}, ArgumentError, "range"),
+        ({"sample": {"seed": -1, "robot.mu": [0, 1]}}, ArgumentError, "sample.seed = -1"),
         ({"sample": {"method": "sobl", "robot.mu": [0, 1]}}, UnknownNameError, "sobol"),
         ({"stop": {"figure": "violated"}}, ArgumentError, "half_width"),
         ({"stop": {"figure": "tau_rms", "half_width": 0.1}}, UnknownNameError, "tau_rms"),
@@ -117,6 +118,13 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
 def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
     with pytest.raises(error, match=words):
         plan_of({**PLAN, **changes})
+
+
+def test_a_plan_without_a_key_is_refused(tmp_path):
+    (tmp_path / "empty.toml").write_text("# nothing yet\n")
+
+    with pytest.raises(ArgumentError, match=r"empty\.toml says nothing"):
+        load_plan(tmp_path / "empty.toml")
 
 
 def test_the_guard_that_is_set_for_all_runs_is_what_they_have():

@@ -138,6 +138,8 @@ def load_plan(path: str | Path) -> StudyPlan:
         raw = tomllib.loads(read_text(file, "plan"))
     except tomllib.TOMLDecodeError as problem:
         raise ScenarioError(f"{file} is not valid TOML: {problem}.") from None
+    if not raw:
+        raise ArgumentError(f'{file} says nothing. Give at least one key, such as laws = ["nn"].')
     return plan_of(raw, file.parent)
 
 
@@ -284,7 +286,10 @@ def _sample(table: Raw) -> SamplePlan:
         raise UnknownNameError("method of a sample", str(method), (LATIN, SOBOL, UNIFORM))
     if not ranges:
         raise ArgumentError("sample has no range: give a key and [low, high].")
-    n, seed = _whole(table.get("n", 64), "sample.n", 1), _whole(table.get("seed", 0), "seed", 0)
+    n, seed = (
+        _whole(table.get("n", 64), "sample.n", 1),
+        _whole(table.get("seed", 0), "sample.seed", 0),
+    )
     if n * len(ranges) > 10**8:
         raise ArgumentError(f"sample.n = {n}: at most 1e8 numbers can be drawn.")
     return SamplePlan(str(method), n, seed, ranges)

@@ -19,6 +19,8 @@ LARGEST_PATH = 10_000_000
 AXES = ("x", "y")
 NAME = re.compile(r"([xyXY])\s*(?:\[\s*m\s*\]|\(\s*m\s*\))?")
 """Of a column: x or y, perhaps with m in brackets or parentheses."""
+AXIS = re.compile(r"[xy](?![a-z]).*", re.IGNORECASE | re.DOTALL)
+"""What begins as the name of an axis does, whatever unit or frame follows."""
 SAME = 1e-9
 """Points nearer to each other than this, m, are the same."""
 
@@ -26,7 +28,8 @@ SAME = 1e-9
 def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
     """Return the points of a CSV file; blank rows and rows that start with ``#`` are skipped.
 
-    A header says which column is x and which is y; without one, x comes first.
+    A header says which column is x and which is y; without one, x comes first.  It may stand in a
+    comment, as NumPy's `savetxt` writes it.
     Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
     """
     numbered = list(_rows(read_text(file, path, LARGEST_PATH), f"{path}: {file.name}"))
@@ -46,14 +49,23 @@ def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
 
 
 def _rows(text: str, place: str) -> Iterator[tuple[int, list[str]]]:
-    reader = csv.reader(io.StringIO(text), skipinitialspace=True)
+    reader, begun = csv.reader(io.StringIO(text), skipinitialspace=True), False
     try:
         for cells in reader:
             stripped = [cell.strip() for cell in cells]
+            if not begun:
+                stripped = _uncommented(stripped)
             if any(stripped) and not stripped[0].startswith("#"):
+                begun = True
                 yield reader.line_num, stripped
     except csv.Error as problem:
         raise ScenarioError(f"{place}, row {reader.line_num}: {problem}. Save it as CSV.") from None
+
+
+def _uncommented(cells: list[str]) -> list[str]:
+    """A comment of two cells that name axes, without its ``#``; other rows as they are."""
+    names = [cells[0].lstrip("# "), *cells[1:]] if cells else []
+    return names if len(names) == 2 and all(map(AXIS.fullmatch, names)) else cells
 
 
 def _number(cell: str) -> float | None:
