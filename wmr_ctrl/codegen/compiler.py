@@ -135,8 +135,9 @@ def compile_library(
         If the compiler cannot be started, fails, is killed or runs out of time (CacheError: of
         space); ``out`` does not exist then.
     """
-    tail = () if os.name == "nt" else ("-lm",)
-    return _compiled(toolchain, (*toolchain.flags, *flags), sources, out, include, timeout, tail)
+    given = (*toolchain.flags, *flags)
+    tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
+    return _compiled(toolchain, given, sources, out, include, timeout, tail)
 
 
 def compile_object(

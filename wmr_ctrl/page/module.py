@@ -14,14 +14,17 @@ from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.dialect import SCALAR
 from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
 from wmr_ctrl.codegen.source import sources
-from wmr_ctrl.codegen.toolchain import zig_command
+from wmr_ctrl.codegen.toolchain import level_flags, zig_command
 from wmr_ctrl.compiled import LoopLayout
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
-FLAGS = ("-O2", "-target", "wasm32-wasi", "-mexec-model=reactor")
+FLAGS = ("-O2", "-target", "wasm32-wasi")
+LINKING = ("-target", "wasm32-freestanding", "-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--no-entry",
+           "-Wl,--strip-all")  # fmt: skip
+"""Without a C library, of which loops need nothing but headers: zig compiles it for half a minute."""
 _HOST_ONLY = ("-shared", "-fPIC", "-fvisibility=hidden", "-mcpu=baseline", "-O3")
 WORKERS = 2
 """Compilers side by side: each takes some 300 MB."""
@@ -102,7 +105,8 @@ def _toolchain() -> Toolchain:
         )
     command = (*command, "cc")
     flags = tuple(flag for flag in default_flags(command) if flag not in _HOST_ONLY)
-    return Toolchain(command, "zig cc", f"zig {_zig_version()}", (*flags, *FLAGS))
+    flags = (*flags, *FLAGS, *level_flags())
+    return Toolchain(command, "zig cc", f"zig {_zig_version()}", flags)
 
 
 def _zig_version() -> str:
@@ -125,7 +129,7 @@ def _linked(chain: Toolchain, objects: Sequence[Path]) -> Path:
     files = {f"{path.stem}.o": path.read_bytes() for path in objects}
 
     def compile_in(folder: Path) -> Path:
-        linking = chain.with_flags("-s", "-Wl,--strip-all")
+        linking = chain.with_flags(*LINKING)
         paths = [folder / name for name in files]
         return compile_library(linking, paths, folder / "page.wasm")
 
