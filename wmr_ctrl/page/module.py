@@ -22,9 +22,11 @@ from wmr_ctrl.signals import PLANT_STATE
 
 UNIT = ("page.c", *LOOP[1:], "seed.c", "seed.h")
 FLAGS = ("-O2", "-target", "wasm32-wasi")
-LINKING = ("-target", "wasm32-freestanding", "-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--no-entry",
-           "-Wl,--strip-all")  # fmt: skip
-"""Without a C library, of which loops need nothing but headers: zig compiles it for half a minute."""
+LINKING = (
+    "-target", "wasm32-freestanding", "-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--no-entry",
+    "-Wl,--strip-all",
+)  # fmt: skip
+"""Without a C library, which zig would compile for half a minute: loops need its headers only."""
 _HOST_ONLY = ("-shared", "-fPIC", "-fvisibility=hidden", "-mcpu=baseline", "-O3")
 WORKERS = 2
 """Compilers side by side: each takes some 300 MB."""
