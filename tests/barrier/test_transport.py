@@ -14,6 +14,7 @@ from wmr_ctrl.laws.prox import prox_step
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.2))
 EPS = float(np.finfo(float).eps)
+TINY = mp.mpf(10) ** -40
 Axis = tuple[float, float, bool]
 every_axis = pytest.mark.parametrize(
     "axis", [(*limits, smooth) for limits in LIMITS for smooth in (False, True)]
@@ -30,14 +31,23 @@ def step(axis: Axis) -> ca.Function:
 
 
 def nearest(c: mp.mpf, axis: Axis) -> mp.mpf:
-    """v_c1: where the slope x - c + f'(x) changes its sign, by bisection."""
-    u1, u2 = map(mp.mpf, axis[:2])
-    low, high, size = mp.mpf(0), u1, abs(c)
-    for _ in range(190):
-        x = (low + high) / 2
-        slope = 1 / (u1 - x) - (1 / (u1 - u2) if axis[2] else 0) if x > u2 else 0
-        low, high = (low, x) if x - size + slope > 0 else (x, high)
-    return mp.sign(c) * low
+    """v_c1: where the slope x - |c| + f'(x) changes its sign, up to the sign of c."""
+    (u1, u2), size = map(mp.mpf, axis[:2]), abs(c)
+
+    def slope(x: mp.mpf) -> mp.mpf:
+        bent = 1 / (u1 - x) - (1 / (u1 - u2) if axis[2] else 0) if x > u2 else 0
+        return x - size + bent
+
+    x = min(size, u2)
+    if size > u2 and slope(u2 * (1 + TINY)) < 0:
+        low, high = u2, u1
+        for _ in range(60):
+            x = (low + high) / 2
+            low, high = (low, x) if slope(x) > 0 else (x, high)
+        for _ in range(4):  # Newton's steps from there on: each doubles the digits
+            x -= slope(x) / (1 + (u1 - x) ** -2)
+    assert slope(x - TINY) <= 0 <= slope(x + TINY)
+    return mp.sign(c) * x
 
 
 def distance(v: mp.mpf, c: mp.mpf, axis: Axis) -> mp.mpf:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -66,19 +67,20 @@ def slid(
     v: np.ndarray, push: np.ndarray, friction: np.ndarray, mass: np.ndarray, h: float
 ) -> np.ndarray:
     """Exact velocity after ``h`` seconds of constant push against Coulomb friction."""
-    result = np.empty(2)
-    for i in (0, 1):
-        way = np.sign(v[i]) or np.sign(push[i])
-        rate = (push[i] - way * friction[i]) / mass[i]
-        if v[i] == 0.0:
-            result[i] = h * rate if rate * way > 0 else 0.0
-            continue
-        stop = -v[i] / rate if rate * way < 0 else np.inf
-        result[i] = v[i] + h * rate
-        if stop < h:
-            left = push[i] - np.sign(push[i]) * friction[i]
-            result[i] = (h - stop) * left / mass[i] if abs(push[i]) > friction[i] else 0.0
-    return result
+    each = zip(v.tolist(), push.tolist(), friction.tolist(), mass.tolist(), strict=True)
+    return np.array([_slid(*one, h) for one in each])
+
+
+def _slid(v: float, push: float, friction: float, mass: float, h: float) -> float:
+    way = math.copysign(1.0, v or push)
+    rate = (push - way * friction) / mass
+    if v == 0.0:
+        return h * rate if rate * way > 0 else 0.0
+    stop = -v / rate if rate * way < 0 else math.inf
+    if stop >= h:
+        return v + h * rate
+    left = push - math.copysign(friction, push)
+    return (h - stop) * left / mass if abs(push) > friction else 0.0
 
 
 def _force(torque: np.ndarray, scenario: Scenario) -> np.ndarray:

@@ -13,6 +13,8 @@ from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import Scenario
 
+GRIPS = (0.0, 30.0, 1e7)
+"""Dry friction, N and N m."""
 PIECES = 3
 """Parts of equal length between two changes of the force; all but the force differs in each."""
 
@@ -78,16 +80,20 @@ def hostile(draw: np.random.Generator, delay: float, nbar: np.ndarray) -> Drive:
     def way() -> Chooser:
         swing, phase, kind = draw.uniform(1, 8, 2), draw.uniform(0, 2, 2), draw.integers(0, 3)
         by_time = lambda k, v: np.where((k / swing + phase) % 2 < 1, 1.0, -1.0)  # noqa: E731
-        return (lambda k, v: greedy(v), by_time, lambda k, v: draw.choice([-1.0, 1.0], 2))[kind]
+        return (lambda k, v: greedy(v), by_time, lambda k, v: 2.0 * draw.integers(0, 2, 2) - 1)[
+            kind
+        ]
 
     asked, push, grip, light = way(), way(), way(), draw.random() < 0.6
     return Drive(
         asked=lambda k, v: 1e6 * asked(k, v),
         push=lambda k, v: MOST * push(k, v),
         mass=lambda k, v: LIGHT if light else draw.uniform(LIGHT, HEAVY),
-        friction=lambda k, v: np.where(grip(k, v) > 0, draw.choice([0.0, 30.0, 1e7]), 0.0),
+        friction=lambda k, v: np.where(grip(k, v) > 0, GRIPS[draw.integers(3)], 0.0),
         delay=delay,
-        error=lambda k, v: nbar * draw.choice([-1.0, 1.0, draw.uniform(-1, 1)], 2),
+        error=lambda k, v: (
+            nbar * np.array([-1.0, 1.0, draw.uniform(-1, 1)])[draw.integers(0, 3, 2)]
+        ),
     )
 
 

@@ -56,7 +56,7 @@ def test_reproduce_quick_from_an_empty_folder_without_a_compiler_on_path(install
 
     assert done.returncode == 0, done.stdout + done.stderr
     out = installed.work / "out"
-    assert (out / "report.html").stat().st_size > 10_000
+    assert 10_000 < (out / "report.html").stat().st_size < 8_000_000
     assert (out / "table.csv").read_text(encoding="utf-8").strip()
     assert json.loads((out / "claims.json").read_text(encoding="utf-8"))
     assert list(out.rglob("*.svg"))
