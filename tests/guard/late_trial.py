@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
+import casadi as ca
 import numpy as np
 
 from tests.guard.exact_axis import PARTS, Robots
@@ -13,6 +14,7 @@ from tests.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
 
@@ -45,34 +47,8 @@ class Case:
 
     @property
     def setup(self) -> Setup:
-        """The guard by itself, settled with these numbers."""
-        both = lambda x: [x, 0.2 * x]  # noqa: E731
-        changed = {
-            "guard.enabled": True,
-            "guard.trust": True,
-            "clock.control": self.T,
-            "clock.plant": self.T / PARTS,
-            "clock.duration": 80.0,
-            "disturbance.std": 0.0,
-            "guard.M_min": [self.M_min, 0.2 * self.M_min],
-            "guard.M_max": [70.0, 14.0],
-            "guard.dbar": both(self.dbar),
-            "guard.nbar": [self.nbar, self.nbar],
-            "guard.f_min": both(self.f_min),
-            "guard.f_speed": [self.f_speed, self.f_speed],
-            "guard.alpha": self.alpha / self.T,
-        }
-        if self.brake is not None:
-            changed["guard.brake"] = both(self.brake)
-        scenario = load_scenario("paper-simulation-nominal", changed)
-        lag, old, wide = (x * self.T for x in (self.lag, self.age, self.window))
-        fast = lag if self.fast is None else self.fast * self.T
-        bound = Bound(
-            delay=self.hi * self.T, jitter=(self.hi - self.lo) * self.T, lag=(fast, lag),
-            age=(old, old), window=(wide, wide),
-        )  # fmt: skip
-        stated = settled_guard(scenario, bound, np.inf)
-        return replace(settle(scenario, None), guard=stated)
+        """The guard by itself, settled with these numbers, once for all trials of a case."""
+        return settled(self)
 
     def formula(self, axis: int) -> LateGuard:
         """The same numbers for the formula in NumPy; the limit is shrunk as the product's."""
@@ -89,6 +65,45 @@ class Case:
             age=self.age * self.T, window=self.window * self.T, lo=self.lo * self.T,
             hi=self.hi * self.T, lag=self.lag * self.T,
         )  # fmt: skip
+
+
+@lru_cache(maxsize=512)
+def settled(case: Case) -> Setup:
+    """The guard by itself, settled with the numbers of a case."""
+    both = lambda x: [x, 0.2 * x]  # noqa: E731
+    changed = {
+        "guard.enabled": True,
+        "guard.trust": True,
+        "clock.control": case.T,
+        "clock.plant": case.T / PARTS,
+        "clock.duration": 80.0,
+        "disturbance.std": 0.0,
+        "guard.M_min": [case.M_min, 0.2 * case.M_min],
+        "guard.M_max": [70.0, 14.0],
+        "guard.dbar": both(case.dbar),
+        "guard.nbar": [case.nbar, case.nbar],
+        "guard.f_min": both(case.f_min),
+        "guard.f_speed": [case.f_speed, case.f_speed],
+        "guard.alpha": case.alpha / case.T,
+    }
+    if case.brake is not None:
+        changed["guard.brake"] = both(case.brake)
+    scenario = load_scenario("paper-simulation-nominal", changed)
+    lag, old, wide = (x * case.T for x in (case.lag, case.age, case.window))
+    fast = lag if case.fast is None else case.fast * case.T
+    bound = Bound(
+        delay=case.hi * case.T, jitter=(case.hi - case.lo) * case.T, lag=(fast, lag),
+        age=(old, old), window=(wide, wide),
+    )  # fmt: skip
+    stated = settled_guard(scenario, bound, np.inf)
+    return replace(settle(scenario, None), guard=stated)
+
+
+@lru_cache(maxsize=512)
+def composed(case: Case) -> tuple[System, ca.Function]:
+    """The guard of a case, and what it does with a sample: next state, torques, what is watched."""
+    system = guard_system(case.setup)
+    return system, system.function("guard", [system.update, system.y, system.d])
 
 
 @dataclass(frozen=True)
@@ -130,8 +145,8 @@ def trial(
     """Robots with the numbers of ``true`` (or those stated) behind the guard of a case."""
     draw, real = np.random.default_rng(seed), true or case
     thrown = thrown or Thrown(np.ones(lanes))
-    system = guard_system(case.setup)
-    act = system.function("guard", [system.update, system.y, system.d]).map(lanes)
+    system, one = composed(case)
+    act = one.map(lanes)
     p = np.tile(np.array(system.p0)[:, None], lanes)
     x = np.tile(np.array(system.x0)[:, None], lanes)
     formulas = [case.formula(axis) for axis in (0, 1)]
