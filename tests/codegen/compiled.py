@@ -45,12 +45,15 @@ def compiled(kernels: Sequence[Kernel], *, native: bool = False) -> list[Callabl
 
 def _callable(entry: Callable[..., None], function: ca.Function) -> Callable[..., np.ndarray]:
     entry.restype = None
+    arrays = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+    out = np.zeros(function.numel_out(0))
+    pointers = [item.ctypes.data_as(REALS) for item in (*arrays, out)]
 
     def call(*given: np.ndarray) -> np.ndarray:
-        out = np.zeros(function.numel_out(0))
-        arrays = [np.ascontiguousarray(item, dtype=float) for item in given]
-        entry(*(item.ctypes.data_as(REALS) for item in (*arrays, out)))
-        return out
+        for array, numbers in zip(arrays, given, strict=True):
+            array[:] = numbers
+        entry(*pointers)
+        return out.copy()
 
     return call
 
