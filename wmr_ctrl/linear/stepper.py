@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import control as ct
@@ -80,11 +81,16 @@ class Stepper:
         push = np.zeros(2) if disturbance is None else np.asarray(disturbance, dtype=float)
         rows = np.broadcast_to(push, (count, 2))
         start = np.concatenate((s, self.point.force[: self.states - 5], self.memory))
-        every = self.step.mapaccum("course", count)
-        path, force = (np.array(part).T for part in every(start, rows.T))
+        path, force = (np.array(part).T for part in _repeated(self.step, count)(start, rows.T))
         states = np.ascontiguousarray(np.vstack((start, path[:-1]))[:, :5], dtype=np.float64)
         times = np.asarray(np.arange(count) * self.period, dtype=np.float64)
         return Course(times, states, force, path[-1, self.states :])
+
+
+@lru_cache(maxsize=16)
+def _repeated(step: ca.Function, count: int) -> ca.Function:
+    """So many periods, each from where the last one ended."""
+    return step.mapaccum("course", count)
 
 
 def stepper(
@@ -201,13 +207,17 @@ class LoopPair:
 
     def linear_errors(self, e: Floats) -> Floats:
         """Linear response (N, 3) to a displacement ``e`` (3)."""
+        return self._linear_to_one @ e
+
+    @cached_property
+    def _linear_to_one(self) -> Floats:
+        """Linear responses (N, 3, 3) of each error to a displacement of each by one."""
         count = round(self.duration / self.nonlinear.period)
-        state = np.zeros(self.linear.nstates)
-        state[:3] = e
-        rows = np.empty((count, 3))
+        states = np.eye(self.linear.nstates, 3)
+        rows = np.empty((count, 3, 3))
         for k in range(count):
-            rows[k] = state[:3]
-            state = self.linear.A @ state
+            rows[k] = states[:3]
+            states = self.linear.A @ states
         return rows
 
     def deviation(self, e: Floats) -> float:
