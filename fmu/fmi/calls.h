@@ -29,4 +29,11 @@ static inline wmr_instance *wmr_legal(void *handle, const wmr_call *call)
     return s;
 }
 
+/* Our status as that of the standard whose header came first; the values are the same. */
+#ifdef fmi2Functions_h
+static inline fmi2Status status_of(wmr_status status) { return (fmi2Status)status; }
+#else
+static inline fmi3Status status_of(wmr_status status) { return (fmi3Status)status; }
+#endif
+
 #endif

@@ -28,11 +28,6 @@ static void log_message(wmr_instance *s, wmr_status status, const char *category
     }
 }
 
-static fmi2Status status_of(wmr_status status)
-{
-    return (fmi2Status)status;
-}
-
 const char *fmi2GetTypesPlatform(void)
 {
     return fmi2TypesPlatform;

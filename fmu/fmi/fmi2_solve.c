@@ -14,11 +14,6 @@ static const wmr_call DO_STEP = {"fmi2DoStep", WMR_IN_STEP};
 static const wmr_call STATUS = {"fmi2GetStatus", WMR_IN_STEP | WMR_IN_STOPPED};
 static const wmr_call NEVER = {"this function", 0};
 
-static fmi2Status status_of(wmr_status status)
-{
-    return (fmi2Status)status;
-}
-
 /* Functions of model exchange are not there for an instance of co-simulation. */
 static wmr_instance *solving(fmi2Component c, const wmr_call *call)
 {

@@ -23,11 +23,6 @@ static void log_message(wmr_instance *s, wmr_status status, const char *category
     }
 }
 
-static fmi3Status status_of(wmr_status status)
-{
-    return (fmi3Status)status;
-}
-
 const char *fmi3GetVersion(void)
 {
     return fmi3Version;

@@ -15,11 +15,6 @@ static const wmr_call SOLVE = {"a function for model exchange", WMR_SOLVING_MODE
 static const wmr_call COUNT = {"a number of states or indicators", WMR_ANY_MODE};
 static const wmr_call DO_STEP = {"fmi3DoStep", WMR_IN_STEP};
 
-static fmi3Status status_of(wmr_status status)
-{
-    return (fmi3Status)status;
-}
-
 /* Functions of model exchange are not there for an instance of co-simulation. */
 static wmr_instance *solving(fmi3Instance instance, const wmr_call *call)
 {

@@ -8,11 +8,6 @@
 static const wmr_call GET = {"fmi3Get", WMR_ANY_MODE | WMR_IN_UPDATE};
 static const wmr_call SET = {"fmi3Set", WMR_ANY_MODE & ~WMR_IN_STOPPED};
 
-static fmi3Status status_of(wmr_status status)
-{
-    return (fmi3Status)status;
-}
-
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refs[], size_t count,
                           fmi3Float64 values[], size_t length)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAGIC UINT64_C(0x574d525f494e5354)
+#define ALIVE UINT64_C(0x574d525f494e5354)
 #define TIME_TOLERANCE 1e-9
 
 const char *const WMR_CATEGORIES[WMR_LOG_COUNT] = {"logStatusError", "logStatusDiscard",
@@ -75,7 +75,7 @@ wmr_instance *wmr_create(const char *name, wmr_interface interface)
     if (!s) {
         return NULL;
     }
-    s->magic = MAGIC;
+    s->magic = ALIVE;
     s->state.interface = interface;
     strncpy(s->name, name ? name : "", sizeof s->name - 1);
     start_values(&s->state);
@@ -93,7 +93,7 @@ void wmr_free(wmr_instance *s)
 
 int wmr_is_instance(const wmr_instance *s)
 {
-    return s && s->magic == MAGIC;
+    return s && s->magic == ALIVE;
 }
 
 void wmr_reset(wmr_instance *s)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAGIC UINT64_C(0x574d525f53544154)
+#define KEPT UINT64_C(0x574d525f53544154)
 #define VERSION 1
 
 /* What stands before the plain state, in memory and in bytes alike. */
@@ -30,14 +30,14 @@ static uint64_t hash(const void *data, size_t size)
 static header header_of(const wmr_state *state)
 {
     const char *token = WMR_TOKEN;
-    const header made = {MAGIC, VERSION, hash(token, strlen(token)), sizeof *state,
+    const header made = {KEPT, VERSION, hash(token, strlen(token)), sizeof *state,
                          hash(state, sizeof *state)};
     return made;
 }
 
 static wmr_status check(wmr_instance *s, const snapshot *kept)
 {
-    if (!kept || kept->head.magic != MAGIC) {
+    if (!kept || kept->head.magic != KEPT) {
         return wmr_say(s, WMR_ERROR, "this is not a state of this FMU.");
     }
     return WMR_OK;

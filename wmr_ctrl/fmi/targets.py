@@ -69,6 +69,10 @@ HEAVY = {
 """Units that take long to compile, with all that they read: models share them across scenarios."""
 
 
+LIGHT = "light.c"
+"""All other units as one, which takes a third of the time; the FMU itself carries each."""
+
+
 class PartlyBuiltError(CompilerError):
     """Some of several platforms could not be built; the others are in the file that is named."""
 
@@ -109,13 +113,14 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
     """
     chain = _toolchain(target)
     objects = [_object(chain, sources, unit) for unit in HEAVY if unit in sources.files]
-    units = [name for name in sources.units if name not in HEAVY]
+    light = "".join(f'#include "{name}"\n' for name in sources.units if name not in HEAVY)
 
     def compile_in(folder: Path) -> Path:
-        paths = [*(folder / name for name in units), *objects]
+        (folder / LIGHT).write_text(light, encoding="utf-8")
         return compile_library(
-            chain, paths, folder / f"{identifier}{target.suffix}", include=[folder]
-        )
+            chain, [folder / LIGHT, *objects], folder / f"{identifier}{target.suffix}",
+            include=[folder],
+        )  # fmt: skip
 
     return build_cached(
         sources.files,
