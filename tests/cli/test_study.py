@@ -35,6 +35,20 @@ def test_a_plan_leaves_a_table_and_says_where(wmr, plan, tmp_path):
     assert [row["limits.v_u2"] for row in rows] == ["[0.8, 1.3]"] * 3 + ["[0.7, 1.2]"] * 3
 
 
+@pytest.mark.parametrize("begun", [True, False])
+def test_who_interrupts_is_told_that_it_goes_on(wmr, plan, tmp_path, monkeypatch, begun):
+    def stop(*_given, **_more):
+        if begun:
+            (tmp_path / "s").mkdir()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wmr_ctrl.api.study", stop)
+    done = wmr("study", plan, "--out", tmp_path / "s")
+
+    assert done.exit_code == 130
+    assert ("the same command goes on from there" in " ".join(done.stderr.split())) is begun
+
+
 def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     folder = tmp_path / "s"

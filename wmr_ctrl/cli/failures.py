@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import click
 
@@ -10,6 +13,17 @@ from wmr_ctrl.cli.console import say
 from wmr_ctrl.errors import WmrError
 
 DIFFERENCE, WRONG_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 70, 130, 141
+
+
+@contextmanager
+def resumable(kept: str) -> Iterator[None]:
+    """Long work of which ``kept`` keeps what is done: who interrupts it is told that it goes on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if Path(kept).exists():
+            say("note", f"what is done is kept in {kept}; the same command goes on from there.")
+        raise
 
 
 def explain(error: Exception, *, debug: bool) -> int:

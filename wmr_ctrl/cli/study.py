@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.failures import resumable
 from wmr_ctrl.cli.options import check_folder, debug_option, examples, json_option
 from wmr_ctrl.cli.progress import Progress
 
@@ -56,7 +57,7 @@ def study(
     plan = load_plan(words[0])
     for text in plan.warnings:
         say("warning", text)
-    with Progress("study") as progress:
+    with resumable(out), Progress("study") as progress:
         result = api.study(plan, out, executor=executor, jobs=jobs, progress=progress)
     if as_json:
         print_json(

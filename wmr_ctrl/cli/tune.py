@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.failures import resumable
 from wmr_ctrl.cli.options import (
     check_output,
     debug_option,
@@ -101,7 +102,7 @@ def tune(
     check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
 
-    with Progress(f"tune {law}") as progress:
+    with resumable(f"{out}.trials.json"), Progress(f"tune {law}") as progress:
         better = tuning.tune(
             load(scenario, assignments), law, out,
             seeds=seeds, test_seeds=test_seeds, trials=trials, weight=weight, hold=hold,

@@ -17,7 +17,7 @@ from PIL import Image
 from wmr_ctrl.campaign import PhaseProgress, Silent
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.report.scene import BODY, FRAME, TRACK, WHEEL, Picture, Scene, frames, scene_of
-from wmr_ctrl.report.style import AFTER_DARK, INK, LIMIT, MUTED, PAPER, RULE_LINE, look
+from wmr_ctrl.report.style import AFTER_DARK, INK, LIMIT, MUTED, PAPER, RULE_LINE, driver, look
 from wmr_ctrl.report.web import page_environment
 from wmr_ctrl.results import Run, atomic_path, check_writable
 
@@ -79,7 +79,7 @@ def write_page(scene: Scene, path: Path) -> None:
         page_environment()
         .get_template("animation.html.j2")
         .render(
-            title=f"{look(run.law).label}, {run.scenario}, seed {run.seed}",
+            title=f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}",
             explanation=run.explanation,
             data=_json(scene),
             light=_colours(run.law, dark=False),

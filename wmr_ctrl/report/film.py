@@ -15,7 +15,7 @@ from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
 from wmr_ctrl.report.animate import find_ffmpeg, write_film, write_gif
 from wmr_ctrl.report.scene import Picture
-from wmr_ctrl.report.style import INK, LIMIT, look
+from wmr_ctrl.report.style import INK, LIMIT, driver
 from wmr_ctrl.results import Run, atomic_path, check_writable
 
 FILMS = (".mp4", ".gif")
@@ -81,7 +81,7 @@ def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
 def _write(draw: ImageDraw.ImageDraw, run: Run, row: int, slip_max: float) -> None:
     """The figures of a row; red beyond a limit."""
     font = ImageFont.load_default(15)
-    title = f"{look(run.law).label}, {run.scenario}, seed {run.seed}, on tyres"
+    title = f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
     draw.text((10, HEIGHT + 8), title, INK, font)
     draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", INK, font)
     v, slip = (run["v1"][row], run["omega"][row]), np.abs(run["slip"][row]).max()

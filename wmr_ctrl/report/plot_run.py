@@ -23,7 +23,7 @@ from wmr_ctrl.report.drawing import (
     thin,
 )
 from wmr_ctrl.report.paper_figures import draw_paths, switch_time
-from wmr_ctrl.report.style import DASHED, MUTED, house_style, look, shown
+from wmr_ctrl.report.style import DASHED, MUTED, driver, house_style, look, shown
 from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -82,8 +82,7 @@ def _draw(figure: Figure, run: Run) -> None:
 
 
 def _header(figure: Figure, run: Run) -> None:
-    guard = ", guarded" if run.guard else ""
-    figure.text(0.02, 1 - 0.14 / _SIZE[1], f"{run.scenario}: {look(run.law).label}{guard}",
+    figure.text(0.02, 1 - 0.14 / _SIZE[1], f"{run.scenario}: {driver(run.law, run.guard)}",
                 size=13, weight="bold", va="top")  # fmt: skip
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")

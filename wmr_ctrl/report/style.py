@@ -90,6 +90,11 @@ def look(law: str) -> Look:
     return Look(law.replace("_", " "), colour, dash, marker)
 
 
+def driver(law: str, guarded: bool) -> str:
+    """Who drives a run, for its title."""
+    return f"{look(law).label}{', guarded' if guarded else ''}"
+
+
 _SETTINGS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
