@@ -77,7 +77,8 @@ def test_the_table_by_columns_has_the_numbers_of_the_text(wmr, plan, tmp_path):
         ('laws = ["nno"]', (), "no law is named 'nno'"),
         ("seeds = ", (), "not valid TOML"),
         ("[grid]\nrobot.mm = [1.0]", (), "robot.mm"),
-        ("", ("--executor", "spark"), "no executor is named 'spark'"),
+        ("", (), "says nothing"),
+        ("seeds = 1", ("--executor", "spark"), "no executor is named 'spark'"),
     ],
 )
 def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
