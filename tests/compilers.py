@@ -14,11 +14,13 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")
 """Without symbols, as FMUs are linked: zig compiles the C library of a platform once with them and
 once without, and that of Windows takes more than a minute of a processor."""
+WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
 SIMD128 = ("-Xclang", "-target-feature", "-Xclang", "+simd128")
 """Vectors of WebAssembly for what is compiled: for -msimd128 zig builds its C library anew."""
 QEMU = ("qemu-aarch64", "qemu-aarch64-static")
@@ -60,6 +62,14 @@ def compile_in(folder: Path, command: Sequence[str]) -> None:
         env={**os.environ, **own},
     )
     assert done.returncode == 0, done.stderr
+
+
+def compile_module(folder: Path, command: Sequence[str], units: Sequence[str], out: str) -> None:
+    """The same for a WebAssembly module: linked as the page's is, without a C library."""
+    objects = [f"{number}.o" for number in range(len(units))]
+    for unit, made in zip(units, objects, strict=True):
+        compile_in(folder, [*command, "-c", unit, "-o", made])
+    compile_in(folder, [*command, *LINKING, *objects, "-o", out])
 
 
 def processor() -> set[str]:

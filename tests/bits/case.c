@@ -2,8 +2,7 @@
    to the standard output.  numbers.h holds the case, library.c the loop.  With lanes the last one
    is shown; the others have seeds of their own, so that branches are mixed. */
 #include "numbers.h"
-
-#include <stdio.h>
+#include "out.h"
 
 #include "library.c"
 
@@ -18,7 +17,7 @@ static struct {
 
 static int show(const double *numbers, size_t count)
 {
-    return fwrite(numbers, sizeof *numbers, count, stdout) == count;
+    return put(numbers, sizeof *numbers * count);
 }
 
 static int show_lane(const wmr_v *numbers, size_t count)

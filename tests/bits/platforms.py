@@ -16,6 +16,7 @@ from tests.compilers import (
     FLAGS,
     WINE,
     compile_in,
+    compile_module,
     needs_compiler,
     processor,
     where,
@@ -71,11 +72,12 @@ def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> P
     cases = " ".join(f"X({name})" for name in listed)
     (folder / "cases.h").write_text(f"#define CASES(X) {cases}\n", encoding="utf-8")
     out = folder / f"cases{platform.suffix}"
-    command = [
-        *platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}",
-        str(HERE / "main.c"), *map(str, units), "-lm", "-o", str(out),
-    ]  # fmt: skip
-    compile_in(folder, command)
+    command = [*platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}"]
+    command, texts = [*command, f"-I{HERE}"], [str(HERE / "main.c"), *map(str, units)]
+    if platform.suffix == ".wasm":
+        compile_module(folder, command, texts, str(out))
+    else:
+        compile_in(folder, [*command, *texts, "-lm", "-o", str(out)])
     return out
 
 

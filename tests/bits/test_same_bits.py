@@ -9,7 +9,7 @@ import pytest
 
 from tests.bits.cases import CASES, SEED, bits_of, case, different
 from tests.bits.platforms import HERE, Platform, differences
-from tests.compilers import ARM, NODE, QEMU, SIMD128, WINE, ZIG
+from tests.compilers import ARM, NODE, QEMU, SIMD128, WASM, WINE, ZIG
 from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
@@ -39,13 +39,12 @@ HERE_NOW = (
 )
 BOARD = (*ZIG, "-target", ARM, "-O2")
 WINDOWS = (*ZIG, "-target", "x86_64-windows-gnu", "-O2")
-WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
 ELSEWHERE = (
     Platform("aarch64", BOARD, 0, QEMU),
     Platform("aarch64 2 lanes", BOARD, 2, QEMU),
     Platform("windows", WINDOWS, 0, WINE, suffix=".exe"),
-    Platform("wasm", WASM, 0, NODE, HERE / "run.mjs"),
-    Platform("wasm 2 lanes", (*WASM, *SIMD128), 2, NODE, HERE / "run.mjs"),
+    Platform("wasm", WASM, 0, NODE, HERE / "run.mjs", ".wasm"),
+    Platform("wasm 2 lanes", (*WASM, *SIMD128), 2, NODE, HERE / "run.mjs", ".wasm"),
 )
 QUICK = (HERE_NOW[0], HERE_NOW[2], HERE_NOW[6])
 EVERYWHERE = HERE_NOW + ELSEWHERE
