@@ -9,9 +9,12 @@ from __future__ import annotations
 import os
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import nbformat
+from jupyter_client import KernelManager
 from nbclient import NotebookClient
 from nbconvert import MarkdownExporter
 
@@ -36,16 +39,30 @@ def notebooks(names: list[str]) -> list[Path]:
     return [HERE / f"{name}.ipynb" for name in names] or sorted(HERE.glob("*.ipynb"))
 
 
-def executed(path: Path) -> nbformat.NotebookNode:
+@contextmanager
+def kernel() -> Iterator[KernelManager]:
+    """What runs notebooks one after the other: each begins without names, but what one imported
+    the next need not load again."""
+    environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "PYTHONWARNINGS": "ignore"}
+    environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
+    manager = KernelManager()
+    manager.start_kernel(env=environment, cwd=str(HERE))
+    try:
+        yield manager
+    finally:
+        manager.shutdown_kernel(now=True)
+
+
+def executed(path: Path, manager: KernelManager) -> nbformat.NotebookNode:
     """The notebook with outputs; raises CellExecutionError where a cell fails."""
     book = nbformat.read(path, as_version=4)
-    root = str(HERE.parent)
-    environment = {**os.environ, "PYTHONPATH": root, "PYTHONWARNINGS": "ignore"}
-    environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
-    client = NotebookClient(
-        book, timeout=LONGEST_RUN, resources={"metadata": {"path": str(HERE)}}, allow_errors=False
-    )
-    client.execute(env=environment)
+    book.cells.insert(0, nbformat.v4.new_code_cell("get_ipython().reset(new_session=True)"))
+    client = NotebookClient(book, km=manager, timeout=LONGEST_RUN, allow_errors=False)
+    try:
+        client.execute()
+    finally:
+        client.kc.stop_channels()
+    del book.cells[0]
     return book
 
 
@@ -85,10 +102,12 @@ def index() -> Path:
 def main(names: list[str]) -> None:
     """Render what is named, or everything."""
     sys.stderr.write(f"{index().relative_to(HERE.parent)}\n")
-    for path in notebooks(names):
-        sys.stderr.write(f"{path.stem} ... ")
-        sys.stderr.flush()
-        sys.stderr.write(f"{write(executed(path), path.stem).relative_to(HERE.parent)}\n")
+    with kernel() as manager:
+        for path in notebooks(names):
+            sys.stderr.write(f"{path.stem} ... ")
+            sys.stderr.flush()
+            target = write(executed(path, manager), path.stem)
+            sys.stderr.write(f"{target.relative_to(HERE.parent)}\n")
 
 
 if __name__ == "__main__":

@@ -69,10 +69,19 @@ def test_the_index_names_each_notebook_once():
     assert [f"{name}.ipynb" for name in NAMES] == re.findall(r"\((\d\d-[\w-]+\.ipynb)\)", index)
 
 
+@pytest.fixture(scope="session")
+def kernel():
+    """What runs the notebooks of one process after one another."""
+    render = pytest.importorskip("analysis.render", reason="needs the extra notebooks")
+    with render.kernel() as manager:
+        yield manager
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_a_notebook_runs(path):
-    render = pytest.importorskip("analysis.render", reason="needs the extra notebooks")
-    book = render.executed(path)
+def test_a_notebook_runs(path, kernel):
+    from analysis.render import executed
+
+    book = executed(path, kernel)
 
     assert any(cell.get("outputs") for cell in book.cells)
