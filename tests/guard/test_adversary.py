@@ -107,9 +107,12 @@ def moved(draw: np.random.Generator, case: dict[str, object]) -> dict[str, objec
 def run_case(law: str, case: dict[str, object], draw: np.random.Generator) -> np.ndarray:
     nbar = case["nbar"]
 
+    rhythm = list(zip(case["half"].tolist(), case["phase"].tolist(), strict=True))
+
     def switching(t: float, v: np.ndarray) -> np.ndarray:
-        swung = np.where(np.floor(t / case["half"] + case["phase"]) % 2 == 0, 1.0, -1.0)
-        return MOST * (np.where(v < 0, -1.0, 1.0) if case["by_sign"] else swung)
+        if case["by_sign"]:
+            return MOST * [-1.0 if x < 0 else 1.0 for x in v.tolist()]
+        return MOST * [1.0 if (t / half + phase) % 2 < 1 else -1.0 for half, phase in rhythm]
 
     robot = Robot(
         mass=case["mass"],
