@@ -157,9 +157,8 @@ class RigidBody:
         stands on one edge of the rhombus of wheels and casters, or on nothing.
         """
         load, force = dict.fromkeys(self._geoms.values(), 0.0), np.zeros(6)
-        for i, contact in enumerate(self.data.contact[: self.data.ncon]):
-            pair = {contact.geom1, contact.geom2} - {self._ground}
-            name = self._geoms.get(pair.pop()) if pair else None
+        for i, (one, other) in enumerate(self.data.contact.geom.tolist()):
+            name = self._geoms.get(other if one == self._ground else one)
             if name is not None:
                 self._mujoco.mj_contactForce(self.model, self.data, i, force)
                 load[name] += float(force[0])
