@@ -41,8 +41,7 @@ def notebooks(names: list[str]) -> list[Path]:
 
 @contextmanager
 def kernel() -> Iterator[KernelManager]:
-    """What runs notebooks one after the other: each begins without names, but what one imported
-    the next need not load again."""
+    """A kernel for notebooks in turn: each begins without names, but imports are loaded once."""
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "PYTHONWARNINGS": "ignore"}
     environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
     manager = KernelManager()
@@ -61,7 +60,8 @@ def executed(path: Path, manager: KernelManager) -> nbformat.NotebookNode:
     try:
         client.execute()
     finally:
-        client.kc.stop_channels()
+        if client.kc is not None:
+            client.kc.stop_channels()
     del book.cells[0]
     return book
 

@@ -31,6 +31,7 @@ GOOD = ((0.0, 0.0), (1.0, 0.5), (2.0, -1.0))
         "Y (m),X[m]\n0,0\n0.5,1\n-1,2\n",
         '"X [ m ]", "Y"\n0,0\n1,0.5\n2,-1\n',
         "# a track\n# y, x\n0,0\n0.5,1\n-1,2\n",
+        "# x,y\nx [m],y [m]\n0,0\n1,0.5\n2,-1\n",
         "# x-ray, yellow\n0,0\n1,0.5\n# y,x\n2,-1\n",
     ],
 )
@@ -59,6 +60,7 @@ def test_usual_ways_to_write_points(tmp_path, text):
         ("x,y,z\n0,0,0\n1,1,1\n", "way.csv, row 1 has 3 column(s)"),
         ("y,x\n0,0\n1,nan\n", "way.csv, row 3, column 2: nan is not a finite number"),
         ("# a\nx [mm],y [mm]\n0,0\n1,1\n", 'way.csv, row 2: the header says "x [mm]" and "y [mm]"'),
+        ("# x,y\ny,x\n0,0\n1,1\n", "way.csv, row 2: the header contradicts the one above it"),
         ("# x_mm,y_mm\n0,0\n1,1\n", 'way.csv, row 1: the header says "x_mm" and "y_mm"'),
         ("x,x\n0,0\n1,1\n", 'way.csv, row 1: the header says "x" and "x", but x and y in m are'),
         ("x,y [M]\n0,0\n1,1\n", 'way.csv, row 1: the header says "x" and "y [M]"'),

@@ -33,11 +33,7 @@ def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
     Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
     """
     numbered = list(_rows(read_text(file, path, LARGEST_PATH), f"{path}: {file.name}"))
-    order = (0, 1)
-    if numbered and _is_header(numbered[0][1]):
-        row, header = numbered.pop(0)
-        _check_width(header, f"{path}: {file.name}, row {row}")
-        order = _order_of(header, f"{path}: {file.name}, row {row}")
+    order = _without_headers(numbered, f"{path}: {file.name}")
     points = [_point(cells, order, f"{path}: {file.name}, row {row}") for row, cells in numbered]
     if len(points) < 2:
         raise ScenarioError(
@@ -77,6 +73,21 @@ def _number(cell: str) -> float | None:
 
 def _is_header(cells: list[str]) -> bool:
     return all(cell and _number(cell) is None for cell in cells)
+
+
+def _without_headers(numbered: list[tuple[int, list[str]]], place: str) -> tuple[int, int]:
+    """Columns of x and y by the headers, which are taken out; a comment's may stand over another."""
+    orders = []
+    while numbered and _is_header(numbered[0][1]):
+        row, header = numbered.pop(0)
+        _check_width(header, f"{place}, row {row}")
+        orders.append(_order_of(header, f"{place}, row {row}"))
+        if orders[0] != orders[-1]:
+            raise ScenarioError(
+                f"{place}, row {row}: the header contradicts the one above it. Keep the one that "
+                "is right."
+            )
+    return orders[0] if orders else (0, 1)
 
 
 def _order_of(header: list[str], place: str) -> tuple[int, int]:
