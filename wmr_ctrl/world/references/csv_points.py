@@ -76,7 +76,7 @@ def _is_header(cells: list[str]) -> bool:
 
 
 def _without_headers(numbered: list[tuple[int, list[str]]], place: str) -> tuple[int, int]:
-    """Columns of x and y by the headers, which are taken out; a comment's may stand over another."""
+    """Columns of x and y by the headers, which are taken out: one, or a comment's and one."""
     orders = []
     while numbered and _is_header(numbered[0][1]):
         row, header = numbered.pop(0)
