@@ -16,13 +16,13 @@ DIFFERENCE, WRONG_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 70, 130, 141
 
 
 @contextmanager
-def resumable(kept: str) -> Iterator[None]:
-    """Long work of which ``kept`` keeps what is done: who interrupts it is told that it goes on."""
+def resumable(record: str) -> Iterator[None]:
+    """Long work with a ``record`` of what is done: who interrupts it is told that it goes on."""
     try:
         yield
     except KeyboardInterrupt:
-        if Path(kept).exists():
-            say("note", f"what is done is kept in {kept}; the same command goes on from there.")
+        if Path(record).exists():
+            say("note", f"what is done is kept in {record}; the same command goes on from there.")
         raise
 
 
