@@ -64,8 +64,11 @@ def compile_in(folder: Path, command: Sequence[str]) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def compile_module(folder: Path, command: Sequence[str], units: Sequence[str], out: str) -> None:
-    """The same for a WebAssembly module: linked as the page's is, without a C library."""
+def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], out: str) -> None:
+    """A program of units; a WebAssembly module is linked as the page's, without a C library."""
+    if not out.endswith(".wasm"):
+        compile_in(folder, [*command, *units, "-lm", "-o", out])
+        return
     objects = [f"{number}.o" for number in range(len(units))]
     for unit, made in zip(units, objects, strict=True):
         compile_in(folder, [*command, "-c", unit, "-o", made])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -70,18 +71,16 @@ def test_the_index_names_each_notebook_once():
 
 
 @pytest.fixture(scope="session")
-def kernel():
-    """What runs the notebooks of one process after one another."""
+def executed():
+    """Runs the notebooks of one process, one after another."""
     render = pytest.importorskip("analysis.render", reason="needs the extra notebooks")
     with render.kernel() as manager:
-        yield manager
+        yield partial(render.executed, manager=manager)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_a_notebook_runs(path, kernel):
-    from analysis.render import executed
-
-    book = executed(path, kernel)
+def test_a_notebook_runs(path, executed):
+    book = executed(path)
 
     assert any(cell.get("outputs") for cell in book.cells)

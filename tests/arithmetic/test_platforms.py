@@ -19,8 +19,7 @@ from tests.compilers import (
     WASM,
     WINE,
     ZIG,
-    compile_in,
-    compile_module,
+    compile_program,
     needs_compiler,
     processor,
     where,
@@ -43,11 +42,7 @@ def built(
     needs_compiler(command)
     for name, text in files().items():
         (folder / name).write_text(str(text), encoding="utf-8")
-    given = [*command, *flags, f"-I{folder}"]
-    if out.endswith(".wasm"):
-        compile_module(folder, given, [SOURCE.name], out)
-    else:
-        compile_in(folder, [*given, SOURCE.name, "-lm", "-o", out])
+    compile_program(folder, [*command, *flags, f"-I{folder}"], [SOURCE.name], out)
     return folder / out
 
 

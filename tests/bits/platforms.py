@@ -15,8 +15,7 @@ from tests.compilers import (
     BESIDE_QEMU,
     FLAGS,
     WINE,
-    compile_in,
-    compile_module,
+    compile_program,
     needs_compiler,
     processor,
     where,
@@ -72,12 +71,10 @@ def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> P
     cases = " ".join(f"X({name})" for name in listed)
     (folder / "cases.h").write_text(f"#define CASES(X) {cases}\n", encoding="utf-8")
     out = folder / f"cases{platform.suffix}"
-    command = [*platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}"]
-    command, texts = [*command, f"-I{HERE}"], [str(HERE / "main.c"), *map(str, units)]
-    if platform.suffix == ".wasm":
-        compile_module(folder, command, texts, str(out))
-    else:
-        compile_in(folder, [*command, *texts, "-lm", "-o", str(out)])
+    command = [
+        *platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}", f"-I{HERE}"
+    ]  # fmt: skip
+    compile_program(folder, command, [str(HERE / "main.c"), *map(str, units)], str(out))
     return out
 
 

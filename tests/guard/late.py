@@ -80,9 +80,8 @@ def hostile(draw: np.random.Generator, delay: float, nbar: np.ndarray) -> Drive:
     def way() -> Chooser:
         swing, phase, kind = draw.uniform(1, 8, 2), draw.uniform(0, 2, 2), draw.integers(0, 3)
         by_time = lambda k, v: np.where((k / swing + phase) % 2 < 1, 1.0, -1.0)  # noqa: E731
-        return (lambda k, v: greedy(v), by_time, lambda k, v: 2.0 * draw.integers(0, 2, 2) - 1)[
-            kind
-        ]
+        by_chance = lambda k, v: 2.0 * draw.integers(0, 2, 2) - 1  # noqa: E731
+        return (lambda k, v: greedy(v), by_time, by_chance)[kind]
 
     asked, push, grip, light = way(), way(), way(), draw.random() < 0.6
     return Drive(

@@ -16,12 +16,12 @@ DIFFERENCE, WRONG_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 70, 130, 141
 
 
 @contextmanager
-def resumable(record: str) -> Iterator[None]:
+def resumable(record: Path) -> Iterator[None]:
     """Long work with a ``record`` of what is done: who interrupts it is told that it goes on."""
     try:
         yield
     except KeyboardInterrupt:
-        if Path(record).exists():
+        if record.exists():
             say("note", f"what is done is kept in {record}; the same command goes on from there.")
         raise
 

@@ -57,7 +57,7 @@ def study(
     plan = load_plan(words[0])
     for text in plan.warnings:
         say("warning", text)
-    with resumable(out), Progress("study") as progress:
+    with resumable(Path(out)), Progress("study") as progress:
         result = api.study(plan, out, executor=executor, jobs=jobs, progress=progress)
     if as_json:
         print_json(

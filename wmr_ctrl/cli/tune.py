@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -101,8 +102,9 @@ def tune(
     """
     check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
+    from wmr_ctrl.tuning.search import trials_file
 
-    with resumable(f"{out}.trials.json"), Progress(f"tune {law}") as progress:
+    with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
         better = tuning.tune(
             load(scenario, assignments), law, out,
             seeds=seeds, test_seeds=test_seeds, trials=trials, weight=weight, hold=hold,

@@ -72,12 +72,17 @@ class Search:
         return self.gains(self._best[1])
 
 
+def trials_file(target: Path) -> Path:
+    """Where what was tried is kept until ``target`` is written."""
+    return target.with_name(f"{target.name}.trials.json")
+
+
 class Trials:
     """Costs of the generations that were tried, in a file beside the result."""
 
     def __init__(self, target: Path, digest: str) -> None:
         """Beside ``target``; raises ArgumentError where it holds another search."""
-        self.path, self.digest = target.with_name(f"{target.name}.trials.json"), digest
+        self.path, self.digest = trials_file(target), digest
         self.costs: list[list[float]] = []
         if self.path.exists():
             self.costs = self._read()
