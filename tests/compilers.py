@@ -14,12 +14,14 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.resources import fmu_dir
+from wmr_ctrl.fmi.targets import WINDOWS, WITHOUT_MINGW
 from wmr_ctrl.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")
 """Without symbols, as FMUs are linked: zig compiles the C library of a platform once with them and
-once without, and that of Windows takes more than a minute of a processor."""
+once without."""
 WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
 SIMD128 = ("-Xclang", "-target-feature", "-Xclang", "+simd128")
 """Vectors of WebAssembly for what is compiled: for -msimd128 zig builds its C library anew."""
@@ -65,14 +67,31 @@ def compile_in(folder: Path, command: Sequence[str]) -> None:
 
 
 def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], out: str) -> None:
-    """A program of units; a WebAssembly module is linked as the page's, without a C library."""
-    if not out.endswith(".wasm"):
+    """A program of units; where zig would compile a C library first, it is linked without one."""
+    further, linking = WITHOUT_LIBRARY.get(Path(out).suffix, ((), None))
+    if linking is None:
         compile_in(folder, [*command, *units, "-lm", "-o", out])
         return
-    objects = [f"{number}.o" for number in range(len(units))]
-    for unit, made in zip(units, objects, strict=True):
-        compile_in(folder, [*command, "-c", unit, "-o", made])
-    compile_in(folder, [*command, *LINKING, *objects, "-o", out])
+    objects = []
+    for unit in (*units, *further):
+        objects.append(f"{len(objects)}.o")
+        compile_in(folder, [*command, "-c", unit, "-o", objects[-1]])
+    compile_in(folder, [*command, *linking, *objects, "-o", out])
+
+
+WITHOUT_LIBRARY = {
+    ".wasm": ((), LINKING),
+    ".exe": (
+        (str(fmu_dir() / "fmi" / WINDOWS), str(Path(__file__).with_name("windows.c"))),
+        (
+            *WITHOUT_MINGW,
+            *("-lapi-ms-win-crt-convert-l1-1-0", "-lapi-ms-win-crt-runtime-l1-1-0", "-lkernel32"),
+            "-Wl,-e,mainCRTStartup",
+        ),
+    ),
+}
+"""By suffix what is compiled and how it is linked: WebAssembly as the page's module, programs for
+Windows as FMUs for it, with a start of their own."""
 
 
 def processor() -> set[str]:

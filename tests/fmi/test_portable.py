@@ -17,7 +17,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from tests.compilers import ARM_LIBRARIES, QEMU, WINE, ZIG, compile_in, where, wine
+from tests.compilers import ARM_LIBRARIES, QEMU, WINE, ZIG, compile_program, where, wine
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi import targets
@@ -124,15 +124,37 @@ def test_five_platforms_in_one_file(tmp_path):
 
 @zig
 @pytest.mark.slow
-def test_the_windows_library_computes_the_same_under_wine(tmp_path):
+@pytest.mark.parametrize("what", ["plant", "closed-loop"])
+def test_the_windows_library_computes_the_same_bits_under_wine(tmp_path, what):
     emulator = where(*WINE)
     here, there = (
-        stepped(tmp_path / target, target, suffix, command)
+        stepped(tmp_path / target, target, suffix, command, what)
         for target, suffix, command in (
             ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [emulator]),
         )
     )  # fmt: skip
-    assert there == pytest.approx(here, rel=1e-12, abs=1e-14)
+    assert there == here
+
+
+@zig
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
+def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path, what):
+    """It is linked without a compiler's C library, and still exports the standard's functions."""
+    (path,) = export_fmu(what, fmi=2, target="x86_64-windows", out=tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        library = archive.extract(f"binaries/win64/wmr_{what.replace('-', '_')}.dll", tmp_path)
+    said = subprocess.run(
+        [tool("objdump"), "-p", library], capture_output=True, text=True, check=True
+    ).stdout
+    if "pei-x86-64" not in said:
+        pytest.skip("NOT RUN: this objdump reads no library for Windows")
+    needed = re.findall(r"DLL Name: (\S+)", said)
+    assert needed
+    assert [name for name in needed if not name.startswith("api-ms-win-crt-")] == []
+    exported = said.partition("[Ordinal/Name Pointer] Table")[2]
+    assert set(re.findall(r"^\s*\[ *\d+\].*?(\w+)$", exported, flags=re.M)) == wanted_functions(2)
 
 
 @zig
@@ -163,9 +185,8 @@ def stepped(folder, target, suffix, run, what="plant"):
     source = str(fmu_dir() / "examples" / "fmi2_step.c")
     triple = targets.targets_of(target)[0].triple
     # The platform as the FMU has it, unsanitised: zig builds no second runtime for the program.
-    own = ("-target", triple, "-fno-sanitize=undefined", "-I", str(HEADERS))
-    command = [*ZIG, *own, "-o", str(program), source]
-    compile_in(folder, command)
+    own = ("-target", triple, "-fno-sanitize=undefined", f"-I{HEADERS}")
+    compile_program(folder, [*ZIG, *own], [source], str(program))
     described = read_model_description(str(path), validate=False)
     refs = {v.name: str(v.valueReference) for v in described.modelVariables}
     given = {"plant": "tau_right", "closed-loop": "disturbance.std"}[what]
