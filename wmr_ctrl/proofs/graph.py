@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -38,6 +39,11 @@ class ProvedGraph:
 
     nodes: tuple[ProvedNode, ...]
     outputs: tuple[int, ...]
+
+    @cached_property
+    def logical(self) -> frozenset[int]:
+        """Nodes whose value is a truth."""
+        return frozenset(k for k, node in enumerate(self.nodes) if node.op in LOGICAL)
 
     @property
     def input_names(self) -> tuple[str, ...]:

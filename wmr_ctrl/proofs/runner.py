@@ -114,6 +114,7 @@ def _begin(parent: int) -> None:
 def _checked(key: str) -> Entry:
     entry = check_id(key)
     gc.collect()
+    gc.freeze()  # modules and graphs stay: the next collection need not walk them
     return entry
 
 

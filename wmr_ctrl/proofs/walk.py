@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from typing import Any, Protocol
 
-from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph
+from wmr_ctrl.proofs.graph import LOGICAL, ProvedGraph, ProvedNode
+
+COMPARISONS = frozenset({"lt", "le", "eq", "ne"})
+NO_OPERATION = frozenset({"const", "input", "choose"}) | COMPARISONS | LOGICAL
 
 
 class UndecidedError(ArithmeticError):
@@ -56,62 +59,63 @@ class Walk:
         """Values of all outputs."""
         for k in self.graph.outputs:
             self._evaluate(k)
-        return [self._numeric(k) for k in self.graph.outputs]
+        return self._numbers(self.graph.outputs)
 
     def _evaluate(self, root: int) -> None:
         nodes, values, stack = self.graph.nodes, self.values, [root]
         while stack:
             k = stack[-1]
-            wanted = nodes[k].args if nodes[k].op != "choose" else self._wanted(k)
+            if k in values:
+                stack.pop()
+                continue
+            node = nodes[k]
+            wanted = node.args if node.op != "choose" else self._wanted(node.args)
             missing = [arg for arg in wanted if arg not in values]
             if missing:
                 stack.extend(missing)
-                continue
-            stack.pop()
-            if k not in values:
-                values[k] = self._compute(k)
+            else:
+                values[k] = self._compute(node)
 
-    def _wanted(self, k: int) -> tuple[int, ...]:
+    def _wanted(self, args: tuple[int, ...]) -> tuple[int, ...]:
         """Operands of a choice that are needed now: first the condition, then the branch taken."""
-        node = self.graph.nodes[k]
-        if node.args[0] not in self.values:
-            return node.args[:1]
-        truth = self.truth(node.args[0])
-        return node.args if not isinstance(truth, bool) else (node.args[1 if truth else 2],)
+        if args[0] not in self.values:
+            return args[:1]
+        truth = self.truth(args[0])
+        return args if not isinstance(truth, bool) else (args[1 if truth else 2],)
 
-    def _compute(self, k: int) -> Any:
-        node = self.graph.nodes[k]
-        if node.op == "const":
-            return self.arithmetic.constant(node.value)
-        if node.op == "input":
-            return self.arithmetic.variable(node.name)
-        if node.op == "choose":
+    def _compute(self, node: ProvedNode) -> Any:
+        op, arithmetic = node.op, self.arithmetic
+        if op not in NO_OPERATION:
+            return arithmetic.apply(op, self._numbers(node.args))
+        if op == "const":
+            return arithmetic.constant(node.value)
+        if op == "input":
+            return arithmetic.variable(node.name)
+        if op == "choose":
             return self._choose(node.args)
-        if node.op in ("lt", "le", "eq", "ne"):
-            left, right = (self._numeric(arg) for arg in node.args)
-            return self.arithmetic.compare(node.op, left, right, self.ask)
-        if node.op in LOGICAL:
-            return self.arithmetic.logic(node.op, [self.truth(arg) for arg in node.args])
-        return self.arithmetic.apply(node.op, [self._numeric(arg) for arg in node.args])
+        if op in COMPARISONS:
+            left, right = self._numbers(node.args)
+            return arithmetic.compare(op, left, right, self.ask)
+        return arithmetic.logic(op, [self.truth(arg) for arg in node.args])
 
     def _choose(self, args: tuple[int, ...]) -> Any:
         truth = self.truth(args[0])
         if isinstance(truth, bool):
-            return self._numeric(args[1 if truth else 2])
-        return self.arithmetic.merge(truth, self._numeric(args[1]), self._numeric(args[2]))
+            return self._numbers((args[1 if truth else 2],))[0]
+        return self.arithmetic.merge(truth, *self._numbers(args[1:]))
 
     def truth(self, k: int) -> Any:
         """A condition; a number counts as true where it is not 0, as in C."""
-        if self.graph.nodes[k].op in LOGICAL:
+        if k in self.graph.logical:
             return self.values[k]
         if k not in self.truths:
             zero = self.arithmetic.constant(0.0)
             self.truths[k] = self.arithmetic.compare("ne", self.values[k], zero, self.ask)
         return self.truths[k]
 
-    def _numeric(self, k: int) -> Any:
-        value = self.values[k]
-        return self.arithmetic.number(value) if self.graph.nodes[k].op in LOGICAL else value
+    def _numbers(self, args: tuple[int, ...]) -> list[Any]:
+        values, logical, number = self.values, self.graph.logical, self.arithmetic.number
+        return [number(values[k]) if k in logical else values[k] for k in args]
 
 
 def paths(

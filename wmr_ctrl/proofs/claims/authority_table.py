@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache, partial
 from itertools import pairwise
 from math import log, sqrt
@@ -147,21 +146,21 @@ def links(axis: int) -> tuple[tuple[tuple[float, float], ...], ...]:
 AXES = (Numbers(1.0, 0.8, 15.0), Numbers(1.5, 1.3, 57.6))
 
 
-def _exact(**values: float) -> Point:
-    return {name: Fraction(value) for name, value in values.items()}
+def _point(**coordinates: float) -> Point:
+    return coordinates
 
 
 def low_points(axis: int) -> list[Point]:
     """One point per row."""
     n = AXES[axis]
-    return [_exact(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in rows(axis)]
+    return [_point(v=r.v, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, low=r.low) for r in rows(axis)]
 
 
 def high_points(axis: int) -> list[Point]:
     """The chain of intervals of every row."""
     n = AXES[axis]
     return [
-        _exact(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
+        _point(v=a, b=b, c=r.c, u1=n.u1, u2=n.u2, rho=n.rho, high=r.high)
         for r, chain in zip(rows(axis), links(axis), strict=True)
         for a, b in chain
     ]
@@ -170,7 +169,7 @@ def high_points(axis: int) -> list[Point]:
 def ratio_points(axis: int) -> list[Point]:
     """Neighbouring rows."""
     table = rows(axis)
-    return [_exact(high=a.high, low=b.low) for a, b in pairwise(table)]
+    return [_point(high=a.high, low=b.low) for a, b in pairwise(table)]
 
 
 def link_points(axis: int) -> list[Point]:
@@ -181,7 +180,7 @@ def link_points(axis: int) -> list[Point]:
             place = {"first": float(k == 0), "last": float(k == len(chain) - 1)}
             before = chain[k - 1][1] if k else 0.0
             fixed = {"c": r.c, "u1": n.u1, "u2": n.u2, "rho": n.rho, "high": r.high}
-            points.append(_exact(v=a, b=b, before=before, **place, **fixed))
+            points.append(_point(v=a, b=b, before=before, **place, **fixed))
     return points
 
 
@@ -190,6 +189,6 @@ def row_points(axis: int) -> list[Point]:
     table = [row.c for row in rows(axis)]
     last = len(table) - 1
     return [
-        _exact(c=c, before=table[max(k - 1, 0)], first=float(k == 0), last=float(k == last))
+        _point(c=c, before=table[max(k - 1, 0)], first=float(k == 0), last=float(k == last))
         for k, c in enumerate(table)
     ]

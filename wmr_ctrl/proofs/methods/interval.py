@@ -62,28 +62,27 @@ def up(value: float) -> float:
     return nextafter(value, inf)
 
 
-def _sum_error(a: float, b: float, total: float) -> float:
-    """What a + b misses: exact for finite doubles (Knuth's two-sum)."""
-    back = total - a
-    return (a - (total - back)) + (b - back)
-
-
 def sum_down(a: float, b: float) -> float:
-    """Lower bound of a + b, exact if the sum is."""
+    """Lower bound of a + b, exact if the sum is; what it misses, by Knuth's two-sum, is exact."""
     total = a + b
-    return total if isfinite(total) and _sum_error(a, b, total) >= 0 else down(total)
+    back = total - a
+    missed = (a - (total - back)) + (b - back)
+    return total if missed >= 0 and isfinite(total) else nextafter(total, -inf)
 
 
 def sum_up(a: float, b: float) -> float:
     """Upper bound of a + b, exact if the sum is."""
     total = a + b
-    return total if isfinite(total) and _sum_error(a, b, total) <= 0 else up(total)
+    back = total - a
+    missed = (a - (total - back)) + (b - back)
+    return total if missed <= 0 and isfinite(total) else nextafter(total, inf)
 
 
 def add(a: Interval, b: Interval) -> Interval:
     """a + b; a form where both have the same sign."""
     found = Interval(sum_down(a.lo, b.lo), sum_up(a.hi, b.hi))
-    if a.sign and a.sign == b.sign:
+    sign = a.sign
+    if sign and sign == b.sign:
         found.form = _merged(a.terms(), b.terms())
     return found
 
@@ -111,12 +110,14 @@ def negative(a: Interval) -> Interval:
 
 def multiply(a: Interval, b: Interval) -> Interval:
     """a b; a form where signs are known, from the factor that reaches closest to 0."""
-    corners = [_product(x, y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
-    low, high = min(corners), max(corners)
     sign = a.sign * b.sign
-    found = Interval(_floor(low, sign), _ceiling(high, sign))
-    if sign:
-        found.form = _scaled(*_nearest_zero_first(a, b))
+    if not sign:
+        corners = [_product(x, y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
+        return Interval(down(min(corners)), up(max(corners)))
+    (least, most), (low, high) = a.size, b.size
+    low, high = max(0.0, down(_product(least, low))), up(_product(most, high))
+    found = Interval(low, high) if sign > 0 else Interval(-high, -low)
+    found.form = _scaled(*_nearest_zero_first(a, b))
     return found
 
 

@@ -42,9 +42,10 @@ class IntervalArithmetic:
 
     def apply(self, op: str, args: list[Any]) -> Interval | None:
         """Enclosure of an operation; None where it may be undefined."""
-        if any(arg is None for arg in args):
-            return None
-        given = [self._now(arg) for arg in args]
+        for arg in args:
+            if arg is None:
+                return None
+        given = [self._now(arg) for arg in args] if self.narrowed else args
         found = _operation(op)(*given)
         if found is None or not (isfinite(found.lo) and isfinite(found.hi)):
             return None
@@ -83,10 +84,12 @@ class IntervalArithmetic:
 
     def _name(self, op: str, args: list[Interval]) -> int:
         """The same name for the same operation on the same quantities, so that forms can meet."""
-        keys: tuple[Hashable, ...] = tuple(arg.key or ("number", arg.lo) for arg in args)
-        if op == "sub" and (op, *keys[::-1]) in self.known:
-            return -self.known[op, *keys[::-1]]
-        return self.known.setdefault((op, *keys), self._fresh())
+        name: tuple[Hashable, ...] = (op, *[arg.key or ("number", arg.lo) for arg in args])
+        if op == "sub" and (op, name[2], name[1]) in self.known:
+            return -self.known[op, name[2], name[1]]
+        if name not in self.known:
+            self.known[name] = self._fresh()
+        return self.known[name]
 
     def _now(self, value: Interval) -> Interval:
         """The value with what conditions have added since."""

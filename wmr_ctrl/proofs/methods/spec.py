@@ -95,7 +95,7 @@ class Ball(Method):
 
 @dataclass(frozen=True)
 class Table(Method):
-    """Every point of a finite table, each in exact or 300-bit arithmetic."""
+    """Every point of a finite table, doubles or rationals, each in exact or 300-bit arithmetic."""
 
     ENGINE: ClassVar[str] = "table"
     NAME: ClassVar[str] = "POINT"
