@@ -16,11 +16,16 @@ void mainCRTStartup(void)
     exit(main(*__p___argc(), *__p___argv()));
 }
 
+int vfprintf(FILE *stream, const char *format, va_list given)
+{
+    return __stdio_common_vfprintf(0, stream, format, NULL, given);
+}
+
 int fprintf(FILE *stream, const char *format, ...)
 {
     va_list given;
     va_start(given, format);
-    const int count = __stdio_common_vfprintf(0, stream, format, NULL, given);
+    const int count = vfprintf(stream, format, given);
     va_end(given);
     return count;
 }
@@ -29,7 +34,7 @@ int printf(const char *format, ...)
 {
     va_list given;
     va_start(given, format);
-    const int count = __stdio_common_vfprintf(0, stdout, format, NULL, given);
+    const int count = vfprintf(stdout, format, given);
     va_end(given);
     return count;
 }

@@ -4,7 +4,9 @@
    ./fmi2_step binaries/linux64/wmr_plant.so "{guid}" input output steps
 
    `input` is the value reference of an input that is held at 6.0; `output` that of what is shown.
+   What the FMU has to say of an error goes to the standard error.
  */
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -32,6 +34,18 @@ static void *function(const char *name)
     return found;
 }
 
+static void tell(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
+                 fmi2String category, fmi2String message, ...)
+{
+    va_list arguments;
+    (void)environment;
+    fprintf(stderr, "%s, status %d, %s: ", instance, (int)status, category);
+    va_start(arguments, message);
+    vfprintf(stderr, message, arguments);
+    va_end(arguments);
+    fprintf(stderr, "\n");
+}
+
 static int step(fmi2Component c, unsigned int output, int count)
 {
     fmi2DoStepTYPE *do_step = (fmi2DoStepTYPE *)function("fmi2DoStep");
@@ -49,13 +63,14 @@ static int step(fmi2Component c, unsigned int output, int count)
 int main(int count, char **words)
 {
     const double held = 6.0;
+    const fmi2CallbackFunctions callbacks = {tell, NULL, NULL, NULL, NULL};
     const unsigned int input = count > 3 ? (unsigned int)atoi(words[3]) : 0;
     if (count != 6 || !(library = OPEN(words[1]))) {
         fprintf(stderr, "cannot load the library\n");
         return 1;
     }
     fmi2InstantiateTYPE *instantiate = (fmi2InstantiateTYPE *)function("fmi2Instantiate");
-    fmi2Component c = instantiate("example", fmi2CoSimulation, words[2], NULL, NULL, 0, 0);
+    fmi2Component c = instantiate("example", fmi2CoSimulation, words[2], NULL, &callbacks, 0, 0);
     if (!c
         || ((fmi2SetupExperimentTYPE *)function("fmi2SetupExperiment"))(c, 0, 0, 0, 0, 0) != fmi2OK
         || ((fmi2EnterInitializationModeTYPE *)function("fmi2EnterInitializationMode"))(c) != fmi2OK

@@ -137,6 +137,25 @@ def test_the_windows_library_computes_the_same_bits_under_wine(tmp_path, what):
 
 
 @zig
+@pytest.mark.slow
+def test_messages_of_the_windows_library_are_the_same(tmp_path):
+    """A number with all its digits, and limits: its C library writes them as Linux' does."""
+    emulator = where(*WINE)
+
+    def limited(variables):
+        return next(v.name for v in variables if v.max is not None and float(v.max) < 6.0)
+
+    here, there = (
+        held(tmp_path / target, target, suffix, command, "closed-loop", limited)
+        for target, suffix, command in (
+            ("x86_64-linux", "", []), ("x86_64-windows", ".exe", [emulator]),
+        )
+    )  # fmt: skip
+    assert "= 6 is outside of" in here.stderr
+    assert (there.returncode, there.stdout, there.stderr) == (1, "", here.stderr)
+
+
+@zig
 @linux
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
@@ -177,6 +196,16 @@ def test_the_arm_library_computes_the_same_bits_under_qemu(tmp_path, what):
 
 def stepped(folder, target, suffix, run, what="plant"):
     """What 200 steps of an FMU for a platform show, by a C program for that platform."""
+    given = {"plant": "tau_right", "closed-loop": "disturbance.std"}[what]
+    done = held(folder, target, suffix, run, what, lambda variables: given)
+    assert done.returncode == 0, done.stderr
+    values = [float.fromhex(line) for line in done.stdout.split()]
+    assert len(values) == 200
+    return values
+
+
+def held(folder, target, suffix, run, what, choose):
+    """The program's run with a variable held at 6, which ``choose`` names."""
     (path,) = export_fmu(what, fmi=2, target=target, out=folder)
     with zipfile.ZipFile(path) as archive:
         name = next(n for n in archive.namelist() if n.startswith("binaries/"))
@@ -189,16 +218,12 @@ def stepped(folder, target, suffix, run, what="plant"):
     compile_program(folder, [*ZIG, *own], [source], str(program))
     described = read_model_description(str(path), validate=False)
     refs = {v.name: str(v.valueReference) for v in described.modelVariables}
-    given = {"plant": "tau_right", "closed-loop": "disturbance.std"}[what]
-    command = [*run, str(program), str(folder / name), described.guid, refs[given], refs["omega"]]
-    environment = {**os.environ, **(wine() if suffix else {})}
-    done = subprocess.run(
-        [*command, "200"], capture_output=True, text=True, env=environment, timeout=300, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    values = [float.fromhex(line) for line in done.stdout.split()]
-    assert len(values) == 200
-    return values
+    numbers = refs[choose(described.modelVariables)], refs["omega"], "200"
+    return subprocess.run(
+        [*run, str(program), str(folder / name), described.guid, *numbers],
+        capture_output=True, text=True, timeout=300, check=False,
+        env={**os.environ, **(wine() if suffix else {})},
+    )  # fmt: skip
 
 
 def test_unknown_targets_list_the_known_ones(tmp_path):
