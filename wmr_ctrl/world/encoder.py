@@ -22,7 +22,7 @@ from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
 from wmr_ctrl.world.history import History, history
-from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
+from wmr_ctrl.world.wheels import Number, Wheels, misread, true_wheels
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -202,8 +202,7 @@ def bound(scenario: Scenario) -> Bound:
     """A mean over the window, to within a count of each wheel and what the wheels' size misstates.
 
     The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
-    the counts' phase is.  So each wheel's speed is off by less than 2 pi r/(N w), v1 by as much,
-    omega by that over l (ledger: world.encoder.*).
+    the counts' phase is (`rounded_by`).
 
     By the time between counts each wheel shows, where counts come, a mean of its speed (the time
     of a count is read off the turn at both ends of a sample), but over a window of its own. Half
@@ -221,12 +220,26 @@ def bound(scenario: Scenario) -> Bound:
             "depends on it, and the guard knows one fixed window."
         )
     window = periods_in_window(scenario) * scenario.clock.control
-    count = 2.0 * math.pi * robot.r / (float(encoder.counts or math.inf) * window)
-    off = misread(scenario)
+    counts = float(encoder.counts or math.inf)
+    rounded, off = rounded_by((robot.r, robot.l), counts, window), misread(scenario)
     return on_axes(
         axes_without_gyro(scenario),
-        Bound(nbar=(count + off[0], count / robot.l + off[1]), window=(window, window)),
+        Bound(nbar=(rounded[0] + off[0], rounded[1] + off[1]), window=(window, window)),
     )
+
+
+def rounded_by(
+    believed: tuple[Number, Number], counts: Number, window: Number
+) -> tuple[Number, Number]:
+    """What v1 [m/s] and omega [rad/s] are off by less than, where whole ``counts`` are differenced.
+
+    Each wheel's speed is off by less than 2 pi r/(N w), so v1 by as much and omega by that over l
+    (ledger: world.encoder.*), for ``believed`` (r, l) [m] and a ``window`` w [s], numbers or
+    symbols.
+    """
+    r, half_track = believed
+    count = 2.0 * math.pi * r / (counts * window)
+    return count, count / half_track
 
 
 ENCODER = Effect(

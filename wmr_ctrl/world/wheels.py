@@ -86,9 +86,7 @@ def acts(scenario: Scenario) -> bool:
 def bound(scenario: Scenario) -> Bound:
     """What torques of at most tau do otherwise than believed.
 
-    With a_i = 1/(1 + radius_i) and k = 1 + track, thrust and moment are off by
-    sum (a_i - 1) tau_i/r and l sum +-(k a_i - 1) tau_i/r, so by at most tau sum |a_i - 1|/r and
-    l tau sum |k a_i - 1|/r (ledger: world.wheels.*).  Without torque limit there is no bound.
+    Without torque limit there is no bound.
     """
     wheels, robot, most = scenario.section(Wheels), scenario.robot, largest_torque(scenario)
     if math.isinf(most):
@@ -96,10 +94,23 @@ def bound(scenario: Scenario) -> Bound:
             void="actuator.tau_max = inf: wheels of another size than believed ([wheels]) are off "
             "by a share of the torque, which nothing bounds here."
         )
-    shares = [1.0 / (1.0 + item) for item in wheels.radius]
-    thrust = most / robot.r * sum(abs(item - 1.0) for item in shares)
-    moment = most / robot.r * sum(abs((1.0 + wheels.track) * item - 1.0) for item in shares)
-    return Bound(dbar=(thrust, robot.l * moment))
+    return Bound(dbar=misdriven_by(wheels.radius, wheels.track, (robot.r, robot.l), most))
+
+
+def misdriven_by(
+    radius: tuple[Number, Number], track: Number, believed: tuple[Number, Number], most: Number
+) -> tuple[Number, Number]:
+    """By how much thrust [N] and moment [N m] are off, of torques of at most ``most`` [N m].
+
+    With a_i = 1/(1 + radius_i) and k = 1 + track they are off by sum (a_i - 1) tau_i/r and
+    l sum +-(k a_i - 1) tau_i/r, so by at most tau sum |a_i - 1|/r and l tau sum |k a_i - 1|/r
+    (ledger: world.wheels.*).  Shares and the ``believed`` (r, l) [m] are numbers or symbols.
+    """
+    (right, left), (r, half_track) = (1.0 / (1.0 + item) for item in radius), believed
+    wider = 1.0 + track
+    thrust = most / r * (abs(right - 1.0) + abs(left - 1.0))
+    moment = most / r * (abs(wider * right - 1.0) + abs(wider * left - 1.0))
+    return thrust, half_track * moment
 
 
 def misread(scenario: Scenario) -> Pair:

@@ -84,8 +84,8 @@ def _counted(axis: int, flip: float) -> Statement:
     ]
     rate = (now - old) / g["clock.control"]
     exact = _velocity(g, rate)
-    count = 2 * ca.pi * g["robot.r"] / (g["encoder.counts"] * g["clock.control"])
-    bound = count if axis == 0 else count / g["robot.l"]
+    believed = (g["robot.r"], g["robot.l"])
+    bound = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     off = g.system.outputs[axis].expr - exact[axis]
     most = bound if flip > 0 else 0.9 * bound
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
@@ -148,12 +148,10 @@ def _wheels(axis: int, flip: float) -> Statement:
     """Thrust or moment of true wheels less that of believed ones."""
     g, most = EffectGraph(wheels.WHEELS, WHEELS), symbols("most")
     told = ca.vertcat(g["tau_right"], g["tau_left"])
-    r, arm, wider = g["robot.r"], g["robot.l"], 1 + g["wheels.track"]
-    made, meant = (wheel_to_force(r, arm, tau)[axis] for tau in (g.system.y, told))
-    shares = [1 / (1 + g[f"wheels.radius[{i}]"]) for i in (1, 2)]
-    scale = 1 if axis == 0 else wider
-    bound = most["most"] / r * sum(ca.fabs(scale * item - 1) for item in shares)
-    bound = bound if axis == 0 else arm * bound
+    believed = (g["robot.r"], g["robot.l"])
+    made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
+    radius = (g["wheels.radius[1]"], g["wheels.radius[2]"])
+    bound = wheels.misdriven_by(radius, g["wheels.track"], believed, most["most"])[axis]
     given = (
         *positive(g, "robot.r", "robot.l"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
