@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.codegen.cache_folder import cache_dir
-from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.fmi.targets import WINDOWS, WITHOUT_MINGW
+from wmr_ctrl.codegen.compiler import WINDOWS, WITHOUT_MINGW
+from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
@@ -82,12 +82,8 @@ def compile_program(folder: Path, command: Sequence[str], units: Sequence[str], 
 WITHOUT_LIBRARY = {
     ".wasm": ((), LINKING),
     ".exe": (
-        (str(fmu_dir() / "fmi" / WINDOWS), str(Path(__file__).with_name("windows.c"))),
-        (
-            *WITHOUT_MINGW,
-            *("-lapi-ms-win-crt-convert-l1-1-0", "-lapi-ms-win-crt-runtime-l1-1-0", "-lkernel32"),
-            "-Wl,-e,mainCRTStartup",
-        ),
+        (str(runtime_dir() / WINDOWS), str(Path(__file__).with_name("windows.c"))),
+        (*WITHOUT_MINGW, "-lkernel32", "-Wl,-e,mainCRTStartup"),
     ),
 }
 """By suffix what is compiled and how it is linked: WebAssembly as the page's module, programs for

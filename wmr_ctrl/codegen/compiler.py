@@ -20,6 +20,7 @@ from pathlib import Path
 
 from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir
 from wmr_ctrl.codegen.process import Finished, run_command
+from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.errors import CacheError, CompilerError
 
 VARIABLE = "WMR_CTRL_CC"
@@ -39,6 +40,14 @@ UNFUSED = "-fno-tree-slp-vectorize"
 """Keeps GCC from fusing: from 12 on it makes one vfmaddsub of two stores side by side, a product
 with a sum and a product with a difference, whatever -ffp-contract says.  Of loops it can make the
 same only where they take every other number, and generated loops take one after the other."""
+WINDOWS = "windows.c"
+_UCRT = ("convert", "heap", "math", "runtime", "stdio", "string", "utility")
+WITHOUT_MINGW = (
+    "-nostdlib",
+    "-rtlib=compiler-rt",
+    *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in _UCRT),
+)
+"""Windows has a C library of its own; zig would compile MinGW's beside it, for over a minute."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 
@@ -136,6 +145,8 @@ def compile_library(
         space); ``out`` does not exist then.
     """
     given = (*toolchain.flags, *flags)
+    if is_zig(toolchain.command) and out.suffix == ".dll":
+        return _for_windows(toolchain, sources, out, include, flags, timeout)
     tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
     return _compiled(toolchain, given, sources, out, include, timeout, tail)
 
@@ -158,6 +169,26 @@ def compile_object(
     kept = tuple(flag for flag in toolchain.flags if flag != "-shared")
     given = (*kept, "-c", *flags)
     return _compiled(toolchain, given, (source,), out, include, timeout, stop=stop)
+
+
+def _for_windows(
+    toolchain: Toolchain,
+    sources: Sequence[Path],
+    out: Path,
+    include: Sequence[Path],
+    flags: Sequence[str],
+    timeout: float,
+) -> Path:
+    """Each unit by itself, with headers of a C library, then all linked without it."""
+    units = (*sources, runtime_dir() / WINDOWS)
+    made = {unit: out.parent / f"{unit.name}.o" for unit in units if unit.suffix != ".o"}
+    for unit, part in made.items():
+        compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
+    given = (*toolchain.flags, *flags, *WITHOUT_MINGW, "-Wl,-e,DllMain")
+    library = _compiled(toolchain, given, [made.get(u, u) for u in units], out, (), timeout)
+    for part in made.values():
+        part.unlink()
+    return library
 
 
 def _compiled(

@@ -13,15 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wmr_ctrl.codegen.cache import build_cached
-from wmr_ctrl.codegen.compiler import (
-    Toolchain,
-    compile_library,
-    compile_object,
-    default_flags,
-    is_zig,
-)
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.fmi.sources import Sources
@@ -79,13 +72,6 @@ HEAVY = {
 LIGHT = "light.c"
 """All other units as one, which takes a third of the time; the FMU itself carries each."""
 
-WINDOWS = "windows.c"
-WITHOUT_MINGW = (
-    "-nostdlib", "-rtlib=compiler-rt",
-    *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "stdio", "string")),
-)  # fmt: skip
-"""Windows has a C library of its own; zig would compile MinGW's beside it, for over a minute."""
-
 
 class PartlyBuiltError(CompilerError):
     """Some of several platforms could not be built; the others are in the file that is named."""
@@ -131,16 +117,10 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
 
     def compile_in(folder: Path) -> Path:
         (folder / LIGHT).write_text(light, encoding="utf-8")
-        out = folder / f"{identifier}{target.suffix}"
-        if target.suffix == ".dll" and is_zig(chain.command):
-            units = (folder / LIGHT, fmu_dir() / "fmi" / WINDOWS)
-            parts = [
-                compile_object(chain, unit, folder / f"{unit.name}.o", include=[folder])
-                for unit in units
-            ]
-            linking = (*WITHOUT_MINGW, "-Wl,-e,DllMain")
-            return compile_library(chain, [*parts, *objects], out, flags=linking)
-        return compile_library(chain, [folder / LIGHT, *objects], out, include=[folder])
+        return compile_library(
+            chain, [folder / LIGHT, *objects], folder / f"{identifier}{target.suffix}",
+            include=[folder],
+        )  # fmt: skip
 
     return build_cached(
         sources.files,

@@ -14,6 +14,8 @@ int vsnprintf(char *text, size_t size, const char *format, va_list arguments);
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format,
                             void *locale, va_list arguments);
 
+unsigned int _tls_index; /* asked for by zig 0.13; no thread has data of its own here */
+
 int DllMain(void *library, unsigned long reason, void *reserved)
 {
     (void)library;

@@ -1,0 +1,97 @@
+"""Libraries of loops for Windows, which zig links without MinGW's C library: wine loads them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.compilers import WINE, ZIG, compile_program, needs_compiler, processor, where, wine
+from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unity, vector_sets
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
+from wmr_ctrl.codegen.resources import runtime_dir
+from wmr_ctrl.codegen.toolchain import level_flags
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.scenario import load_scenario
+
+pytestmark = pytest.mark.slow
+
+TARGET = ("-target", "x86_64-windows-gnu")
+WHO = """
+#include <stdio.h>
+#include <windows.h>
+
+int main(int count, char **words)
+{
+    HMODULE library = count > 1 ? LoadLibraryA(words[1]) : 0;
+    const char *(*name)(int) =
+        library ? (const char *(*)(int))(void *)GetProcAddress(library, "wmr_set_name") : 0;
+    for (int k = 0; name && name(k); ++k) {
+        printf("%s\\n", name(k));
+    }
+    return !name;
+}
+"""
+
+
+@pytest.fixture
+def chain() -> Toolchain:
+    needs_compiler(ZIG)
+    flags = tuple(flag for flag in default_flags(ZIG[:-1]) if flag != "-fPIC")
+    return Toolchain(ZIG[:-1], "zig cc", "", (*flags, "-s", *TARGET, *level_flags()))
+
+
+def sets_in(library: Path) -> list[str]:
+    """What the library says that it can run, under wine."""
+    emulator, program = where(*WINE), library.with_name("who.exe")
+    (library.parent / "who.c").write_text(WHO, encoding="utf-8")
+    compile_program(library.parent, [*ZIG, *TARGET, "-O1"], ["who.c"], str(program))
+    done = subprocess.run(
+        [emulator, str(program), str(library)], capture_output=True, text=True, check=False,
+        timeout=300, env={**os.environ, **wine()},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+def write(folder: Path, files: dict[str, str | bytes]) -> None:
+    for name, text in files.items():
+        (folder / name).write_text(str(text), encoding="utf-8")
+
+
+@pytest.mark.parametrize("law", ["nn", "prox"])
+def test_the_loop_of_one_robot(chain: Toolchain, law: str, tmp_path: Path) -> None:
+    write(tmp_path, unity(program_of(settle(load_scenario("paper-simulation"), law)).generated))
+
+    library = compile_library(
+        chain, [tmp_path / NATIVE[0]], tmp_path / "loop.dll", include=[tmp_path]
+    )
+
+    assert sets_in(library) == ["native"]
+    assert not list(tmp_path.glob("*.c.o"))
+
+
+def test_the_loop_for_lanes_has_every_set_of_this_processor(
+    chain: Toolchain, tmp_path: Path
+) -> None:
+    write(
+        tmp_path,
+        unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated_lanes, LOOP),
+    )
+    known = [f"-DWMR_HAS_{item.name}" for item in vector_sets()]
+    objects = [
+        compile_object(
+            chain, tmp_path / LOOP[0], tmp_path / f"{item.name}.o", include=[tmp_path],
+            flags=tuple(flags_of(item, chain)),
+        )
+        for item in vector_sets()
+    ]  # fmt: skip
+    units = [runtime_dir() / "dispatch.c", *objects]
+
+    library = compile_library(chain, units, tmp_path / "batch.dll", include=[tmp_path], flags=known)
+
+    has = {"avx512": "avx512vl", "avx2": "avx2"}
+    mine = [item.name for item in X86 if has[item.name] in processor()]
+    assert sets_in(library) == [*mine, "baseline"]
