@@ -27,7 +27,8 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
     if not loop.guarded:
         return
     for effect in loop.setup.effects:
-        void = effect.bound(loop.scenario).void if effect.bound else ""
+        bound = effect.bounded(loop.scenario)
+        void = bound.void if bound else ""
         if void:
             yield _void(void)
     yield from _early_start(loop)

@@ -9,8 +9,10 @@ import casadi as ca
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
+from wmr_ctrl.world.registry import EFFECTS
 
 Pair = tuple[float, float]
 WINDOW = "velocity's window"
@@ -103,6 +105,14 @@ def lost_poses(scenario: Scenario) -> str:
     """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
     lost = scenario.section(PoseSensor).pose_dropout
     return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
+
+
+def unknown_effects(scenario: Scenario) -> str:
+    """Which sensors and drives the linear loop does not know, in words; empty if it knows all."""
+    present = EFFECTS.present(scenario, EffectRole.SENSOR, EffectRole.DRIVE)
+    acting = (item for item in present if not item.linear and item.active(scenario))
+    named = " and ".join(f"[{item.section.KEY}]" for item in acting)
+    return f"as if there were no {named}" if named else ""
 
 
 def rare_poses(scenario: Scenario) -> str:

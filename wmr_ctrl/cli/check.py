@@ -218,9 +218,9 @@ def _item(text: str) -> str:
 
 def _rare(scenario: Scenario) -> str:
     """What the figures of stability leave out, if anything."""
-    from wmr_ctrl.checks.lateness import lost_poses
+    from wmr_ctrl.checks.lateness import lost_poses, unknown_effects
 
-    said = lost_poses(scenario)
+    said = ", and ".join(filter(None, (lost_poses(scenario), unknown_effects(scenario))))
     return f" ({said})" if said else ""
 
 

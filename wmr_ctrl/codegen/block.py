@@ -56,7 +56,7 @@ def plant_block(scenario: Scenario) -> Block:
 
     It tells the way that it drives where a sensor of the scenario asks for it.
     """
-    sensors = [item.build(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
+    sensors = [item.system(scenario) for item in EFFECTS.present(scenario, EffectRole.SENSOR)]
     system = plant(scenario, rolling=rolling_of(sensors)[:1])
     p = Parameters(scenario, system.params)
     following = rk4_step(system, p.take("clock.plant"))

@@ -160,7 +160,7 @@ _MOST_PROGRAMS = 256
 def program_of(setup: Setup, *, apart: bool = False) -> Program:
     """The program of a setup's structure, kept for the next setup that shares it."""
     structure = structure_of(setup)
-    place = structure, apart
+    place = structure, apart, setup.effects, setup.scenario.reference_kind
     if place not in _PROGRAMS:
         if len(_PROGRAMS) >= _MOST_PROGRAMS:
             _PROGRAMS.pop(next(iter(_PROGRAMS)))

@@ -74,7 +74,14 @@ class Toolchain:
     def key(self) -> tuple[str, ...]:
         """What of the compiler decides its output, for the build cache."""
         native = any(flag.endswith("=native") for flag in self.flags)
-        return (*self.command, self.version, *self.flags, *((_processor(),) if native else ()))
+        own = (*((_processor(),) if native else ()), *(_start() if self.is_for_windows else ()))
+        return (*self.command, self.version, *self.flags, *own)
+
+    @property
+    def is_for_windows(self) -> bool:
+        """Whether it is zig, and makes what Windows runs."""
+        named = any("windows" in flag for flag in self.flags)
+        return is_zig(self.command) and (named or os.name == "nt")
 
     def with_flags(self, *flags: str) -> Toolchain:
         """Return the same compiler with further flags; of contradicting ones the last wins."""
@@ -145,7 +152,7 @@ def compile_library(
         space); ``out`` does not exist then.
     """
     given = (*toolchain.flags, *flags)
-    if is_zig(toolchain.command) and out.suffix == ".dll":
+    if toolchain.is_for_windows and out.suffix == ".dll":
         return _for_windows(toolchain, sources, out, include, flags, timeout)
     tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
     return _compiled(toolchain, given, sources, out, include, timeout, tail)
@@ -180,15 +187,23 @@ def _for_windows(
     timeout: float,
 ) -> Path:
     """Each unit by itself, with headers of a C library, then all linked without it."""
-    units = (*sources, runtime_dir() / WINDOWS)
-    made = {unit: out.parent / f"{unit.name}.o" for unit in units if unit.suffix != ".o"}
-    for unit, part in made.items():
-        compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
+    units = [*sources, runtime_dir() / WINDOWS]
+    made = {
+        place: out.parent / f"{place}-{unit.name}.o"
+        for place, unit in enumerate(units)
+        if unit.suffix != ".o"
+    }
     given = (*toolchain.flags, *flags, *WITHOUT_MINGW, "-Wl,-e,DllMain")
-    library = _compiled(toolchain, given, [made.get(u, u) for u in units], out, (), timeout)
-    for part in made.values():
-        part.unlink()
-    return library
+    try:
+        for place, part in made.items():
+            compile_object(
+                toolchain, units[place], part, include=include, flags=flags, timeout=timeout
+            )
+        parts = [made.get(place, unit) for place, unit in enumerate(units)]
+        return _compiled(toolchain, given, parts, out, (), timeout)
+    finally:
+        for part in made.values():
+            part.unlink(missing_ok=True)
 
 
 def _compiled(
@@ -265,6 +280,12 @@ def _first_errors(output: str) -> str:
 
 def _shortened(text: str, length: int) -> str:
     return text if len(text) <= length else f"{text[: length - 4]} ..."
+
+
+@functools.cache
+def _start() -> tuple[str, ...]:
+    """Return what decides how libraries for Windows are linked."""
+    return (*WITHOUT_MINGW, sha256((runtime_dir() / WINDOWS).read_bytes()).hexdigest())
 
 
 @functools.cache

@@ -21,10 +21,12 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.scenario import Scenario, override, preset_names
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import TORQUE_NOISE, Signal
+from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.references.evaluate import check_finite
+from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
 KINEMATICS = "kinematics"
@@ -228,7 +230,8 @@ def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
 
 def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
     """Sum of what effects add to the guard's assumptions; those without a bound add nothing."""
-    return total([item.bound(scenario) for item in present if item.bound is not None])
+    stated = (item.bounded(scenario) for item in present)
+    return total([item for item in stated if item is not None])
 
 
 def gripping(scenario: Scenario) -> Scenario:
@@ -267,9 +270,17 @@ def beyond_noise(setup: Setup) -> tuple[Effect, ...]:
 
 
 def _is_missed(effect: Effect, scenario: Scenario) -> bool:
-    if effect.role is EffectRole.DISTURBANCE and effect.build(scenario).draws:
-        return bool(effect.build(scenario).state)
-    return effect.acts(scenario)
+    return effect.active(scenario) and not _is_noise(effect, scenario)
+
+
+def _is_noise(effect: Effect, scenario: Scenario) -> bool:
+    """Whether it is random numbers at the wheels alone: nothing is left where those are 0."""
+    if effect.role is not EffectRole.DISTURBANCE:
+        return False
+    system = effect.system(scenario)
+    at_wheels = all(item.signal in TORQUE_NOISE for item in system.outputs)
+    quiet = ca.substitute(system.y, system.w, ca.SX.zeros(system.w.shape))
+    return at_wheels and not system.state and bool(system.draws) and quiet.is_zero()
 
 
 def _check_bounds(present: tuple[Effect, ...]) -> None:
@@ -287,7 +298,8 @@ _FINITE: dict[tuple[object, ...], None] = {}
 
 def _finite_reference(scenario: Scenario) -> None:
     """Check a reference once, however many scenarios share it."""
-    key = (type(scenario.reference), scenario.reference, scenario.clock)
+    kind = scenario.reference_kind
+    key = (kind, scenario.reference, scenario.clock if kind in OUR_REFERENCES else scenario)
     if key not in _FINITE:
         check_finite(scenario)
         if len(_FINITE) > 4096:

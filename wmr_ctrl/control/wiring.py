@@ -117,7 +117,7 @@ class Wiring:
     def effects(self, role: EffectRole) -> list[System]:
         """Systems of one role that act at this rate, in the order in which they compose."""
         chosen = (item for item in self.setup.with_role(role) if item.rate is self.rate)
-        return [item.build(self.setup.scenario) for item in chosen]
+        return [item.system(self.setup.scenario) for item in chosen]
 
     def measure(self, sensors: Sequence[System]) -> None:
         """Sensors one after the other, the first from the true state."""

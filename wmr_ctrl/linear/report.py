@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.lateness import lost_poses, rare_poses
+from wmr_ctrl.checks.lateness import lost_poses, rare_poses, unknown_effects
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.laws.registry import LAWS
@@ -230,6 +230,8 @@ def _poles(report: LinearReport) -> list[str]:
         lines.append(f"Margins and Bode plots are {said}.")
     if said := lost_poses(report.scenario):
         lines.append(f"All other figures are {said}.")
+    if said := unknown_effects(report.scenario):
+        lines.append(f"All figures are {said}.")
     lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
     for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
         lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")

@@ -146,7 +146,7 @@ def modelica_package(scenario: Scenario) -> str:
 
 def _noise(setup: Setup) -> str:
     """What is said of noise that the scenario has."""
-    noisy = any(item.acts(setup.scenario) for item in setup.effects)
+    noisy = any(item.active(setup.scenario) for item in setup.effects)
     return ", the scenario's own is left out" if noisy else ""
 
 

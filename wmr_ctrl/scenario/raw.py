@@ -10,10 +10,8 @@ from wmr_ctrl.fields.problems import UnknownKeyError, choices, show
 from wmr_ctrl.fields.section import Section, build
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.scenario import SECTIONS, Scenario, sections
+from wmr_ctrl.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
 from wmr_ctrl.world.references import REFERENCES, Reference
-
-OTHER_KEYS = ("title", "gains", "reference", "changes")
 
 
 def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:

@@ -45,8 +45,7 @@ def relate(scenario: Scenario) -> None:
     _changes(scenario.changes, scenario.clock.duration)
     clock = scenario.clock
     for effect in EFFECTS:
-        if effect.check is not None:
-            effect.check(scenario)
+        effect.relate(scenario)
     low, high = scenario.guard.delay or (0.0, 0.0)
     if high - low > clock.control * (1 + ROUNDING):
         raise ScenarioError(

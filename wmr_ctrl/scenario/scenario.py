@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, TypeVar, cast
 
-from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, number_of, numbers_in, quantities
@@ -81,11 +81,18 @@ SECTIONS: dict[str, type[Section]] = {
     "metrics": Metrics,
 }
 """Tables of a scenario that are one dataclass each and a field of Scenario, by key."""
+OTHER_KEYS = ("title", "gains", "reference", "changes")
 
 
 def sections() -> dict[str, type[Section]]:
     """All tables that are one dataclass each: SECTIONS, and those of effects with their own."""
-    return {**SECTIONS, **EFFECTS.sections()}
+    own = EFFECTS.sections()
+    if taken := own.keys() & {*SECTIONS, *OTHER_KEYS, "extends"}:
+        raise ArgumentError(
+            f"an effect of another package has the table {sorted(taken)[0]!r}, which a scenario "
+            "has for something else. Its author gives its section another KEY."
+        )
+    return {**SECTIONS, **own}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

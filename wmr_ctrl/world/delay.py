@@ -88,6 +88,7 @@ DELAY = Effect(
     rate=Rate.STEP,
     shape=("actuator.delay", "actuator.untold"),
     check=check,
+    linear=True,
 )
 
 

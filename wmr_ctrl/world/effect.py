@@ -15,18 +15,39 @@ Names that an effect does not read or write stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING, TypeAlias
+from numbers import Real
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
+from wmr_ctrl.errors import ArgumentError, WmrError
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.system import NORMAL, UNIFORM, System
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    MEASURED_POSE,
+    MEASURED_VELOCITY,
+    PATH,
+    POSE,
+    SAMPLE,
+    SKID,
+    STEP,
+    TIME,
+    TORQUE,
+    TORQUE_NOISE,
+    TRAVEL,
+    VELOCITY,
+    Signal,
+)
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 Pair: TypeAlias = tuple[float, float]
+T = TypeVar("T")
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
 
@@ -74,10 +95,43 @@ class Bound:
     window: Pair = (0.0, 0.0)
     void: str = ""
 
+    def __post_init__(self) -> None:
+        """Refuse what is no bound: ValueError, in which `Effect.bounded` names the effect."""
+        for name in ("dbar", "nbar", "mass", "lag", "age", "window"):
+            pair = getattr(self, name)
+            if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(_is_size, pair))):
+                raise ValueError(f"{name} = {show(pair)} must be two finite numbers of at least 0.")
+        for name in ("delay", "jitter"):
+            if not _is_size(getattr(self, name)):
+                raise ValueError(f"{name} = {show(getattr(self, name))} must be a finite time.")
+        if self.lag[0] > self.lag[1]:
+            raise ValueError(f"lag = {self.lag!r} must be its smallest and its largest.")
+        if not isinstance(self.void, str):
+            raise ValueError(f"void = {show(self.void)} must be a sentence.")
+
     @property
     def takeover(self) -> Pair:
         """Smallest and largest delay of a command [s]."""
         return max(self.delay - self.jitter, 0.0), self.delay
+
+
+def _is_size(value: object) -> bool:
+    return isinstance(value, Real) and math.isfinite(value) and float(value) >= 0.0
+
+
+_MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
+_TRUE = (TIME, *POSE, *VELOCITY)
+READS: dict[EffectRole, tuple[Signal, ...]] = {
+    EffectRole.SENSOR: (*_TRUE, SAMPLE, PATH, SKID, TRAVEL, *_MEASURED),
+    EffectRole.DISTURBANCE: (*_TRUE, SAMPLE, STEP),
+    EffectRole.DRIVE: (*_TRUE, STEP, *TORQUE),
+}
+"""What an effect of a role may read: what every output has for it."""
+WRITES: dict[EffectRole, tuple[Signal, ...]] = {
+    EffectRole.SENSOR: _MEASURED,
+    EffectRole.DISTURBANCE: (*TORQUE_NOISE, *BODY_FORCE),
+    EffectRole.DRIVE: TORQUE,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +146,11 @@ class Effect:
 
     ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
     remembers; all others it reads as parameters.  ``check(scenario)`` raises ScenarioError where
-    its numbers do not go with those of other tables.
+    its numbers do not go with those of other tables.  ``linear`` says of a sensor or drive that
+    its bound's delay, lag, age and window are all that it does to the loop near a reference:
+    those are in the figures of stability, and of others the figures say that they are not.
+
+    ArgumentError for what is no effect: a drive acts in each step, a sensor in each sample.
     """
 
     name: str
@@ -105,10 +163,92 @@ class Effect:
     always: bool = False
     shape: tuple[str, ...] = ()
     check: Callable[[Scenario], None] | None = None
+    linear: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what would be no part of any loop."""
+        rates = {EffectRole.SENSOR: (Rate.SAMPLE,), EffectRole.DRIVE: (Rate.STEP,)}
+        wrong = {
+            "name": not (isinstance(self.name, str) and self.name.strip()),
+            "role": not isinstance(self.role, EffectRole),
+            "section": not (isinstance(self.section, type) and issubclass(self.section, Section)),
+            "rate": self.rate not in rates.get(self.role, tuple(Rate)),
+        }
+        for field in (name for name, is_wrong in wrong.items() if is_wrong):
+            raise ArgumentError(
+                f"the effect {show(self.name)} has {field} = {show(getattr(self, field))}: an "
+                "Effect has a name, an EffectRole, the class of its section and a Rate, which is "
+                "SAMPLE for a sensor and STEP for a drive."
+            )
+
+    @property
+    def title(self) -> str:
+        """Its name and its table, for messages."""
+        return f"{self.name!r} ([{self.section.KEY}])"
+
+    def active(self, scenario: Scenario) -> bool:
+        """Whether it makes a difference."""
+        return bool(self._call("acts", self.acts, scenario))
 
     def present(self, scenario: Scenario) -> bool:
         """Whether it is part of the loop's structure."""
-        return self.always or self.acts(scenario)
+        return self.always or self.active(scenario)
+
+    def relate(self, scenario: Scenario) -> None:
+        """Check its numbers against those of other tables."""
+        if self.check is not None:
+            self._call("check", self.check, scenario)
+
+    def system(self, scenario: Scenario) -> System:
+        """Its System; ArgumentError for one that its role and rate have no place for."""
+        system = self._call("build", self.build, scenario)
+        if not isinstance(system, System):
+            raise ArgumentError(f"the effect {self.title} builds {show(system)}, not a System.")
+        clock = SAMPLE if self.rate is Rate.STEP else STEP
+        reads = [item for item in READS[self.role] if item is not clock]
+        self._only("reads", (item.signal for item in system.inputs), reads)
+        self._only("writes", (item.signal for item in system.outputs), WRITES[self.role])
+        self._only_draws(system)
+        return system
+
+    def bounded(self, scenario: Scenario) -> Bound | None:
+        """What it adds to the guard's assumptions; None where it states no bound."""
+        if self.bound is None:
+            return None
+        stated = self._call("bound", self.bound, scenario)
+        if not isinstance(stated, Bound):
+            raise ArgumentError(f"the effect {self.title} has the bound {show(stated)}, no Bound.")
+        return stated
+
+    def _call(self, what: str, function: Callable[[Scenario], T], scenario: Scenario) -> T:
+        """Its own functions; an error that says nothing to a user names the effect."""
+        try:
+            return function(scenario)
+        except WmrError:
+            raise
+        except Exception as error:
+            raise ArgumentError(
+                f"the effect {self.title} fails in its {what}: {type(error).__name__}: {error} "
+                "Mend it, or take its table out of the scenario; --debug shows where."
+            ) from error
+
+    def _only(self, verb: str, named: Iterable[Signal], allowed: Iterable[Signal]) -> None:
+        known = [item.name for item in allowed]
+        for name in (item.name for item in named if item.name not in known):
+            raise ArgumentError(
+                f"the effect {self.title} {verb} {name!r}, and a {self.role.value} that acts in "
+                f"each {self.rate.value} {verb} {', '.join(known)} alone."
+            )
+
+    def _only_draws(self, system: System) -> None:
+        if system.transport is not None and self.role is not EffectRole.DRIVE:
+            raise ArgumentError(f"the effect {self.title} has a transport, and is no drive.")
+        for item in system.draws:
+            if item.kind not in (UNIFORM, NORMAL):
+                raise ArgumentError(
+                    f"the effect {self.title} draws {item.kind!r} numbers; there are {UNIFORM!r} "
+                    f"and {NORMAL!r} ones."
+                )
 
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
@@ -151,4 +291,4 @@ def total(bounds: list[Bound]) -> Bound:
 
 
 def _sum(pairs: list[Pair]) -> Pair:
-    return sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
+    return sum((pair[0] for pair in pairs), 0.0), sum((pair[1] for pair in pairs), 0.0)

@@ -251,4 +251,5 @@ ENCODER = Effect(
     bound=bound,
     shape=("encoder.window", "clock.control"),
     check=check,
+    linear=True,
 )

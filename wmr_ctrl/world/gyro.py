@@ -69,5 +69,11 @@ def bound(scenario: Scenario) -> Bound:
 
 
 GYRO = Effect(
-    name="gyro", role=EffectRole.SENSOR, section=Gyro, build=build, acts=acts, bound=bound
+    name="gyro",
+    role=EffectRole.SENSOR,
+    section=Gyro,
+    build=build,
+    acts=acts,
+    bound=bound,
+    linear=True,
 )

@@ -116,4 +116,5 @@ JITTER = Effect(
     rate=Rate.STEP,
     shape=("clock.control", "clock.plant"),
     check=check,
+    linear=True,
 )

@@ -100,4 +100,5 @@ LAG = Effect(
     acts=acts,
     bound=bound,
     rate=Rate.STEP,
+    linear=True,
 )

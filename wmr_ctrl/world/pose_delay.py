@@ -79,4 +79,5 @@ POSE_DELAY = Effect(
     bound=bound,
     shape=("sensor.pose_delay", "clock.control"),
     check=check,
+    linear=True,
 )

@@ -142,4 +142,5 @@ POSE_SENSOR = Effect(
     bound=bound,
     always=True,
     check=check,
+    linear=True,
 )

@@ -11,9 +11,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, ClassVar
 
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.plugins import loaded
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.world.delay import DELAY, Delay
 from wmr_ctrl.world.effect import Effect, EffectRole
@@ -84,8 +85,16 @@ class EffectRegistry:
     @cached_property
     def plugins(self) -> tuple[Effect, ...]:
         """Effects of other packages."""
-        points = sorted(entry_points(group=GROUP), key=lambda item: item.name)
-        return tuple(point.load() for point in points)
+        foreign = loaded(GROUP, Effect)
+        for place, effect in enumerate(foreign):
+            others = (*OURS, *foreign[:place])
+            keys = {Sensor.KEY, Disturbance.KEY, Actuator.KEY, *(o.section.KEY for o in others)}
+            if effect.name in {other.name for other in others} or effect.section.KEY in keys:
+                raise ArgumentError(
+                    f"the effect {effect.title} has the name or the table of another one. Its "
+                    "author gives it a name and a section.KEY of its own."
+                )
+        return foreign
 
     def __iter__(self) -> Iterator[Effect]:
         """Yield every effect."""

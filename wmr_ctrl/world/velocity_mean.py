@@ -110,4 +110,5 @@ VELOCITY_MEAN = Effect(
     bound=bound,
     shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
     check=check,
+    linear=True,
 )

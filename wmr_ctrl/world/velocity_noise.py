@@ -71,4 +71,5 @@ VELOCITY_NOISE = Effect(
     acts=acts,
     bound=bound,
     always=True,
+    linear=True,
 )

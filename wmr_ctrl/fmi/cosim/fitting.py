@@ -6,17 +6,22 @@ import zipfile
 from pathlib import Path
 
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.control.wiring import pushes
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.parts import STATE, Part
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.provenance import GRAPH
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.effect import EffectRole
+from wmr_ctrl.world.effect import Effect, EffectRole
 
-_WHEELS = ({"noise_right", "torque_right"}, {"noise_left", "torque_left"})
-_BODY = ({"thrust"}, {"moment"})
+DISTURBANCE = EffectRole.DISTURBANCE
+_REACHING = {
+    "noise_right": {"noise_right", "torque_right"},
+    "noise_left": {"noise_left", "torque_left"},
+    "thrust": {"thrust"},
+    "moment": {"moment"},
+}
+"""By what a disturbance writes those inputs of a plant of which one must be mapped."""
 _NEAR = 1e-6
 """How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
 
@@ -61,16 +66,22 @@ def check_parts(setup: Setup, plant: Part, controller: Part) -> None:
             "guard.enabled is true, but the guard is part of our controllers and not in "
             f"{controller.slave.path}. Set guard.enabled = false."
         )
-    acting = [item for item in setup.with_role(EffectRole.DISTURBANCE) if item.acts(setup.scenario)]
-    pushed = pushes([item.build(setup.scenario) for item in acting])
-    needed = (*(_WHEELS if acting else ()), *(_BODY if pushed else ()))
-    if not all(plant.uses & names for names in needed):
-        keys = ", ".join(f"[{item.section.KEY}]" for item in acting)
+    reach = {item: _needed(item, setup.scenario) for item in setup.with_role(DISTURBANCE)}
+    lost = [item for item, asked in reach.items() if not all(plant.uses & names for names in asked)]
+    if lost:
+        keys = ", ".join(f"[{item.section.KEY}]" for item in lost)
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
             "which have it in them (and thrust and moment, where it acts on the body), or take it "
             f"out of the scenario: {keys}."
         )
+
+
+def _needed(effect: Effect, scenario: Scenario) -> list[set[str]]:
+    """Of each thing that a disturbance writes, where it acts, the inputs that it may reach."""
+    if not effect.active(scenario):
+        return []
+    return [_REACHING[item.signal.name] for item in effect.system(scenario).outputs]
 
 
 def check_start(scenario: Scenario, plant: Part) -> None:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from importlib.metadata import entry_points
 
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.plugins import loaded
 from wmr_ctrl.world.references import (
     circle,
     lemniscate,
@@ -32,8 +33,14 @@ class ReferenceRegistry(Mapping[str, ReferenceKind]):
     @cached_property
     def plugins(self) -> tuple[ReferenceKind, ...]:
         """Kinds of other packages."""
-        points = sorted(entry_points(group=GROUP), key=lambda item: item.name)
-        return tuple(point.load() for point in points)
+        foreign = loaded(GROUP, ReferenceKind)
+        names = [item.name for item in (*OURS, *foreign)]
+        for name in (name for name in names if names.count(name) > 1):
+            raise ArgumentError(
+                f"two references are called {name!r}. The author of the one in another package "
+                "gives it a name of its own."
+            )
+        return foreign
 
     def __getitem__(self, name: str) -> ReferenceKind:
         """Return the kind called ``name``."""
