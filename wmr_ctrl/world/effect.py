@@ -42,12 +42,15 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
+from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
+Number = TypeVar("Number", float, "ca.SX")
+"""What a bound is reckoned in: numbers for the guard, symbols for the ledger."""
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
 

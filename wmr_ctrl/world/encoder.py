@@ -19,10 +19,10 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
 from wmr_ctrl.world.history import History, history
-from wmr_ctrl.world.wheels import Number, Wheels, misread, true_wheels
+from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

@@ -16,7 +16,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Draw, Output, System, draw, port, ports, stack
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -50,7 +50,7 @@ def build(scenario: Scenario) -> System:
         draws = (draw(NUMBERS, UNIFORM, spread > 0, held=True),)
         time = time * (1 + spread * draws[0].port.sym[0])
     decay = ca.exp(-p.take("clock.plant") / time)
-    following = wanted + decay * (acting.sym - wanted)
+    following = followed(wanted, decay, acting.sym)
     return System(
         "lag",
         "first-order lag of the drives",
@@ -62,6 +62,11 @@ def build(scenario: Scenario) -> System:
         period=scenario.clock.plant,
         draws=draws,
     )
+
+
+def followed(wanted: ca.SX, decay: ca.SX, acting: ca.SX) -> ca.SX:
+    """Torque [N m] after a step, of which the share ``decay`` is left of what acted before."""
+    return wanted + decay * (acting - wanted)
 
 
 def acts(scenario: Scenario) -> bool:
@@ -85,11 +90,16 @@ def bound(scenario: Scenario) -> Bound:
 def stepped(lag: float, step: float) -> float:
     """Time constant [s] that a lag is not faster than which holds its value over a plant step [s].
 
-    step/(exp(step/lag) - 1), about lag - step/2.
+    About lag - step/2.
     """
     if lag == 0 or step / lag > MANY:
         return 0.0
-    return step / math.expm1(step / lag)
+    return counted(step, math.expm1(step / lag))
+
+
+def counted(step: Number, growth: Number) -> Number:
+    """The same for growth = exp(step/lag) - 1, a number or a symbol."""
+    return step / growth
 
 
 LAG = Effect(

@@ -17,7 +17,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import TORQUE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -114,7 +114,7 @@ def check(scenario: Scenario) -> None:
 
 def largest_torque(scenario: Scenario) -> float:
     """What a motor is told at most, in its steps [N m]; inf without a torque limit."""
-    return scenario.actuator.tau_max + scenario.section(Motor).step / 2.0
+    return scenario.actuator.tau_max + rounded_by(scenario.section(Motor).step)
 
 
 def bound(scenario: Scenario) -> Bound:
@@ -128,7 +128,7 @@ def bound(scenario: Scenario) -> Bound:
     the fastest wheel with the other one (ledger: world.motor.*).
     """
     motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
-    lost = 2.0 * (motor.step / 2.0 + motor.dead_zone)
+    lost = 2.0 * (rounded_by(motor.step) + motor.dead_zone)
     fast, edge = u1 + robot.l * u2, u1 - robot.l * u2
     most = 2.0 * largest_torque(scenario)
     sums = (sum(_missing(scenario, s / robot.r) for s in (fast, way * edge)) for way in (1.0, -1.0))
@@ -146,8 +146,22 @@ def _missing(scenario: Scenario, speed: float) -> float:
     motor = scenario.section(Motor)
     if math.isinf(motor.stall):
         return 0.0
-    left = motor.stall * (1.0 - max(speed, 0.0) / motor.free)
-    return max(largest_torque(scenario) - left, 0.0)
+    return missing(largest_torque(scenario), motor.stall, speed / motor.free)
+
+
+def missing(most: Number, stall: Number, share: Number) -> Number:
+    """d [N m] of a torque up to ``most`` at a ``share`` of the free speed; numbers or symbols."""
+    return positive(most - stall * (1.0 - positive(share)))
+
+
+def rounded_by(step: Number) -> Number:
+    """What torque in steps is off by at most [N m]."""
+    return step / 2.0
+
+
+def positive(value: Number) -> Number:
+    """The value where it is positive, else 0: exact."""
+    return (value + abs(value)) / 2.0
 
 
 MOTOR = Effect(

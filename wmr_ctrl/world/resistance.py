@@ -14,7 +14,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
 from wmr_ctrl.world.friction import heaviest
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def build(scenario: Scenario) -> System:
     velocity, p = ports(VELOCITY), Parameters(scenario)
     v, turn = (item.sym for item in velocity)
     half_track, viscous = p.take("robot.l"), p.take("resistance.viscous")
-    load = p.take("robot.m") * p.take("robot.g") / 2
-    smooth = [ca.tanh((v + way * half_track * turn) / p.take("robot.v_s")) for way in (1, -1)]
+    load = load_of_wheel(p.take("robot.m"), p.take("robot.g"))
+    smooth = smoothed(v, half_track * turn, p.take("robot.v_s"))
     force = resisted(p.take("resistance.rolling") * load, half_track, *smooth)
     return System(
         "resistance",
@@ -56,6 +56,16 @@ def build(scenario: Scenario) -> System:
         ),
         period=scenario.clock.plant,
     )
+
+
+def load_of_wheel(m: Number, g: Number) -> Number:
+    """Half the weight [N]."""
+    return m * g / 2.0
+
+
+def smoothed(v: ca.SX, turn: ca.SX, v_s: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """By which share, with its sign, the right and the left wheel roll; ``turn`` = l omega."""
+    return ca.tanh((v + turn) / v_s), ca.tanh((v - turn) / v_s)
 
 
 def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX:
@@ -80,10 +90,16 @@ def bound(scenario: Scenario) -> Bound:
     of omega.  What one wheel resists more by, |difference| m g/2 at most, may push the other
     axis, with the arm l on the moment (ledger: world.resistance.*).
     """
-    resistance, robot = scenario.section(Resistance), scenario.robot
-    right, left = resistance.rolling
-    more = abs(right - left) * heaviest(scenario) * robot.g / 2.0
-    return Bound(dbar=(more, robot.l * more))
+    robot, load = scenario.robot, load_of_wheel(heaviest(scenario), scenario.robot.g)
+    return Bound(dbar=pushed_by(scenario.section(Resistance).rolling, load, robot.l))
+
+
+def pushed_by(
+    rolling: tuple[Number, Number], load: Number, half_track: Number
+) -> tuple[Number, Number]:
+    """Thrust [N] and moment [N m] that unequal wheels push with at most; numbers or symbols."""
+    more = abs(rolling[0] - rolling[1]) * load
+    return more, half_track * more
 
 
 RESISTANCE = Effect(

@@ -16,7 +16,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
 from wmr_ctrl.world.friction import heaviest
 
 if TYPE_CHECKING:
@@ -44,8 +44,8 @@ def build(scenario: Scenario) -> System:
     With a = psi - direction: thrust -m g sin(angle) cos(a), moment offset m g sin(angle) sin(a).
     """
     theta, p = port(POSE[2]), Parameters(scenario)
-    pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("slope.angle"))
-    a = theta.sym + ca.pi / 2 - p.take("slope.direction")
+    pull = downhill(p.take("robot.m"), p.take("robot.g"), ca.sin(p.take("slope.angle")))
+    a = turned(theta.sym, p.take("slope.direction"))
     force = pulled(pull, p.take("slope.offset"), ca.cos(a), ca.sin(a))
     return System(
         "slope",
@@ -59,6 +59,16 @@ def build(scenario: Scenario) -> System:
     )
 
 
+def turned(theta: ca.SX, direction: ca.SX) -> ca.SX:
+    """How far the heading psi is turned from the steepest rise [rad]."""
+    return theta + ca.pi / 2 - direction
+
+
+def downhill(m: Number, g: Number, sine: Number) -> Number:
+    """Pull of a slope [N]."""
+    return m * g * sine
+
+
 def pulled(pull: ca.SX, offset: ca.SX, along: ca.SX, across: ca.SX) -> ca.SX:
     """Force on the body (2,) [N, N m] of a pull downhill [N] by the shares along and across."""
     return ca.vertcat(-pull * along, offset * pull * across)
@@ -70,13 +80,15 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The heaviest robot straight downhill, and straight across: |cos|, |sin| <= 1.
+    """The heaviest robot straight downhill, and straight across (ledger: world.slope.*)."""
+    slope = scenario.section(Slope)
+    pull = downhill(heaviest(scenario), scenario.robot.g, math.sin(slope.angle))
+    return Bound(dbar=pulled_at_most(pull, slope.offset))
 
-    Ledger: world.slope.
-    """
-    slope, robot = scenario.section(Slope), scenario.robot
-    pull = heaviest(scenario) * robot.g * math.sin(slope.angle)
-    return Bound(dbar=(pull, pull * abs(slope.offset)))
+
+def pulled_at_most(pull: Number, offset: Number) -> tuple[Number, Number]:
+    """Thrust [N] and moment [N m] that a pull [N] exceeds nowhere, for numbers or symbols."""
+    return pull, pull * abs(offset)
 
 
 SLOPE = Effect(

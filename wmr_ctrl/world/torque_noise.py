@@ -14,7 +14,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import NORMAL, Output, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -74,14 +74,23 @@ _UNBOUNDED = (
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Both wheels at their largest, n std each: thrust 2 n std/r, moment l times that.
-
-    n is the truncation, or SIGMAS without one.
-    """
+    """Both wheels at their largest, n std each; n is the truncation, or SIGMAS without one."""
     section, robot = scenario.section(TorqueNoise), scenario.robot
     free = math.isinf(section.truncate)
-    thrust = 2.0 * section.std * (SIGMAS if free else section.truncate) / robot.r
-    return Bound(dbar=(thrust, thrust * robot.l), void=_UNBOUNDED if free and thrust > 0 else "")
+    most = noise_at_most(section.std, SIGMAS if free else section.truncate, (robot.r, robot.l))
+    return Bound(dbar=most, void=_UNBOUNDED if free and most[0] > 0 else "")
+
+
+def noise_at_most(
+    std: Number, truncate: Number, believed: tuple[Number, Number]
+) -> tuple[Number, Number]:
+    """Thrust 2 n std/r [N] and l times that [N m] for n = ``truncate`` (ledger: world.noise.*).
+
+    ``believed`` (r, l) [m]; numbers or symbols.
+    """
+    r, half_track = believed
+    thrust = 2.0 * std * truncate / r
+    return thrust, thrust * half_track
 
 
 TORQUE_NOISE_EFFECT = Effect(

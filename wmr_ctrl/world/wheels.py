@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -18,13 +18,11 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Pair, Rate
 from wmr_ctrl.world.motor import largest_torque
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
-
-Number = TypeVar("Number", float, "ca.SX")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,32 +7,42 @@ from fractions import Fraction
 import casadi as ca
 
 from wmr_ctrl.guard.lagging import integral, moved
-from wmr_ctrl.proofs.claims.world import ours, within
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.proofs.claims.world import EffectGraph, ours, positive, within
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
-from wmr_ctrl.world import gust, motor, resistance, slope
+from wmr_ctrl.world import gust, lag, motor, resistance, slope, torque_noise
 
-ALONG = {name: Fraction(x) for name, x in zip(("pull", "offset", "along", "across"), (1, 0, 1, 0),
-                                              strict=True)}  # fmt: skip
+ALONG = {
+    name: Fraction(value)
+    for name, value in {
+        "robot.m": 1, "robot.g": 1, "sine": 1, "slope.offset": 0, "along": 1, "across": 0,
+    }.items()
+}  # fmt: skip
 """Straight uphill."""
 
 
 def _stepped(flip: float) -> Statement:
     """The whole number of steps is that of the graph: floor(x) <= x < floor(x) + 1."""
-    t = symbols("torque step", "step")
-    number = ca.floor(t["torque"] / t["step"] + 0.5)
-    off = motor.stepped(t["torque"], t["step"]) - t["torque"]
-    x = t["torque"] / t["step"] + 0.5
-    given = (above(t["step"]), at_least(x, number), above(1, x - number))
-    half = t["step"] / (2 if flip > 0 else 2.5)
-    return Statement(t, within(off, half), given, {"number": number})
+    g = EffectGraph(motor.MOTOR, (("motor.step", 0.1),))
+    told, step = g["tau_right"], g["motor.step"]
+    x = told / step + 0.5
+    number = ca.floor(x)
+    given = (above(step), at_least(x, number), above(1, x - number))
+    most = motor.rounded_by(step) * (1 if flip > 0 else 0.8)
+    return Statement(g.symbols, within(_made(g) - told, most), given, {"number": number})
+
+
+def _made(g: EffectGraph) -> ca.SX:
+    """Torque of the right wheel's motor."""
+    return g.system.outputs[0].expr
 
 
 def _held(flip: float) -> Statement:
     """One plant step of the lag that holds its value, and Z that the guard follows."""
-    t = symbols("z p step share a b between least falls rises")
-    z, p, h, s, a, b, e, least, falls, rises = t.values()
-    after = p + e * (z - p)
+    t = symbols("z p step share growth b between least falls rises")
+    z, p, h, s, growth, b, e, least, falls, rises = t.values()
+    a, after = lag.counted(h, growth), lag.followed(p, e, z)
     guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
     goals = (
         at_least(
@@ -41,8 +51,8 @@ def _held(flip: float) -> Statement:
         at_least(moved(z, p, (falls, rises)), after),
     )
     given = (
-        at_least(z), at_least(p), above(h), above(a), at_least(s, a), at_least(b, s),
-        equal(a * (1 - least), h * least), at_least(rises), at_least(least, rises),
+        at_least(z), at_least(p), above(h), above(growth), at_least(s, a), at_least(b, s),
+        equal(least * (1 + growth), 1), at_least(rises), at_least(least, rises),
         at_least(e, least), at_least(falls, e), above(1, falls),
         at_least(b * (1 - falls), h * falls),
     )  # fmt: skip
@@ -51,28 +61,25 @@ def _held(flip: float) -> Statement:
 
 def _zone(flip: float) -> Statement:
     """What is lost has the torque's sign."""
-    t = symbols("torque zone", "zone")
-    lost = t["torque"] - motor.beyond_zone(t["torque"], t["zone"])
-    most = t["zone"] if flip > 0 else 0.9 * t["zone"]
-    goals = (*within(lost, most), at_least(lost * t["torque"]))
-    return Statement(t, goals, (above(t["zone"]),))
-
-
-def _deficit(most: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
-    """d(s): the torque that is missing at worst, convex in the speed."""
-    return ca.fmax(most - stall * (1 - slowing * ca.fmax(speed, 0)), 0)
+    g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
+    told, zone = g["tau_right"], g["motor.dead_zone"]
+    lost = told - _made(g)
+    most = zone if flip > 0 else 0.9 * zone
+    goals = (*within(lost, most), at_least(lost * told))
+    return Statement(g.symbols, goals, (above(zone),))
 
 
 def _line(flip: float) -> Statement:
     """A torque loses nothing but size, at most d of the speed in its own direction."""
     t = symbols("torque speed stall slowing most", "stall slowing")
     made = motor.on_line(t["torque"], t["speed"], t["stall"], t["slowing"])
-    ahead, back = (_deficit(t["most"], s * t["speed"], t["stall"], t["slowing"]) for s in (1, -1))
+    share = t["slowing"] * t["speed"]
+    ahead, back = (motor.missing(t["most"], t["stall"], way * share) for way in (1, -1))
     ahead, back = ca.fmin(ahead, t["most"]), ca.fmin(back, t["most"])
-    share = 1 if flip > 0 else 0.9
+    part = 1 if flip > 0 else 0.9
     goals = (
-        at_least(share * ahead, t["torque"] - made),
-        at_least(share * back, made - t["torque"]),
+        at_least(part * ahead, t["torque"] - made),
+        at_least(part * back, made - t["torque"]),
         at_least((t["torque"] - made) * t["torque"]),
     )
     given = (above(t["stall"]), at_least(t["slowing"]), *within(t["torque"], t["most"]))
@@ -85,7 +92,8 @@ def _pair(way: int, flip: float) -> Statement:
 
     def both(v: ca.SX, turn: ca.SX) -> ca.SX:
         speeds = (v + turn, v - turn) if way > 0 else (turn + v, turn - v)
-        return ca.SX(sum(_deficit(t["most"], s, t["stall"], t["slowing"]) for s in speeds))
+        first, second = (motor.missing(t["most"], t["stall"], t["slowing"] * s) for s in speeds)
+        return first + second
 
     given = (
         above(t["stall"]), at_least(t["slowing"]), above(t["u1"]), above(t["edge"]),
@@ -108,26 +116,35 @@ def _pair_around(flip: float) -> Statement:
 
 def _slope(flip: float) -> Statement:
     """|cos|, |sin| <= 1."""
-    t = symbols("pull offset along across")
-    force = slope.pulled(t["pull"], t["offset"], t["along"], t["across"])
-    most = t["pull"] if flip > 0 else 0.9 * t["pull"]
-    circle = equal(t["along"] ** 2 + t["across"] ** 2, 1)
-    goals = (*within(force[0], most), *within(force[1], most * ca.fabs(t["offset"])))
-    return Statement(t, goals, (at_least(t["pull"]), circle))
+    g = EffectGraph(slope.SLOPE, (("slope.angle", 0.1),))
+    a = slope.turned(g["theta"], g["slope.direction"])
+    along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
+    pull = slope.downhill(g["robot.m"], g["robot.g"], sine)
+    bounds = slope.pulled_at_most(pull, g["slope.offset"])
+    share = 1 if flip > 0 else 0.9
+    goals = [part for i in (0, 1) for part in within(g.system.y[i], share * bounds[i])]
+    shares = (*within(along, 1), *within(across, 1))
+    given = (*positive(g, "robot.m", "robot.g"), at_least(sine), *shares)
+    return Statement(
+        g.symbols, tuple(goals), given, {"along": along, "across": across, "sine": sine}
+    )
 
 
 def _resisted(axis: int, flip: float) -> Statement:
     """right + left has the sign of v1, right - left that of omega: here both positive."""
-    t = symbols("most_right most_left half right left")
-    most = ca.vertcat(t["most_right"], t["most_left"])
-    force = resistance.resisted(most, t["half"], t["right"], t["left"])[axis]
-    more = ca.fabs(most[0] - most[1]) * (1 if axis == 0 else t["half"])
-    moves = t["right"] + t["left"] if axis == 0 else t["right"] - t["left"]
+    g = EffectGraph(resistance.RESISTANCE, (("resistance.rolling", [0.01, 0.02]),))
+    v, omega, half = g["v1"], g["omega"], g["robot.l"]
+    right, left = resistance.smoothed(v, half * omega, g["robot.v_s"])
+    load = resistance.load_of_wheel(g["robot.m"], g["robot.g"])
+    rolling = (g["resistance.rolling[1]"], g["resistance.rolling[2]"])
+    more = resistance.pushed_by(rolling, load, half)[axis]
+    moves = right + left if axis == 0 else right - left
     given = (
-        at_least(most[0]), at_least(most[1]), above(t["half"]), at_least(moves),
-        *within(t["right"], 1), *within(t["left"], 1),
+        *(at_least(item) for item in (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)),
+        above(half), at_least(v if axis == 0 else omega), *within(right, 1), *within(left, 1),
     )  # fmt: skip
-    return Statement(t, (at_least(more * (1 if flip > 0 else 0.9), force),), given)
+    goal = at_least(more * (1 if flip > 0 else 0.9), g.system.y[axis])
+    return Statement(g.symbols, (goal,), given, {"right": right, "left": left, "load": load})
 
 
 def _resisted_thrust(flip: float) -> Statement:
@@ -136,6 +153,25 @@ def _resisted_thrust(flip: float) -> Statement:
 
 def _resisted_moment(flip: float) -> Statement:
     return _resisted(1, flip)
+
+
+def _noise(axis: int, flip: float) -> Statement:
+    """Both wheels' numbers within the truncation."""
+    g, t = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, ()), symbols("r l")
+    believed, most = (t["r"], t["l"]), g["disturbance.truncate"]
+    bound = torque_noise.noise_at_most(g["disturbance.std"], most, believed)[axis]
+    force = wheel_to_force(*believed, g.system.y)[axis]
+    numbers = [part for i in (1, 2) for part in within(g[f"torque[{i}]"], most)]
+    given = (above(believed[0]), above(believed[1]), at_least(g["disturbance.std"]), *numbers)
+    return Statement({**g.symbols, **t}, within(force, bound * (1 if flip > 0 else 0.9)), given)
+
+
+def _noise_thrust(flip: float) -> Statement:
+    return _noise(0, flip)
+
+
+def _noise_moment(flip: float) -> Statement:
+    return _noise(1, flip)
 
 
 def _gust(flip: float) -> Statement:
@@ -197,7 +233,7 @@ CLAIMS = (
         "slope",
         "a slope pulls with at most m g sin(angle), and turns with at most |offset| times that",
         "What a slope adds to dbar.",
-        "m g sin(angle) >= 0; shares along and across of a unit vector",
+        "m, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1",
         _slope,
         Z3(effort=150, points=(ALONG,)),
     ),
@@ -205,15 +241,30 @@ CLAIMS = (
         "resistance.thrust",
         "rolling resistance drives the robot on with at most the difference of the wheels'",
         "Equal wheels only brake; what one has more may push. Backwards by symmetry.",
-        "|tanh| <= 1; tanh((v1 + l omega)/v_s) + tanh((v1 - l omega)/v_s) >= 0, as v1 >= 0 has it",
+        "coefficients >= 0; v1 >= 0; |tanh| <= 1, and as v1 >= 0 has it "
+        "tanh((v1 + l omega)/v_s) + tanh((v1 - l omega)/v_s) >= 0",
         _resisted_thrust,
     ),
     ours(
         "resistance.moment",
         "and turns it on with at most l times that",
         "The same for the turn.",
-        "|tanh| <= 1; the difference of the two >= 0, as omega >= 0 has it",
+        "coefficients >= 0; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
         _resisted_moment,
+    ),
+    ours(
+        "noise.thrust",
+        "torque noise within n std on each wheel makes a thrust of at most 2 n std/r",
+        "What torque noise adds to dbar.",
+        "r, l > 0, std >= 0; |each normal number| <= n",
+        _noise_thrust,
+    ),
+    ours(
+        "noise.moment",
+        "and a moment of at most l times that",
+        "The same for the moment.",
+        "r, l > 0, std >= 0; |each normal number| <= n",
+        _noise_moment,
     ),
     ours(
         "gust",

@@ -39,7 +39,8 @@ class EffectGraph:
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """All ports' elements by name."""
-        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
+        drawn = tuple(item.port for item in self.system.draws)
+        return scalars((*self.system.inputs, *self.system.state, *self.system.params, *drawn))
 
     @property
     def scenario(self) -> Scenario:
@@ -71,30 +72,29 @@ def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
 def _counted(axis: int, flip: float) -> Statement:
     """The counts of both wheels, now and before, are the whole parts of their turn."""
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),))
-    turn = symbols("now_right now_left old_right old_left")
+    scenario, skidded = g.scenario, g["theta"] + g["skid"]
+    now = encoder.turned(scenario, g.parameters, g["path"], skidded)
+    turn = symbols("old_right old_left")
+    old = ca.vertcat(turn["old_right"], turn["old_left"])
     whole = ca.vertcat(g["wheel_counts_1[1]"], g["wheel_counts_1[2]"])
-    now, old = (ca.vertcat(turn[f"{k}_right"], turn[f"{k}_left"]) for k in ("now", "old"))
-    counts = g.system.diagnostics[0].expr
-    parts = [(now, counts), (old, whole)]
     given = [
         item
-        for real, part in parts
+        for real, part in ((now, ca.floor(now)), (old, whole))
         for i in (0, 1)
         for item in (at_least(real[i], part[i]), above(1, real[i] - part[i]))
     ]
-    rate = (now - old) / g["clock.control"]
-    exact = _velocity(g, rate)
+    exact = _velocity(g, (now - old) / g["clock.control"])
     believed = (g["robot.r"], g["robot.l"])
     bound = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     off = g.system.outputs[axis].expr - exact[axis]
     most = bound if flip > 0 else 0.9 * bound
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
+    cuts = {"turn_right": now[0], "turn_left": now[1]}
+    floors = {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
     return Statement(
-        {**g.symbols, **turn},
-        (above(most, off), above(off, -most)),
-        (*sides, *given),
-        {"counts_right": counts[0], "counts_left": counts[1]},
-    )
+        {**g.symbols, **turn}, (above(most, off), above(off, -most)), (*sides, *given),
+        {**cuts, **floors},
+    )  # fmt: skip
 
 
 def _velocity(g: EffectGraph, rate: ca.SX) -> ca.SX:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, WmrError
 from wmr_ctrl.model.system import System
+from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME
 from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
@@ -20,8 +21,29 @@ Floats = NDArray[np.float64]
 
 
 def reference(scenario: Scenario) -> System:
-    """The desired trajectory: System from time t [s] to the seven reference signals."""
-    return scenario.reference_kind.build(scenario)
+    """The desired trajectory: System from time t [s] to the seven reference signals.
+
+    Raises ArgumentError, which names the kind, for one that gives something else.
+    """
+    kind = scenario.reference_kind
+    try:
+        system = kind.build(scenario)
+    except WmrError:
+        raise
+    except Exception as error:
+        raise ArgumentError(
+            f'reference.kind = "{kind.name}": its graph cannot be built: {type(error).__name__}: '
+            f"{error} Mend it, or choose another kind; --debug shows where."
+        ) from error
+    given = [item.signal.name for item in system.outputs]
+    reads = {item.signal.name for item in system.inputs} - {TIME.name, SAMPLE.name}
+    if given != [signal.name for signal in REFERENCE] or reads or system.draws:
+        raise ArgumentError(
+            f'reference.kind = "{kind.name}": its graph must give '
+            f"{', '.join(signal.name for signal in REFERENCE)} in this order, from "
+            f"{TIME.name} or {SAMPLE.name} alone and without random numbers."
+        )
+    return system
 
 
 def sample(scenario: Scenario, times: Floats) -> Floats:

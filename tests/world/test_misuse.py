@@ -1,0 +1,298 @@
+"""Effects and references of other packages that are wrong: an error that names them, or no harm."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import casadi as ca
+import pytest
+from click.testing import CliRunner
+
+from tests.world import toys
+from wmr_ctrl.api import compile_loop, export_fmu, scenario_of, simulate
+from wmr_ctrl.checks.lateness import unknown_effects
+from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields import plugins
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import NORMAL, Output, System, draw, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.references.registry import REFERENCES
+from wmr_ctrl.world.registry import EFFECTS
+
+SHORT = {"clock.duration": 0.3, "disturbance.truncate": 3.0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shake(Section):
+    """How hard."""
+
+    KEY: ClassVar[str] = "shake"
+
+    force: float = quantity(0.0, unit="N", doc="mean force backwards", minimum=0)
+
+
+def shaken(scenario: Scenario, signals: tuple[Signal, ...] = BODY_FORCE) -> System:
+    """A force with a mean, and random numbers around it, without state."""
+    p = Parameters(scenario)
+    force = p.take("shake.force")
+    number = draw(Signal("shake", "1", "normal numbers", 2), NORMAL, force > 0, 3.0)
+    made = -force * (1 + 0.1 * number.port.sym)
+    return System(
+        "shake", "shaking", (), (), p.ports, ca.SX(0, 1),
+        tuple(Output(signal, made[i]) for i, signal in enumerate(signals)),
+        period=scenario.clock.plant, draws=(number,),
+    )  # fmt: skip
+
+
+SHAKE = Effect(
+    name="shake",
+    role=EffectRole.DISTURBANCE,
+    section=Shake,
+    build=shaken,
+    acts=lambda scenario: scenario.section(Shake).force > 0,
+    bound=lambda scenario: Bound(dbar=(1.3 * scenario.section(Shake).force, 0.0)),
+    rate=Rate.STEP,
+)
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    def register(*effects):
+        monkeypatch.setitem(EFFECTS.__dict__, "plugins", effects)
+
+    return register
+
+
+def shaking(**more):
+    return scenario_of("paper-simulation", {**SHORT, "shake.force": 5.0, **more})
+
+
+# -- what an effect is --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("name", ""), ("name", 3), ("role", "disturbance"), ("role", EffectRole.SENSOR),
+        ("rate", "step"), ("section", Section()),
+    ],
+)  # fmt: skip
+def test_what_would_never_act_is_no_effect(field, value):
+    with pytest.raises(ArgumentError, match=r"name|role|section|rate"):
+        replace(SHAKE, **{field: value})
+    with pytest.raises(ArgumentError, match="STEP for a drive"):
+        replace(toys.RAMP, rate=Rate.SAMPLE)
+
+
+def test_one_of_the_same_name_replaces_the_graph(registered):
+    registered(SHAKE)
+    before = simulate(shaking(), "pid")
+    registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE_NOISE)))
+    after = simulate(shaking(), "pid")
+
+    assert before["x"][-1] != after["x"][-1]
+
+
+# -- bounds -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "bound",
+    [
+        {"dbar": (math.nan, 0.0)}, {"dbar": (-5.0, 0.0)}, {"dbar": (1.0, 2.0, 3.0)}, {"dbar": 3.0},
+        {"nbar": (math.inf, 0.0)}, {"mass": ("1", "2")}, {"delay": -0.01}, {"jitter": math.nan},
+        {"lag": (0.05, 0.01)}, {"void": True}, {"age": (0.0, -1.0)},
+    ],
+)  # fmt: skip
+def test_what_is_no_bound_names_its_effect(registered, bound):
+    registered(replace(SHAKE, bound=lambda scenario: Bound(**bound)))
+    with pytest.raises(ArgumentError, match=rf"'shake' \(\[shake\]\).*{next(iter(bound))} = "):
+        compile_loop(shaking(**{"guard.enabled": True}), "mb")
+
+
+@pytest.mark.parametrize("returned", [None, "none", (1.0, 2.0)])
+def test_a_bound_is_a_bound(registered, returned):
+    registered(replace(SHAKE, bound=lambda scenario: returned))
+    with pytest.raises(ArgumentError, match=r"shake.*no Bound"):
+        compile_loop(shaking(), "mb")
+
+
+# -- functions that fail ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("field", ["build", "acts", "bound", "check"])
+def test_an_error_in_an_effect_names_it(registered, field):
+    registered(replace(SHAKE, **{field: lambda scenario: 1 / 0}))
+    done = CliRunner().invoke(
+        root, ["run", "paper-simulation", "--set", "shake.force=1", "--guard"]
+    )
+
+    assert done.exit_code == 2
+    said = " ".join(done.stderr.split())
+    assert f"the effect 'shake' ([shake]) fails in its {field}: ZeroDivisionError" in said
+
+
+@pytest.mark.parametrize("built", [None, 3])
+def test_an_effect_builds_a_system(registered, built):
+    registered(replace(SHAKE, build=lambda scenario: built))
+    with pytest.raises(ArgumentError, match=r"shake.*not a System"):
+        compile_loop(shaking(), "mb")
+
+
+# -- what a role has a place for ----------------------------------------------------------
+
+
+def test_a_disturbance_writes_no_command(registered):
+    registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE)))
+    with pytest.raises(ArgumentError, match=r"'shake' .*writes 'tau_right'.*thrust"):
+        compile_loop(shaking(), "mb")
+
+
+@pytest.mark.parametrize("signal", [TORQUE[0], REFERENCE[0], Signal("foo", "1", "nothing")])
+def test_an_effect_reads_what_its_role_is_told(registered, signal):
+    def build(scenario: Scenario) -> System:
+        system = shaken(scenario)
+        return replace(system, inputs=(port(signal),))
+
+    registered(replace(SHAKE, build=build))
+    with pytest.raises(ArgumentError, match=f"'shake' .*reads '{signal.name}'"):
+        compile_loop(shaking(), "mb")
+
+
+def test_random_numbers_are_of_a_kind_that_there_is(registered):
+    def build(scenario: Scenario) -> System:
+        system = shaken(scenario)
+        return replace(system, draws=(replace(system.draws[0], kind="poisson"),))
+
+    registered(replace(SHAKE, build=build))
+    with pytest.raises(ArgumentError, match="poisson"):
+        compile_loop(shaking(), "mb")
+
+
+# -- outputs that hold reference, controller and plant alone --------------------------------
+
+
+@pytest.mark.parametrize("what", ["ssp", "modelica", "simulink"])
+@pytest.mark.parametrize("signals", [BODY_FORCE, TORQUE_NOISE], ids=["body", "wheels"])
+def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_path):
+    registered(replace(SHAKE, build=lambda scenario: shaken(scenario, signals)))
+    with pytest.raises((ArgumentError, ScenarioError), match="shake"):
+        export_fmu(what, law="mb", scenario=shaking(**{"disturbance.std": 0.0}), out=tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+# -- figures of stability -----------------------------------------------------------------
+
+
+def test_drives_that_the_figures_do_not_know_are_said(registered):
+    registered(toys.RAMP)
+    ramp = {"toy_ramp.rate": 100.0}
+    known = {"actuator.delay": 0.01, "encoder.counts": 512.0, "gyro.enabled": True}
+
+    assert (
+        unknown_effects(scenario_of("paper-simulation", ramp)) == "as if there were no [toy_ramp]"
+    )
+    assert unknown_effects(scenario_of("paper-simulation", known)) == ""
+    for command in (["check"], ["linearize", "--law", "mb"]):
+        done = CliRunner().invoke(
+            root, [*command, "paper-simulation", "--set", "toy_ramp.rate=100"]
+        )
+        assert "as if there were no [toy_ramp]" in " ".join(done.output.split())
+
+
+# -- registries ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Point:
+    """An entry point."""
+
+    name: str
+    loaded: object
+    value: str = "somewhere:X"
+
+    def load(self) -> object:
+        """What it points to."""
+        if isinstance(self.loaded, Exception):
+            raise self.loaded
+        return self.loaded
+
+
+def table(key: str) -> type[Section]:
+    return type("Own", (Section,), {"KEY": key})
+
+
+@pytest.mark.parametrize(
+    ("loaded", "said"),
+    [
+        (3, "must point to a Effect"),
+        (ModuleNotFoundError("No module named 'nowhere'"), "nowhere"),
+        (replace(SHAKE, name="slope"), "name or the table"),
+        (replace(SHAKE, section=table("slope")), "name or the table"),
+    ],
+)
+def test_an_entry_point_that_is_no_effect_is_named(monkeypatch, loaded, said):
+    monkeypatch.setattr(plugins, "entry_points", lambda group: [Point("bad", loaded)])
+    with pytest.raises(ArgumentError, match=said):
+        tuple(type(EFFECTS)())
+
+
+@pytest.mark.parametrize("key", ["robot", "clock", "reference", "changes"])
+def test_no_effect_takes_a_table_of_the_scenario(registered, key):
+    registered(replace(SHAKE, section=table(key)))
+    with pytest.raises(ArgumentError, match=f"table '{key}'"):
+        scenario_of("paper-simulation", {"robot.m": 61.0})
+
+
+def test_no_reference_takes_the_name_of_another(monkeypatch):
+    monkeypatch.setattr(
+        plugins, "entry_points", lambda group: [Point("bad", replace(toys.CLOTHOID, name="circle"))]
+    )
+    with pytest.raises(ArgumentError, match="two references are called 'circle'"):
+        tuple(type(REFERENCES)())
+
+
+def reference(*changed: Output, inputs: tuple = ()) -> object:
+    """The toy clothoid with other outputs or inputs."""
+
+    def build(scenario: Scenario) -> System:
+        system = toys.CLOTHOID.build(scenario)
+        return replace(system, outputs=changed or system.outputs, inputs=(*system.inputs, *inputs))
+
+    return replace(toys.CLOTHOID, build=build)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        reference(*(Output(signal, ca.SX(0)) for signal in reversed(REFERENCE))),
+        reference(*(Output(signal, ca.SX(0)) for signal in REFERENCE[:6])),
+        reference(inputs=(port(TORQUE[0]),)),
+    ],
+    ids=["other order", "six", "reads a torque"],
+)
+def test_a_reference_gives_the_seven_signals_in_order(monkeypatch, kind):
+    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
+    with pytest.raises(ArgumentError, match=r"toy-clothoid.*x_d, y_d, theta_d"):
+        compile_loop(scenario_of("paper-simulation", {"reference.kind": "toy-clothoid"}), "mb")
+
+
+def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
+    def build(scenario: Scenario) -> System:
+        p, time = Parameters(scenario), port(TIME)
+        speed = 0.1 / p.take("robot.mu")
+        outputs = tuple(Output(signal, speed * time.sym) for signal in REFERENCE)
+        return System("own", "own", (time,), (), p.ports, ca.SX(0, 1), outputs)
+
+    kind = replace(toys.CLOTHOID, build=build)
+    monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
+    own = {**SHORT, "reference.kind": "toy-clothoid"}
+    compile_loop(scenario_of("paper-simulation", own), "mb")
+    with pytest.raises(ScenarioError, match="not finite"):
+        compile_loop(scenario_of("paper-simulation", {**own, "robot.mu": 0.0}), "mb")
