@@ -21,7 +21,7 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.overrides import checked
-from wmr_ctrl.sim.finish import checked_seeds, versions
+from wmr_ctrl.sim.finish import checked_seeds, checked_starts, versions
 from wmr_ctrl.studies import rigid_comparison
 from wmr_ctrl.studies import study as study
 
@@ -176,7 +176,7 @@ def simulate_many(
     check_plant(plant)
     if progress:
         progress(0.0)
-    rows = None if starts is None else [tuple(map(float, row)) for row in starts]
+    rows = None if starts is None else checked_starts(starts)
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
     return table_of(plant, scenarios, law, listed, rows, jobs, progress)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -12,10 +13,28 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""
+_COMMON = ("law", "scenario", "fmi", "target", "out", "progress")
+_FMUS = (*_COMMON, "arrays")
+_READ = {
+    "ssp": (*_COMMON, "plant", "controller", "map_file", "delay_known"),
+    "modelica": ("scenario", "out"),
+    "simulink": ("law", "scenario", "out"),
+}
+
+
+def read_by(what: str) -> tuple[str, ...]:
+    """Names of the options that an output reads."""
+    return _READ.get(what, _FMUS)
 
 
 def write_output(what: str, options: ExportOptions) -> list[Path]:
-    """Write ``what`` with the options that it reads; returns the files' paths."""
+    """Write ``what``; returns the files' paths.
+
+    ArgumentError for an option that it has no use for.
+    """
+    for name in options:
+        if name not in read_by(what):
+            raise ArgumentError(f"the output {what!r} does not read {name}. Leave it out.")
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import export_ssp
 

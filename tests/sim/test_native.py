@@ -12,11 +12,19 @@ import numpy as np
 import pytest
 
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.api import compile_law, reproduce, scenario_of, simulate, simulate_many
+from wmr_ctrl.api import (
+    compile_law,
+    cosimulate,
+    export_fmu,
+    reproduce,
+    scenario_of,
+    simulate,
+    simulate_many,
+)
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, runs_equal
-from wmr_ctrl.scenario import preset_names
+from wmr_ctrl.scenario import Scenario, preset_names
 from wmr_ctrl.signals import LARGEST
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
@@ -217,6 +225,15 @@ def test_bad_arguments() -> None:
         (ScenarioError, "overrides = .* must map", lambda: scenario_of("far-start", {3: 1})),
         (ArgumentError, "seeds = 5 must be a list", lambda: simulate_many("far-start", "mb", 5)),
         (ArgumentError, "seeds = 'a' from 0", lambda: reproduce("never", seeds="a")),
+        (ArgumentError, "no law is named", lambda: simulate("far-start", None)),
+        (ArgumentError, "no law is named", lambda: compile_law(None)),
+        (UnknownNameError, "no law is named .'mb'.", lambda: simulate("far-start", ["mb"])),
+        (ScenarioError, "effects = none must map", lambda: Scenario(effects=None)),
+        (ArgumentError, "seed = 'a'", lambda: cosimulate("far-start", "mb", seed="a")),
+        (ArgumentError, "five numbers", lambda: simulate_many("far-start", "mb", [1], starts="a")),
+        (ArgumentError, "'simulink' .* plant", lambda: export_fmu("simulink", plant="a.fmu")),
+        (ArgumentError, "'plant' .* plant", lambda: export_fmu("plant", plant="a.fmu")),
+        (ArgumentError, "'modelica' .* fmi", lambda: export_fmu("modelica", fmi=3)),
     ],
 )
 def test_what_is_of_another_kind_is_refused_by_its_name(

@@ -112,7 +112,7 @@ def test_one_of_the_same_name_replaces_the_graph(registered):
 )  # fmt: skip
 def test_what_is_no_bound_names_its_effect(registered, bound):
     registered(replace(SHAKE, bound=lambda scenario: Bound(**bound)))
-    with pytest.raises(ArgumentError, match=rf"'shake' \(\[shake\]\).*{next(iter(bound))} = "):
+    with pytest.raises(ArgumentError, match=rf"shake \(\[shake\]\).*{next(iter(bound))} = "):
         compile_loop(shaking(**{"guard.enabled": True}), "mb")
 
 
@@ -135,7 +135,7 @@ def test_an_error_in_an_effect_names_it(registered, field):
 
     assert done.exit_code == 2
     said = " ".join(done.stderr.split())
-    assert f"the effect 'shake' ([shake]) fails in its {field}: ZeroDivisionError" in said
+    assert f"the effect shake ([shake]) fails in its {field}: ZeroDivisionError" in said
 
 
 @pytest.mark.parametrize("built", [None, 3])
@@ -150,7 +150,7 @@ def test_an_effect_builds_a_system(registered, built):
 
 def test_a_disturbance_writes_no_command(registered):
     registered(replace(SHAKE, build=lambda scenario: shaken(scenario, TORQUE)))
-    with pytest.raises(ArgumentError, match=r"'shake' .*writes 'tau_right'.*thrust"):
+    with pytest.raises(ArgumentError, match=r"shake .*writes 'tau_right'.*thrust"):
         compile_loop(shaking(), "mb")
 
 
@@ -161,7 +161,7 @@ def test_an_effect_reads_what_its_role_is_told(registered, signal):
         return replace(system, inputs=(port(signal),))
 
     registered(replace(SHAKE, build=build))
-    with pytest.raises(ArgumentError, match=f"'shake' .*reads '{signal.name}'"):
+    with pytest.raises(ArgumentError, match=f"shake .*reads '{signal.name}'"):
         compile_loop(shaking(), "mb")
 
 
@@ -182,8 +182,10 @@ def test_random_numbers_are_of_a_kind_that_there_is(registered):
 @pytest.mark.parametrize("signals", [BODY_FORCE, TORQUE_NOISE], ids=["body", "wheels"])
 def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_path):
     registered(replace(SHAKE, build=lambda scenario: shaken(scenario, signals)))
-    with pytest.raises((ArgumentError, ScenarioError), match="shake"):
-        export_fmu(what, law="mb", scenario=shaking(**{"disturbance.std": 0.0}), out=tmp_path)
+    named = {} if what == "modelica" else {"law": "mb"}
+    quiet = shaking(**{"disturbance.std": 0.0})
+    with pytest.raises(ArgumentError, match=r"shake \(\[shake\]\)"):
+        export_fmu(what, scenario=quiet, out=tmp_path, **named)
     assert not list(tmp_path.iterdir())
 
 

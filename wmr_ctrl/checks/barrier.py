@@ -11,7 +11,7 @@ from wmr_ctrl.checks.loop import Floats, Loop
 from wmr_ctrl.checks.sample_time import operating_points
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.world.friction import Phase, drag, phases
+from wmr_ctrl.world.friction import Phase, drag, full_friction, phases
 
 GRID = 200
 NOTABLE = 0.01
@@ -100,7 +100,7 @@ def unmodelled(loop: Loop) -> Iterator[Warning]:
     behind = -offset / loop.setup.kinematics.k[0]
     if behind <= tolerance:
         return
-    force = phase.m * phase.mu * loop.scenario.robot.g
+    force = full_friction(loop.scenario.robot, phase)
     yield Warning(
         "gains.kinematics.k",
         f"Friction is {force:.3g} N {_from(phase)}, and {loop.law} has no term that makes up for "
@@ -131,7 +131,8 @@ def velocity_error(loop: Loop, phase: Phase) -> float:
 
 def _wrong(loop: Loop, offset: float, phase: Phase) -> Warning:
     believed, robot = loop.scenario.believed, loop.scenario.robot
-    forces = [mass * mu * robot.g for mass, mu in ((phase.m, phase.mu), (believed.m, believed.mu))]
+    model = Phase(phase.t, believed.m, believed.mu)
+    forces = [full_friction(robot, item) for item in (phase, model)]
     exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
     return Warning(
         "model",

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
 from wmr_ctrl.guard.contradictions import contradictions
-from wmr_ctrl.world.friction import phases
+from wmr_ctrl.world.friction import largest_friction, phases, steepness
 
 SHAKEN = 0.25
 """Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
@@ -25,7 +25,7 @@ def contradicted(loop: Loop) -> Iterator[Warning]:
 def coarse_step(loop: Loop) -> Iterator[Warning]:
     """Yield where a plant step is long for mu m g tanh(v1/v_s) at rest, whose slope is steepest."""
     robot, step = loop.scenario.robot, loop.scenario.clock.plant
-    slope = max(phase.mu * robot.g / robot.v_s for phase in phases(loop.scenario))
+    slope = max(steepness(robot, phase) / phase.m for phase in phases(loop.scenario))
     if step * slope <= COARSE:
         return
     yield Warning(
@@ -50,7 +50,7 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
     guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup
     (alpha,), nbar, mass = (numbers.value(f"guard.{name}") for name in ("alpha", "nbar", "M_min"))
     arms = (robot.r / 2, robot.r / (2 * robot.l))
-    usual = max(phase.m * phase.mu * robot.g for phase in phases(loop.scenario)) * arms[0]
+    usual = largest_friction(loop.scenario) * arms[0]
     bound = usual if math.isinf(numbers.tau_max) else SHAKEN * numbers.tau_max
     for axis, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
         swing = 4 * nbar[axis] * mass[axis] * alpha * arms[axis]

@@ -11,7 +11,7 @@ from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.laws.law import WHOLE
-from wmr_ctrl.world.friction import phases
+from wmr_ctrl.world.friction import largest_friction, phases
 from wmr_ctrl.world.references import reference_bounds
 
 STANDSTILL = 1e-9
@@ -145,7 +145,7 @@ def drives(loop: Loop) -> Iterator[Warning]:
     """Yield a torque limit that friction uses up, a delay of one sample, a prediction too far."""
     scenario, actuator = loop.scenario, loop.scenario.actuator
     thrust = 2 * actuator.tau_max / scenario.robot.r
-    friction = max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
+    friction = largest_friction(scenario)
     if friction >= thrust:
         yield Warning(
             "actuator.tau_max",

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
+
 import click
 
 from wmr_ctrl.cli.console import say
 from wmr_ctrl.cli.options import SCENARIO, check_folder, debug_option, examples, load, set_option
 
-SSP_ALONE = ("plant", "controller", "map_file", "know_delay")
-UNREAD = {
-    "ssp": (),
-    "modelica": ("law", "fmi", "target", *SSP_ALONE),
-    "simulink": ("fmi", "target", *SSP_ALONE),
-}
-"""Options that an output has no use for; FMUs have none for those of the SSP package."""
+if TYPE_CHECKING:
+    from wmr_ctrl.api_types import ExportOptions
 
 
 @click.command(
@@ -63,26 +61,25 @@ def export(
     Simulink kit an S-function of one law, and a script that builds the loop.
     """
     from wmr_ctrl import api
+    from wmr_ctrl.outputs import read_by
 
-    _refuse_unread(what)
-
+    options: ExportOptions = {
+        "law": law, "fmi": fmi, "target": target, "plant": plant, "controller": controller,
+        "map_file": map_file, "delay_known": know_delay, "out": out,
+    }  # fmt: skip
+    _refuse_unread(what, [name for name in options if name not in read_by(what)])
     check_folder(out, "--out")
-    case = load(scenario, assignments)
-    if what == "ssp":
-        paths = api.export_fmu(
-            what, law=law, scenario=case, fmi=fmi, target=target, out=out, plant=plant,
-            controller=controller, map_file=map_file, delay_known=know_delay,
-        )  # fmt: skip
-    else:
-        paths = api.export_fmu(what, law=law, scenario=case, fmi=fmi, target=target, out=out)
+    options["scenario"] = load(scenario, assignments)
+    given = {name: value for name, value in options.items() if name in read_by(what)}
+    paths = api.export_fmu(what, **cast("ExportOptions", given))
     for path in paths:
         say("wrote", str(path))
 
 
-def _refuse_unread(what: str) -> None:
+def _refuse_unread(what: str, names: Sequence[str]) -> None:
     """Refuse options that this output would not read."""
     context = click.get_current_context()
-    for name in UNREAD.get(what, SSP_ALONE):
+    for name in ("know_delay" if name == "delay_known" else name for name in names):
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
             hint = "--" + name.removesuffix("_file").replace("_", "-")
             raise click.BadParameter(f"{what} does not read it. Leave it out.", param_hint=hint)

@@ -59,7 +59,11 @@ class Setup:
     @property
     def control_law(self) -> Law:
         """The law, where there must be one."""
-        assert self.law is not None, "the guard by itself has no law"
+        if self.law is None:
+            raise ArgumentError(
+                "no law is named, and the guard by itself drives nothing. Name one: "
+                f"{', '.join(LAWS)}."
+            )
         return self.law
 
     @property
@@ -287,7 +291,7 @@ def _check_bounds(present: tuple[Effect, ...]) -> None:
     for item in present:
         if item.bound is None:
             raise ScenarioError(
-                f"guard.enabled: the effect {item.name!r} ([{item.section.KEY}]) states no bound, "
+                f"guard.enabled: the effect {item.title} states no bound, "
                 "so no guard can count on anything. Switch the guard off, take the effect out of "
                 "the scenario, or give its Effect a bound."
             )

@@ -133,7 +133,7 @@ def _check_contents(setup: Setup) -> None:
     """
     lost = beyond_noise(setup)
     if lost:
-        names = ", ".join(f"{item.name} ([{item.section.KEY}])" for item in lost)
+        names = ", ".join(item.title for item in lost)
         raise ArgumentError(
             f"an SSP package holds reference, controller and plant, and this scenario has more: "
             f"{names}. Export the closed-loop FMU, which has all, or take that out of the scenario."

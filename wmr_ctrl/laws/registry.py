@@ -27,7 +27,7 @@ class LawRegistry(Mapping[str, Law]):
         if name in NAMES:
             law: Law = import_module(f"wmr_ctrl.laws.{name}").LAW
             return law
-        if name in self.plugins:
+        if isinstance(name, str) and name in self.plugins:
             return _checked(name, self.plugins[name].load())
         raise UnknownNameError("law", name, self)
 

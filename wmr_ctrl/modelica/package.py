@@ -119,7 +119,7 @@ def modelica_package(scenario: Scenario) -> str:
     """
     check_scenario(scenario)
     setups = [settle(scenario, name) for name in LAWS]
-    _refuse_more(setups[0].scenario, [item.name for item in beyond_noise(setups[0])])
+    _refuse_more(setups[0].scenario, [item.title for item in beyond_noise(setups[0])])
     controllers = [controller(setup) for setup in setups]
     clock = Member(*scenario.number(CLOCK))
     robot, desired = plant(scenario), members(reference(scenario).outputs)

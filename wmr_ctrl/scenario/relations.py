@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ScenarioError
@@ -27,6 +28,8 @@ def check_types(scenario: Scenario) -> None:
             raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
     if REFERENCES.of(scenario.reference) is None:
         raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
+    if not isinstance(scenario.effects, Mapping):
+        raise ScenarioError(f"effects = {show(scenario.effects)} must map tables to sections.")
     for key, part in scenario.effects.items():
         if type(part) is not EFFECTS.sections().get(key):
             raise ScenarioError(f"{key} = {show(part)} is not the section of an effect.")

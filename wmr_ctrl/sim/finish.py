@@ -101,3 +101,13 @@ def checked_seeds(seeds: Iterable[int]) -> list[int]:
         if not (whole and 0 <= operator.index(seed) < 2**63):
             raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")
     return listed
+
+
+def checked_starts(starts: Iterable[Iterable[float]]) -> list[tuple[float, ...]]:
+    """States at t = 0 as rows of numbers; raises ArgumentError for what is none."""
+    try:
+        return [tuple(map(float, row)) for row in starts]
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            "starts must hold five numbers a run: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."
+        ) from None

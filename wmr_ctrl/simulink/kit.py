@@ -42,7 +42,7 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     ScenarioError or UnknownNameError as building the law does.
     """
     setup = settle(scenario, law)
-    missed = [item.name for item in beyond_noise(setup)]
+    missed = [item.title for item in beyond_noise(setup)]
     if missed:
         raise ArgumentError(
             f"the Simulink kit holds reference, law and plant, and the scenario {scenario.name} "

@@ -187,7 +187,7 @@ class Effect:
     @property
     def title(self) -> str:
         """Its name and its table, for messages."""
-        return f"{self.name!r} ([{self.section.KEY}])"
+        return f"{self.name} ([{self.section.KEY}])"
 
     def active(self, scenario: Scenario) -> bool:
         """Whether it makes a difference."""

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+FAST = 1e6
+"""Speed [m/s] at which nothing is missing of friction's full size."""
+
 
 @dataclass(frozen=True)
 class Phase:
@@ -44,17 +47,37 @@ def heaviest(scenario: Scenario) -> float:
 
 
 def largest_friction(scenario: Scenario) -> float:
-    """Largest mu m g of the robot over a run [N]."""
-    return max(phase.m * phase.mu * scenario.robot.g for phase in phases(scenario))
+    """Largest friction of the robot over a run [N]."""
+    return max(full_friction(scenario.robot, phase) for phase in phases(scenario))
+
+
+def full_friction(robot: Robot, phase: Phase) -> float:
+    """Friction of a robot that moves [N]: mu m g."""
+    return float(drag(robot, phase, (FAST, 0.0))[0, 0])
+
+
+def steepness(robot: Robot, phase: Phase) -> float:
+    """By how much friction rises with v1 at rest, where it does so most [N s/m]."""
+    return float(_slope()(ca.DM(_numbers(robot, phase))))
 
 
 def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
-    numbers = (phase.mu, phase.m, robot.g, robot.v_s)
-    return np.asarray(_friction()(ca.DM(numbers), np.asarray(v)))
+    return np.asarray(_friction()(ca.DM(_numbers(robot, phase)), np.asarray(v)))
+
+
+def _numbers(robot: Robot, phase: Phase) -> tuple[float, ...]:
+    return phase.mu, phase.m, robot.g, robot.v_s
 
 
 @cache
 def _friction() -> ca.Function:
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
     return ca.Function("friction", [p, v], [friction(p[0], p[1], p[2], p[3], v)])
+
+
+@cache
+def _slope() -> ca.Function:
+    p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
+    rising = ca.jacobian(friction(p[0], p[1], p[2], p[3], v), v)[0, 0]
+    return ca.Function("slope", [p], [ca.substitute(rising, v, ca.SX.zeros(2))])

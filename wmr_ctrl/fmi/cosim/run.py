@@ -37,7 +37,7 @@ from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import LOG_HEAD, PSI, TRACKING_ERROR, Signal
-from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.finish import checked_seeds, finished
 
 CHANGEABLE = ("m", "I", "mu")
 
@@ -87,6 +87,7 @@ def cosimulate(
             f"delay_known is for master = 'jacobi': under {master!r} no torque is late. Leave it "
             "out."
         )
+    checked_seeds([seed])
     setup = settle(scenario_given(scenario), law or law_within(controller) or "nn")
     own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
     maps = load_map(map_file) if map_file is not None else {}

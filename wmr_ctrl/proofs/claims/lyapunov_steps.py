@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
@@ -14,13 +16,10 @@ from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 class Moving(BarrierAxis):
     """One axis with the rates of v and v_c0."""
 
-    @property
+    @cached_property
     def rates(self) -> dict[str, ca.SX]:
         """v' and v_c0', made once."""
-        if not hasattr(self, "_rates"):
-            object.__setattr__(self, "_rates", symbols(f"vdot{self.suffix} cdot{self.suffix}"))
-        found: dict[str, ca.SX] = getattr(self, "_rates")  # noqa: B009
-        return found
+        return symbols(f"vdot{self.suffix} cdot{self.suffix}")
 
     @property
     def names(self) -> dict[str, ca.SX]:
