@@ -14,7 +14,7 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -63,9 +63,14 @@ def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """|bias| + noise: the error never exceeds it."""
+    """The error never exceeds it (ledger: world.gyro)."""
     gyro = scenario.section(Gyro)
-    return Bound(nbar=(0.0, abs(gyro.bias) + gyro.noise))
+    return Bound(nbar=(0.0, off_by(gyro.bias, gyro.noise)))
+
+
+def off_by(bias: Number, noise: Number) -> Number:
+    """Largest error [rad/s], for numbers or symbols."""
+    return abs(bias) + noise
 
 
 GYRO = Effect(

@@ -56,7 +56,7 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Its own size: it is a force [N, N m]."""
+    """Its own size: it is a force [N, N m] (ledger: world.push)."""
     return Bound(dbar=scenario.section(Push).push)
 
 

@@ -59,7 +59,7 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The half-widths: the error never exceeds them."""
+    """The half-widths: the error never exceeds them (ledger: world.velocity-noise)."""
     return Bound(nbar=scenario.section(VelocityNoise).velocity_noise)
 
 

@@ -11,7 +11,17 @@ from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claims.world import EffectGraph, ours, positive, within
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
-from wmr_ctrl.world import gust, lag, motor, resistance, slope, torque_noise
+from wmr_ctrl.world import (
+    gust,
+    gyro,
+    lag,
+    motor,
+    push,
+    resistance,
+    slope,
+    torque_noise,
+    velocity_noise,
+)
 
 ALONG = {
     name: Fraction(value)
@@ -175,12 +185,49 @@ def _noise_moment(flip: float) -> Statement:
 
 
 def _gust(flip: float) -> Statement:
-    t = symbols("share number keep", "keep")
-    now = gust.filtered(t["share"], t["number"], t["keep"])
-    given = (
-        *within(t["share"], 1), *within(t["number"], 1), at_least(t["keep"]), at_least(1, t["keep"])
-    )  # fmt: skip
-    return Statement(t, within(now, 1 if flip > 0 else 0.9), given)
+    """The share stays within [-1, 1], so the force within its size."""
+    g = EffectGraph(gust.GUST, (("gust.size", [1.0, 1.0]),))
+    keep = ca.exp(-g["clock.control"] / g["gust.time"])
+    before = [g[f"{gust.SHARE.name}[{i}]"] for i in (1, 2)]
+    numbers = [g[f"{gust.NUMBERS.name}[{i}]"] for i in (1, 2)]
+    size = [g[f"gust.size[{i}]"] for i in (1, 2)]
+    part = 1 if flip > 0 else 0.9
+    goals = [
+        item
+        for i in (0, 1)
+        for item in (*within(g.system.update[i], part), *within(g.system.y[i], part * size[i]))
+    ]
+    given = [item for value in (*before, *numbers) for item in within(value, 1)]
+    sides = (at_least(keep), at_least(1, keep), *(at_least(item) for item in size))
+    return Statement(g.symbols, tuple(goals), (*given, *sides), {"keep": keep})
+
+
+def _gyro(flip: float) -> Statement:
+    g = EffectGraph(gyro.GYRO, (("gyro.enabled", True),))
+    most = gyro.off_by(g["gyro.bias"], g["gyro.noise"]) * (1 if flip > 0 else 0.9)
+    given = (at_least(g["gyro.noise"]), *within(g[f"{gyro.NUMBERS.name}[1]"], 1))
+    return Statement(g.symbols, within(g.system.y[0] - g["omega"], most), given)
+
+
+def _velocity_noise(flip: float) -> Statement:
+    g = EffectGraph(velocity_noise.VELOCITY_NOISE, ())
+    half = [g[f"sensor.velocity_noise[{i}]"] for i in (1, 2)]
+    numbers = [g[f"{velocity_noise.NUMBERS.name}[{i}]"] for i in (1, 2)]
+    off = g.system.y - g.system.u
+    share = 1 if flip > 0 else 0.9
+    goals = [item for i in (0, 1) for item in within(off[i], share * half[i])]
+    given = [item for value in numbers for item in within(value, 1)]
+    return Statement(g.symbols, tuple(goals), (*given, *(at_least(item) for item in half)))
+
+
+def _push(flip: float) -> Statement:
+    g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
+    size = [g[f"disturbance.push[{i}]"] for i in (1, 2)]
+    force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
+    share = 1 if flip > 0 else 0.9
+    goals = [item for i in (0, 1) for item in within(force[i], share * size[i])]
+    sides = (*positive(g, "robot.r", "robot.l"), *(at_least(item) for item in size))
+    return Statement(g.symbols, tuple(goals), sides)
 
 
 CLAIMS = (
@@ -268,9 +315,30 @@ CLAIMS = (
     ),
     ours(
         "gust",
-        "a filter's share of the size stays within [-1, 1]",
-        "A gust never exceeds its stated size.",
-        "share and number within [-1, 1], 0 <= keep <= 1",
+        "a filter's share of the size stays within [-1, 1], and the force within the size",
+        "What gusts add to dbar.",
+        "shares before and numbers within [-1, 1], size >= 0, 0 <= keep = exp(-T/time) <= 1",
         _gust,
+    ),
+    ours(
+        "gyro",
+        "a gyro is off by at most |bias| + noise",
+        "What it adds to nbar.",
+        "noise >= 0; the random number within [-1, 1]",
+        _gyro,
+    ),
+    ours(
+        "velocity-noise",
+        "noise of the velocity is at most its half-width, per axis",
+        "What it adds to nbar.",
+        "half-widths >= 0; random numbers within [-1, 1]",
+        _velocity_noise,
+    ),
+    ours(
+        "push",
+        "an adversary's push is at most its size, per axis",
+        "What it adds to dbar.",
+        "r, l > 0, size >= 0; at every velocity",
+        _push,
     ),
 )
