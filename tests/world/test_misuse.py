@@ -175,6 +175,18 @@ def test_random_numbers_are_of_a_kind_that_there_is(registered):
         compile_loop(shaking(), "mb")
 
 
+@pytest.mark.parametrize("name", ["x", "V1", "tau_right", "shake_now"])
+def test_a_diagnostic_has_a_name_of_its_own(registered, name):
+    def build(scenario: Scenario) -> System:
+        named = (Output(Signal(name, "1", "something"), ca.SX(0)),)
+        again = (Output(Signal("shake_now", "1", "something"), ca.SX(0)),)
+        return replace(shaken(scenario), diagnostics=(*named, *again))
+
+    registered(replace(SHAKE, build=build, rate=Rate.SAMPLE))
+    with pytest.raises(ArgumentError, match=f"diagnostic '{name}'"):
+        compile_loop(shaking(), "mb")
+
+
 # -- outputs that hold reference, controller and plant alone --------------------------------
 
 

@@ -26,6 +26,7 @@ from wmr_ctrl.control.wiring import (
     held_signals,
     pushes,
 )
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.sample import own_diagnostics
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
@@ -165,7 +166,14 @@ class LoopGraphs(Graphs):
     def columns(self) -> tuple[Signal, ...]:
         """Signals of the log, in order."""
         pushed = BODY_FORCE if self._pushed else ()
-        return (*LOG_HEAD, *own_diagnostics(self.controller), *pushed, *self.sample.shown)
+        ours = (*LOG_HEAD, *own_diagnostics(self.controller), *pushed)
+        for place, item in enumerate(self.sample.shown):
+            if item.name in {other.name for other in (*ours, *self.sample.shown[:place])}:
+                raise ArgumentError(
+                    f"the diagnostic {item.name!r} of an effect has the name of another column. "
+                    "Its author gives it one of its own."
+                )
+        return (*ours, *self.sample.shown)
 
     @cached_property
     def row(self) -> ca.SX:
