@@ -310,3 +310,15 @@ def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
     compile_loop(scenario_of("paper-simulation", own), "mb")
     with pytest.raises(ScenarioError, match="not finite"):
         compile_loop(scenario_of("paper-simulation", {**own, "robot.mu": 0.0}), "mb")
+
+
+def test_a_unit_that_is_none_is_told_with_its_field(registered, tmp_path):
+    @dataclass(frozen=True, kw_only=True)
+    class Furlongs(Section):
+        KEY: ClassVar[str] = "shake"
+
+        force: float = quantity(0.0, unit="furlong", doc="how far", minimum=0)
+
+    registered(replace(SHAKE, section=Furlongs, acts=lambda scenario: True, bound=None))
+    with pytest.raises(ArgumentError, match=r"shake\.force: unit 'furlong'"):
+        export_fmu("closed-loop", law="mb", scenario=shaking(), out=tmp_path)

@@ -27,8 +27,8 @@ def _checked(point: EntryPoint, group: str, kind: type[T]) -> T:
         value = point.load()
     except Exception as error:
         raise ArgumentError(
-            f"{where} cannot be loaded: {type(error).__name__}: {error}. Mend or uninstall the "
-            "package that has it."
+            f"{where} cannot be loaded: {type(error).__name__}: {str(error).rstrip('.')}. Mend or "
+            "uninstall the package that has it."
         ) from error
     if not isinstance(value, kind):
         raise ArgumentError(

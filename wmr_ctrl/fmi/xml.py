@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.model import FmuModel, Unknown, headed, initial_unknowns, outputs, rates
 from wmr_ctrl.fmi.notes import notes_of
 from wmr_ctrl.fmi.sources import Sources, row_size
 from wmr_ctrl.fmi.templates import render
-from wmr_ctrl.fmi.units import NamedUnit, units_of
+from wmr_ctrl.fmi.units import NamedUnit, unit_of, units_of
 from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.signals import POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 
@@ -117,10 +118,21 @@ def _common(model: FmuModel, sources: Sources, tool: str) -> dict[str, Any]:
         "version": tool.rpartition(" ")[2],
         "license": "BSD-3-Clause",
         "units": sources.units,
-        "unit_definitions": [_unit(unit) for unit in units_of(v.unit for v in model.variables)],
+        "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
         "categories": [{"name": name, "text": text} for name, text in CATEGORIES],
         "experiment": _experiment(model),
     }
+
+
+def _units(variables: Iterable[Variable]) -> list[NamedUnit]:
+    """The different units; ArgumentError, which names the variable, for what is none."""
+    listed = list(variables)
+    for item in listed:
+        try:
+            unit_of(item.unit)
+        except ArgumentError as error:
+            raise ArgumentError(f"{item.name}: {error}") from None
+    return units_of(item.unit for item in listed)
 
 
 def _unit(unit: NamedUnit) -> dict[str, Any]:

@@ -231,8 +231,9 @@ class Effect:
             raise
         except Exception as error:
             raise ArgumentError(
-                f"the effect {self.title} fails in its {what}: {type(error).__name__}: {error} "
-                "Mend it, or take its table out of the scenario; --debug shows where."
+                f"the effect {self.title} fails in its {what}: {type(error).__name__}: "
+                f"{str(error).rstrip('.')}. Mend it, or take its table out of the scenario; "
+                "--debug shows where."
             ) from error
 
     def _only(self, verb: str, named: Iterable[Signal], allowed: Iterable[Signal]) -> None:

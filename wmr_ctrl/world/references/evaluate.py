@@ -33,7 +33,7 @@ def reference(scenario: Scenario) -> System:
     except Exception as error:
         raise ArgumentError(
             f'reference.kind = "{kind.name}": its graph cannot be built: {type(error).__name__}: '
-            f"{error} Mend it, or choose another kind; --debug shows where."
+            f"{str(error).rstrip('.')}. Mend it, or choose another kind; --debug shows where."
         ) from error
     given = [item.signal.name for item in system.outputs]
     reads = {item.signal.name for item in system.inputs} - {TIME.name, SAMPLE.name}
