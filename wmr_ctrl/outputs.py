@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
-    from wmr_ctrl.api_types import ExportOptions, FmuOptions, SspOptions
+    from wmr_ctrl.api_types import ExportOptions
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""
-_COMMON = ("law", "scenario", "fmi", "target", "out", "progress")
-_FMUS = (*_COMMON, "arrays")
-_READ = {
-    "ssp": (*_COMMON, "plant", "controller", "map_file", "delay_known"),
-    "modelica": ("scenario", "out"),
-    "simulink": ("law", "scenario", "out"),
-}
 
 
 def read_by(what: str) -> tuple[str, ...]:
-    """Names of the options that an output reads."""
-    return _READ.get(what, _FMUS)
+    """Names of the options that an output reads: those of the function that writes it."""
+    return tuple(signature(_writer(what)).parameters)
 
 
 def write_output(what: str, options: ExportOptions) -> list[Path]:
@@ -35,22 +31,28 @@ def write_output(what: str, options: ExportOptions) -> list[Path]:
     for name in options:
         if name not in read_by(what):
             raise ArgumentError(f"the output {what!r} does not read {name}. Leave it out.")
+    given: dict[str, Any] = {**options}
+    if what in ("modelica", "simulink"):
+        given["scenario"] = _scenario(options)
+    return _writer(what)(**given)
+
+
+def _writer(what: str) -> Callable[..., list[Path]]:
     if what == "ssp":
         from wmr_ctrl.fmi.ssp import export_ssp
 
-        return export_ssp(**cast("SspOptions", options))
+        return export_ssp
     if what == "modelica":
         from wmr_ctrl.modelica import export_modelica
 
-        return export_modelica(scenario=_scenario(options), out=options.get("out", "."))
+        return export_modelica
     if what == "simulink":
         from wmr_ctrl.simulink import export_simulink
 
-        law, out = options.get("law", "nn"), options.get("out", ".")
-        return export_simulink(law=law, scenario=_scenario(options), out=out)
+        return export_simulink
     from wmr_ctrl.fmi.export import export_fmu
 
-    return export_fmu(what, **cast("FmuOptions", options))
+    return partial(export_fmu, what)
 
 
 def _scenario(options: ExportOptions) -> Scenario:

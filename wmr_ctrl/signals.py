@@ -63,6 +63,7 @@ MEASURED_VELOCITY = (
     Signal("omega_measured", "rad/s", "measured angular velocity"),
 )
 """What a law is given in the place of pose and velocity."""
+MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
 SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
 STEP = Signal("step", "1", "number of the plant step, from 0")
 TRAVEL = Signal("travel", "m, rad", "way and turn since the previous sample", 2)
@@ -94,6 +95,7 @@ BODY_FORCE = (
     Signal("thrust", "N", "disturbance force on the body along its heading"),
     Signal("moment", "N.m", "disturbance moment on the body"),
 )
+DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
 TAU_APPLIED = Signal(
     "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2
 )

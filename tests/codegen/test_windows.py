@@ -10,10 +10,10 @@ import pytest
 
 from tests.compilers import WINE, ZIG, compile_program, needs_compiler, processor, where, wine
 from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unity, vector_sets
-from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.codegen.toolchain import level_flags
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.fmi.targets import targets_of, toolchain_for
 from wmr_ctrl.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
@@ -39,8 +39,7 @@ int main(int count, char **words)
 @pytest.fixture
 def chain() -> Toolchain:
     needs_compiler(ZIG)
-    flags = tuple(flag for flag in default_flags(ZIG[:-1]) if flag != "-fPIC")
-    return Toolchain(ZIG[:-1], "zig cc", "", (*flags, "-s", *TARGET, *level_flags()))
+    return toolchain_for(*targets_of("x86_64-windows"))
 
 
 def sets_in(library: Path) -> list[str]:

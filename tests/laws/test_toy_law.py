@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.metadata import EntryPoint
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from wmr_ctrl.api import compile_law, law_table, simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import load_scenario
 
 
@@ -52,3 +55,11 @@ def test_guard_and_theory_serve_it_too() -> None:
 def test_numpy_engine_says_that_it_has_no_twin() -> None:
     with pytest.raises(ArgumentError, match="native engine"):
         simulate("paper-simulation", "toy", engine="numpy")
+
+
+def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = EntryPoint("lost", "nowhere_at_all:LAW", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, "lost", entry)
+
+    with pytest.raises(ArgumentError, match=r"'lost' = 'nowhere_at_all:LAW'.* cannot be loaded"):
+        LAWS["lost"]

@@ -59,7 +59,7 @@ class Entry:
     """Stands for the entry point of another package."""
 
     def __init__(self, law: Law) -> None:
-        self.name, self._law = law.name, law
+        self.name, self.value, self._law = law.name, "elsewhere:LAW", law
 
     def load(self) -> Law:
         """The law."""

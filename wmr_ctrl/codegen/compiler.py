@@ -74,8 +74,9 @@ class Toolchain:
     def key(self) -> tuple[str, ...]:
         """What of the compiler decides its output, for the build cache."""
         native = any(flag.endswith("=native") for flag in self.flags)
-        own = (*((_processor(),) if native else ()), *(_start() if self.is_for_windows else ()))
-        return (*self.command, self.version, *self.flags, *own)
+        processor = (_processor(),) if native else ()
+        linking = _windows_linking() if self.is_for_windows else ()
+        return (*self.command, self.version, *self.flags, *processor, *linking)
 
     @property
     def is_for_windows(self) -> bool:
@@ -188,21 +189,18 @@ def _for_windows(
 ) -> Path:
     """Each unit by itself, with headers of a C library, then all linked without it."""
     units = [*sources, runtime_dir() / WINDOWS]
-    made = {
-        place: out.parent / f"{place}-{unit.name}.o"
+    parts = [
+        unit if unit.suffix == ".o" else out.parent / f"{place}-{unit.name}.o"
         for place, unit in enumerate(units)
-        if unit.suffix != ".o"
-    }
+    ]
+    made = [(unit, part) for unit, part in zip(units, parts, strict=True) if part is not unit]
     given = (*toolchain.flags, *flags, *WITHOUT_MINGW, "-Wl,-e,DllMain")
     try:
-        for place, part in made.items():
-            compile_object(
-                toolchain, units[place], part, include=include, flags=flags, timeout=timeout
-            )
-        parts = [made.get(place, unit) for place, unit in enumerate(units)]
+        for unit, part in made:
+            compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
         return _compiled(toolchain, given, parts, out, (), timeout)
     finally:
-        for part in made.values():
+        for _, part in made:
             part.unlink(missing_ok=True)
 
 
@@ -283,7 +281,7 @@ def _shortened(text: str, length: int) -> str:
 
 
 @functools.cache
-def _start() -> tuple[str, ...]:
+def _windows_linking() -> tuple[str, ...]:
     """Return what decides how libraries for Windows are linked."""
     return (*WITHOUT_MINGW, sha256((runtime_dir() / WINDOWS).read_bytes()).hexdigest())
 

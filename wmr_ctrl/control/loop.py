@@ -18,8 +18,6 @@ import casadi as ca
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.wiring import (
-    DISTURBING,
-    MEASURED,
     Named,
     Stream,
     Wiring,
@@ -35,7 +33,9 @@ from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.results.assumptions import admitted, stopping_force
 from wmr_ctrl.signals import (
     BODY_FORCE,
+    DISTURBING,
     LOG_HEAD,
+    MEASURED,
     PATH,
     POSE,
     PSI,
@@ -166,14 +166,15 @@ class LoopGraphs(Graphs):
     def columns(self) -> tuple[Signal, ...]:
         """Signals of the log, in order."""
         pushed = BODY_FORCE if self._pushed else ()
-        ours = (*LOG_HEAD, *own_diagnostics(self.controller), *pushed)
-        for place, item in enumerate(self.sample.shown):
-            if item.name in {other.name for other in (*ours, *self.sample.shown[:place])}:
+        columns = (*LOG_HEAD, *own_diagnostics(self.controller), *pushed, *self.sample.shown)
+        names = [item.name for item in columns]
+        for item in self.sample.shown:
+            if names.count(item.name) > 1:
                 raise ArgumentError(
                     f"the diagnostic {item.name!r} of an effect has the name of another column. "
                     "Its author gives it one of its own."
                 )
-        return (*ours, *self.sample.shown)
+        return columns
 
     @cached_property
     def row(self) -> ca.SX:

@@ -234,8 +234,7 @@ def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
 
 def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
     """Sum of what effects add to the guard's assumptions; those without a bound add nothing."""
-    stated = (item.bounded(scenario) for item in present)
-    return total([item for item in stated if item is not None])
+    return total([b for item in present if (b := item.bounded(scenario)) is not None])
 
 
 def gripping(scenario: Scenario) -> Scenario:

@@ -20,22 +20,19 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import NORMAL, Draw, Port, System, port, stack
 from wmr_ctrl.signals import (
     BODY_FORCE,
-    MEASURED_POSE,
-    MEASURED_VELOCITY,
-    POSE,
+    DISTURBING,
+    MEASURED,
+    PLANT_STATE,
     SAMPLE,
     STEP,
     TIME,
     TORQUE,
     TORQUE_NOISE,
-    VELOCITY,
     Signal,
 )
 from wmr_ctrl.world.effect import EffectRole, Rate
 
 Named: TypeAlias = dict[str, ca.SX]
-MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
-DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
 STREAMS = {"torque": 0, "pose": 1, "velocity": 2}
 """Streams whose numbers are fixed; others follow from their names."""
 FIRST_STREAM = 16
@@ -121,7 +118,7 @@ class Wiring:
 
     def measure(self, sensors: Sequence[System]) -> None:
         """Sensors one after the other, the first from the true state."""
-        for seen, true in zip(MEASURED, (*POSE, *VELOCITY), strict=True):
+        for seen, true in zip(MEASURED, PLANT_STATE, strict=True):
             self.known[seen.name] = self.known[true.name]
         for system in sensors:
             self.known |= self._shown(system)

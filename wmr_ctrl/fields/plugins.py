@@ -1,14 +1,39 @@
-"""What other packages add to a registry by entry points."""
+"""What other packages add to a registry by entry points, and whom an error in it is told of."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, WmrError
 from wmr_ctrl.fields.problems import show
 
 T = TypeVar("T")
+
+
+@contextmanager
+def blamed(
+    what: str, remedy: str, passing: tuple[type[Exception], ...] = (WmrError,)
+) -> Iterator[None]:
+    """Turn an error in code of another package into an ArgumentError that begins with ``what``.
+
+    Those of ``passing`` say enough to a user as they are.
+    """
+    try:
+        yield
+    except passing:
+        raise
+    except Exception as error:
+        said = str(error).rstrip(".")
+        raise ArgumentError(f"{what}: {type(error).__name__}: {said}. {remedy}") from error
+
+
+def load(point: EntryPoint, group: str) -> object:
+    """The value of an entry point; raises ArgumentError, which names it, where it has none."""
+    with blamed(f"{_named(point, group)} cannot be loaded", _REMEDY, passing=()):
+        return point.load()
 
 
 def loaded(group: str, kind: type[T]) -> tuple[T, ...]:
@@ -22,17 +47,17 @@ def loaded(group: str, kind: type[T]) -> tuple[T, ...]:
 
 
 def _checked(point: EntryPoint, group: str, kind: type[T]) -> T:
-    where = f"the entry point {point.name!r} = {point.value!r} of the group {group}"
-    try:
-        value = point.load()
-    except Exception as error:
-        raise ArgumentError(
-            f"{where} cannot be loaded: {type(error).__name__}: {str(error).rstrip('.')}. Mend or "
-            "uninstall the package that has it."
-        ) from error
+    value = load(point, group)
     if not isinstance(value, kind):
         raise ArgumentError(
-            f"{where} gives {show(value)}: it must point to a {kind.__name__}. Mend or uninstall "
-            "the package that has it."
+            f"{_named(point, group)} gives {show(value)}: it must point to a {kind.__name__}. "
+            f"{_REMEDY}"
         )
     return value
+
+
+_REMEDY = "Mend or uninstall the package that has it."
+
+
+def _named(point: EntryPoint, group: str) -> str:
+    return f"the entry point {point.name!r} = {point.value!r} of the group {group}"

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wmr_ctrl.codegen.cache import build_cached
-from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags
+from wmr_ctrl.codegen.compiler import Toolchain, compile_library, compile_object, default_flags
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.toolchain import find_toolchain, level_flags
 from wmr_ctrl.errors import CompilerError, UnknownNameError
@@ -111,7 +111,7 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
 
     Raises CompilerError where nothing builds for that platform.
     """
-    chain = _toolchain(target)
+    chain = toolchain_for(target)
     objects = [_object(chain, sources, unit) for unit in HEAVY if unit in sources.files]
     light = "".join(f'#include "{name}"\n' for name in sources.units if name not in HEAVY)
 
@@ -133,14 +133,12 @@ def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:
     files = {name: sources.files[name] for name in HEAVY[unit]}
 
     def compile_in(folder: Path) -> Path:
-        return compile_library(
-            chain, [folder / unit], folder / f"{unit}.o", include=[folder], flags=("-c",)
-        )
+        return compile_object(chain, folder / unit, folder / f"{unit}.o", include=[folder])
 
     return build_cached(files, compile_in, key=(*chain.key, "object"))
 
 
-def _toolchain(target: Target) -> Toolchain:
+def toolchain_for(target: Target) -> Toolchain:
     """zig cc, which builds for every platform from every other; else this machine's compiler.
 
     A command in the environment variable WMR_CTRL_FMU_CC comes before both, for this machine.

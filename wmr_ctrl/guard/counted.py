@@ -36,8 +36,7 @@ class Counted:
 
 def counted(scenario: Scenario, guard: Stated, effects: Iterable[Effect]) -> dict[str, Counted]:
     """The numbers of a settled guard by name, in SI units; ``effects`` are those present."""
-    stated = {item.name: item.bounded(scenario) for item in effects}
-    bounds = {name: bound for name, bound in stated.items() if bound is not None}
+    bounds = {item.name: b for item in effects if (b := item.bounded(scenario)) is not None}
     return {
         name: Counted(name, pair_of(getattr(guard, name)), dict(_sources(scenario, name, bounds)))
         for name in _PARTS

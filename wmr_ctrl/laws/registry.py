@@ -13,6 +13,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fields.plugins import load
 from wmr_ctrl.laws.law import Law
 
 NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama")
@@ -28,7 +29,7 @@ class LawRegistry(Mapping[str, Law]):
             law: Law = import_module(f"wmr_ctrl.laws.{name}").LAW
             return law
         if isinstance(name, str) and name in self.plugins:
-            return _checked(name, self.plugins[name].load())
+            return _checked(name, load(self.plugins[name], GROUP))
         raise UnknownNameError("law", name, self)
 
     def __iter__(self) -> Iterator[str]:

@@ -26,7 +26,7 @@ _SOURCES = ("wmr_{law}.h", "wmr_{law}.c", "arithmetic.h")
 """Files of the package that the S-function is compiled with."""
 
 
-def export_simulink(*, law: str, scenario: Scenario, out: str | Path = ".") -> list[Path]:
+def export_simulink(*, law: str = "nn", scenario: Scenario, out: str | Path = ".") -> list[Path]:
     """Write the kit of ``law`` into the folder ``out``, all files or none; returns their paths.
 
     Raises what `kit_files` raises, OSError if the folder cannot be made, ResultFileError for a

@@ -22,24 +22,22 @@ from enum import Enum
 from numbers import Real
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from wmr_ctrl.errors import ArgumentError, WmrError
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import NORMAL, UNIFORM, System
 from wmr_ctrl.signals import (
-    BODY_FORCE,
-    MEASURED_POSE,
-    MEASURED_VELOCITY,
+    DISTURBING,
+    MEASURED,
     PATH,
-    POSE,
+    PLANT_STATE,
     SAMPLE,
     SKID,
     STEP,
     TIME,
     TORQUE,
-    TORQUE_NOISE,
     TRAVEL,
-    VELOCITY,
     Signal,
 )
 from wmr_ctrl.symbolic import ca
@@ -122,17 +120,16 @@ def _is_size(value: object) -> bool:
     return isinstance(value, Real) and math.isfinite(value) and float(value) >= 0.0
 
 
-_MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
-_TRUE = (TIME, *POSE, *VELOCITY)
+_TRUE = (TIME, *PLANT_STATE)
 READS: dict[EffectRole, tuple[Signal, ...]] = {
-    EffectRole.SENSOR: (*_TRUE, SAMPLE, PATH, SKID, TRAVEL, *_MEASURED),
+    EffectRole.SENSOR: (*_TRUE, SAMPLE, PATH, SKID, TRAVEL, *MEASURED),
     EffectRole.DISTURBANCE: (*_TRUE, SAMPLE, STEP),
     EffectRole.DRIVE: (*_TRUE, STEP, *TORQUE),
 }
 """What an effect of a role may read: what every output has for it."""
 WRITES: dict[EffectRole, tuple[Signal, ...]] = {
-    EffectRole.SENSOR: _MEASURED,
-    EffectRole.DISTURBANCE: (*TORQUE_NOISE, *BODY_FORCE),
+    EffectRole.SENSOR: MEASURED,
+    EffectRole.DISTURBANCE: DISTURBING,
     EffectRole.DRIVE: TORQUE,
 }
 
@@ -225,16 +222,9 @@ class Effect:
 
     def _call(self, what: str, function: Callable[[Scenario], T], scenario: Scenario) -> T:
         """Its own functions; an error that says nothing to a user names the effect."""
-        try:
+        remedy = "Mend it, or take its table out of the scenario; --debug shows where."
+        with blamed(f"the effect {self.title} fails in its {what}", remedy):
             return function(scenario)
-        except WmrError:
-            raise
-        except Exception as error:
-            raise ArgumentError(
-                f"the effect {self.title} fails in its {what}: {type(error).__name__}: "
-                f"{str(error).rstrip('.')}. Mend it, or take its table out of the scenario; "
-                "--debug shows where."
-            ) from error
 
     def _only(self, verb: str, named: Iterable[Signal], allowed: Iterable[Signal]) -> None:
         known = [item.name for item in allowed]

@@ -58,12 +58,14 @@ def full_friction(robot: Robot, phase: Phase) -> float:
 
 def steepness(robot: Robot, phase: Phase) -> float:
     """By how much friction rises with v1 at rest, where it does so most [N s/m]."""
-    return float(_slope()(ca.DM(_numbers(robot, phase))))
+    _, slope = _graphs()
+    return float(slope(ca.DM(_numbers(robot, phase))))
 
 
 def drag(robot: Robot, phase: Phase, v: Floats | tuple[float, float]) -> Floats:
     """Friction F1 (2, N) [N, N m] of the robot in a phase at velocities ``v`` (2, N) or (2,)."""
-    return np.asarray(_friction()(ca.DM(_numbers(robot, phase)), np.asarray(v)))
+    force, _ = _graphs()
+    return np.asarray(force(ca.DM(_numbers(robot, phase)), np.asarray(v)))
 
 
 def _numbers(robot: Robot, phase: Phase) -> tuple[float, ...]:
@@ -71,13 +73,9 @@ def _numbers(robot: Robot, phase: Phase) -> tuple[float, ...]:
 
 
 @cache
-def _friction() -> ca.Function:
+def _graphs() -> tuple[ca.Function, ca.Function]:
+    """F1 at a velocity, and its slope along v1 at rest."""
     p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
-    return ca.Function("friction", [p, v], [friction(p[0], p[1], p[2], p[3], v)])
-
-
-@cache
-def _slope() -> ca.Function:
-    p, v = ca.SX.sym("p", 4), ca.SX.sym("v", 2)
-    rising = ca.jacobian(friction(p[0], p[1], p[2], p[3], v), v)[0, 0]
-    return ca.Function("slope", [p], [ca.substitute(rising, v, ca.SX.zeros(2))])
+    force = friction(p[0], p[1], p[2], p[3], v)
+    slope = ca.substitute(ca.jacobian(force, v)[0, 0], v, ca.SX.zeros(2))
+    return ca.Function("friction", [p, v], [force]), ca.Function("slope", [p], [slope])

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError, ScenarioError, WmrError
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.model.system import System
 from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME
 from wmr_ctrl.symbolic import ca
@@ -26,15 +27,9 @@ def reference(scenario: Scenario) -> System:
     Raises ArgumentError, which names the kind, for one that gives something else.
     """
     kind = scenario.reference_kind
-    try:
+    remedy = "Mend it, or choose another kind; --debug shows where."
+    with blamed(f'reference.kind = "{kind.name}": its graph cannot be built', remedy):
         system = kind.build(scenario)
-    except WmrError:
-        raise
-    except Exception as error:
-        raise ArgumentError(
-            f'reference.kind = "{kind.name}": its graph cannot be built: {type(error).__name__}: '
-            f"{str(error).rstrip('.')}. Mend it, or choose another kind; --debug shows where."
-        ) from error
     given = [item.signal.name for item in system.outputs]
     reads = {item.signal.name for item in system.inputs} - {TIME.name, SAMPLE.name}
     if given != [signal.name for signal in REFERENCE] or reads or system.draws:
