@@ -51,7 +51,7 @@ THIRD_PARTY = {
     "laws": {"casadi"},
     "guard": {"casadi"},
     "control": {"casadi"},
-    "codegen": {"casadi", "jinja2", "numpy", "platformdirs"},
+    "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},
     "checks": {"casadi", "numpy"},
     "sim": {"numpy"},
     "proofs": {"casadi", "flint", "z3"},

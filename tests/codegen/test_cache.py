@@ -6,7 +6,6 @@ import subprocess
 import sys
 import textwrap
 import time
-from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -16,7 +15,7 @@ from wmr_ctrl.codegen.cache import build_cached, cache_info, clear_cache, conten
 from wmr_ctrl.codegen.cache_folder import cache_dir
 from wmr_ctrl.codegen.compiler import compile_object
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
-from wmr_ctrl.codegen.whole import is_whole
+from wmr_ctrl.codegen.elf import is_complete
 from wmr_ctrl.errors import CacheError, CompilerError
 
 SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
@@ -42,6 +41,10 @@ class Compiler:
         out = folder / "lib.so"
         out.write_bytes((folder / "a.c").read_bytes() + (folder / "inner/b.h").read_bytes())
         return out
+
+
+def no_locks(*_: object, **__: object) -> None:
+    raise OSError(errno.ENOLCK, "No locks available")
 
 
 def leftovers(folder: Path) -> list[str]:
@@ -137,9 +140,6 @@ def test_missing_library_is_built_anew_in_the_same_process():
     assert build_cached(SOURCES, compiler).exists()
 
 
-WITHOUT_LOCKS = "from contextlib import nullcontext; cache._alone = nullcontext"
-
-
 @pytest.mark.parametrize(("locks", "builders"), [(True, 1), (False, 2)])
 def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, locks, builders):
     """The first builds and the others wait; without locks they all build, and one copy stays."""
@@ -148,7 +148,10 @@ def test_processes_that_want_one_entry_at_once_all_get_it(folder, tmp_path, lock
         from pathlib import Path
         from wmr_ctrl.codegen import cache
         from wmr_ctrl.codegen.cache import build_cached
-        {"" if locks else WITHOUT_LOCKS}
+        if not {locks}:
+            def no_locks(*_, **__):
+                raise OSError("no locks here")
+            cache.FileLock = no_locks
 
         me, meeting, wanted = sys.argv[1], Path(sys.argv[2]), {builders}
 
@@ -195,7 +198,7 @@ def test_a_builder_that_dies_lets_the_next_one_build(tmp_path):
 
 
 def test_other_process_that_was_first_wins(monkeypatch):
-    monkeypatch.setattr(cache, "_alone", lambda entry: nullcontext())
+    monkeypatch.setattr(cache, "FileLock", no_locks)
 
     def beaten(folder: Path) -> Path:
         first.append(build_cached(SOURCES, Compiler()))
@@ -221,7 +224,8 @@ def test_full_disk_is_one_clear_error(folder, monkeypatch):
     assert leftovers(folder) == []
 
 
-def test_leftovers_of_dead_processes_go_after_a_day(folder):
+def test_without_locks_leftovers_go_after_a_day(folder, monkeypatch):
+    monkeypatch.setattr(cache, "FileLock", no_locks)
     old, fresh = folder / "kernels/building-old", folder / "kernels/building-fresh"
     old.mkdir(parents=True)
     fresh.mkdir()
@@ -291,10 +295,10 @@ def test_a_library_that_was_cut_short_is_not_kept(folder, tmp_path):
     """A compiler that ran out of space and reports success: loading its file would end Python."""
     whole = build_library({"a.c": "int a(void) { return 1; }"})
     content = whole.read_bytes()
-    assert is_whole(whole)
+    assert is_complete(whole)
     source = tmp_path / "b.c"
     source.write_text("int b(void) { return 2; }")
-    assert is_whole(compile_object(find_toolchain(), source, tmp_path / "b.o"))
+    assert is_complete(compile_object(find_toolchain(), source, tmp_path / "b.o"))
 
     for share in (0.0, 0.1, 0.5, 0.9, 0.999):
 

@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
-from wmr_ctrl.codegen.cache import _HOST, _this_host, build_cached
+from wmr_ctrl.codegen.cache import build_cached
 from wmr_ctrl.codegen.cache_folder import VARIABLE
 
 SOURCES = {"a.c": "int a(void) { return 1; }\n"}
@@ -24,11 +25,11 @@ build_cached({"b.c": "int b;"}, compile_in)
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows tells nothing of dead processes here")
 
 
-def library_in(folder: Path) -> Path:
+def library_in(folder: Path, source: str = "a.c") -> Path:
     from wmr_ctrl.codegen.compiler import compile_library
     from wmr_ctrl.codegen.toolchain import find_toolchain
 
-    return compile_library(find_toolchain(), [folder / "a.c"], folder / "a.so")
+    return compile_library(find_toolchain(), [folder / source], folder / "a.so")
 
 
 @pytest.fixture
@@ -48,16 +49,18 @@ def test_the_next_build_removes_what_a_killed_process_left(cache):
     assert list(cache.glob("building-*")) == []
 
 
-@posix
 def test_a_process_that_lives_keeps_its_folder(cache):
-    for owner, host in ((os.getpid(), _this_host()), (2**22 + 1, "another machine")):
-        folder = cache / f"building-{owner}-x"
-        folder.mkdir(parents=True)
-        (folder / _HOST).write_text(host)
+    folder = cache / "building-key-x"
+    folder.mkdir(parents=True)
+    locks = cache.parent / "locks"
+    locks.mkdir()
 
-    build_cached(SOURCES, library_in)
+    with FileLock(locks / "key"):
+        build_cached(SOURCES, library_in)
+        assert folder.exists()
 
-    assert len(list(cache.glob("building-*"))) == 2
+    build_cached({"b.c": SOURCES["a.c"]}, lambda place: library_in(place, "b.c"))
+    assert not folder.exists()
 
 
 def test_a_cache_that_can_only_be_read_is_used(cache, monkeypatch, tmp_path):

@@ -27,18 +27,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_kept_text_is_the_emitters(folder: Path) -> None:
-    assert text_cache.kept_definition(example()) == definition(example())
-    assert text_cache.kept_definition(example()) == definition(example())
-    assert text_cache.kept_definition(example(), LANES) == definition(example(), LANES)
+    assert text_cache.cached_definition(example()) == definition(example())
+    assert text_cache.cached_definition(example()) == definition(example())
+    assert text_cache.cached_definition(example(), LANES) == definition(example(), LANES)
     assert len(list(folder.rglob("*.c"))) == 2
 
 
 def test_half_a_text_is_written_anew(folder: Path) -> None:
-    text_cache.kept_definition(example())
+    text_cache.cached_definition(example())
     (path,) = folder.rglob("*.c")
     path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
 
-    assert text_cache.kept_definition(example()) == definition(example())
+    assert text_cache.cached_definition(example()) == definition(example())
 
 
 def test_a_folder_that_cannot_be_written_does_not_matter(
@@ -48,7 +48,7 @@ def test_a_folder_that_cannot_be_written_does_not_matter(
     blocked.write_text("", encoding="utf-8")
     monkeypatch.setattr(text_cache, "cache_dir", lambda: blocked)
 
-    assert text_cache.kept_definition(example()) == definition(example())
+    assert text_cache.cached_definition(example()) == definition(example())
 
 
 SIMULATED = """

@@ -37,7 +37,7 @@ def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path: Path) -
     assert contents(tmp_path) == {"a.bin": b"new", "a.txt": "Größe\n".encode()}
 
 
-def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
+def test_the_old_file_stays_until_the_new_one_is_complete(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     with atomic_write(path) as file:

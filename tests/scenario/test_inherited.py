@@ -13,7 +13,7 @@ def keys(path, overrides=None):
     return [item.key for item in found]
 
 
-def test_an_empty_file_takes_everything_and_a_preset_is_whole(tmp_path):
+def test_an_empty_file_takes_everything_and_a_preset_is_complete(tmp_path):
     (tmp_path / "mine.toml").write_text("")
 
     assert keys(tmp_path / "mine.toml") == list(OF_A_ROBOT)

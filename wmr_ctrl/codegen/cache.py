@@ -11,7 +11,6 @@ Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/lock
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
 import os
@@ -26,8 +25,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from filelock import FileLock, Timeout
+
 from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir, wanted_dir
-from wmr_ctrl.codegen.whole import is_whole
+from wmr_ctrl.codegen.elf import is_complete
 from wmr_ctrl.errors import CacheError
 
 Sources = Mapping[str, str | bytes]
@@ -36,7 +37,6 @@ Sources = Mapping[str, str | bytes]
 _LAYOUT = "1"  # raise it when what an entry consists of changes
 _STAMP = "stamp.json"
 _UNFINISHED = "building-"
-_HOST = ".host"
 _DAY = 86400.0
 _checked: set[tuple[str, int]] = set()
 
@@ -79,7 +79,8 @@ def build_cached(
     if present:
         return present
     entry = cache_dir() / "kernels" / name
-    with _alone(entry):
+    _sweep(entry.parent)
+    with _locked(entry):
         return _intact(entry) or _build(entry, sources, compile_in)
 
 
@@ -148,32 +149,22 @@ def _intact(entry: Path) -> Path | None:
 
 
 @contextmanager
-def _alone(entry: Path) -> Iterator[None]:
-    """Wait until nobody else builds an entry.  A lock ends with the process that holds it."""
+def _locked(entry: Path, timeout: float = -1.0) -> Iterator[bool]:
+    """Hold the lock of an entry, which ends with its process; tell whether there is such a lock.
+
+    ``timeout`` is in seconds, negative waits as long as it takes; raises `filelock.Timeout`.
+    """
+    folder = entry.parent.parent / "locks"
     with ExitStack() as held:
         try:
-            folder = entry.parent.parent / "locks"
             folder.mkdir(parents=True, exist_ok=True)
-            _lock(held.enter_context((folder / entry.name).open("ab")).fileno())
-        except OSError:
-            pass  # no locks here, or no room for one: building says so if it must
-        yield
-
-
-def _lock(file: int) -> None:
-    """Lock an open file for this process alone; waits as long as it takes."""
-    if sys.platform == "win32":
-        import msvcrt
-
-        while True:
-            try:
-                return msvcrt.locking(file, msvcrt.LK_LOCK, 1)  # gives up after ten seconds
-            except OSError as error:
-                if error.errno != errno.EDEADLK:
-                    raise
-    import fcntl
-
-    fcntl.flock(file, fcntl.LOCK_EX)
+            held.enter_context(FileLock(folder / entry.name, timeout=timeout))
+        except Timeout:
+            raise
+        except (OSError, NotImplementedError):
+            yield False  # no locks here, or no room for one: building says so if it must
+        else:
+            yield True
 
 
 def _sha256(path: Path) -> str:
@@ -183,12 +174,10 @@ def _sha256(path: Path) -> str:
 def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) -> Path:
     folder: Path | None = None
     try:
-        folder = _fresh_folder(entry.parent)
-        (folder / _HOST).write_text(_this_host(), encoding="utf-8")
+        folder = _fresh_folder(entry)
         _write(folder, sources)
         library = compile_in(folder)
-        (folder / _HOST).unlink()
-        if not is_whole(library):
+        if not is_complete(library):
             raise OSError(f"the compiler wrote only a part of {library.name}")
         _write_stamp(folder, library)
         _publish(folder, entry)
@@ -202,53 +191,26 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _fresh_folder(parent: Path) -> Path:
-    parent.mkdir(parents=True, exist_ok=True)
-    _sweep(parent)
-    folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{os.getpid()}-", dir=parent))
+def _fresh_folder(entry: Path) -> Path:
+    entry.parent.mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{entry.name}-", dir=entry.parent))
     folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
     return folder
 
 
 def _sweep(parent: Path) -> None:
-    """Remove what processes that died while building left behind.
+    """Remove what processes that died while building left behind: nobody holds its lock.
 
-    A process of this machine is seen to be gone; that of another, on a shared drive, is thought so
-    a day later.
+    Where a drive knows no locks, what is older than a day counts as left behind.
     """
     for folder in parent.glob(f"{_UNFINISHED}*"):
+        entry = parent / folder.name.removeprefix(_UNFINISHED).rpartition("-")[0]
         try:
-            old = time.time() - folder.stat().st_mtime > _DAY
-        except OSError:
-            continue
-        if old or _is_abandoned(folder):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _this_host() -> str:
-    """Where a process number means something: a machine, or a container with its own."""
-    try:
-        numbers = os.readlink("/proc/self/ns/pid")
-    except OSError:
-        numbers = ""
-    return f"{platform.node()} {numbers}"
-
-
-def _is_abandoned(folder: Path) -> bool:
-    """Whether the process that builds in a folder has ended, as far as can be told here.
-
-    The folder names its process and holds its machine's name.
-    """
-    try:
-        owner = int(folder.name.removeprefix(_UNFINISHED).split("-")[0])
-        if os.name == "nt" or (folder / _HOST).read_text(encoding="utf-8") != _this_host():
-            return False
-        os.kill(owner, 0)  # asks whether it is there
-    except ProcessLookupError:
-        return True
-    except (OSError, ValueError):
-        return False
-    return False
+            with _locked(entry, timeout=0.0) as alone:
+                if alone or time.time() - folder.stat().st_mtime > _DAY:
+                    shutil.rmtree(folder, ignore_errors=True)
+        except (OSError, Timeout):
+            continue  # it is being built, or another process removed it meanwhile
 
 
 def _write(folder: Path, sources: Sources) -> None:

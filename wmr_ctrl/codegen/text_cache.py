@@ -31,7 +31,7 @@ _EMITTER = (
 )
 
 
-def kept_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
+def cached_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """`emit.definition` of a kernel, from the cache if it was written before."""
     parts = (
         _fingerprint(),

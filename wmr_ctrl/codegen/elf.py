@@ -1,4 +1,4 @@
-"""Is a shared library all there?  A compiler on a full disk may write half of it and say nothing.
+"""Is an ELF library complete?  A compiler on a full disk may write half of it and say nothing.
 
 Loading such a file ends the process (SIGBUS) instead of raising, so it is looked at before it is
 kept.  Only ELF files are looked into; others count as whole unless they are empty.
@@ -26,7 +26,7 @@ class _Class:
 _CLASSES = {1: _Class("IIIIHHHHHH", "I", 4, 16), 2: _Class("QQQIHHHHHH", "Q", 8, 32)}
 
 
-def is_whole(library: Path) -> bool:
+def is_complete(library: Path) -> bool:
     """Whether all tables and segments that the file announces are within it."""
     content = library.read_bytes()
     if not content.startswith(b"\x7fELF"):
