@@ -14,8 +14,8 @@ from wmr_ctrl.codegen import cache, cache_folder
 from wmr_ctrl.codegen.cache import build_cached, cache_info, clear_cache, content_key
 from wmr_ctrl.codegen.cache_folder import cache_dir
 from wmr_ctrl.codegen.compiler import compile_object
-from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.codegen.elf import is_complete
+from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.errors import CacheError, CompilerError
 
 SOURCES = {"a.c": "int a;", "inner/b.h": b"int b;"}
