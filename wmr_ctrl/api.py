@@ -249,8 +249,8 @@ def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
 
     Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.  ``what`` =
     "ssp" is the SSP package, which also takes somebody else's ``plant`` and ``controller`` with a
-    ``map_file``, and ``delay_known``; "modelica" the package WheeledRobot.mo, which has every law
-    and reads scenario and out; "simulink" the kit of ``law``.
+    ``map_file``, ``delay_known`` and ``flat``; "modelica" the package WheeledRobot.mo, which has
+    every law and reads scenario and out; "simulink" the kit of ``law``.
     """
     from wmr_ctrl.outputs import write_output
 

@@ -33,6 +33,7 @@ class SspOptions(CommonOptions, total=False):
     controller: str | Path | None
     map_file: str | Path | None
     delay_known: bool
+    flat: bool
 
 
 class FmuOptions(CommonOptions, total=False):

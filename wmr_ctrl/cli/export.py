@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         "wmr-ctrl export plant --out fmus",
         "wmr-ctrl export nn --fmi 2 --target all --out fmus",
         "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
+        "wmr-ctrl export ssp --flat --law pid --out package",
         "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
         "wmr-ctrl export modelica --out models",
         "wmr-ctrl export simulink --law mb --out kit",
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 @click.option(
     "--know-delay", is_flag=True, help="ssp: build the law for torques that act a period late."
 )
+@click.option(
+    "--flat", is_flag=True, help="ssp: without connectors of the system, for ecos and libcosim."
+)
 @click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
 @debug_option
 def export(
@@ -52,6 +56,7 @@ def export(
     controller: str | None,
     map_file: str | None,
     know_delay: bool,
+    flat: bool,
     out: str,
 ) -> None:
     """Write wmr_WHAT.fmi2.fmu and wmr_WHAT.fmi3.fmu, wmr.ssp or WheeledRobot.mo into a folder.
@@ -65,7 +70,7 @@ def export(
 
     options: ExportOptions = {
         "law": law, "fmi": fmi, "target": target, "plant": plant, "controller": controller,
-        "map_file": map_file, "delay_known": know_delay, "out": out,
+        "map_file": map_file, "delay_known": know_delay, "flat": flat, "out": out,
     }  # fmt: skip
     _refuse_unread(what, [name for name in options if name not in read_by(what)])
     check_folder(out, "--out")

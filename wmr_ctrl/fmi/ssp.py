@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,10 @@ SAME_AS = {
     "torque_left": TORQUE[1].name,
 }
 """What is another quantity here: torques act as they are commanded, and there is no noise."""
+INNER = ("startElement", "startConnector", "endElement", "endConnector")
+"""Attributes of a connection between two parts; one to the whole system has three of them."""
+SET = "scenario"
+"""Name of every part's set of parameters: ecos takes the sets of one name."""
 _NOT_IN = "without the scenario's noise and changes of the robot"
 
 
@@ -69,7 +74,6 @@ class Component:
     inputs: list[MapRow]
     outputs: list[MapRow]
     parameters: list[dict[str, str]]
-    units: list[str] = field(default_factory=list)
 
 
 def export_ssp(
@@ -83,13 +87,15 @@ def export_ssp(
     controller: str | Path | None = None,
     map_file: str | Path | None = None,
     delay_known: bool = False,
+    flat: bool = False,
     progress: Progress | None = None,
 ) -> list[Path]:
     """Write ``wmr.ssp`` into the folder ``out``: FMI 2.0 FMUs of reference, ``law`` and plant.
 
     ``fmi``: "2", or "both", which is 2 here: SSP 1.0 came before FMI 3.  ``plant`` and
     ``controller`` are somebody else's FMUs in the place of ours, with a map (``map_file``) as in
-    co-simulation.
+    co-simulation.  ``flat``: without connectors of the system itself, which ecos and libcosim do
+    not read, nor of inputs that nothing is connected to: disturbances are then set in the plant.
 
     The FMUs are set for masters that step all parts at once; see docs/fmu.md for what that master's
     delay does to each law, and `cosimulate` for ``delay_known``.  The package has no noise and no
@@ -116,9 +122,9 @@ def export_ssp(
             what = law if name == "controller" else name
             scene = own.scenario if name == "controller" else setup.scenario
             parts[name] = _ours(parallel(model_of(what, law, scene)), target)
-    files = {"SystemStructure.ssd": _structure(parts, setup.scenario).encode()}
+    files = {"SystemStructure.ssd": _structure(parts, setup.scenario, flat).encode()}
     for name, part in parts.items():
-        files[f"resources/{name}.ssv"] = _parameters(name, part).encode()
+        files[f"resources/{name}.ssv"] = _parameters(part).encode()
         files[f"resources/{part.identifier}.fmu"] = part.content
     path = write_archive(Path(out) / "wmr.ssp", files)
     if progress:
@@ -154,7 +160,6 @@ def _ours(model: FmuModel, target: str) -> Component:
         [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "input"],
         [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "output"],
         [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed],
-        [port["unit"] for port in ports],
     )
 
 
@@ -199,18 +204,21 @@ def _outputs(name: str, file: FmuFile, part: PartMap, robot: Robot) -> list[MapR
     return plant_outputs(file, part, robot)
 
 
-def _structure(parts: dict[str, Component], scenario: Scenario) -> str:
+def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> str:
     connections = list(_connections(parts))
-    every = [unit for part in parts.values() for unit in part.units]
-    used = {value for line in connections for _, value in line["ends"]}
-    outside = [{"name": n, "kind": "input", "unit": u} for n, u in DISTURBANCE.items() if n in used]
-    given = {row.target for part in parts.values() for row in part.outputs}
-    outside += [{"name": n, "kind": "output", "unit": u} for n, u in SHOWN.items() if n in given]
+    outside = _outside(parts, connections)
+    ports = {name: part.ports for name, part in parts.items()}
+    if flat:
+        connections = [line for line in connections if len(line["ends"]) == len(INNER)]
+        outside = []
+        ports = {name: _wired(name, part, connections) for name, part in parts.items()}
+    units = [port["unit"] for port in (*chain(*ports.values()), *outside)]
     return render(
         "SystemStructure.ssd",
         m={
             "tool": TOOL,
             "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
+            "step": repr(scenario.clock.control),
             "stop": repr(scenario.clock.duration),
             "ports": outside,
             "parts": [
@@ -218,14 +226,33 @@ def _structure(parts: dict[str, Component], scenario: Scenario) -> str:
                     "name": name,
                     "source": f"resources/{part.identifier}.fmu",
                     "parameters": f"resources/{name}.ssv",
-                    "ports": part.ports,
+                    "ports": ports[name],
                 }
                 for name, part in parts.items()
             ],
             "connections": connections,
-            "units": _units([*every, *SHOWN.values(), *DISTURBANCE.values()]),
+            "units": _units([unit for unit in units if unit]),
         },
     )
+
+
+def _outside(
+    parts: dict[str, Component], connections: list[dict[str, Any]]
+) -> list[dict[str, str]]:
+    """Connectors of the whole system: inputs that a connection uses, outputs that a part gives."""
+    used = {value for line in connections for _, value in line["ends"]}
+    given = {row.target for part in parts.values() for row in part.outputs}
+    ports = [{"name": n, "kind": "input", "unit": u} for n, u in DISTURBANCE.items() if n in used]
+    return ports + [
+        {"name": n, "kind": "output", "unit": u} for n, u in SHOWN.items() if n in given
+    ]
+
+
+def _wired(name: str, part: Component, connections: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """Connectors of a part without its free inputs: FMPy 0.3.32 feeds those another's values."""
+    taken = {values["endConnector"] for line in connections
+             if (values := dict(line["ends"]))["endElement"] == name}  # fmt: skip
+    return [port for port in part.ports if port["kind"] == "output" or port["name"] in taken]
 
 
 def _connections(parts: dict[str, Component]) -> Iterator[dict[str, Any]]:
@@ -269,11 +296,11 @@ def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str
     return {"ends": ends, "linear": None if same else (repr(factor), repr(offset))}
 
 
-def _parameters(name: str, part: Component) -> str:
+def _parameters(part: Component) -> str:
     units = _units([item["unit"] for item in part.parameters if item["unit"]])
     return render(
         "parameters.ssv",
-        m={"name": name, "tool": TOOL, "units": units, "parameters": part.parameters},
+        m={"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters},
     )
 
 

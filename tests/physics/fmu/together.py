@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy import read_model_description
 
+from tests.fmi.together import step_together
 from tests.physics.fmu.build import build_rigid
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.export import model_of, write_fmu
@@ -107,36 +107,9 @@ class Together:
 
     def by_fmpy(self, folder: Path) -> Mapping[str, np.ndarray]:
         """The same by a few lines on FMPy."""
-        slaves = {}
-        for name, path in self.parts.items():
-            described = self.described[name]
-            unpacked = extract(str(path), str(folder / name))
-            slave = FMU2Slave(guid=described.guid, unzipDirectory=unpacked, instanceName=name,
-                              modelIdentifier=described.coSimulation.modelIdentifier)  # fmt: skip
-            slave.instantiate()
-            slave.setupExperiment(startTime=0.0)
-            slave.enterInitializationMode()
-            slaves[name] = slave
-        self._pass(slaves)
-        for slave in slaves.values():
-            slave.exitInitializationMode()
-        rows, h = [], self.clock.plant
-        for step in range(self.clock.samples * self.clock.substeps):
-            self._pass(slaves)
-            for slave in slaves.values():
-                slave.doStep(step * h, h)
-            if (step + 1) % self.clock.substeps == 0:
-                rows.append([v for name, refs in self.shown for v in slaves[name].getReal(refs)])
-        for slave in slaves.values():
-            slave.terminate()
-            slave.freeInstance()
-        return self._named(rows)
+        steps = (self.clock.samples * self.clock.substeps, self.clock.plant)
+        rows = step_together(self.parts, self.wires, self.shown, steps, folder)
+        return self._named(rows[self.clock.substeps - 1 :: self.clock.substeps])
 
-    def _pass(self, slaves: Mapping[str, FMU2Slave]) -> None:
-        """All values along their wires."""
-        values = [slaves[giver].getReal([out])[0] for giver, out, _, _ in self.wires]
-        for (_, _, taker, into), value in zip(self.wires, values, strict=True):
-            slaves[taker].setReal([into], [value])
-
-    def _named(self, rows: list[list[float]]) -> Mapping[str, np.ndarray]:
+    def _named(self, rows: np.ndarray | list[list[float]]) -> Mapping[str, np.ndarray]:
         return dict(zip(self.columns, np.array(rows).T, strict=True))
