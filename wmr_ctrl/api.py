@@ -21,6 +21,7 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.overrides import checked
+from wmr_ctrl.scenario.toml_io import naming_file
 from wmr_ctrl.sim.finish import checked_seeds, checked_starts, versions
 from wmr_ctrl.studies import rigid_comparison
 from wmr_ctrl.studies import study as study
@@ -69,7 +70,8 @@ def scenario_of(
     loaded = (
         override(given, changed) if isinstance(given, Scenario) else load_scenario(given, changed)
     )
-    check_scenario(loaded)
+    with naming_file(given, changed):
+        check_scenario(loaded)
     return loaded
 
 

@@ -19,6 +19,7 @@ from wmr_ctrl import errors, signals
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.cli.scenarios import gains_docs
 from wmr_ctrl.fields.section import REQUIRED, Section, quantities
+from wmr_ctrl.fields.units import OTHERS, USUAL, written
 from wmr_ctrl.fields.values import Quantity, Range
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.paper.equations import equations
@@ -60,7 +61,9 @@ def fields(cls: type[Section]) -> str:
 
 def _field(name: str, what: Quantity) -> tuple[str, ...]:
     default = "must be given" if what.default is REQUIRED else code(number(what.default))
-    allowed = ", ".join(map(code, what.options)) or _range(what.bounds)
+    usual = f"usual {written(what.usual)}" if what.usual else ""
+    sides = filter(None, (_range(what.bounds), usual))
+    allowed = ", ".join(map(code, what.options)) or "; ".join(sides)
     return code(name), default or "left out", what.unit, allowed, what.doc
 
 
@@ -72,6 +75,12 @@ def _range(bounds: Range) -> str:
         ("to", bounds.maximum),
     )
     return " ".join(f"{word} {value:g}" for word, value in sides if value is not None)
+
+
+def usual_sizes() -> str:
+    """Beyond which size a value is asked about, and what else it may have been meant in."""
+    rows = ((u, written(USUAL[u]), ", ".join(sign for _, sign, _ in OTHERS[u])) for u in USUAL)
+    return table(("unit", "usual size", "asked for"), rows)
 
 
 def references() -> str:
@@ -300,6 +309,7 @@ def _documented(path: str) -> str:
 
 TABLES: Mapping[str, Callable[[], str]] = {
     "scenario-keys": scenario_keys,
+    "usual-sizes": usual_sizes,
     "references": references,
     "gains": gains,
     "presets": presets,

@@ -202,3 +202,31 @@ keys = st.sampled_from(
 @given(st.dictionaries(keys, values, max_size=3))
 def test_random_values_load_or_are_refused(overrides):
     assert one_paragraph_or_none(lambda: load_scenario("paper-simulation", overrides))
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "shown"),
+    [
+        ("[robot]\nm = 3 kg\n", "(line 2, column 7)", "  2 | m = 3 kg\n            ^"),
+        ("[robot\n", "(line 1, column 7)", "  1 | [robot\n            ^"),
+        ("a = '''", "(line 1, column 8)", "  1 | a = '''\n             ^"),
+        ("a = [" + "1, " * 90 + "x]", "(line 1, column 276)", " x\n" + " " * 77 + "^"),
+    ],
+)
+def test_bad_toml_is_shown_with_a_caret(text, place, shown):
+    with pytest.raises(ScenarioError) as caught:
+        loads_scenario(text, "mine")
+
+    assert place in str(caught.value)
+    assert caught.value.__notes__[0].endswith(shown)
+
+
+@pytest.mark.parametrize("text", ["[robot]\nmm = 3\n", "[robot]\nr = -1\n"])
+def test_an_error_names_the_file_that_it_is_in(tmp_path, text):
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    with pytest.raises(ScenarioError, match=r"^robot\..*mine\.toml\.\)$"):
+        load_scenario(file)
+    file.write_text("")
+    with pytest.raises(ScenarioError, match=r"[^)]$"):
+        load_scenario(file, {"robot.r": -1})

@@ -10,7 +10,6 @@ import hashlib
 import itertools
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,8 +20,8 @@ from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.campaign.figures import FIGURES
 from wmr_ctrl.campaign.intervals import StopRule
 from wmr_ctrl.campaign.study_sample import LATIN, SOBOL, UNIFORM, SamplePlan
-from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
-from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
 from wmr_ctrl.scenario.toml_io import is_path
@@ -134,10 +133,7 @@ class StudyPlan:
 def load_plan(path: str | Path) -> StudyPlan:
     """The plan of a TOML file; a scenario in it is relative to the file."""
     file = Path(path)
-    try:
-        raw = tomllib.loads(read_text(file, "plan"))
-    except tomllib.TOMLDecodeError as problem:
-        raise ScenarioError(f"{file} is not valid TOML: {problem}.") from None
+    raw = parse_toml(read_text(file, "plan"), file)
     if not raw:
         raise ArgumentError(f'{file} says nothing. Give at least one key, such as laws = ["nn"].')
     return plan_of(raw, file.parent)

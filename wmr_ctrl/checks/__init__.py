@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, unmodelled, wrong_model
-from wmr_ctrl.checks.contradictions import coarse_step, contradicted, violent_alpha
+from wmr_ctrl.checks.contradictions import coarse_step, contradicted, units, violent_alpha
 from wmr_ctrl.checks.grip import first_torques as first_torques
 from wmr_ctrl.checks.grip import grip_warnings as grip_warnings
 from wmr_ctrl.checks.grip import reference_torque as reference_torque
@@ -27,6 +27,7 @@ from wmr_ctrl.checks.warning import Warning as Warning
 from wmr_ctrl.control.setup import Setup
 
 CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
+    units,
     start,
     sample_time,
     preconditions,

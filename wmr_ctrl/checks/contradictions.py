@@ -1,4 +1,4 @@
-"""What a scenario states and itself breaks: bounds, a plant step, an alpha that noise shakes."""
+"""What a scenario states and can hardly mean: units, bounds, a plant step, a shaken alpha."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ from collections.abc import Iterator
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
 from wmr_ctrl.guard.contradictions import contradictions
+from wmr_ctrl.scenario.units import unit_questions
 from wmr_ctrl.world.friction import largest_friction, phases, steepness
 
 SHAKEN = 0.25
 """Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
 COARSE, UNSTABLE = 1.0, 2.785
 """Plant step times slope of the friction: what is coarse for RK4, and what makes it diverge."""
+
+
+def units(loop: Loop) -> Iterator[Warning]:
+    """Yield every value that is unusual in its unit, with the unit that may be meant."""
+    for key, question in unit_questions(loop.scenario):
+        yield Warning(key, question, "units, docs/reference/scenario.md")
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:

@@ -21,6 +21,7 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.scenario import Scenario, override, preset_names
+from wmr_ctrl.scenario.units import asking_about_units
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
@@ -150,7 +151,8 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     counts on bounds that the scenario breaks.
     """
     chosen = None if law is None else LAWS[law]
-    return _settled(with_kinematics(gripping(scenario), chosen), chosen, tuple(EFFECTS))
+    with asking_about_units(scenario):
+        return _settled(with_kinematics(gripping(scenario), chosen), chosen, tuple(EFFECTS))
 
 
 @lru_cache(maxsize=4096)

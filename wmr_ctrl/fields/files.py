@@ -1,10 +1,13 @@
-"""Reading of small text files, with every way in which that fails turned into a ScenarioError."""
+"""Reading of small text files, TOML among them; every failure is a ScenarioError."""
 
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.problems import printable
 
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""
@@ -39,3 +42,48 @@ def decode(data: bytes, what: str, largest: int = LARGEST_FILE) -> str:
         raise ScenarioError(
             f"{what} is not UTF-8 text (byte {problem.start + 1}). Save it as UTF-8."
         ) from None
+
+
+def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, object]:
+    """Return TOML text as a dictionary.
+
+    Raises ScenarioError: ``what``, line and column, why, ``remedy``; its note is the line with a
+    caret below the column, unless the text is that of a file which does not end in .toml.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ScenarioError(f"{what} is not usable TOML: it is nested too deeply.") from None
+    except ValueError as problem:
+        reason, line, column = _place(str(problem), text)
+        error = ScenarioError(
+            f"{what} is not valid TOML (line {line}, column {column}): {reason}. {remedy}".rstrip()
+        )
+        if isinstance(what, str) or what.suffix == ".toml":
+            error.add_note(excerpt(text, line, column))
+        raise error from None
+
+
+_AT = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
+
+
+def _place(problem: str, text: str) -> tuple[str, int, int]:
+    """Reason, line and column, from 1, of what the library says; without a place it is the end."""
+    place = _AT.fullmatch(problem)
+    lines = text.rstrip().split("\n")
+    reason, line, column = place.groups() if place else (problem, len(lines), len(lines[-1]) + 1)
+    reason = reason.removesuffix(" (at end of document)")[:200]
+    return printable(reason[:1].lower() + reason[1:]), int(line), int(column)
+
+
+EXCERPT = 72
+"""Characters of a line that are shown at most, around the column."""
+
+
+def excerpt(text: str, line: int, column: int) -> str:
+    """Return a line of a text, indented, with a caret below a column; both count from 1."""
+    whole = printable(text.split("\n")[line - 1].rstrip("\r"))
+    begin = max(0, column - EXCERPT) if len(whole) > EXCERPT else 0
+    head = f"  {line} | "
+    cut = whole[begin : begin + EXCERPT]
+    return f"{head}{cut}\n{' ' * (len(head) + column - 1 - begin)}^"

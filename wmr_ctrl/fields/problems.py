@@ -32,11 +32,16 @@ def show(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def printable(text: str) -> str:
+    """The text with a space for every control character."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
 def _spell(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return '"' + "".join(c if c.isprintable() else " " for c in value[:80]) + '"'
+        return f'"{printable(value[:80])}"'
     if isinstance(value, int):
         return str(value) if abs(value) < 10**30 else "an integer beyond 1e30"
     if isinstance(value, Real):

@@ -37,6 +37,7 @@ def quantity(
     maximum: float | None = None,
     infinite: bool = False,
     size: int = 0,
+    usual: tuple[float, float] | None = None,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
@@ -45,10 +46,12 @@ def quantity(
     ``None`` a number that may be left out, ``REQUIRED`` a number that must be given.  ``kind``
     overrules this (``"points"`` is a list of pairs of any length); ``size`` makes a field that may
     be left out a vector.  Bounds hold for every element, in ``unit``; ``infinite`` admits inf.
+    Beyond the sizes ``usual`` (left out: those of the unit) it is asked whether the unit is meant.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
-    what = Quantity(default, unit, doc, bounds, kind or _kind(default), elements, options)
+    kind = kind or _kind(default)
+    what = Quantity(default, unit, doc, bounds, kind, elements, options, usual)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
         return dataclasses.field(metadata=metadata)
@@ -102,6 +105,13 @@ def build(cls: type[S], raw: object, path: str | None = None) -> S:
         if what.default is REQUIRED and name not in values:
             raise ScenarioError(f"{key(where, name)} is missing: {what.doc} [{what.unit}].")
     return cls(**values)
+
+
+def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
+    """Yield key and question of each value of a section that looks like a slip of units."""
+    for name, what in quantities(type(section)):
+        for sentence in what.questions(getattr(section, name), key(path, name)):
+            yield key(path, name), sentence
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import choices, show
+from wmr_ctrl.fields.units import USUAL, is_usual, meant, written
 
 LARGEST = 1e12
 """No finite quantity of a scenario may be larger in size: it would be a slip of units."""
@@ -50,7 +51,8 @@ class Quantity:
     """What one field means and accepts: default, unit, meaning, bounds, shape.
 
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
-    that a text field accepts (any, if empty).
+    that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
+    asked whether the unit is meant (None: that of the unit).
     """
 
     default: Any
@@ -60,6 +62,7 @@ class Quantity:
     kind: str
     size: int = 0
     options: tuple[str, ...] = ()
+    usual: tuple[float, float] | None = None
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
@@ -69,12 +72,42 @@ class Quantity:
             return self._vector(value, path)
         return getattr(self, "_" + self.kind)(value, path)
 
-    def refuse(self, value: object, path: str, rule: str) -> ScenarioError:
-        """Build the error: path and value, the rule, what the field is, and its default."""
+    def refuse(self, value: object, path: str, rule: str, asked: str = "") -> ScenarioError:
+        """Build the error: path and value, the rule, what the field is, its default, a question."""
         has_default = self.default is not None and isinstance(self.default, (bool, float, int, str))
         remedy = f"; the default is {show(self.default)}" if has_default else ""
         unit = f" [{self.unit}]" if self.unit else ""
-        return ScenarioError(f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}.")
+        said = f"{path} = {show(value)} must be {rule}: {self.doc}{unit}{remedy}."
+        return ScenarioError(f"{said} {asked}".rstrip())
+
+    def _meant(self, number: float) -> str:
+        """Ask for a unit in which a number that is too large would be in the field's range."""
+        top = self.bounds.maximum if self.bounds.maximum is not None else self.bounds.below
+        if top is None or not top < number <= LARGEST:
+            return ""
+        return meant(number, self.unit, (0.0, top))
+
+    def questions(self, value: object, path: str) -> Iterator[str]:
+        """Ask about the unit of every number of a clean value that is unusual in it."""
+        if self.kind not in ("number", "integer", "optional") or value is None:
+            return
+        numbers = value if isinstance(value, tuple) else (value,)
+        for i, number in enumerate(numbers):
+            unit, usual = self._measure(i)
+            if usual is not None and not is_usual(number, usual):
+                place = f"{path}[{i + 1}]" if self.size else path
+                here = f" {unit}" if unit != "1" else ""
+                asked = meant(number, unit, usual) or f"Is it meant in {unit}?"
+                yield (
+                    f"{place} = {number:g}{here} is unusual ({self.doc}; usual: {written(usual)}"
+                    f"{here}). {asked}"
+                )
+
+    def _measure(self, index: int) -> tuple[str, tuple[float, float] | None]:
+        """Unit of an element, and the range of sizes that is usual of it."""
+        units = [unit.strip() for unit in self.unit.split(",")]
+        unit = units[index] if len(units) > 1 else units[0]
+        return unit, self.usual or USUAL.get(unit)
 
     def _number(self, value: object, path: str) -> float:
         if isinstance(value, bool) or not isinstance(value, Real):
@@ -85,7 +118,7 @@ class Quantity:
             number = 1e300  # an integer too long for a double: refused as too large
         rule = self.bounds.broken(number)
         if rule:
-            raise self.refuse(value, path, rule)
+            raise self.refuse(value, path, rule, self._meant(number))
         return number
 
     _optional = _number

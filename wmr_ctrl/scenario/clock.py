@@ -19,8 +19,12 @@ class Clock(Section):
 
     KEY: ClassVar[str] = "clock"
 
-    control: float = quantity(0.01, unit="s", doc="period of the control law", minimum=1e-9)
-    plant: float = quantity(0.001, unit="s", doc="step of the plant's integration", minimum=1e-9)
+    control: float = quantity(
+        0.01, unit="s", doc="period of the control law", minimum=1e-9, usual=(1e-4, 1)
+    )
+    plant: float = quantity(
+        0.001, unit="s", doc="step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
+    )
     duration: float = quantity(80.0, unit="s", doc="length of a run", minimum=1e-9)
 
     @property

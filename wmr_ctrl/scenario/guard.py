@@ -59,6 +59,7 @@ class Guard(Section):
         minimum=0,
         maximum=10,
         size=2,
+        usual=(0, 2),
     )
     lag: tuple[float, float] | None = quantity(
         None,
@@ -66,6 +67,7 @@ class Guard(Section):
         doc="bounds of the drives' time constant, which may vary; the same twice: constant",
         minimum=0,
         size=2,
+        usual=(0, 2),
     )
     alpha: float | None = quantity(
         None, unit="1/s", doc="rate at which the limit may be approached, at most 1/T", above=0

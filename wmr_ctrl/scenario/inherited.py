@@ -50,7 +50,7 @@ def inherited(
 
 def _stated(file: Path) -> set[str]:
     """Keys of a file and of the files that it extends; it has been loaded before."""
-    raw = parse(read_text(file, "scenario"), str(file))
+    raw = parse(read_text(file, "scenario"), file)
     keys = {
         f"{table}.{name}"
         for table, part in raw.items()

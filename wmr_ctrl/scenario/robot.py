@@ -14,11 +14,17 @@ class Robot(Section):
 
     KEY: ClassVar[str] = "robot"
 
-    m: float = quantity(50.0, unit="kg", doc="mass", above=0)
+    m: float = quantity(50.0, unit="kg", doc="mass", above=0, usual=(0.02, 5000))
     I: float = quantity(5.4, unit="kg.m2", doc="moment of inertia about the vertical", above=0)
-    mu: float = quantity(0.08, unit="1", doc="coefficient of Coulomb friction", minimum=0)
-    r: float = quantity(0.1, unit="m", doc="radius of the driving wheels", above=0)
-    l: float = quantity(0.25, unit="m", doc="half the track: axle's midpoint to wheel", above=0)
+    mu: float = quantity(
+        0.08, unit="1", doc="coefficient of Coulomb friction", minimum=0, usual=(0, 1)
+    )
+    r: float = quantity(
+        0.1, unit="m", doc="radius of the driving wheels", above=0, usual=(0.003, 1)
+    )
+    l: float = quantity(
+        0.25, unit="m", doc="half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
+    )
     g: float = quantity(9.81, unit="m/s2", doc="gravity", above=0)
     v_s: float = quantity(
         0.01, unit="m/s", doc="speed that smooths friction, mu m g tanh(v1/v_s)", above=0

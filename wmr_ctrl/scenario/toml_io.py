@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.files import decode, read_text
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.fields.files import decode, parse_toml, read_text
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.scenario.merge import Raw, merge
 from wmr_ctrl.scenario.overrides import absolute, apply
@@ -39,7 +39,24 @@ def load_scenario(
     source = os.fspath(name_or_path)
     raw = _resolved(source, Path(), ())
     name = Path(source).stem if is_path(source) else source
-    return from_dict(apply(raw, overrides or {}), name)
+    with naming_file(source, overrides or {}):
+        return from_dict(apply(raw, overrides or {}), name)
+
+
+@contextmanager
+def naming_file(source: object, overrides: Mapping[str, object]) -> Iterator[None]:
+    """End an error in what a file says with the file's name; those of overrides stay as they are.
+
+    ``source`` may be anything else than a file's path; then nothing is added.
+    """
+    try:
+        yield
+    except (ScenarioError, UnknownNameError) as error:
+        said, file = str(error), os.fspath(source) if isinstance(source, str | os.PathLike) else ""
+        ours = any(said.startswith(key.partition("[")[0]) for key in overrides)
+        if isinstance(file, str) and file and is_path(file) and file not in said and not ours:
+            error.args = (f"{said} (In {file}.)",)
+        raise
 
 
 def loads_scenario(
@@ -59,18 +76,10 @@ def is_path(source: str) -> bool:
     return source not in preset_names() and os.path.exists(source)
 
 
-def parse(text: str, what: str) -> Raw:
+def parse(text: str, what: str | Path) -> Raw:
     """Return TOML text as a dictionary; errors start with ``what``."""
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise ScenarioError(f"{what} is not usable TOML: it is nested too deeply.") from None
-    except ValueError as problem:
-        reason = " ".join(show(str(problem)).strip('"').split())
-        raise ScenarioError(
-            f"{what} is not valid TOML: {reason}. `wmr-ctrl scenarios paper-simulation --toml` "
-            "prints a valid scenario to start from."
-        ) from None
+    remedy = "`wmr-ctrl scenarios paper-simulation --toml` prints a valid scenario to start from."
+    return parse_toml(text, what, remedy)
 
 
 def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
@@ -81,7 +90,7 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     mark = os.path.abspath(path) if "\0" not in source else source
     if mark in seen:
         raise ScenarioError(f"extends = {show(source)} leads back to the same file: {path.name}.")
-    return _extended(parse(read_text(path, "scenario"), str(path)), path.parent, (*seen, mark))
+    return _extended(parse(read_text(path, "scenario"), path), path.parent, (*seen, mark))
 
 
 @lru_cache

@@ -28,13 +28,19 @@ class Delay(Section):
     KEY: ClassVar[str] = "actuator"
 
     delay: float = quantity(
-        0.0, unit="s", doc="delay of the torque, a multiple of clock.plant", minimum=0, maximum=10
+        0.0,
+        unit="s",
+        doc="delay of the torque, a multiple of clock.plant",
+        minimum=0,
+        maximum=10,
+        usual=(0, 2),
     )
     untold: float = quantity(
         0.0,
         unit="s",
         doc="further delay that laws and observer do not know of, a multiple of clock.plant",
         minimum=0,
+        usual=(0, 2),
         maximum=10,
     )
 

@@ -38,6 +38,7 @@ class Jitter(Section):
         unit="s",
         doc="a command comes by up to this later than delay, a multiple of clock.plant",
         minimum=0,
+        usual=(0, 2),
     )
 
 

@@ -33,7 +33,9 @@ class Lag(Section):
 
     KEY: ClassVar[str] = "actuator"
 
-    lag: float = quantity(0.0, unit="s", doc="time constant of the torque's lag", minimum=0)
+    lag: float = quantity(
+        0.0, unit="s", doc="time constant of the torque's lag", minimum=0, usual=(0, 2)
+    )
     lag_spread: float = quantity(
         0.0, unit="1", doc="share by which the time constant may vary", minimum=0, below=1
     )

@@ -29,7 +29,11 @@ class PoseDelay(Section):
     KEY: ClassVar[str] = "sensor"
 
     pose_delay: float = quantity(
-        0.0, unit="s", doc="age of a pose that comes, a multiple of clock.control", minimum=0
+        0.0,
+        unit="s",
+        doc="age of a pose that comes, a multiple of clock.control",
+        minimum=0,
+        usual=(0, 5),
     )
 
 

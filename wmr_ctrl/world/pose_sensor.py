@@ -39,7 +39,11 @@ class PoseSensor(Section):
         0.0, unit="s", doc="time between two poses; 0: one every control period", minimum=0
     )
     pose_noise: float = quantity(
-        0.0, unit="m", doc="half-width of the uniform error in x and y; theta is exact", minimum=0
+        0.0,
+        unit="m",
+        doc="half-width of the uniform error in x and y; theta is exact",
+        minimum=0,
+        usual=(0, 5),
     )
     correction: float = quantity(
         1.0, unit="1", doc="share of the pose's difference that is corrected", above=0, maximum=1

@@ -36,12 +36,14 @@ class VelocityMean(Section):
         unit="s",
         doc="time over which the velocity is averaged, a multiple of clock.control",
         minimum=0,
+        usual=(0, 5),
     )
     velocity_age: float = quantity(
         0.0,
         unit="s",
         doc="how long ago that time ended, a multiple of clock.control",
         minimum=0,
+        usual=(0, 5),
     )
 
 

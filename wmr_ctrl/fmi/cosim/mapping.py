@@ -18,13 +18,13 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 
 UnitOf = Callable[[str], NamedUnit | str | None]
@@ -62,10 +62,7 @@ class PartMap:
 
 def load_map(path: str | Path) -> dict[str, PartMap]:
     """Read a map file: parts ``plant`` and ``controller``; raises ArgumentError naming the key."""
-    try:
-        raw = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ArgumentError(f"the map {path} cannot be read: {error}.") from error
+    raw = parse_toml(read_text(Path(path), "map"), Path(path))
     for part in raw:
         if part not in ("plant", "controller"):
             raise UnknownNameError(f"part of the map {path}", part, ("plant", "controller"))

@@ -73,7 +73,7 @@ class Waypoints(Reference):
     a_max: float = quantity(0.2, unit="m/s2", doc="largest rate of v1_d", minimum=1e-6)
     alpha_max: float = quantity(1.0, unit="rad/s2", doc="largest rate of v2_d", minimum=1e-6)
     tolerance: float | None = quantity(
-        None, unit="m", minimum=1e-6,
+        None, unit="m", minimum=1e-6, usual=(0, 5),
         doc="how far a corner may be cut; left out: smooth through all points",
     )  # fmt: skip
     at_end: str = quantity(

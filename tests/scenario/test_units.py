@@ -1,0 +1,100 @@
+"""Values that look like a slip of units are asked about, with the unit that may be meant."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.fields.units import OTHERS, USUAL, is_usual
+from wmr_ctrl.scenario import load_scenario, preset_names
+from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.scenario.units import unit_questions
+from wmr_ctrl.world.references import REFERENCES
+
+LINE = {"reference.kind": "line"}
+SLIPS = {
+    "milliseconds": ({"clock.control": 20}, "Milliseconds? 20 ms is 0.02 s."),
+    "degrees": (LINE | {"reference.heading": -90}, "Degrees? -90 deg is -1.571 rad."),
+    "deg/s": ({"limits.v_u1[2]": 70}, "Degrees per second? 70 deg/s is 1.222 rad/s."),
+    "rpm": ({"limits.v_u1[2]": 70}, "Revolutions per minute? 70 rpm is 7.33 rad/s."),
+    "mm": ({"robot.r": 80}, "Millimetres? 80 mm is 0.08 m."),
+    "mm/s": (LINE | {"reference.speed": 300}, "Millimetres per second? 300 mm/s is 0.3 m/s."),
+    "g": ({"model.m": 50_000}, "Grams? 50000 g is 50 kg."),
+    "%": ({"robot.mu": 8}, "Per cent? 8 % is 0.08."),
+    "delay": ({"guard.delay": [5, 5]}, "guard.delay[2] = 5 s is unusual"),
+    "pose": ({"initial.pose": [0, 0, 45]}, "initial.pose[3] = 45 rad is unusual"),
+    "change": ({"changes": [{"t": 1, "m": 8e4}]}, "changes[1].m = 80000 kg is unusual"),
+}
+
+
+def asked(scenario):
+    return [sentence for _, sentence in unit_questions(scenario)]
+
+
+@pytest.mark.parametrize(("overrides", "question"), SLIPS.values(), ids=SLIPS)
+def test_a_slip_is_asked_about_with_its_remedy(overrides, question):
+    assert any(question in item for item in asked(load_scenario("far-start", overrides)))
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_presets_are_not_asked_about(name):
+    assert asked(load_scenario(name)) == []
+
+
+def test_a_large_robot_is_not_asked_about():
+    big = {
+        "robot.m": 3000,
+        "robot.I": 4000,
+        "robot.r": 0.6,
+        "robot.l": 1.2,
+        "actuator.tau_max": 3e3,
+    }
+
+    assert asked(load_scenario("far-start", big | {"limits.v_u1[1]": 8})) == []
+
+
+def test_a_question_is_a_warning_of_every_law_and_stands_behind_a_refusal():
+    setup = settle(load_scenario("far-start", {"robot.r": 80}), "mb")
+    with pytest.raises(ScenarioError, match=r"guard.*Milliseconds\? 20 ms is 0\.02 s"):
+        settle(load_scenario("safe-simulation", {"clock.control": 20}), "mb")
+
+    assert warnings_for(setup)[0].key == "robot.r"
+    assert "Millimetres?" in warnings_for(setup)[0].sentence
+
+
+def test_a_value_beyond_its_bound_is_asked_about():
+    with pytest.raises(ScenarioError, match=r"at most 1.*Degrees\? 10 deg is 0\.1745 rad\.$"):
+        load_scenario("far-start", {"slope.angle": 10})
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [(1e-3, ""), (1.0, "5.41 km long. Millimetres?"), (0.15, "takes 1.2 h for 812.1 m")],
+)
+def test_a_very_long_way_is_asked_about(size, words):
+    points = [[size * x, size * y] for x, y in ((0, 0), (1000, 0), (2000, 1000), (5000, 1000))]
+    way = {"reference.kind": "waypoints", "reference.points": points}
+    said = asked(load_scenario("far-start", way))
+
+    assert [words in item for item in said] == [True] * bool(words)
+
+
+def test_units_of_all_fields_are_known_where_a_range_is_stated():
+    tables = [*sections().values(), *(REFERENCES[kind].section for kind in REFERENCES)]
+    stated = [what for cls in tables for _, what in quantities(cls) if what.usual]
+
+    assert stated
+    assert all(unit.strip() in OTHERS for what in stated for unit in what.unit.split(","))
+    assert all(low < high for low, high in (*USUAL.values(), *(what.usual for what in stated)))
+
+
+@pytest.mark.parametrize("unit", OTHERS)
+def test_other_units_are_smaller_than_the_own(unit):
+    assert all(0 < size < 1 for _, _, size in OTHERS[unit])
+    assert all(is_usual(x, (1, 2)) for x in (0.0, 1.0, -2.0, math.inf))
+    assert not any(is_usual(x, (1, 2)) for x in (0.5, -2.5))

@@ -1,0 +1,60 @@
+"""Values that look like a slip of units: up to which size one is usual, and what else it may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+USUAL: Mapping[str, tuple[float, float]] = {
+    "m": (0.0, 1000.0),
+    "rad": (0.0, 2 * math.pi),
+    "s": (0.0, 36_000.0),
+    "m/s": (0.0, 15.0),
+    "rad/s": (0.0, 20.0),
+    "m/s2": (0.0, 50.0),
+    "rad/s2": (0.0, 200.0),
+    "kg": (0.0, 5000.0),
+    "kg.m2": (0.0, 10_000.0),
+    "N.m": (0.0, 5000.0),
+}
+"""Sizes that are usual of a wheeled robot, by unit; a field may state a range of its own."""
+
+OTHERS: Mapping[str, tuple[tuple[str, str, float], ...]] = {
+    "m": (("millimetres", "mm", 1e-3), ("centimetres", "cm", 1e-2)),
+    "rad": (("degrees", "deg", math.pi / 180),),
+    "s": (("milliseconds", "ms", 1e-3), ("microseconds", "us", 1e-6)),
+    "m/s": (("millimetres per second", "mm/s", 1e-3), ("kilometres per hour", "km/h", 1 / 3.6)),
+    "rad/s": (
+        ("degrees per second", "deg/s", math.pi / 180),
+        ("revolutions per minute", "rpm", math.pi / 30),
+    ),
+    "m/s2": (("millimetres per second squared", "mm/s2", 1e-3),),
+    "rad/s2": (("degrees per second squared", "deg/s2", math.pi / 180),),
+    "kg": (("grams", "g", 1e-3),),
+    "kg.m2": (("kilograms times square centimetres", "kg.cm2", 1e-4),),
+    "N.m": (("millinewton metres", "mN.m", 1e-3), ("newton centimetres", "N.cm", 1e-2)),
+    "1": (("per cent", "%", 1e-2),),
+}
+"""What a value in a unit may have been meant in: words, sign, and how much of the unit one is."""
+
+
+def is_usual(value: float, usual: tuple[float, float]) -> bool:
+    """Whether the size of a value lies in a range; 0 and what is not finite always do."""
+    return not value or not math.isfinite(value) or usual[0] <= abs(value) <= usual[1]
+
+
+def written(usual: tuple[float, float]) -> str:
+    """A range of sizes in words, such as "up to 15" or "0.003 to 1"."""
+    return f"{usual[0]:g} to {usual[1]:.4g}" if usual[0] else f"up to {usual[1]:.4g}"
+
+
+def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
+    """Ask for the units in which ``value`` would be usual; empty where there is none."""
+    return " ".join(_asked(value, unit, usual))
+
+
+def _asked(value: float, unit: str, usual: tuple[float, float]) -> Iterator[str]:
+    for words, sign, size in OTHERS.get(unit, ()):
+        if is_usual(value * size, usual):
+            here = f" {unit}" if unit != "1" else ""
+            yield f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
