@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
+from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.compiled import CompiledLoop
-from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.laws.sample import own_diagnostics
-from wmr_ctrl.results import PLANTS, Monitor, Run
+from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.finish import finished, settings_of
+from wmr_ctrl.sim.interpreted import run_interpreted
 from wmr_ctrl.sim.many import RunTable, run_each, run_many
 from wmr_ctrl.sim.native import run_native
-from wmr_ctrl.sim.oracle import simulate_oracle
 from wmr_ctrl.sim.ready import Ready
 
 if TYPE_CHECKING:
@@ -52,20 +50,11 @@ def ready_plantless(scenario: Scenario, law: str) -> Ready:
 
 
 def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None = None) -> Run:
-    """One run by NumPy: slow, and without a compiler.
-
-    Raises ArgumentError for a law, reference or effect that has no twin there.
-    """
+    """One run of the same graphs without a compiler.  Raises as `settle` does."""
     setup = settle(scenario, law)
-    _check_twin_of_guard(setup)
-    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
-    gains, kinematics = vars(setup.gains), vars(setup.kinematics)
-    effects = [item.name for item in setup.effects]
-    columns, numbers = simulate_oracle(
-        setup.scenario, law, gains, kinematics, seed, progress, effects
-    )
-    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
-    logged = (signals, columns, Monitor(**numbers))
+    loop = loop_functions(setup)
+    columns, monitor = run_interpreted(loop, seed, settings_of(setup.scenario), progress)
+    logged = (loop.numbers.layout.columns, columns, monitor)
     facts = {"kernel_hash": ""}
     return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
 
@@ -117,22 +106,6 @@ def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None
     loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
     moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
     write_moments(run, moments, path, progress)
-
-
-def _check_twin_of_guard(setup: Setup) -> None:
-    """The twin of the guard knows one delay and one lag, those of the drives."""
-    guard, drives = setup.scenario.guard, setup.scenario.actuator
-    for key in ("delay", "lag"):
-        if getattr(guard, key) is not None:
-            raise ArgumentError(
-                f"the NumPy engine has no twin of a guard with guard.{key}; take the native "
-                "engine, or leave it out of the scenario."
-            )
-    if guard.enabled and not setup.guard.knows_force(drives.delay, drives.lag):
-        raise ArgumentError(
-            "the NumPy engine has no twin of the guard behind actuator.untold or "
-            "actuator.lag_spread; take the native engine, or set them to 0."
-        )
 
 
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:

@@ -46,7 +46,7 @@ def test_help_of_the_command_line_is_light(arguments):
 
 
 @pytest.mark.parametrize(
-    "module", ["wmr_ctrl.scenario", "wmr_ctrl.results", "wmr_ctrl.sim", "wmr_ctrl.sim.oracle"]
+    "module", ["wmr_ctrl.scenario", "wmr_ctrl.results", "wmr_ctrl.sim", "wmr_ctrl.sim.interpreted"]
 )
 def test_workers_start_without_casadi_and_plots(module):
     need(module)

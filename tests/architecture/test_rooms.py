@@ -13,11 +13,10 @@ KEPT_SHORT = {
     "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
     "wmr_ctrl.results.format_npz": "a file for each format of results",
     "wmr_ctrl.results.format_parquet": "a file for each format of results",
-    "wmr_ctrl.sim.oracle.actuator": "the twin of the drives' effects",
 }
 """Short files with one user that are looked up by name, and why."""
-BY_NAME = ("wmr_ctrl.cli.", "wmr_ctrl.laws.", "wmr_ctrl.sim.oracle.", "wmr_ctrl.proofs.methods.")
-"""Folders with a file for each name that users type: a command, a law and its twin, a method."""
+BY_NAME = ("wmr_ctrl.cli.", "wmr_ctrl.laws.", "wmr_ctrl.proofs.methods.")
+"""Folders with a file for each name that users type: a command, a law, a method."""
 ELSEWHERE = ("wmr_ctrl.proofs.", "wmr_ctrl.codegen.")
 
 NO_NOUNS = {"found", "made", "told", "settled", "kept"}
@@ -57,7 +56,7 @@ def users() -> dict[str, set[str]]:
 
 
 def asked_for_by_name(module: Module, by: dict[str, set[str]]) -> bool:
-    """A command, law, twin or method; what its package shows to others; what runs by itself."""
+    """A command, law or method; what its package shows to others; what runs by itself."""
     package = module.name.rpartition(".")[0]
     shown = by[module.name] == {package}
     alone = "__main__" in module.text

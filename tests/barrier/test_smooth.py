@@ -7,6 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from tests import oracle
 from wmr_ctrl.api import simulate
 from wmr_ctrl.barrier.smooth import smooth_barrier
 
@@ -90,13 +91,13 @@ def test_target_is_continuous_and_nearer_to_the_limit() -> None:
 
 
 @pytest.mark.parametrize("law", ["mb", "nn", "prox"])
-def test_laws_take_it_in_both_engines(law: str) -> None:
+def test_laws_take_it_as_their_twins_do(law: str) -> None:
     changed = {f"gains.{law}.barrier": "smooth", "clock.duration": 5.0, "changes": []}
-    native, numpy = (
-        simulate("paper-simulation", law, seed=4, engine=engine, overrides=changed)
-        for engine in ("native", "numpy")
+    native, slow = (
+        run("paper-simulation", law, seed=4, overrides=changed)
+        for run in (simulate, oracle.simulate)
     )
-    gaps = [abs(native[s.name] - numpy[s.name]).max() for s in native.signals]
+    gaps = [abs(native[s.name] - slow[s.name]).max() for s in native.signals]
 
     assert max(gaps) < 1e-9
     assert native.outcome == "completed"

@@ -8,8 +8,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests import oracle
 from tests.codegen.compiled import compiled
 from tests.matrix import turns
+from tests.oracle.guard import VelocityGuard
 from wmr_ctrl.api import compile_law, simulate
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import controller, law_graph, watched_controller
@@ -20,7 +22,6 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS, POSE, REFERENCE, VELOCITY
-from wmr_ctrl.sim.oracle.guard import VelocityGuard
 
 every_law = pytest.mark.parametrize("law", tuple(LAWS))
 every_twin = pytest.mark.parametrize("law", NAMES)
@@ -84,10 +85,10 @@ def test_the_unwatched_law_repeats_a_native_run_to_the_bit(law: str) -> None:
 
 
 @every_twin
-def test_numpy_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    watched = simulate(scenario_of(), law, seed=3, engine="numpy")
+def test_twins_do_not_feel_the_monitor(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    watched = oracle.simulate(scenario_of(), law, seed=3)
     monkeypatch.setattr(VelocityGuard, "watch", lambda *_: None)
-    blind = simulate(scenario_of(), law, seed=3, engine="numpy")
+    blind = oracle.simulate(scenario_of(), law, seed=3)
 
     assert watched["d_least"].any()
     assert not blind["d_least"].any()
@@ -147,7 +148,7 @@ def test_bounds_that_cannot_be_met_are_told_not_refused(
     assert diagnostics(watched_controller(settle(scenario, law)))[1][-1] == feasible
     assert (simulate(scenario, law)["feasible"] == feasible).all()
     if law in NAMES:
-        assert (simulate(scenario, law, engine="numpy")["feasible"] == feasible).all()
+        assert (oracle.simulate(scenario, law)["feasible"] == feasible).all()
 
 
 def drawn(draw: np.random.Generator) -> dict[str, Any]:

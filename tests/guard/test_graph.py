@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled
+from tests.oracle.guard import VelocityGuard, axes_of
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
@@ -18,7 +19,6 @@ from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.oracle.guard import VelocityGuard, axes_of
 
 NAMES = ("u1", "period", "M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")
 BOUNDS = Bounds(**{name: ca.SX.sym(name) for name in NAMES})

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests import oracle
 from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.setup import settle
@@ -25,16 +26,15 @@ def gap(first: Run, second: Run) -> float:
 
 
 @every_law
-def test_native_equals_numpy(law: str) -> None:
-    native, numpy = (
-        simulate("safe-simulation", law, seed=3, engine=e, overrides=PAPERS)
-        for e in ("native", "numpy")
+def test_native_equals_the_oracle(law: str) -> None:
+    native, slow = (
+        run("safe-simulation", law, seed=3, overrides=PAPERS) for run in (simulate, oracle.simulate)
     )
 
-    assert gap(native, numpy) < 1e-9
-    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
-    assert native.monitor.bounds_left is numpy.monitor.bounds_left is None
-    assert [s.name for s in native.signals] == [s.name for s in numpy.signals]
+    assert gap(native, slow) < 1e-9
+    assert native.monitor.max_abs_v == pytest.approx(slow.monitor.max_abs_v, abs=1e-9)
+    assert native.monitor.bounds_left is slow.monitor.bounds_left is None
+    assert [s.name for s in native.signals] == [s.name for s in slow.signals]
 
 
 @pytest.mark.parametrize("changed", [
@@ -47,15 +47,15 @@ def test_native_equals_numpy(law: str) -> None:
     {"disturbance.push": [30.0, 5.0]},
     {"initial.velocity": [1.3, 2.0]},
 ])  # fmt: skip
-def test_every_option_means_the_same_in_both_engines(changed: dict[str, object]) -> None:
+def test_every_option_means_what_the_oracle_takes_it_for(changed: dict[str, object]) -> None:
     """prox reads the torque that was applied, so it sees delay and lag."""
-    native, numpy = (
-        simulate("safe-simulation", "prox", engine=engine, overrides={**SHORT, **changed})
-        for engine in ("native", "numpy")
+    native, slow = (
+        run("safe-simulation", "prox", overrides={**SHORT, **changed})
+        for run in (simulate, oracle.simulate)
     )
 
-    assert gap(native, numpy) < 1e-9
-    assert native.monitor.violations == numpy.monitor.violations
+    assert gap(native, slow) < 1e-9
+    assert native.monitor.violations == slow.monitor.violations
 
 
 @pytest.mark.parametrize(("law", "scenario"), turns(NAMES, ["safe-simulation", "safe-experiment"]))

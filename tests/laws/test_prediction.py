@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests import oracle
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
@@ -44,15 +45,15 @@ def radius(scenario: Scenario, law: str) -> float:
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
-def run_of(scenario: Scenario, law: str, engine: str = "native", **changed: object) -> Run:
-    return simulate(scenario, law, seed=3, overrides=changed, engine=engine)
+def run_of(scenario: Scenario, law: str, **changed: object) -> Run:
+    return simulate(scenario, law, seed=3, overrides=changed)
 
 
 def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> None:
     """Noise-free and with the right model, one period late: the next sample, to the midpoint."""
     scenario = late("prox", 1.0)
     quiet = {"disturbance.std": 0.0, "clock.duration": 4.0}
-    run = run_of(scenario, "prox", "numpy", **quiet)
+    run = oracle.simulate(scenario, "prox", seed=3, overrides=quiet)
     here = Sample(settle(scenario, "prox"))
     then, ports = ahead(here, ca.SX.zeros(2))
     numbers = here.parameters.ports
@@ -187,8 +188,9 @@ def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() ->
 @pytest.mark.slow
 @predicting
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
-def test_both_engines_agree(law: str, share: float) -> None:
-    native, slow = (run_of(late(law, share), law, engine) for engine in ("native", "numpy"))
+def test_its_twin_agrees(law: str, share: float) -> None:
+    native = run_of(late(law, share), law)
+    slow = oracle.simulate(late(law, share), law, seed=3)
 
     for name in ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left", "d_hat"):
         assert native[name] == pytest.approx(slow[name], abs=1e-9), name

@@ -52,9 +52,14 @@ def test_guard_and_theory_serve_it_too() -> None:
     assert warnings_for(settle(load_scenario("paper-experiment-literal"), "toy"))
 
 
-def test_numpy_engine_says_that_it_has_no_twin() -> None:
-    with pytest.raises(ArgumentError, match="native engine"):
-        simulate("paper-simulation", "toy", engine="numpy")
+def test_the_engine_without_a_compiler_runs_it_too() -> None:
+    short = {"clock.duration": 2.0, "changes": []}
+    native, numpy = (
+        simulate("paper-simulation", "toy", engine=engine, overrides=short)
+        for engine in ("native", "numpy")
+    )
+
+    assert native["tau_right"] == pytest.approx(numpy["tau_right"], abs=1e-9)
 
 
 def test_an_entry_point_that_cannot_be_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""The compiled loop against the NumPy oracle and against what must hold in any loop."""
+"""The compiled loop against the oracle and against what must hold in any loop."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from tests import oracle
 from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import (
     compile_law,
@@ -40,25 +41,23 @@ def largest_gap(first: Run, second: Run, rows: int | None = None) -> float:
     ("law", "scenario"),
     turns(headed("nn", NAMES), ["paper-simulation", "paper-simulation-noise-free"], shown=1),
 )
-def test_native_equals_numpy_over_80_s(law: str, scenario: str) -> None:
-    native, numpy = (
-        simulate(scenario, law, seed=5, engine=engine) for engine in ("native", "numpy")
-    )
+def test_both_engines_equal_the_oracle_over_80_s(law: str, scenario: str) -> None:
+    slow = oracle.simulate(scenario, law, seed=5)
+    for engine in ("native", "numpy"):
+        run = simulate(scenario, law, seed=5, engine=engine)
 
-    assert largest_gap(native, numpy) < 1e-9
-    assert native.monitor.violations == numpy.monitor.violations
-    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, abs=1e-9)
+        assert largest_gap(run, slow) < 1e-9
+        assert run.monitor.violations == slow.monitor.violations
+        assert run.monitor.max_abs_v == pytest.approx(slow.monitor.max_abs_v, abs=1e-9)
 
 
 @pytest.mark.parametrize("law", quick(["nn", "prox"], "nn"))
 def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     """The network amplifies rounding once noise no longer masks it: 40 s, and metrics to 1 %."""
-    native, numpy = (
-        simulate("paper-simulation-nominal", law, engine=engine) for engine in ("native", "numpy")
-    )
+    native, slow = (run("paper-simulation-nominal", law) for run in (simulate, oracle.simulate))
 
-    assert largest_gap(native, numpy, 4000) < 1e-9
-    assert native.monitor.max_abs_v == pytest.approx(numpy.monitor.max_abs_v, rel=1e-2)
+    assert largest_gap(native, slow, 4000) < 1e-9
+    assert native.monitor.max_abs_v == pytest.approx(slow.monitor.max_abs_v, rel=1e-2)
 
 
 @pytest.mark.parametrize(("law", "changed"), turns(NAMES, [
@@ -76,15 +75,19 @@ def test_nominal_run_agrees_as_far_as_it_is_repeatable(law: str) -> None:
     {"reference.kind": "rounded-square"},
     {"initial.velocity": [1.3, 2.0]},
 ], shown=3))  # fmt: skip
-def test_every_option_means_the_same_in_both_engines(law: str, changed: dict[str, object]) -> None:
-    native, numpy = (
-        simulate("paper-simulation", law, seed=2, engine=engine, overrides={**SHORT, **changed})
-        for engine in ("native", "numpy")
+def test_every_option_means_what_the_oracle_takes_it_for(
+    law: str, changed: dict[str, object]
+) -> None:
+    given = {**SHORT, **changed}
+    native, slow = (
+        run("paper-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
     )
+    numpy = simulate("paper-simulation", law, seed=2, overrides=given, engine="numpy")
 
-    assert native.rows == numpy.rows
+    assert native.rows == slow.rows == numpy.rows
+    assert largest_gap(native, slow) < 1e-8
     assert largest_gap(native, numpy) < 1e-8
-    assert native.monitor.violations == numpy.monitor.violations
+    assert native.monitor.violations == slow.monitor.violations == numpy.monitor.violations
 
 
 @pytest.mark.parametrize(("scenario", "law"), turns(preset_names(), headed("nn", NAMES)))

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from wmr_ctrl.sim.oracle.barrier import barrier
+from tests.oracle.barrier import barrier
 
 LIMITS = ((1.0, 0.8), (1.5, 1.3), (3.0, 0.5))
 

@@ -9,6 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.oracle import actuator, noise
+from tests.oracle.plant import Plant, limited_force, plants, wheel_torques
+from tests.oracle.references import reference_of
+from tests.oracle.sensing import Sensors as OracleSensor
 from wmr_ctrl.scenario import (
     Actuator,
     Change,
@@ -23,10 +27,6 @@ from wmr_ctrl.scenario import (
     StopAndGo,
     Waypoints,
 )
-from wmr_ctrl.sim.oracle import actuator, noise
-from wmr_ctrl.sim.oracle.plant import Plant, limited_force, plants, wheel_torques
-from wmr_ctrl.sim.oracle.references import reference_of
-from wmr_ctrl.sim.oracle.sensing import Sensors as OracleSensor
 
 # -- noise ----
 

@@ -52,7 +52,7 @@ film_option = click.option(
     "--engine",
     default="native",
     metavar="native|numpy|fmu",
-    help="Compiled C; NumPy: slow, needs no compiler; or our own FMUs, coupled.",
+    help="Compiled C; the same graphs without a compiler, slower; or our own FMUs, coupled.",
 )
 @click.option(
     "--plant",

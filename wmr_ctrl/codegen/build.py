@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import casadi as ca
+
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
 from wmr_ctrl.codegen.kernels import (
@@ -71,13 +73,13 @@ def build_loop(setup: Setup) -> CompiledLoop:
     Raises CompilerError without a working compiler.
     """
     program = program_of(setup)
-    return _filled(program, setup, program.native, program.digest)
+    return filled(program, setup, program.native, program.digest)
 
 
 def build_batch(setup: Setup) -> CompiledLoop:
     """The same for lanes of robots."""
     program = program_of(setup)
-    return _filled(program, setup, program.lanes, program.lanes_digest)
+    return filled(program, setup, program.lanes, program.lanes_digest)
 
 
 def build_plantless(setup: Setup) -> CompiledLoop:
@@ -86,7 +88,7 @@ def build_plantless(setup: Setup) -> CompiledLoop:
     That plant tells the state of ours, and the way and skid where a sensor asks for them.
     """
     program = program_of(setup, apart=True)
-    return _filled(program, setup, program.plantless, program.digest)
+    return filled(program, setup, program.plantless, program.digest)
 
 
 class Program:
@@ -97,6 +99,11 @@ class Program:
         self.loop = LoopGraphs(setup, apart=apart)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         self.layout = layout_of(self.loop)
+
+    @cached_property
+    def functions(self) -> dict[str, ca.Function]:
+        """What the runtime calls, as CasADi evaluates it, by name."""
+        return {item.name: item.function for item in loop_kernels(self.loop)}
 
     @cached_property
     def generated(self) -> dict[str, str]:
@@ -168,7 +175,7 @@ def program_of(setup: Setup, *, apart: bool = False) -> Program:
     return _PROGRAMS[place]
 
 
-def _filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
+def filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
     """The program with the numbers of a setup."""
     law = law_layout(setup, program.loop.controller)
     texts = (str(library), hashed, program.structure)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tests.oracle.law import Pair, Sight
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
 class Pid:

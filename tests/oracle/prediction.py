@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import astuple, replace
 
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.auxiliary import (
+from tests.oracle.auxiliary import (
     auxiliary_rate,
     auxiliary_velocity,
     reference_rate,
     tracking_error,
 )
-from wmr_ctrl.sim.oracle.law import Pair, Sight, Triple
-from wmr_ctrl.sim.oracle.target import DesiredState
+from tests.oracle.law import Pair, Sight, Triple
+from tests.oracle.target import DesiredState
+from wmr_ctrl.scenario import Scenario
 
 
 class Predictor:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from wmr_ctrl.sim.oracle.barrier import BarrierTerms
-from wmr_ctrl.sim.oracle.target import DesiredState
+from tests.oracle.barrier import BarrierTerms
+from tests.oracle.target import DesiredState
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

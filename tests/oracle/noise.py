@@ -10,8 +10,8 @@ import zlib
 
 import numpy as np
 
+from tests.oracle.arrays import FloatArray, Words
 from wmr_ctrl.scenario import Disturbance
-from wmr_ctrl.sim.oracle.arrays import FloatArray, Words
 
 TORQUE, POSE, VELOCITY = 0, 1, 2
 """Streams."""

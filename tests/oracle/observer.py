@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from tests.oracle.law import Pair, Sight
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
 class ForceObserver:

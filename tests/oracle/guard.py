@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
+from tests.oracle.law import Pair
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.law import Pair
 
 _SHRINK = 2.0**-44
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from wmr_ctrl.sim.oracle.target import DesiredState
+from tests.oracle.target import DesiredState
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from tests.oracle.arrays import FloatArray
+from tests.oracle.barrier import BarrierTerms
+from tests.oracle.law import Pair, Sight
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.arrays import FloatArray
-from wmr_ctrl.sim.oracle.barrier import BarrierTerms
-from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
 class NeuralNetwork:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from tests.oracle.barrier import clip
+from tests.oracle.law import Pair, Sight
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.barrier import clip
-from wmr_ctrl.sim.oracle.law import Pair, Sight
 
 
 class Smc:

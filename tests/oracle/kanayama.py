@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from tests.oracle.law import Pair, Sight
+from tests.oracle.observer import ForceObserver
+from tests.oracle.prediction import Predictor
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.observer import ForceObserver
-from wmr_ctrl.sim.oracle.prediction import Predictor
 
 
 class Kanayama:

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from tests.oracle.barrier import barrier
+from tests.oracle.law import Pair, Sight
+from tests.oracle.observer import ForceObserver
+from tests.oracle.prediction import Predictor
+from tests.oracle.smooth import smooth_barrier
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.oracle.barrier import barrier
-from wmr_ctrl.sim.oracle.law import Pair, Sight
-from wmr_ctrl.sim.oracle.observer import ForceObserver
-from wmr_ctrl.sim.oracle.prediction import Predictor
-from wmr_ctrl.sim.oracle.smooth import smooth_barrier
 
 
 class Prox:

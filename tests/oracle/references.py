@@ -9,7 +9,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 
-from wmr_ctrl.errors import ArgumentError
+from tests.oracle.target import DesiredState, Pair, target_on
 from wmr_ctrl.scenario import (
     Circle,
     Lemniscate,
@@ -19,7 +19,6 @@ from wmr_ctrl.scenario import (
     Waypoints,
 )
 from wmr_ctrl.scenario import Reference as Kind
-from wmr_ctrl.sim.oracle.target import DesiredState, Pair, target_on
 from wmr_ctrl.world.references.rounded_square import square_path
 from wmr_ctrl.world.references.speed_profile import SpeedProfile
 from wmr_ctrl.world.references.spline import SplinePath
@@ -43,10 +42,7 @@ def reference_of(kind: Kind) -> Reference:
     if isinstance(kind, Waypoints):
         path, profile = waypoint_path(kind), profile_of(kind)
         return lambda t: timed(path, profile, kind.at_end == LOOP, t)
-    raise ArgumentError(
-        f"the NumPy engine has no twin of the reference {type(kind).__name__}; take the native "
-        "engine, or another reference.kind."
-    )
+    raise ValueError(f"the reference {type(kind).__name__} has no twin")
 
 
 def circle(kind: Circle, t: float) -> DesiredState:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TypedDict
 
-from wmr_ctrl.sim.oracle.plant import Pair, State
+from tests.oracle.plant import Pair, State
 
 _DIVERGED = 1e3  # m/s or rad/s
 _COUNTS = 1.0 + 1e-12  # less than this share of a limit beyond it is rounding

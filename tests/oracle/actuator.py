@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from tests.oracle.arrays import Words
+from tests.oracle.noise import LAG, symmetric
+from tests.oracle.plant import Pair
 from wmr_ctrl.scenario import Actuator, Clock
-from wmr_ctrl.sim.oracle.arrays import Words
-from wmr_ctrl.sim.oracle.noise import LAG, symmetric
-from wmr_ctrl.sim.oracle.plant import Pair
 
 
 class Drives:

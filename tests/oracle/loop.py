@@ -9,33 +9,32 @@ from typing import Any
 
 import numpy as np
 
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.oracle.actuator import Drives
-from wmr_ctrl.sim.oracle.arrays import FloatArray
-from wmr_ctrl.sim.oracle.auxiliary import (
+from tests.oracle.actuator import Drives
+from tests.oracle.arrays import FloatArray
+from tests.oracle.auxiliary import (
     auxiliary_rate,
     auxiliary_velocity,
     reference_rate,
     tracking_error,
 )
-from wmr_ctrl.sim.oracle.barrier import barrier, clip
-from wmr_ctrl.sim.oracle.guard import VelocityGuard
-from wmr_ctrl.sim.oracle.kanayama import Kanayama
-from wmr_ctrl.sim.oracle.law import LawTwin, Pair, Sight
-from wmr_ctrl.sim.oracle.mb import ModelBased
-from wmr_ctrl.sim.oracle.monitor import Watch, WatchedNumbers
-from wmr_ctrl.sim.oracle.nn import NeuralNetwork
-from wmr_ctrl.sim.oracle.noise import key_of, torque_noise
-from wmr_ctrl.sim.oracle.pid import Pid
-from wmr_ctrl.sim.oracle.plant import State, limited_force, plants, wheel_torques
-from wmr_ctrl.sim.oracle.prox import Prox
-from wmr_ctrl.sim.oracle.references import reference_of
-from wmr_ctrl.sim.oracle.sensing import Sensors
-from wmr_ctrl.sim.oracle.smc import Smc
-from wmr_ctrl.sim.oracle.smooth import smooth_barrier
-from wmr_ctrl.sim.oracle.target import DesiredState
+from tests.oracle.barrier import barrier, clip
+from tests.oracle.guard import VelocityGuard
+from tests.oracle.kanayama import Kanayama
+from tests.oracle.law import LawTwin, Pair, Sight
+from tests.oracle.mb import ModelBased
+from tests.oracle.monitor import Watch, WatchedNumbers
+from tests.oracle.nn import NeuralNetwork
+from tests.oracle.noise import key_of, torque_noise
+from tests.oracle.pid import Pid
+from tests.oracle.plant import State, limited_force, plants, wheel_torques
+from tests.oracle.prox import Prox
+from tests.oracle.references import reference_of
+from tests.oracle.sensing import Sensors
+from tests.oracle.smc import Smc
+from tests.oracle.smooth import smooth_barrier
+from tests.oracle.target import DesiredState
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LOG_HEAD
 
 _ROWS_PER_REPORT = 100
 REMEMBERED = 10_000
@@ -59,15 +58,12 @@ def simulate_oracle(
     called now and then with the share of the run that is done.  Returns the columns, (N,) or
     (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's diagnostics (on or
     off), and the monitor's numbers (max_abs_v, violations, first_violation, stopped, stop_reason).
-    ``effects`` names those that the loop has.  Raises ArgumentError for a law, a reference or an
+    ``effects`` names those that the loop has.  Raises ValueError for a law, a reference or an
     effect that has no NumPy twin.
     """
     for name in effects:
         if name not in TWINS:
-            raise ArgumentError(
-                f"the NumPy engine has no twin of the effect {name!r}; take the native engine, or "
-                "leave the effect out of the scenario."
-            )
+            raise ValueError(f"the effect {name!r} has no twin")
     loop = _Loop(scenario, law, gains, kinematics, seed)
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
         loop.run(progress)
@@ -244,11 +240,7 @@ LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
 
 
 def build_law(name: str, gains: Mapping[str, object], scenario: Scenario) -> LawTwin:
-    """The twin of law ``name`` with its resolved gains; ArgumentError if it has none."""
+    """The twin of law ``name`` with its resolved gains; ValueError if it has none."""
     if name not in LAW_TWINS:
-        known = ", ".join(LAW_TWINS)
-        raise ArgumentError(
-            f"the numpy engine knows only the laws {known}, and was asked for {name!r}; "
-            "the native engine serves any law (engine native)."
-        )
+        raise ValueError(f"of the laws {', '.join(LAW_TWINS)} have a twin, not {name!r}")
     return LAW_TWINS[name](gains, scenario)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from wmr_ctrl.sim.oracle.barrier import BarrierTerms, _distance, _mirror, _psi, _region3_above
+from tests.oracle.barrier import BarrierTerms, _distance, _mirror, _psi, _region3_above
 
 
 def smooth_barrier(v: float, c: float, u1: float, u2: float) -> BarrierTerms:

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from tests.oracle.arrays import Words
+from tests.oracle.auxiliary import Pair, Triple
+from tests.oracle.noise import LOST, POSE, VELOCITY, symmetric
+from tests.oracle.plant import State
 from wmr_ctrl.scenario import Clock, Sensor
-from wmr_ctrl.sim.oracle.arrays import Words
-from wmr_ctrl.sim.oracle.auxiliary import Pair, Triple
-from wmr_ctrl.sim.oracle.noise import LOST, POSE, VELOCITY, symmetric
-from wmr_ctrl.sim.oracle.plant import State
 
 
 class Sensors:

@@ -1,0 +1,51 @@
+"""The closed loop once more, slow and obvious: what both engines and the graphs are compared with.
+
+It is written from the definitions with plain Python scalars, and shares no code with the compiled
+loop or with the symbolic graphs.  Of the product it uses scenarios, signals, and what makes a Run
+of columns.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tests.oracle.loop import simulate_oracle
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LOG_HEAD
+from wmr_ctrl.sim.finish import finished
+
+__all__ = ["simulate", "simulate_oracle"]
+
+
+def simulate(
+    scenario: str | Scenario,
+    law: str,
+    *,
+    seed: int = 0,
+    guard: bool | None = None,
+    overrides: dict[str, Any] | None = None,
+) -> Run:
+    """One run, as `wmr_ctrl.simulate`; raises ValueError for what has no twin here."""
+    setup = settle(scenario_of(scenario, overrides, guard), law)
+    drives, stated = setup.scenario.actuator, setup.scenario.guard
+    if stated.delay is not None or stated.lag is not None:
+        raise ValueError("the guard's twin knows no guard.delay and guard.lag")
+    if stated.enabled and not setup.guard.knows_force(drives.delay, drives.lag):
+        raise ValueError("the guard's twin knows no actuator.untold and actuator.lag_spread")
+    own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
+    columns, numbers = simulate_oracle(
+        setup.scenario,
+        law,
+        vars(setup.gains),
+        vars(setup.kinematics),
+        seed,
+        effects=[item.name for item in setup.effects],
+    )
+    signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
+    logged = (signals, columns, Monitor(**numbers))
+    return finished(setup.scenario, law, seed, "oracle", logged, {}, setup.assumptions)

@@ -1,0 +1,64 @@
+"""The closed loop of a setup as CasADi functions, for a machine without a compiler."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+
+from wmr_ctrl.codegen.build import filled, program_of
+from wmr_ctrl.compiled import CompiledLoop
+from wmr_ctrl.control.loop import CLOCK
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.world.effect import Rate
+
+
+@dataclass(frozen=True)
+class StreamNumbers:
+    """A stream of random numbers: its number in the generator's counter, and how many at a time.
+
+    ``held``: those of a sample are kept over its plant steps; ``wanted``: else they are 0;
+    ``bound``: of normal numbers.
+    """
+
+    number: int
+    size: int
+    normal: bool
+    held: bool
+    wanted: bool
+    bound: float
+
+
+@dataclass(frozen=True)
+class LoopFunctions:
+    """A loop's graphs as functions that CasADi evaluates, with the numbers of a scenario.
+
+    ``sample``: from (k, x, p, draws) to the next slow state, what is held, and the log's row;
+    ``step``: from (step, held, fast state, p, draws) to the next fast state; ``sampled`` and
+    ``stepped``: streams of both rates; ``limits``: |v| [m/s, rad/s] that counts as a violation.
+    """
+
+    numbers: CompiledLoop
+    sample: ca.Function
+    step: ca.Function
+    sampled: tuple[StreamNumbers, ...]
+    stepped: tuple[StreamNumbers, ...]
+    limits: tuple[float, float]
+
+
+def loop_functions(setup: Setup) -> LoopFunctions:
+    """The closed loop of a setup without a compiler."""
+    program = program_of(setup)
+    loop, functions = program.loop, program.functions
+    numbers = filled(program, setup, Path(), "")
+    clock = functions["clock"](numbers.parameters[0]).full().ravel().tolist()
+    said = iter(clock[len(CLOCK) :])
+    rates: dict[Rate, list[StreamNumbers]] = {Rate.SAMPLE: [], Rate.STEP: []}
+    for item in loop.streams:
+        made = (item.number, item.size, item.normal, item.draw.held)
+        rates[item.rate].append(StreamNumbers(*made, wanted=next(said) != 0.0, bound=next(said)))
+    limits = clock[CLOCK.index("v_u1_linear")], clock[CLOCK.index("v_u1_angular")]
+    graphs = functions["sample_logged"], functions["step"]
+    streams = tuple(rates[Rate.SAMPLE]), tuple(rates[Rate.STEP])
+    return LoopFunctions(numbers, *graphs, *streams, limits)
