@@ -28,7 +28,9 @@ EMITTED = (
 OPTIONS = "tests/sim/test_native.py::test_every_option_means_the_same_in_both_engines"
 PIECES = "tests/codegen/test_noise_without_wide.py"
 BLOCK = "tests/codegen/test_generated_c.py::test_noise_block_is_philox"
-RUNTIME, WORLD, CODEGEN = "fmu/runtime/", "wmr_ctrl/world/", "wmr_ctrl/codegen/"
+COLUMNS = "tests/fmi/test_every_column.py::"
+RUNTIME, FMI = "fmu/runtime/", "fmu/fmi/"
+WORLD, CODEGEN = "wmr_ctrl/world/", "wmr_ctrl/codegen/"
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,34 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("loop.c", "counter[2] = 0;", "counter[2] = 1;"),
         ("loop.c", "copy(slot, command, 2)", "copy(slot, arriving, 2)"),
         ("loop.c", "(WMR_AT(number, 0) + 0.5)", "(WMR_AT(number, 0) - 0.5)"),
+    ),
+    *_rows(
+        RUNTIME, "tests/sim/test_native.py::test_truncated_noise_is_drawn_again_where_either_"
+        "number_is_beyond",
+        ("loop.c", " | wmr_mask(wmr_abs(out[1]) > most)", ""),
+    ),
+    *_rows(
+        RUNTIME, "tests/sim/test_many.py::test_a_torque_that_is_no_number_is_the_largest",
+        ("loop.c", "wmr_not(wmr_mask(seen[WMR_SEEN_PEAK] <= *peak))",
+         "wmr_mask(seen[WMR_SEEN_PEAK] > *peak)"),
+    ),
+    *_rows(
+        FMI, f"{COLUMNS}test_the_closed_loop",
+        ("kind_loop.c", "memcpy(memory->queue, kept.queue, sizeof kept.queue);", ""),
+        ("kind_loop.c", "rows[i] ? from[i]", "rows[i] ? from[0]"),
+        ("kind_loop.c", "START_ROWS[i] ? v[START_ROWS[i]]", "START_ROWS[i] ? v[START_ROWS[0]]"),
+    ),
+    *_rows(
+        FMI, f"{COLUMNS}test_the_closed_loop_ends_with_the_native_run",
+        ("kind_loop.c", "s->state.finished = !memory->loop.running;", "s->state.finished = 0;"),
+    ),
+    *_rows(
+        FMI, f"{COLUMNS}test_a_reference_with_memory_keeps_it_over_a_long_step",
+        ("kind_sampled.c", "sample(s, sample_time(s));", "sample(s, t);"),
+    ),
+    *_rows(
+        FMI, "tests/fmi/test_state.py::test_a_state_brings_its_parameters_into_a_new_instance",
+        ("snapshot.c", "sizeof s->state);\n    kind_restore(s);", "sizeof s->state);"),
     ),
     *_rows(
         RUNTIME, "tests/world/test_toys.py::test_it_matters",

@@ -17,6 +17,14 @@ static void pick(const double *values, const int *rows, int count, double *to)
     }
 }
 
+/* Each number to its row; one without a row has row 0, which is the time. */
+static void put(const double *from, const int *rows, int count, double *values)
+{
+    for (int i = 0; i < count; ++i) {
+        values[rows[i]] = rows[i] ? from[i] : values[rows[i]];
+    }
+}
+
 /* First plant step that starts at or after `time`. */
 static int64_t first_step(double time, double step)
 {
@@ -44,8 +52,9 @@ void kind_restore(struct wmr_instance *s)
 {
     wmr_scratch *to = &s->scratch;
     const double *v = s->state.values;
-    memcpy(to->start, START, WMR_STATE * sizeof(double));
-    memcpy(to->start, v + WMR_AT_INITIAL, WMR_STARTS * sizeof(double));
+    for (int i = 0; i < WMR_STATE; ++i) {
+        to->start[i] = START_ROWS[i] ? v[START_ROWS[i]] : START[i];
+    }
     set_phases(to, v);
     wmr_seed_key((uint64_t)v[WMR_AT_SEED], to->key);
     memset(&to->settings, 0, sizeof to->settings);
@@ -91,22 +100,21 @@ static double sample_time(const struct wmr_instance *s, int64_t k)
 
 static void publish_monitor(struct wmr_instance *s)
 {
-    const wmr_loop *loop = &s->state.memory.loop;
-    double *values = s->state.values;
-    values[WMR_AT_VIOLATIONS] = loop->findings[WMR_FOUND_VIOLATIONS];
-    memcpy(values + WMR_AT_MAX_ABS_V, loop->findings + WMR_FOUND_MAX_V1, 2 * sizeof(double));
+    put(s->state.memory.loop.findings, FOUND_ROWS, WMR_FINDINGS, s->state.values);
 }
 
-/* Pose, velocity and psi at the control instant that was reached. */
+/* Columns of the log that the plant shows, at the control instant that was reached. */
 static void publish_plant(struct wmr_instance *s)
 {
-    wmr_plant(wmr_loop_state(&s->state.memory.loop), s->state.values + WMR_Y);
+    double shown[WMR_REACHED];
+    wmr_reached(wmr_loop_state(&s->state.memory.loop), shown);
+    put(shown, REACHED_ROWS, WMR_REACHED, s->state.values);
 }
 
 static void publish(struct wmr_instance *s)
 {
     const wmr_memory *memory = &s->state.memory;
-    memcpy(s->state.values + WMR_Y, memory->row + 1, (WMR_ROW - 1) * sizeof(double));
+    put(memory->row, COLUMN_ROWS, WMR_ROW, s->state.values);
     publish_monitor(s);
 }
 

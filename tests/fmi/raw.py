@@ -157,6 +157,15 @@ class Instance:
         assert status == OK
         return values
 
+    def integer(self, name: str) -> int:
+        old, one = self.fmu.version == 2, ct.c_size_t(1)
+        call = self.fmu.GetInteger if old else self.fmu.GetInt64
+        value = ((ct.c_int32 if old else ct.c_int64) * 1)()
+        assert (
+            call(self.handle, refs(self.fmu.ref(name)), one, value, *(() if old else (one,))) == OK
+        )
+        return value[0]
+
     def all(self) -> list[float]:
         """Every real variable's elements."""
         found: list[float] = []

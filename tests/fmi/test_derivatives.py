@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.fmi.raw import CS, ERROR, ME, OK, reals, refs
-from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.plant import plant
@@ -34,7 +34,7 @@ def system_of(what):
         if what == "plant"
         else reference(SCENARIO)
         if what == "reference"
-        else watched_controller(settle(SCENARIO, what))
+        else asking_controller(settle(SCENARIO, what))
     )
 
 

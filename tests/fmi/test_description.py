@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from tests.matrix import versioned
-from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
@@ -105,7 +105,7 @@ def test_structure_is_the_jacobians(exported):
 @pytest.mark.parametrize("law", LAWS)
 def test_structure_of_laws_is_the_jacobians(exported, law):
     description = read_model_description(str(exported(law, 2)))
-    system = watched_controller(settle(load_scenario("paper-simulation"), law))
+    system = asking_controller(settle(load_scenario("paper-simulation"), law))
     inputs = [name for port in system.inputs for name in port.signal.elements]
     results = [*system.outputs, *system.diagnostics]
     rows = [name for item in results for name in item.signal.elements]

@@ -58,6 +58,22 @@ def test_a_state_put_back_gives_the_same_continuation(raw, what, version):
     assert fmu.new().begin().all() != straight
 
 
+@every_fmu
+def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
+    """Where the model reads its numbers from is made anew with the state."""
+    fmu = raw(what, version)
+    for name in ("robot.m", "gains.nn.rho1[1]", "limits.v_u2[1]", "reference.rate"):
+        other = {name: 1.05 * float(fmu.variables[name].start)} if name in fmu.variables else {}
+        changed = fmu.new()
+        assert changed.put(other) == OK
+        changed.begin()
+        kept = advanced(fmu, 0, 10, changed).bytes_of_state()
+        straight = advanced(fmu, 10, 10, changed).all()
+        new = fmu.new()
+        assert new.restore(kept) == OK
+        assert advanced(fmu, 10, 10, new).all() == straight, name
+
+
 @pytest.mark.parametrize(
     ("what", "version"), [("nn", 2), ("nn", 3), ("closed-loop", 2), ("closed-loop", 3)]
 )

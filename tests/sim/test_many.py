@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
+from importlib.metadata import EntryPoint
+from typing import ClassVar
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from wmr_ctrl.api import compile_loop, scenario_of, simulate
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.law import Law, Traits
+from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.model.system import System
 from wmr_ctrl.results.metrics import summary
 from wmr_ctrl.sim.many import RunTable, run_many
 
@@ -18,6 +27,34 @@ SHORT = {"clock.duration": 4.0, "changes": []}
 def many(overrides: list[dict[str, object]], seeds: list[int], **more: object) -> RunTable:
     scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
     return run_many(partial(compile_loop, law="mb"), scenarios, seeds, **more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlindGains(Section):
+    """None."""
+
+    KEY: ClassVar[str] = "gains.blind"
+
+
+def blind(sample: Sample) -> System:
+    """A thrust that is no number any more above 0.05 m/s."""
+    return sample.system("blind law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
+
+
+BLIND = Law("blind", BlindGains, blind, Traits(), "Toy law.")
+
+
+def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = EntryPoint("blind", f"{__name__}:BLIND", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, "blind", entry)
+    scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0})
+    table = run_many(partial(compile_loop, law="blind"), [scenario], [0])
+    run = simulate(scenario, "blind")
+
+    assert table["outcome"].tolist() == [run.outcome] == ["non-finite"]
+    assert run.rows > 1
+    assert np.isnan(table["tau_peak"][0])
+    assert summary(run)["tau_peak"] is None
 
 
 def test_one_scenario_serves_all_seeds() -> None:

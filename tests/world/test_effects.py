@@ -14,7 +14,6 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
 
 from tests import oracle
 from tests.matrix import quick
@@ -102,19 +101,6 @@ def test_it_matters_and_lanes_have_the_bits_of_one_robot(name):
     assert run.rows == 50
     assert not np.array_equal(run["x"], plain["x"])
     assert different(run, lanes[2]) == []
-
-
-@pytest.mark.parametrize("name", quick([*list(EFFECTS)[::2], "all at once"], "all at once"))
-def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(name, tmp_path):
-    run = run_of(name)
-    (path,) = export_fmu("closed-loop", law=LAW, scenario=scenario(ALL[name]), fmi=3, out=tmp_path)
-    names = ["x", "v1", "omega", "tau_right", "V1"]
-    table = simulate_fmu(
-        str(path), stop_time=0.5, output_interval=0.01, start_values={"seed": 3}, output=names
-    )
-
-    assert all(np.array_equal(table[n][:50], run[n]) for n in ("x", "v1", "omega"))
-    assert all(np.array_equal(table[n][1:], run[n]) for n in ("tau_right", "V1"))
 
 
 DRIVES = {**EFFECTS["jitter of a delay"], **EFFECTS["lag that varies"], **EFFECTS["motor"],

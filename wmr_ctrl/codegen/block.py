@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.controller import guard, watched_controller
+from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.parameters import Parameters
@@ -71,8 +71,8 @@ def plant_block(scenario: Scenario) -> Block:
 
 
 def law_block(setup: Setup) -> Block:
-    """The controller of a law, watched: one sample with its memory."""
-    system = watched_controller(setup)
+    """The controller of a law, watched: one sample with its memory, and what the law asks for."""
+    system = asking_controller(setup)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
 
 

@@ -48,6 +48,15 @@ def watched_controller(setup: Setup) -> System:
     return _composed(setup, watched=True)
 
 
+def asking_controller(setup: Setup) -> System:
+    """`watched_controller`, whose last diagnostic is the force that the law asks for.
+
+    That is what `guard` takes: the law's own wish, before a guard of this System and the wheels'
+    limit.
+    """
+    return _composed(setup, watched=True, asking=True)
+
+
 def law_graph(setup: Setup, under_way: int | None = None) -> System:
     """The law by itself, whose output is the generalised force (N, N m).
 
@@ -173,10 +182,11 @@ def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
     return r, half_track, 2 * limit / r
 
 
-def _composed(setup: Setup, *, watched: bool) -> System:
+def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
+    told = (Output(FORCE, asked),) if asking else ()
     known = remembered(core)
     if not (watched or known):
         return _finished(core, p, _limited_torque(setup, p, asked))
@@ -188,7 +198,7 @@ def _composed(setup: Setup, *, watched: bool) -> System:
     torque, memory = act(setup, p, asked, _velocity(core), applied)
     update = [*applied.following(torque), memory.update]
     state = (*applied.state, *memory.state)
-    return _finished(core, p, torque, state, update, memory.diagnostics)
+    return _finished(core, p, torque, state, update, (*memory.diagnostics, *told))
 
 
 def _velocity(core: System) -> ca.SX:

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from wmr_ctrl.codegen.build import delay_steps_of, numbers_of
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.codegen.kernels import loop_constants, loop_kernels
+from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
@@ -15,17 +15,20 @@ from wmr_ctrl.fmi.bounds import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.fmi.model import FmuModel, places_of_limits
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Port, port, stack
+from wmr_ctrl.model.system import Output, Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.scenario.scenario import SECTIONS
-from wmr_ctrl.signals import LARGEST, PLANT_STATE, Signal
+from wmr_ctrl.signals import LARGEST, POSE, VELOCITY, Signal
 from wmr_ctrl.world.registry import EFFECTS
 
-START = ("initial.pose", "initial.velocity")
+START = {"initial.pose": POSE, "initial.velocity": VELOCITY}
+"""Parameters that the state starts from, and which of it."""
 MAX_ABS_V = Signal(
     "max_abs_v", "m/s, rad/s", "largest |v1| and |omega| so far, over all plant steps", 2
 )
 VIOLATIONS = Signal("violations", "1", "plant steps beyond a velocity limit so far")
+FOUND = {"max_v1": "max_abs_v[1]", "max_omega": "max_abs_v[2]", "violations": VIOLATIONS.name}
+"""Outputs that show a finding of the run, by its name in FINDINGS."""
 SEED = Signal("seed", "1", "seed of the noise, as the command line takes it")
 MOST = 2147483647
 
@@ -51,9 +54,9 @@ def closed_loop_model(setup: Setup) -> FmuModel:
         scenario,
         rows,
         loop_constants(loop),
-        (*loop_kernels(loop), _plant_kernel(loop)),
+        (*loop_kernels(loop), _reached_kernel(loop)),
         (),
-        _layout(rows, len(parameters), scenario, _delay_steps(setup, loop)),
+        _layout(rows, len(parameters), setup, loop),
         _tables(rows, loop, scenario),
         None,
         False,
@@ -93,11 +96,16 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
     return tuple(item for key, item in ports.items() if key not in known)
 
 
-def _plant_kernel(loop: LoopGraphs) -> Kernel:
-    """What the plant shows of a state, as the log's first columns do."""
-    outputs = loop.plant.y
+def _reached(loop: LoopGraphs) -> tuple[Output, ...]:
+    """Columns of the log that the plant shows of a state, be a sample taken there or not."""
+    columns = set(loop.columns)
+    return tuple(item for item in loop.plant.outputs if item.signal in columns)
+
+
+def _reached_kernel(loop: LoopGraphs) -> Kernel:
+    shown = stack(item.expr for item in _reached(loop))
     x = stack(item.sym for item in loop.plant.state)
-    return kernel("plant", "What the plant shows.", {"x": x}, {"y": outputs})
+    return kernel("reached", "What the plant shows of a state.", {"x": x}, {"y": shown})
 
 
 def _drives(setup: Setup) -> dict[str, Range]:
@@ -133,7 +141,7 @@ def _changes(scenario: Scenario) -> Iterable[Variable]:
 
 
 def _layout(
-    rows: tuple[Variable, ...], first_output: int, scenario: Scenario, delay_steps: int
+    rows: tuple[Variable, ...], first_output: int, setup: Setup, loop: LoopGraphs
 ) -> dict[str, int]:
     at = {row.name: i for i, row in enumerate(rows)}
     return {
@@ -146,19 +154,15 @@ def _layout(
         "X": first_output,
         "NX": 0,
         "W": first_output,
-        "Y": first_output,
         "NW": len(rows) - first_output,
         "CONTINUOUS_STATES": 0,
         "HAS_ME": 0,
-        "CHANGES": len(scenario.changes),
-        "DELAY_MAX": delay_steps,
-        "STARTS": len(PLANT_STATE),
-        "AT_INITIAL": at["initial.pose[1]"],
+        "CHANGES": len(setup.scenario.changes),
+        "DELAY_MAX": _delay_steps(setup, loop),
+        "REACHED": len(_elements(item.signal for item in _reached(loop))),
         "AT_SEED": at["seed"],
         "AT_PERIOD": at["clock.control"],
         "AT_STEP": at["clock.plant"],
-        "AT_MAX_ABS_V": at["max_abs_v[1]"],
-        "AT_VIOLATIONS": at["violations"],
         **places_of_limits(rows),
     }
 
@@ -166,9 +170,16 @@ def _layout(
 def _tables(
     rows: tuple[Variable, ...], loop: LoopGraphs, scenario: Scenario
 ) -> dict[str, Sequence[Sequence[float]]]:
-    """Rows that the loop's parameters are read from, and what each change puts there."""
+    """By name, the rows that numbers are read from and shown in; 0 where there is none."""
     at = {row.name: i for i, row in enumerate(rows)}
-    names = [name for port in loop.parameters.ports for name in port.signal.elements]
+    names = _elements(port.signal for port in loop.parameters.ports)
+    state = _elements(port.signal for port in loop.plant.state)
+    at_rest = [0] * (len(loop.x0) - len(state))
+    starts = {
+        signal.name: at[f"{key}[{i}]"]
+        for key, signals in START.items()
+        for i, signal in enumerate(signals, start=1)
+    }
     changed = [
         [at.get(f"changes[{k}].{name.removeprefix('robot.')}", 0) for name in names]
         for k in range(1, len(scenario.changes) + 1)
@@ -181,4 +192,12 @@ def _tables(
         "CHANGE_ROWS": [*changed, [0] * len(names)],
         "CHANGE_TIME_ROWS": [[*times, 0]],
         "START": [loop.x0],
+        "START_ROWS": [[*(starts.get(name, 0) for name in state), *at_rest]],
+        "COLUMN_ROWS": [[at.get(name, 0) for name in _elements(loop.columns)]],
+        "REACHED_ROWS": [[at[name] for name in _elements(o.signal for o in _reached(loop))]],
+        "FOUND_ROWS": [[at.get(FOUND.get(name, ""), 0) for name in FINDINGS]],
     }
+
+
+def _elements(signals: Iterable[Signal]) -> list[str]:
+    return [name for signal in signals for name in signal.elements]
