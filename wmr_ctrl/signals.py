@@ -106,7 +106,7 @@ def tau_sent(age: int) -> Signal:
     return Signal(f"tau_sent{age}", "N.m", f"torque commanded {age} samples ago", 2)
 
 
-FORCE = Signal("force", "N, N.m", "generalised force (thrust, turning moment) that a law asks for", 2)
+FORCE = Signal("force", "N, N.m", "force that a law asks for (thrust, turning moment)", 2)
 
 TRACKING_ERROR = Signal("e", "m, m, rad", "tracking error, Eq. (8): ahead, to the left, angle", 3)
 DIAGNOSTICS = (

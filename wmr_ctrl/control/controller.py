@@ -186,7 +186,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
-    told = (Output(FORCE, asked),) if asking else ()
+    wish = (Output(FORCE, asked),) if asking else ()
     known = remembered(core)
     if not (watched or known):
         return _finished(core, p, _limited_torque(setup, p, asked))
@@ -198,7 +198,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     torque, memory = act(setup, p, asked, _velocity(core), applied)
     update = [*applied.following(torque), memory.update]
     state = (*applied.state, *memory.state)
-    return _finished(core, p, torque, state, update, (*memory.diagnostics, *told))
+    return _finished(core, p, torque, state, update, (*memory.diagnostics, *wish))
 
 
 def _velocity(core: System) -> ca.SX:
