@@ -13,6 +13,7 @@ import pytest
 
 from tests import oracle
 from tests.matrix import headed, quick, turns
+from tests.oracle import noise
 from wmr_ctrl.api import (
     compile_law,
     cosimulate,
@@ -27,7 +28,6 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, runs_equal
 from wmr_ctrl.scenario import Disturbance, Scenario, preset_names
 from wmr_ctrl.signals import LARGEST
-from wmr_ctrl.sim.oracle import noise
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 
