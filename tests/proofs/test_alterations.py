@@ -20,7 +20,7 @@ from wmr_ctrl.barrier import stable as stable_barrier
 from wmr_ctrl.laws import mb, nn, rbf
 from wmr_ctrl.model import auxiliary, dynamics, kinematics, tracking
 from wmr_ctrl.proofs.check import graph_hash
-from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.ledger import load
 
@@ -110,7 +110,7 @@ def verdict(claim: Claim) -> str:
     """What the methods say of a claim now; which functions it names does not matter here."""
     assert claim.statement is not None
     assert claim.method is not None
-    return claim.method.decide(claim.statement(1.0)).verdict
+    return claim.method.decide(claim.statement(CLAIMED)).verdict
 
 
 def test_the_original_is_put_back() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
+from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import differences, exit_code, load, stale
 from wmr_ctrl.proofs.product import function_named
@@ -141,14 +142,14 @@ def test_the_second_solver_agrees_where_it_is_installed() -> None:
     second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
     claim = next(claim for claim in all_claims() if claim.id == "guard.feasible")
 
-    assert second.confirmed_by(claim.statement(1.0)) == ("cvc5",)
+    assert second.confirmed_by(claim.statement(CLAIMED)) == ("cvc5",)
 
 
 def test_the_second_solver_has_more_than_one_way() -> None:
     pytest.importorskip("cvc5")
     second = pytest.importorskip("wmr_ctrl.proofs.methods.second")
     claim = next(claim for claim in all_claims() if claim.id == "guard.upper")
-    asked = {item.name: item for item in second.obligations(claim.statement(1.0))}
+    asked = {item.name: item for item in second.obligations(claim.statement(CLAIMED))}
 
     for name in ("goal-1", "hypotheses"):
         assert second.answer(asked[name].text) == asked[name].wanted

@@ -27,14 +27,14 @@ def test_a_refuted_statement_fails_and_a_proved_one_does_not(extra, fails) -> No
 
 def test_an_open_end_counts_only_if_the_claim_itself_needs_no_more_patience(monkeypatch) -> None:
     hard = Statement(symbols("x"), (at_least(ca.exp(ca.SX.sym("y"))),))
-    patient, hasty = Z3(effort=77), Z3(effort=1)
-    answers = {patient.effort: "PROVED", hasty.effort: "OPEN"}
-    monkeypatch.setattr(alterations, "hasty", lambda method: hasty)
+    patient, quick = Z3(effort=77), Z3(effort=1)
+    answers = {patient.effort: "PROVED", quick.effort: "OPEN"}
+    monkeypatch.setattr(alterations, "short_budget", lambda method: quick)
     monkeypatch.setattr(alterations, "_verdict", lambda method, _: answers[method.effort])
     claim = replace(CLAIM, method=patient)
 
-    monkeypatch.setattr(alterations, "proves_hastily", lambda key: False)
+    monkeypatch.setattr(alterations, "proves_quickly", lambda key: False)
     assert not alterations.fails(claim, hard)
 
-    monkeypatch.setattr(alterations, "proves_hastily", lambda key: True)
+    monkeypatch.setattr(alterations, "proves_quickly", lambda key: True)
     assert alterations.fails(claim, hard)

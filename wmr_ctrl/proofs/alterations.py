@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
@@ -49,7 +49,7 @@ def digests(claims: Sequence[Claim]) -> dict[str, str | None]:
 
 def _digest(claim: Claim) -> str | None:
     try:
-        return claim.statement(1.0).graph.digest if claim.statement else None
+        return claim.statement(CLAIMED).graph.digest if claim.statement else None
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
 
@@ -65,7 +65,7 @@ def needs(claim: Claim, name: str) -> bool:
     assert claim.method is not None
     found = (altered_statement(claim, name, change) for change in CHANGES.values())
     statements = [statement for statement in found if statement is not None]
-    quick = hasty(claim.method)
+    quick = short_budget(claim.method)
     return any(_verdict(quick, statement) == REFUTED for statement in statements) or any(
         fails(claim, statement) for statement in statements
     )
@@ -83,7 +83,7 @@ def altered_statement(claim: Claim, name: str, change: Change) -> Statement | No
     forget()
     try:
         with altered(name, change):
-            statement = claim.statement(1.0)
+            statement = claim.statement(CLAIMED)
             _ = statement.graph
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
@@ -95,37 +95,35 @@ def altered_statement(claim: Claim, name: str, change: Change) -> Statement | No
 def fails(claim: Claim, statement: Statement) -> bool:
     """Whether the claim's method does not prove an altered statement.
 
-    That a hasty one does not prove it counts where a hasty one proves the claim as it is.
+    That it does not within a short budget counts where it proves the claim as it is within one.
     """
     assert claim.method is not None
-    verdict = _verdict(hasty(claim.method), statement)
-    if verdict == OPEN and not proves_hastily(claim.id):
+    verdict = _verdict(short_budget(claim.method), statement)
+    if verdict == OPEN and not proves_quickly(claim.id):
         verdict = _verdict(claim.method, statement)
     return verdict != PROVED
 
 
 @cache
-def proves_hastily(key: str) -> bool:
-    """Whether the method with little patience proves the claim of this id."""
+def proves_quickly(key: str) -> bool:
+    """Whether the method within a short budget proves the claim of this id."""
     claim = next(claim for claim in all_claims() if claim.id == key)
     assert claim.statement is not None
     assert claim.method is not None
-    return _verdict(hasty(claim.method), claim.statement(1.0)) == PROVED
+    return _verdict(short_budget(claim.method), claim.statement(CLAIMED)) == PROVED
 
 
 def _verdict(method: Method, statement: Statement) -> str:
     try:
         return method.decide(statement).verdict
     except KeyError:
-        return (
-            PROVED  # the graph reads an input that the method was not told of: that tells nothing
-        )
+        return PROVED  # the graph reads an input that the method was not told of: no news
 
 
-def hasty(method: Method) -> Method:
-    """The method with little patience: one case that fails is enough."""
+def short_budget(method: Method) -> Method:
+    """The method within a short budget: one case that fails is enough."""
     if isinstance(method, Both):
-        return replace(method, first=hasty(method.first), second=hasty(method.second))
+        return replace(method, first=short_budget(method.first), second=short_budget(method.second))
     if isinstance(method, Ball):
         return replace(method, budget=min(method.budget, 400))
     if isinstance(method, Z3):

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import Any
 
 from wmr_ctrl.proofs.alterations import functions_of
-from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim
 from wmr_ctrl.proofs.finding import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
 from wmr_ctrl.proofs.ledger import Entry
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Method, Ring, named, needs, trusted
@@ -34,7 +34,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     if absent:
         return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
     started = perf_counter()
-    statement, method = claim.statement(1.0), _reminded(claim.method, known)
+    statement, method = claim.statement(CLAIMED), _reminded(claim.method, known)
     finding = method.decide(statement)
     mutated = _mutated(claim, method) if finding.verdict == PROVED else None
     seconds = round(perf_counter() - started, 2)
@@ -68,7 +68,7 @@ def _reminded(method: Method, known: Entry | None) -> Method:
 
 def graph_hash(claim: Claim) -> str:
     """Hash of the graph that the claim is about now."""
-    return claim.statement(1.0).graph.digest if claim.statement else ""
+    return claim.statement(CLAIMED).graph.digest if claim.statement else ""
 
 
 def recheck(claim: Claim, entry: Entry) -> bool:
@@ -77,7 +77,7 @@ def recheck(claim: Claim, entry: Entry) -> bool:
 
     if claim.statement is None or entry.counterexample is None:
         return False
-    given, goal = judge(claim.statement(1.0), read_point(entry.counterexample))
+    given, goal = judge(claim.statement(CLAIMED), read_point(entry.counterexample))
     return given and not goal
 
 
@@ -90,7 +90,7 @@ def read_point(text: Mapping[str, str]) -> dict[str, Any]:
 
 def _mutated(claim: Claim, method: Method) -> bool:
     assert claim.statement is not None
-    return _quick(method).decide(claim.statement(-1.0)).verdict == REFUTED
+    return _quick(method).decide(claim.statement(MUTATED)).verdict == REFUTED
 
 
 def _quick(method: Method) -> Method:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.methods.second import obligations, uses_z3
 
@@ -46,7 +47,7 @@ def export(folder: Path, ids: Iterable[str]) -> int:
             continue
         place = folder / claim.id
         place.mkdir(exist_ok=True)
-        for item in obligations(claim.statement(1.0)):
+        for item in obligations(claim.statement(CLAIMED)):
             text = f"; {claim.id}, {item.name}: {item.wanted} is needed\n{item.text}"
             (place / f"{item.name}.smt2").write_text(text, encoding="utf-8")
             count += 1

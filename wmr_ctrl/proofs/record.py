@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmr_ctrl.proofs.alterations import functions_of, tried
-from wmr_ctrl.proofs.claim import Claim
+from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
 from wmr_ctrl.proofs.methods.second import confirmed_by, uses_z3
@@ -56,7 +56,7 @@ def confirmed(entry: Entry) -> Entry:
     claim = _claim_of(entry)
     if entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
         return entry
-    agree = confirmed_by(claim.statement(1.0))
+    agree = confirmed_by(claim.statement(CLAIMED))
     sys.stderr.write(f"{entry.id}: confirmed by {', '.join(agree) or 'no other'}\n")
     return replace(entry, confirmed_by=agree)
 

@@ -14,10 +14,11 @@ THEMES = (
     ("cover", "Regions"),
     ("barrier", "The barrier function"),
     ("structure", "Why it works"),
-    ("forms", "What the generated C evaluates"),
+    ("compiled_forms", "What the generated C evaluates"),
     ("lyapunov", "The model-based law"),
     ("tracking", "Position errors"),
     ("theorem1", "The window argument of Theorem 1"),
+    ("theorem1_turn", "The window argument of Theorem 1"),
     ("network", "The adaptive network"),
     ("errata", "What does not hold as printed"),
     ("authority", "Which disturbance the barrier withstands"),
@@ -32,9 +33,10 @@ THEMES = (
     ("guard_varying_motion", "What it promises behind a lag that varies"),
     ("wheel_maps", "Wheels behind the guard"),
     ("guard_rounding", "The velocity guard in rounded arithmetic"),
+    ("guard_delay_sums", "The velocity guard behind a delay in rounded arithmetic"),
     ("guard_delay_rounding", "The velocity guard behind a delay in rounded arithmetic"),
     ("world", "Encoders and wheels"),
-    ("ground", "Motors, ground and air"),
+    ("effect_bounds", "Motors, ground and air"),
     ("resolvent", "The barrier's proximal map"),
     ("transport", "The level transport"),
     ("prox", "The sampled-data law"),
@@ -44,7 +46,7 @@ THEMES = (
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("composition", "How the parts are put together"),
-    ("hand", "Arguments by hand, assumptions, open ends"),
+    ("manual", "Arguments by hand, assumptions, open ends"),
 )
 DEFINITIONS = "Definitions"
 
@@ -55,13 +57,13 @@ def all_claims() -> tuple[Claim, ...]:
     found: list[Claim] = []
     for name, title in THEMES:
         module = import_module(f"wmr_ctrl.proofs.claims.{name}")
-        found += [replace(claim, theme=title) for claim in module.CLAIMS]
+        found += [replace(claim, theme=title) for claim in module.claim.listed]
     return (*found, *_definitions())
 
 
 def forget() -> None:
     """Drop graphs that were kept, after a change of the product's functions in memory."""
-    from wmr_ctrl.proofs.claims.network_steps import network_axis
+    from wmr_ctrl.proofs.claims.network_axis import network_axis
 
     network_axis.cache_clear()
 

@@ -4,8 +4,6 @@ and what its flag promises, desired motions, dead reckoning.
 
 from __future__ import annotations
 
-from functools import partial
-
 import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import target_rate
@@ -13,7 +11,7 @@ from wmr_ctrl.guard.bounds import ROUNDING
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
 from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.proofs.case import POSITIVE, Case
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
     OFF_EDGES,
     BarrierAxis,
@@ -27,21 +25,25 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
 from wmr_ctrl.world.references import circle, line
 
+HARD = Z3(effort=150)
+DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
+POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
+DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
+DELAYS = (
+    {"key": "", "late": False, "where": "without delay (delay = 0 in the claim)"},
+    {"key": "-late", "late": True, "where": "behind a delay"},
+)
+MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
+claim = Claims(by=HARD)
 
-def _sharp(flip: float) -> Statement:
-    """Exact measurement and mass, no friction: d_least is the push itself, either way."""
-    a = GuardAxis()
-    b, t = a.bounds, symbols("old push way")
-    way = ca.if_else(t["way"] > 0, 1, -1)
-    y = t["old"] + b.period * (a["asked"] + way * t["push"]) / b.M_min
-    least = least_push(y, t["old"], a["asked"], b)
-    exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
-    ahead = (above(ca.fmin(way * y, way * t["old"])), at_least(t["push"]))
-    return Statement({**a.symbols, **t}, (equal(least, flip * t["push"]),), (*exact, *ahead))
 
+@claim("guard.axes", given="T > 0")
+def axes(mutation: Mutation) -> Statement:
+    """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
+    i = 1, 2.
 
-def _axes(flip: float) -> Statement:
-    """Each axis of the guard sees its own force, velocity and bounds."""
+    What is shown of one axis holds for each of the two.
+    """
     one, two = GuardAxis(), GuardAxis()
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
     both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
@@ -50,7 +52,7 @@ def _axes(flip: float) -> Statement:
         goal
         for i, a in enumerate((one, two))
         for goal in (
-            equal(result.force[i], clipped(flip * a["asked"], a["y"], a.bounds)),
+            equal(result.force[i], clipped(mutation * a["asked"], a["y"], a.bounds)),
             equal(result.safe[i], clipped(ca.SX(0), a["y"], a.bounds)),
         )
     ]
@@ -58,13 +60,61 @@ def _axes(flip: float) -> Statement:
     return Statement(table, tuple(goals), positive)
 
 
-def _promise(late: bool, flip: float) -> Statement:
-    """feasible = 1 gives what the theorems assume, but for alpha T <= 1 + 2^-44."""
+@claim(
+    "guard.monitor-sharp",
+    given="nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
+)
+def sharp(mutation: Mutation) -> Statement:
+    """d_least is the push of the sample, forwards and backwards.
+
+    Where nothing is uncertain the monitor measures the disturbance.
+    """
+    a = GuardAxis()
+    b, t = a.bounds, symbols("old push way")
+    way = ca.if_else(t["way"] > 0, 1, -1)
+    y = t["old"] + b.period * (a["asked"] + way * t["push"]) / b.M_min
+    least = least_push(y, t["old"], a["asked"], b)
+    exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
+    ahead = (above(ca.fmin(way * y, way * t["old"])), at_least(t["push"]))
+    return Statement({**a.symbols, **t}, (equal(least, mutation * t["push"]),), (*exact, *ahead))
+
+
+@claim("law.mass", (4,), given="any values", by=Ring())
+def believed(mutation: Mutation) -> Statement:
+    """the inertia that a law believes in is diag(model.m, model.I).
+
+    What the entries about laws call M.
+    """
+    law = LawGraph("mb")
+    mass, t = law.own(law.sample.mass), law.symbols
+    return Statement(t, (equal(mass[0], mutation * t["model.m"]), equal(mass[1], t["model.I"])))
+
+
+@claim("eq18.rate", (18, 23), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def eq18_rate(mutation: Mutation) -> Statement:
+    """v_c1' = (d v_c1/d v_c0) v_c0'.
+
+    How fast the target of the velocity moves.
+    """
+    a = BarrierAxis()
+    _, c, u1, u2 = a.all
+    t = {**a.symbols, **symbols("cdot")}
+    rate = target_rate(c, t["cdot"], u1, u2)
+    return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t["cdot"]),))
+
+
+@claim("guard.promise{key}", given="{where}", by=HARD, over=DELAYS)
+def promise(mutation: Mutation, late: bool) -> Statement:
+    """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
+    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1 + 2^-44.
+
+    The published flag stands for the theorem's hypotheses, signs aside and alpha T to rounding.
+    """
     a = LateAxis() if late else GuardAxis()
     b = a.bounds
     delay = 1 + b.alpha * a["delay"] if late else 1
     goals = (
-        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), (2 if flip > 0 else 2.01) * a.net * delay),
+        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), mutation(2, 2.01) * a.net * delay),
         at_least(b.u1, 2 * b.nbar),
         at_least(b.brake, a.net),
         at_least(1 + ROUNDING, b.alpha * b.period),
@@ -74,8 +124,13 @@ def _promise(late: bool, flip: float) -> Statement:
     return Statement(a.symbols, goals, (above(feasible(b)),))
 
 
-def _motion(kind: str, flip: float) -> Statement:
-    """Speed, turning rate and their rates are those of the positions."""
+@claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
+def motion(mutation: Mutation, kind: str) -> Statement:
+    """{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, and the
+    published rates are the derivatives of v1d and v2d.
+
+    The desired motion is one that the robot could make.
+    """
     names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
     t = symbols(names, names.removeprefix("t "))
     given = {**t, "ref_origin": ca.vertcat(t["x0"], t["y0"])} if kind == "line" else t
@@ -84,7 +139,7 @@ def _motion(kind: str, flip: float) -> Statement:
     second = ca.jacobian(first, t["t"])
     turned = first[0] * second[1] - first[1] * second[0]
     goals: tuple[Relation, ...] = (
-        equal(first[0] ** 2 + first[1] ** 2, flip * y[3] ** 2 + (1 - flip)),
+        equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation)),
         equal(turned, y[3] ** 2 * y[4]),
         equal(first[2], y[4]),
         equal(first[3], y[5]),
@@ -96,24 +151,12 @@ def _motion(kind: str, flip: float) -> Statement:
     return Statement(t, goals)
 
 
-def _believed(flip: float) -> Statement:
-    """The masses that the claims about laws speak of are the believed m and I."""
-    law = LawGraph("mb")
-    mass, t = law.own(law.sample.mass), law.symbols
-    return Statement(t, (equal(mass[0], flip * t["model.m"]), equal(mass[1], t["model.I"])))
+@claim("estimator.pose", given="any values", by=Ring())
+def estimator_pose(mutation: Mutation) -> Statement:
+    """estimate = gain measured + (1 - gain) (old estimate moved by the old velocity).
 
-
-def _target_rate(flip: float) -> Statement:
-    """v_c1' is the slope of Eq. (18) times v_c0'."""
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
-    t = {**a.symbols, **symbols("cdot")}
-    rate = target_rate(c, t["cdot"], u1, u2)
-    return Statement(t, (equal(rate, flip * ca.gradient(a.x, c) * t["cdot"]),))
-
-
-def _corrected(flip: float) -> Statement:
-    """A whole correction takes the measured pose; none moves by the old velocity."""
+    Dead reckoning: a whole correction takes the sensor's pose, none keeps moving.
+    """
     names = "x y theta v omega x_m y_m theta_m period gain"
     t = symbols(names, names)
     pose, old = (ca.vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
@@ -122,94 +165,6 @@ def _corrected(flip: float) -> Statement:
     moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
     estimate = corrected(reckoned(pose, old, period), measured, gain)
     goals = tuple(
-        equal(estimate[i], gain * flip * measured[i] + (1 - gain) * moved[i]) for i in range(3)
+        equal(estimate[i], gain * mutation * measured[i] + (1 - gain) * moved[i]) for i in range(3)
     )
     return Statement(t, goals)
-
-
-HARD = Z3(effort=150)
-DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
-POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
-DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
-
-
-def _promise_claim(late: bool) -> Claim:
-    return Claim(
-        "guard.promise-late" if late else "guard.promise", (), OURS,
-        "feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, "
-        "brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1 + 2^-44",
-        "The published flag stands for the theorem's hypotheses, signs aside and alpha T to "
-        "rounding.",
-        "behind a delay" if late else "without delay (delay = 0 in the claim)",
-        partial(_promise, late), HARD,
-    )  # fmt: skip
-
-
-def _motion_claim(kind: str) -> Claim:
-    return Claim(
-        f"reference.{kind}", (), OURS,
-        f"{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, "
-        "and the published rates are the derivatives of v1d and v2d",
-        "The desired motion is one that the robot could make.",
-        "rates and radius > 0" + (DIRECTION if kind == "circle" else ""),
-        partial(_motion, kind), POSITIVE_RATES,
-    )  # fmt: skip
-
-
-CLAIMS = (
-    Claim(
-        "guard.axes",
-        (),
-        OURS,
-        "guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point "
-        "likewise, i = 1, 2",
-        "What is shown of one axis holds for each of the two.",
-        "T > 0",
-        _axes,
-        HARD,
-    ),
-    Claim(
-        "guard.monitor-sharp",
-        (),
-        OURS,
-        "d_least is the push of the sample, forwards and backwards",
-        "Where nothing is uncertain the monitor measures the disturbance.",
-        "nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
-        _sharp,
-        HARD,
-    ),
-    Claim(
-        "law.mass",
-        (4,),
-        OURS,
-        "the inertia that a law believes in is diag(model.m, model.I)",
-        "What the entries about laws call M.",
-        "any values",
-        _believed,
-        Ring(),
-    ),
-    Claim(
-        "eq18.rate",
-        (18, 23),
-        OURS,
-        "v_c1' = (d v_c1/d v_c0) v_c0'",
-        "How fast the target of the velocity moves.",
-        OFF_EDGES,
-        _target_rate,
-        Ring(target_cases(edges=False)),
-    ),
-    _promise_claim(False),
-    _promise_claim(True),
-    _motion_claim("circle"),
-    _motion_claim("line"),
-    Claim(
-        "estimator.pose",
-        (),
-        OURS,
-        "estimate = gain measured + (1 - gain) (old estimate moved by the old velocity)",
-        "Dead reckoning: a whole correction takes the sensor's pose, none keeps moving.",
-        "any values",
-        _corrected,
-        Ring(),
-    ),
-)

@@ -12,138 +12,319 @@ altered claims have the gradient law v' = -(rho/2) A + d/M in place of (9): they
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
 
-from wmr_ctrl.barrier.smooth import SmoothAxis
+import casadi as ca
+
+from wmr_ctrl.barrier import paper as barrier
+from wmr_ctrl.barrier.smooth import SmoothAxis, smooth_barrier
 from wmr_ctrl.barrier.stable import Axis
-from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims import gain_steps as steps
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES
+from wmr_ctrl.model.dynamics import acceleration
+from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
+from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES, BarrierAxis, LawGraph
+from wmr_ctrl.proofs.claims.sampled import SETTINGS
 from wmr_ctrl.proofs.finding import HAND
-from wmr_ctrl.proofs.methods.spec import Z3, Ring, Table
-from wmr_ctrl.proofs.regions import SMOOTH_TARGETS, TARGET_EDGES, TARGETS, all_cases, smooth_cases
+from wmr_ctrl.proofs.methods.spec import Z3, Point, Ring, Table
+from wmr_ctrl.proofs.regions import (
+    CHARTED,
+    SMOOTH_TARGETS,
+    TARGET_EDGES,
+    TARGETS,
+    all_cases,
+    smooth_cases,
+    target_value,
+)
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+
+def reach(delta: Any, B: Any) -> Any:
+    """8 delta + B, in front of rho M/D."""
+    return 8 * delta + B
+
+
+def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
+    """v* for k = rho M/D."""
+    delta, B = u1 - u2, u1 + ca.fabs(c)
+    return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
+
+
+def cost(a: BarrierAxis) -> ca.SX:
+    """(v - v_c0)^2/2 + f(v)."""
+    v, c, u1, u2 = a.all
+    return 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
+
+
+def smaller_slope(a: BarrierAxis) -> ca.SX:
+    """A - 1/delta: the slope of the smooth barrier for v > v_u2, below that of the paper's."""
+    return a.A - 1 / (a.all[2] - a.all[3])
+
+
+def near_limit(sign: int) -> Case:
+    """v_c0 = sign m; 1/g = 3 + 2 b B + e; rho M/D = e/((8 b + B)(1 + i)), up to what v* allows."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b, B = n["u2"], n["b"], n["u2"] + n["b"] + n["m"]
+        k = n["e"] / (reach(b, B) * (1 + n["i"]))
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        rho = k * n["D"] / n["M"]
+        return {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho} | {
+            name: n[name] for name in ("M", "D")
+        }
+
+    numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
+    ends = dict.fromkeys(("m", "i"), NONNEGATIVE)
+    return Case(f"v_c0 {'>=' if sign > 0 else '<='} 0, v >= v*", {**numbers, **ends}, values)
+
+
+def charted(target: str) -> Case:
+    """The same near the limit with v_c0 in one of its regions, whatever rho M/D is."""
+
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n["u2"], n["b"]
+        c = target_value(target, u2, b, n.get("j", 0))
+        B = u2 + b + (-c if target.endswith("-") else c)
+        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
+        return {"u1": u2 + b, "u2": u2, "c": c, "v": v}
+
+    names = ("u2", "b", "e", *(("j",) if target[:-1] in CHARTED else ()))
+    return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
+
+
+INNER = ("quotient", "q", "w", "cdot")
+
+
+def _inner(law: LawGraph, axis: int) -> list[ca.SX]:
+    found = law.sample.barrier[axis]
+    return [law.own(x) for x in (found.V1_over_A, found.q, found.w, law.sample.v_c0_dot[axis])]
+
+
+def _premises(
+    A: ca.SX, J: ca.SX, pull: ca.SX, D: ca.SX, inner: list[ca.SX]
+) -> tuple[Relation, ...]:
+    """A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held."""
+    quotient, _, _, c_dot = inner
+    fades = at_least(0.5 * D * A, pull * J)
+    return above(A), at_least(J, A * quotient), fades, above(D), equal(c_dot)
+
+
+def held_back() -> list[Point]:
+    """d_max and where it is met, at v_c0 = 0 to 20; the sampled settings at 0 and the largest."""
+    found = []
+    for n in AXES:
+        for c in map(float, range(21)):
+            v = n.best(c)
+            found.append(_point(n, v=v, c=c, low=n.resisted(v, c)))
+    for s in SETTINGS:
+        for farthest in ("0", s.target):
+            found.append(_point(AXES[s.axis], v=s.level, c=farthest, low=s.disturbance))
+    return found
+
+
+def _point(n: Numbers, **values: float | str) -> Point:
+    return {k: Fraction(x) for k, x in {**values, "u1": n.u1, "u2": n.u2, "rho": n.rho}.items()}
+
 
 STAR = (
     "v* = v_u1 - delta g^2, 1/g = 3 + 2 delta B + (rho M/D) (8 delta + B), delta = v_u1 - v_u2, "
     "B = v_u1 + |v_c0|"
 )
 AHEAD = smooth_cases(sides=("out+",))
+claim = Claims(by=Z3())
 
-CLAIMS = (
-    Claim(
-        "gain.ceiling",
-        (12, 16),
-        OURS,
-        "V1i <= (v - v_c0)^2/2 + f(v)",
-        "The barrier function grows no faster than its logarithm.",
-        ALL_LIMITS,
-        steps.ceiling,
-        Ring(all_cases(), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "gain.ceiling-smooth",
-        (),
-        OURS,
-        "the same for the smooth barrier as compiled, and its A is the paper's less "
-        "1/(v_u1 - v_u2), for v > v_u2",
-        "Nor does the smooth one.",
-        "every 0 < v_u2 < v < v_u1, any v_c0" + NO_SERIES,
-        steps.ceiling_smooth,
-        Ring(AHEAD, CLOSED_FORM, log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "gain.fades",
-        (9, 10, 15),
-        OURS,
-        "rho M ((v - v_c0)^2/2 + f(v)) <= (D/2) (A - 1/(v_u1 - v_u2)) and A > 1/(v_u1 - v_u2) for "
-        "every v in [v*, v_u1)",
-        "However small a disturbing force is, close enough to the limit the barrier's share of the "
-        "law resists less than half of it.",
-        f"every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}",
-        steps.fades,
-        Ring((steps.near_limit(1), steps.near_limit(-1)), log_lemma=True),
-        premises=("gain.cover", "lemma.log"),
-    ),
-    Claim(
-        "gain.closed",
-        (15,),
-        OURS,
-        "on [v*, v_u1) the compiled barrier evaluates phi at Y > 1/2, in closed form",
-        "No series stands for the logarithm there.",
-        "every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
-        partial(steps.closed, Axis),
-        Ring(tuple(map(steps.charted, TARGETS + TARGET_EDGES))),
-        premises=("gain.cover",),
-    ),
-    Claim(
-        "gain.closed-smooth",
-        (),
-        OURS,
-        "the same for the smooth barrier",
-        "Nor in the smooth one.",
-        "every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
-        partial(steps.closed, SmoothAxis),
-        Ring(tuple(map(steps.charted, SMOOTH_TARGETS))),
-        premises=("gain.cover",),
-    ),
-    Claim(
-        "gain.cover",
-        (),
-        OURS,
-        "the chart of gain.fades and gain.closed runs through all of [v*, v_u1)",
-        "Nothing was left out.",
-        "every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0",
-        steps.covered,
-        Z3(),
-    ),
-    Claim(
-        "gain.none",
-        (9,),
-        OURS,
-        "on the model-based law's graph v' >= D/(2 M) for every v in [v*, v_u1), both axes",
-        "From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, "
-        "however small D is. The gradient law in its place does not (the altered claim).",
-        f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
-        partial(steps.outward, "paper"),
-        Z3(),
-        premises=("gain.fades", "gain.ceiling", "gain.closed", "forms.quotient"),
-    ),
-    Claim(
-        "gain.none-smooth",
-        (),
-        OURS,
-        'the same for barrier = "smooth"',
-        "A continuous slope does not mend it.",
-        f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
-        partial(steps.outward, "smooth"),
-        Z3(),
-        premises=("gain.fades", "gain.ceiling-smooth", "gain.closed-smooth", "smooth.quotient"),
-    ),
-    Claim(
-        "gain.levels",
-        (9,),
-        OURS,
-        "v* of D/M = d_max lies beyond the velocity at which d_max is held back, for v_c0 = 0, 1, "
-        "..., 20 on both axes, and v* of each sampled setting (sampled.*) beyond its level",
-        "What the barrier withstands from below and what it gives way to from v* on do not "
-        "contradict each other.",
-        "paper limits and gains",
-        steps.levels,
-        Table(points=steps.held_back),
-        premises=("authority.lower-linear", "authority.lower-angular"),
-    ),
-    Claim(
-        "gain.meaning",
-        (9,),
-        OURS,
-        "under law (9) the velocity error has no input-to-state stability on |v| < v_u1: for every "
-        "D > 0 a constant force D carries v from v* to v_u1 within 2 M (v_u1 - v*)/D",
-        "No bound of the disturbance, however small, keeps V1 bounded from every start inside the "
-        "limits; the gradient law has such a bound (prox.gain).",
-        "v_c0 held, model exact",
-        verdict=HAND,
-        premises=("gain.none", "gain.none-smooth", "lemma.comparison"),
-    ),
+
+@claim(
+    "gain.ceiling",
+    (12, 16),
+    given=ALL_LIMITS,
+    by=Ring(all_cases(), log_lemma=True),
+    premises="lemma.log",
 )
+def ceiling(mutation: Mutation) -> Statement:
+    """V1i <= (v - v_c0)^2/2 + f(v).
+
+    The barrier function grows no faster than its logarithm.
+    """
+    a = BarrierAxis()
+    v, c, _, _ = a.all
+    J = cost(a)
+    return Statement(a.symbols, (at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V),))
+
+
+@claim(
+    "gain.ceiling-smooth",
+    given="every 0 < v_u2 < v < v_u1, any v_c0" + NO_SERIES,
+    by=Ring(AHEAD, CLOSED_FORM, log_lemma=True),
+    premises="lemma.log",
+)
+def ceiling_smooth(mutation: Mutation) -> Statement:
+    """the same for the smooth barrier as compiled, and its A is the paper's less 1/(v_u1 - v_u2),
+    for v > v_u2.
+
+    Nor does the smooth one.
+    """
+    # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    found = smooth_barrier(c, v, u1, u2)
+    slope = equal(found.w, mutation * found.q * smaller_slope(a))
+    return Statement(a.symbols, (at_least(cost(a), found.V1), slope))
+
+
+@claim(
+    "gain.fades",
+    (9, 10, 15),
+    given=f"every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}",
+    by=Ring((near_limit(1), near_limit(-1)), log_lemma=True),
+    premises="gain.cover lemma.log",
+)
+def fades(mutation: Mutation) -> Statement:
+    """rho M ((v - v_c0)^2/2 + f(v)) <= (D/2) (A - 1/(v_u1 - v_u2)) and A > 1/(v_u1 - v_u2) for
+    every v in [v*, v_u1).
+
+    However small a disturbing force is, close enough to the limit the barrier's share of the law
+    resists less than half of it.
+    """
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    t = symbols("rho M D", "rho M")
+    A = smaller_slope(a)
+    pull = mutation(cost(a), 0.5 * A**2)
+    goals = (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull))
+    return Statement(
+        {**a.symbols, **t},
+        goals,
+        (above(u1, v), at_least(v, level(c, u1, u2, t["rho"] * t["M"] / t["D"]))),
+    )
+
+
+@claim(
+    "gain.closed",
+    (15,),
+    given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
+    by=Ring(tuple(map(charted, TARGETS + TARGET_EDGES))),
+    premises="gain.cover",
+)
+def gain_closed(mutation: Mutation, form: type[Axis] = Axis) -> Statement:
+    """on [v*, v_u1) the compiled barrier evaluates phi at Y > 1/2, in closed form.
+
+    No series stands for the logarithm there.
+    """
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    s = ca.if_else(c >= 0, 1, -1)
+    return Statement(a.symbols, (above(form(s * c, s * v, u1, u2).y, mutation(0.5, 1)),))
+
+
+@claim(
+    "gain.closed-smooth",
+    given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
+    by=Ring(tuple(map(charted, SMOOTH_TARGETS))),
+    premises="gain.cover",
+)
+def gain_closed_smooth(mutation: Mutation) -> Statement:
+    """the same for the smooth barrier.
+
+    Nor in the smooth one.
+    """
+    return gain_closed(mutation, SmoothAxis)
+
+
+@claim("gain.cover", given="every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0")
+def covered(mutation: Mutation) -> Statement:
+    """the chart of gain.fades and gain.closed runs through all of [v*, v_u1).
+
+    Nothing was left out.
+    """
+    # The numbers e and i that give a point of [v*, v_u1) back.
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    k = ca.SX.sym("k")
+    b, B = u1 - u2, u1 + ca.fabs(c)
+    root = ca.sqrt(b / (u1 - v))
+    e = root - 3 - mutation(2, 5) * b * B
+    goals = (above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v))
+    given = (above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k)))
+    return Statement({**a.symbols, "k": k}, goals, given)
+
+
+@claim(
+    "gain.none",
+    (9,),
+    given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
+    premises="gain.fades gain.ceiling gain.closed forms.quotient",
+)
+def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
+    """on the model-based law's graph v' >= D/(2 M) for every v in [v*, v_u1), both axes.
+
+    From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, however
+    small D is. The gradient law in its place does not (the altered claim).
+    """
+    law = LawGraph("mb", (("gains.mb.barrier", form),))
+    mass, friction = law.own(law.sample.mass), law.own(law.sample.friction)
+    every, cuts = dict(law.symbols), dict[str, ca.SX]()
+    goals, given = list[Relation](), list[Relation]()
+    for axis in (0, 1):
+        t = symbols(" ".join(f"{name}{axis + 1}" for name in ("A", "J", "D", *INNER)))
+        A, J, D, *inner = t.values()
+        rho = law.symbols[f"gains.mb.rho[{axis + 1}]"]
+        cuts |= dict(zip(list(t)[3:], _inner(law, axis), strict=True))
+        cuts[f"friction{axis + 1}"] = friction[axis]
+        nominal = acceleration(mass[axis], law.force[axis], friction[axis])
+        rate = mutation(nominal, -0.5 * rho * A)
+        goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
+        given += [*_premises(A, J, rho * mass[axis], D, inner), above(mass[axis]), above(rho)]
+        every |= t
+    return Statement(every, tuple(goals), tuple(given), cuts)
+
+
+@claim(
+    "gain.none-smooth",
+    given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
+    premises="gain.fades gain.ceiling-smooth gain.closed-smooth smooth.quotient",
+)
+def gain_none_smooth(mutation: Mutation) -> Statement:
+    """the same for barrier = "smooth".
+
+    A continuous slope does not mend it.
+    """
+    return gain_none(mutation, "smooth")
+
+
+@claim(
+    "gain.levels",
+    (9,),
+    given="paper limits and gains",
+    by=Table(points=held_back),
+    premises="authority.lower-linear authority.lower-angular",
+)
+def levels(mutation: Mutation) -> Statement:
+    """v* of D/M = d_max lies beyond the velocity at which d_max is held back, for v_c0 = 0, 1, ...,
+    20 on both axes, and v* of each sampled setting (sampled.*) beyond its level.
+
+    What the barrier withstands from below and what it gives way to from v* on do not contradict
+    each other.
+    """
+    # v* of a disturbance that is held back at v lies beyond v; low = D/M.
+    t = symbols("v c u1 u2 rho low", "u1 u2 rho")
+    star = level(t["c"], t["u1"], t["u2"], t["rho"] / t["low"])
+    return Statement(t, (above(mutation * (star - t["v"])),))
+
+
+@claim(
+    "gain.meaning",
+    (9,),
+    given="v_c0 held, model exact",
+    by=HAND,
+    premises="gain.none gain.none-smooth lemma.comparison",
+)
+def gain_meaning() -> None:
+    """under law (9) the velocity error has no input-to-state stability on |v| < v_u1: for every D >
+    0 a constant force D carries v from v* to v_u1 within 2 M (v_u1 - v*)/D.
+
+    No bound of the disturbance, however small, keeps V1 bounded from every start inside the limits;
+    the gradient law has such a bound (prox.gain).
+    """

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.guard.guard import Bounds, clipped
-from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
 PRESENT = "v y asked mass t"
@@ -84,20 +81,3 @@ class GuardAxis:
         b = self.bounds
         start = ca.fmax(way * self["v"], b.f_speed)
         return start + self["t"] * ca.fmax(way * self.force + self.net + more, 0) / self["mass"]
-
-
-def z3_claim(
-    family: str,
-    effort: int,
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    premises: tuple[str, ...] = (),
-) -> Claim:
-    """The entry ``family.name`` about the guard, for z3."""
-    key, method = f"{family}.{name}", Z3(effort=effort)
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, method, "", premises, "guard"
-    )

@@ -8,70 +8,23 @@ command after the other; what one of them adds is shown for any sum before it.
 
 from __future__ import annotations
 
-from functools import partial
-
 import casadi as ca
 
 from wmr_ctrl.guard.delay import largest_force
 from wmr_ctrl.guard.guard import clipped, floor
-from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.guard_delay_sums import LIBM, QUEUE, ROUNDS, late_claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims import guard_delay_sums as sums
+from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
 from wmr_ctrl.proofs.claims.guard_queued_axis import READ, SPREAD, WHEELS, QueuedAxis
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
 from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.rounded import UNIT
 from wmr_ctrl.proofs.statement import Statement, at_least
 
 
-def _force(way: int, flip: float) -> Statement:
-    """Ahead, whatever lo is; back, lo being what hi is ahead, mirrored."""
-    a = QueuedAxis()
-    b = a.aimed if flip > 0 or way < 0 else a.bounds
-    cuts = {"brakes": b.braking, "largest": largest_force(b)}
-    given = [*a.stated, *a.measured]
-    if way > 0:
-        room = 2 * a.kept * a.reach
-        given += [*a.arrives(way), at_least(a["brakes"], a.net + room)]
-    else:
-        cuts["lo"] = floor(a["y"], b, a.coming)
-        given += [*a.capped(a["brakes"], a["largest"]), *a.arrives(way)]
-        given += [a.safe(way, a["lo"]), a.room(flip * a["brakes"])]
-    computed = {"hat": clipped(a["asked"], a["y"], b, a.coming)}
-    return Statement(a.symbols, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed)
-
-
 def _clipped(asked: ca.SX, a: QueuedAxis) -> dict[str, ca.SX]:
     return {"hat": clipped(asked, a["y"], a.aimed, a.coming)}
-
-
-def _size(flip: float) -> Statement:
-    a = QueuedAxis()
-    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + (DOUBLE.quicker if flip > 0 else -0.01))
-    caps = ca.fmax(a["largest"], a["brakes"])
-    given = (
-        *a.stated, *a.capped(a["brakes"], a["largest"]), at_least(reach, a["brakes"]),
-    )  # fmt: skip
-    goals = tuple(at_least(most, way * a["hat"]) for most in (reach, caps) for way in (1, -1))
-    return Statement(a.symbols, goals, given, cuts, computed=_clipped(a["asked"], a))
-
-
-def _anchor(flip: float) -> Statement:
-    a = QueuedAxis()
-    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    most = (1 if flip > 0 else 0.99) * a["brakes"]
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    given = (*a.stated, *a.capped(a["brakes"], a["largest"]))
-    return Statement(a.symbols, goals, given, cuts, computed=_clipped(ca.SX(0), a))
-
-
-def _brakes(flip: float) -> Statement:
-    a = QueuedAxis()
-    least = ca.fabs(a.net) + (5 if flip > 0 else 5.1) * a.kept * a.reach
-    share = (a["brakes"] + a.net) * (1 + a.late)
-    goals = (at_least(a["brakes"], least), at_least(a.aim + a.over, share))
-    computed = {"brakes": a.aimed.braking}
-    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
 
 
 def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
@@ -80,56 +33,6 @@ def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
     return both, (8 + 4 * a.late) * UNIT * a.reach
 
 
-def _largest(flip: float) -> Statement:
-    a = QueuedAxis()
-    both, off = _sum(a)
-    off = (1 if flip > 0 else 0.1) * off
-    computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
-
-
-def _caps(flip: float) -> Statement:
-    a = QueuedAxis()
-    both, off = _sum(a)
-    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.kept * a.reach)
-    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.late))
-    more = (a.over + off) * (1 if flip > 0 else 0.1)
-    goals = (
-        *a.capped(a["brakes"], a["largest"]),
-        at_least(more, a.late * (a["brakes"] - a["largest"])),
-    )
-    given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
-    return Statement(a.symbols, goals, given)
-
-
-def _room(flip: float) -> Statement:
-    a = QueuedAxis()
-    both, off = _sum(a)
-    extra = (WHEELS + READ + 32 + 20 * a.late) * UNIT * a.reach
-    counted = a["delay"] * (a["largest"] + a.net + a["more"])
-    given = (
-        *a.stated, a.enough, *a.capped(a["brakes"], a["largest"]), at_least(a.aim + off, both),
-        at_least(a["more"]), at_least(extra * (1 if flip > 0 else 100), a.late * a["more"]),
-        at_least((1 + a.kept / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
-    )  # fmt: skip
-    return Statement(a.symbols, (a.room(a["brakes"]),), given)
-
-
-def _together(flip: float) -> Statement:
-    """``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between."""
-    a = QueuedAxis()
-    lost = (1 if flip > 0 else 2) * a.on_wheels
-    end = a["arrived"] + a["t"] * ca.fmax(a["hat"] + a.net, 0) / a["mass"]
-    given = (
-        *a.stated, *a.during, at_least(a["u1"], a["arrived"]), at_least(a["arrived"], a["f_speed"]),
-        at_least(ca.fmax(a["asked"], a["most"]) + lost, a["hat"]),
-        a.safe(1, a["asked"]), a.safe(1, a["most"]),
-    )  # fmt: skip
-    return Statement(a.symbols, (at_least(a["u1"], end),), given)
-
-
-THEME = "guard"
 RANGE = (
     "kept = (1 + n) 2^-44 with n >= 1 commands under way, at most 2^-20; alpha T <= 1 + 2^-50; "
     "|net| <= K = M_min alpha u1; 2 nbar, f_speed <= u1 (1 - 4 kept); M_min <= M_max"
@@ -141,117 +44,219 @@ MET = (
 CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
 SPARE = f"{WHEELS} 2^-53 K"
 AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
+claim = Claims(by=Z3(effort=100))
 
-LIMITS = (
-    late_claim(
-        "rounding.brakes",
-        "computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= "
-        f"{AIM} + (24 + 8 alpha delay) 2^-53 K",
-        "What the guard brakes with is right but for a few roundings.",
-        f"{RANGE}; {MET}{ROUNDS}",
-        _brakes,
-        LIBM,
-    ),
-    late_claim(
-        "rounding.largest",
-        f"alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {AIM} to "
-        "(8 + 4 alpha delay) 2^-53 K",
-        "And so is the largest command.",
-        f"{RANGE}; {MET}{ROUNDS}",
-        _largest,
-        LIBM,
-    ),
-    late_claim(
-        "rounding.caps",
-        f"{CAPS}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay)",
-        "So the caps keep their order.",
-        f"{RANGE}; {MET}",
-        _caps,
-        ("guard.delay.rounding.brakes", "guard.delay.rounding.largest"),
-    ),
-    late_claim(
-        "rounding.room",
-        "M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0)",
-        "What is under way never takes the room that braking needs, as computed.",
-        f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
-        f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
-        _room,
-        (
-            "guard.delay.rounding.largest",
-            "guard.delay.rounding.caps",
-            "guard.delay.rounding.both",
-            "guard.delay.rounding.both-angular",
-        ),
-    ),
-    late_claim(
-        "rounding.size",
-        "|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes)",
-        "No computed force is large enough to make its rounding matter.",
-        f"{RANGE}; {CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}",
-        _size,
-        (*LIBM, "guard.delay.rounding.caps"),
-    ),
-    late_claim(
-        "rounding.anchor",
-        "the computed safe point is at most the computed brakes",
-        "What the wheels have to keep free is what the text keeps free.",
-        f"{RANGE}; {CAPS}{ROUNDS}",
-        _anchor,
-        (*LIBM, "guard.delay.rounding.caps"),
+
+@claim(
+    "guard.delay.rounding.brakes",
+    given=f"{RANGE}; {MET}{ROUNDS}",
+    premises="assumption.libm",
+    aim=AIM,
+)
+def brakes(mutation: Mutation) -> Statement:
+    """computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= {aim} + (24 + 8
+    alpha delay) 2^-53 K.
+
+    What the guard brakes with is right but for a few roundings.
+    """
+    a = QueuedAxis()
+    least = ca.fabs(a.net) + mutation(5, 5.1) * a.kept * a.reach
+    share = (a["brakes"] + a.net) * (1 + a.late)
+    goals = (at_least(a["brakes"], least), at_least(a.aim + a.over, share))
+    computed = {"brakes": a.aimed.braking}
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+@claim(
+    "guard.delay.rounding.largest",
+    given=f"{RANGE}; {MET}{ROUNDS}",
+    premises="assumption.libm",
+    aim=AIM,
+)
+def largest(mutation: Mutation) -> Statement:
+    """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
+    alpha delay) 2^-53 K.
+
+    And so is the largest command.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    off = mutation(1, 0.1) * off
+    computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    goals = (at_least(a.aim + off, both), at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
+
+
+@claim(
+    "guard.delay.rounding.caps",
+    given=f"{RANGE}; {MET}",
+    premises="guard.delay.rounding.brakes guard.delay.rounding.largest",
+    caps=CAPS,
+)
+def guard_delay_rounding_caps(mutation: Mutation) -> Statement:
+    """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
+
+    So the caps keep their order.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.kept * a.reach)
+    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.late))
+    more = (a.over + off) * mutation(1, 0.1)
+    goals = (
+        *a.capped(a["brakes"], a["largest"]),
+        at_least(more, a.late * (a["brakes"] - a["largest"])),
+    )
+    given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
+    return Statement(a.symbols, goals, given)
+
+
+@claim(
+    "guard.delay.rounding.room",
+    given=f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
+    f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
+    premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both "
+    "guard.delay.rounding.both-angular",
+)
+def guard_delay_rounding_room(mutation: Mutation) -> Statement:
+    """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
+
+    What is under way never takes the room that braking needs, as computed.
+    """
+    a = QueuedAxis()
+    both, off = _sum(a)
+    extra = (WHEELS + READ + 32 + 20 * a.late) * UNIT * a.reach
+    counted = a["delay"] * (a["largest"] + a.net + a["more"])
+    given = (
+        *a.stated, a.enough, *a.capped(a["brakes"], a["largest"]), at_least(a.aim + off, both),
+        at_least(a["more"]), at_least(extra * mutation(1, 100), a.late * a["more"]),
+        at_least((1 + a.kept / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
+    )  # fmt: skip
+    return Statement(a.symbols, (a.room(a["brakes"]),), given)
+
+
+@claim(
+    "guard.delay.rounding.size",
+    given=f"{RANGE}; {CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps",
+)
+def size(mutation: Mutation) -> Statement:
+    """|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes).
+
+    No computed force is large enough to make its rounding matter.
+    """
+    a = QueuedAxis()
+    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
+    caps = ca.fmax(a["largest"], a["brakes"])
+    given = (
+        *a.stated, *a.capped(a["brakes"], a["largest"]), at_least(reach, a["brakes"]),
+    )  # fmt: skip
+    goals = tuple(at_least(most, way * a["hat"]) for most in (reach, caps) for way in (1, -1))
+    return Statement(a.symbols, goals, given, cuts, computed=_clipped(a["asked"], a))
+
+
+@claim(
+    "guard.delay.rounding.anchor",
+    given=f"{RANGE}; {CAPS}{ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps",
+)
+def anchor(mutation: Mutation) -> Statement:
+    """the computed safe point is at most the computed brakes.
+
+    What the wheels have to keep free is what the text keeps free.
+    """
+    a = QueuedAxis()
+    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
+    most = mutation(1, 0.99) * a["brakes"]
+    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    given = (*a.stated, *a.capped(a["brakes"], a["largest"]))
+    return Statement(a.symbols, goals, given, cuts, computed=_clipped(ca.SX(0), a))
+
+
+@claim(
+    "guard.delay.rounding.force-{word}",
+    given=f"{RANGE}; {CAPS}; |y - v| <= nbar; v+ <= max({{sign}}v, f_speed) + (1 + kept/64) "
+    f"{{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
+    premises="assumption.libm guard.delay.rounding.caps{premises}",
+    over=(
+        {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": "", "spare": SPARE},
+        {
+            "word": "back",
+            "way": -1,
+            "sign": "-",
+            "spare": SPARE,
+            "known": "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; "
+            "guard.delay.rounding.room",
+            "premises": " guard.delay.rounding.force-ahead guard.delay.rounding.room",
+        },
     ),
 )
-ARRIVED = "v+ <= max({sign}v, f_speed) + (1 + kept/64) {word} + u1 kept/8 and v+ <= u1"
-FORCES = tuple(
-    late_claim(
-        f"rounding.force-{word}",
-        f"the computed force F^ has {sign}F^ + net + {SPARE} <= max(M_min alpha (u1 (1 - kept/32) "
-        f"- v+), 0), v+ being {sign}v or f_speed where the new command starts to act",
-        f"What the guard's text computes keeps the limit {told}, and leaves room for what the "
-        "wheels' arithmetic adds.",
-        f"{RANGE}; {CAPS}; |y - v| <= nbar; {ARRIVED.format(sign=sign, word=word)}{known}{ROUNDS}",
-        partial(_force, way),
-        (*LIBM, "guard.delay.rounding.caps", *premises),
-    )
-    for word, way, sign, told, known, premises in (
-        ("ahead", 1, "", "ahead", "", ()),
-        (
-            "back", -1, "-", "back",
-            "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; guard.delay.rounding.room",
-            ("guard.delay.rounding.force-ahead", "guard.delay.rounding.room"),
-        ),
-    )
-)  # fmt: skip
-PARTS = (*QUEUE, *LIMITS, *FORCES)
-CLAIMS = (
-    *PARTS,
-    late_claim(
-        "rounding",
-        "v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that "
-        "the compiled text computes, v+ = max(v, f_speed) <= u1 where it starts to act; the same "
-        "for -v",
-        "Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with "
-        "any number of commands under way; what they add up to is put together by hand.",
-        f"{RANGE}; F <= the larger of two forces that are safe as in guard.delay.rounding.force-*, "
-        f"to {SPARE}; no overflow, no underflow",
-        _together,
-        (*(part.id for part in PARTS), "guard.rounding.linear-first",
-         "guard.rounding.rotation-first", "guard.rounding.torques", "guard.axes", "guard.lemma"),
-    ),
-    Claim(
-        "guard.delay.rounding.lemma",
-        (),
-        OURS,
-        "behind a constant delay the exact robot, pushed by the double-precision torques of the "
-        "compiled text, keeps |v| <= u1 at every instant, from every start that guard.delay.lemma "
-        "allows",
-        "guard.delay.lemma with computed numbers: the parts above, summed over the queue and put "
-        "together; induction over the samples.",
-        f"{RANGE}; {MET}; both axes; sum tau_j T <= delay (1 + 2^-51); G1 + G2/l <= {SPREAD} "
-        f"K1/max(1, alpha1 delay), l G1 + G2 <= {SPREAD} K2/max(1, alpha2 delay), G the bounds of "
-        "guard.delay.rounding.size; brakes1 + brakes2/l <= (2 tau_max/r) (1 + 2^-51); no overflow, "
-        "no underflow",
-        verdict=HAND,
-        premises=("guard.delay.rounding", "guard.delay.lemma"),
-        theme=THEME,
-    ),
-)  # fmt: skip
+def force(mutation: Mutation, way: int) -> Statement:
+    """the computed force F^ has {sign}F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) -
+    v+), 0), v+ being {sign}v or f_speed where the new command starts to act.
+
+    What the guard's text computes keeps the limit {word}, and leaves room for what the wheels'
+    arithmetic adds.
+    """
+    # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
+    a = QueuedAxis()
+    b = a.aimed if mutation > 0 or way < 0 else a.bounds
+    cuts = {"brakes": b.braking, "largest": largest_force(b)}
+    given = [*a.stated, *a.measured]
+    if way > 0:
+        room = 2 * a.kept * a.reach
+        given += [*a.arrives(way), at_least(a["brakes"], a.net + room)]
+    else:
+        cuts["lo"] = floor(a["y"], b, a.coming)
+        given += [*a.capped(a["brakes"], a["largest"]), *a.arrives(way)]
+        given += [a.safe(way, a["lo"]), a.room(mutation * a["brakes"])]
+    computed = {"hat": clipped(a["asked"], a["y"], b, a.coming)}
+    return Statement(a.symbols, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed)
+
+
+PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
+WHEELS_ENTRIES = "guard.rounding.linear-first guard.rounding.rotation-first guard.rounding.torques"
+
+
+@claim(
+    "guard.delay.rounding",
+    given=f"{RANGE}; F <= the larger of two forces that are safe as in "
+    f"guard.delay.rounding.force-*, to {SPARE}; no overflow, no underflow",
+    premises=f"{PARTS} {WHEELS_ENTRIES} guard.axes guard.lemma",
+)
+def together(mutation: Mutation) -> Statement:
+    """v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that the
+    compiled text computes, v+ = max(v, f_speed) <= u1 where it starts to act; the same for -v.
+
+    Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with any
+    number of commands under way; what they add up to is put together by hand.
+    """
+    # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
+    a = QueuedAxis()
+    lost = mutation(1, 2) * a.on_wheels
+    end = a["arrived"] + a["t"] * ca.fmax(a["hat"] + a.net, 0) / a["mass"]
+    given = (
+        *a.stated, *a.during, at_least(a["u1"], a["arrived"]), at_least(a["arrived"], a["f_speed"]),
+        at_least(ca.fmax(a["asked"], a["most"]) + lost, a["hat"]),
+        a.safe(1, a["asked"]), a.safe(1, a["most"]),
+    )  # fmt: skip
+    return Statement(a.symbols, (at_least(a["u1"], end),), given)
+
+
+@claim(
+    "guard.delay.rounding.lemma",
+    given=f"{RANGE}; {MET}; both axes; sum tau_j T <= delay (1 + 2^-51); G1 + G2/l <= {SPREAD} "
+    f"K1/max(1, alpha1 delay), l G1 + G2 <= {SPREAD} K2/max(1, alpha2 delay), G the bounds of "
+    "guard.delay.rounding.size; brakes1 + brakes2/l <= (2 tau_max/r) (1 + 2^-51); no overflow, no "
+    "underflow",
+    by=HAND,
+    premises="guard.delay.rounding guard.delay.lemma",
+)
+def guard_delay_rounding_lemma() -> None:
+    """behind a constant delay the exact robot, pushed by the double-precision torques of the
+    compiled text, keeps |v| <= u1 at every instant, from every start that guard.delay.lemma allows.
+
+    guard.delay.lemma with computed numbers: the parts above, summed over the queue and put
+    together; induction over the samples.
+    """

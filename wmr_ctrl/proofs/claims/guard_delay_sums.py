@@ -7,27 +7,30 @@ one command more holds for any queue.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.proofs.claims.guard_axis import z3_claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.rounded import UNIT
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, column, symbols
 
 SENT = 5
 """Commands of the queue that is written out."""
 ROUNDS = "; operations rounded by at most 2^-53"
-LIBM = ("assumption.libm",)
-ON_AXES = (("", 0, "first axis"), ("-angular", 1, "second axis"))
-WAYS = (("ahead", 1, ""), ("back", -1, "-"))
-
-
-late_claim = partial(z3_claim, "guard.delay", 100)
-"""An entry of the guard behind a delay."""
+ON_AXES = (
+    {"suffix": "", "axis": 0, "told": "first axis"},
+    {"suffix": "-angular", "axis": 1, "told": "second axis"},
+)
+WAYS: tuple[dict[str, Any], ...] = (
+    {"word": "ahead", "way": 1, "sign": ""},
+    {"word": "back", "way": -1, "sign": "-"},
+)
 
 
 @dataclass(frozen=True)
@@ -83,8 +86,40 @@ class Queue:
         return (at_least(time), *grown, *(at_least(self[name]) for name in names))
 
 
-def _queue(way: int, axis: int, flip: float) -> Statement:
-    """One command more: the exact sum is at most the computed one, grown, and what is off."""
+claim = Claims(by=Z3(effort=100))
+
+
+@claim(
+    "guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}", premises="assumption.libm"
+)
+def read(mutation: Mutation) -> Statement:
+    """what the guard reads of a sent command misses the exact force of its torques by at most 5
+    2^-53 of that, on either axis.
+
+    Commands under way are remembered as torques and read back as forces.
+    """
+    t = symbols("right left thrust moment r half", "r half")
+    exact = wheel_to_force(t["r"], t["half"], ca.vertcat(t["right"], t["left"]))
+    goals = []
+    for place, name in enumerate(("thrust", "moment")):
+        lost = mutation(5, 1) * UNIT * ca.fabs(exact[place])
+        goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
+    computed = {"thrust": exact[0], "moment": exact[1]}
+    return Statement(t, tuple(goals), (above(t["r"]), above(t["half"])), computed=computed)
+
+
+@claim(
+    "guard.delay.rounding.queue-{word}{suffix}",
+    given=f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0{ROUNDS}",
+    premises="assumption.libm",
+    over=tuple(way | axis for way in WAYS for axis in ON_AXES),
+)
+def queue(mutation: Mutation, way: int, axis: int) -> Statement:
+    """one command more: sum tau_j max({sign}F_j + lost + net, 0) <= (1 + g + 3 2^-53) computed sum
+    + off, off growing by tau_j (lost + 2^-52 |net|); {told}.
+
+    The sum over the commands is never computed too small, by more than this.
+    """
     q = Queue(axis)
     name = "front" if way > 0 else "rear"
     whole = q.sums(SENT)
@@ -92,7 +127,7 @@ def _queue(way: int, axis: int, flip: float) -> Statement:
     force, time = q.last
     exact = q["exact"] + time * ca.fmax(way * force + q["lost"] + q.net, 0)
     off = q["off"] + time * (q["lost"] + 2 * UNIT * ca.fabs(q.net))
-    grown = 1 + q["grown"] + (3 if flip > 0 else -9) * UNIT
+    grown = 1 + q["grown"] + mutation(3, -9) * UNIT
     given = (
         *q.known("front", "rear", "off", "lost"),
         at_least((1 + q["grown"]) * q[name] + q["off"], q["exact"]),
@@ -101,13 +136,23 @@ def _queue(way: int, axis: int, flip: float) -> Statement:
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
-def _both(axis: int, flip: float) -> Statement:
-    """One command more: both computed sums are at most what the largest command makes of them."""
+@claim(
+    "guard.delay.rounding.both{suffix}",
+    given=f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
+    premises="assumption.libm",
+    over=ON_AXES,
+)
+def both(mutation: Mutation, axis: int) -> Statement:
+    """one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + net + 3
+    2^-53 |net|); {told}.
+
+    Nor is it computed so large that no room is left for braking.
+    """
     q = Queue(axis)
     whole = q.sums(SENT)
     force, time = q.last
     most = q["counted"] + time * (q["most"] + q.net + 3 * UNIT * ca.fabs(q.net))
-    grown = 1 + q["grown"] + (3 if flip > 0 else -9) * UNIT
+    grown = 1 + q["grown"] + mutation(3, -9) * UNIT
     given = (
         *q.known("front", "rear", "counted"),
         *(at_least(q["most"], size) for size in (ca.fabs(q.net), force, -force)),
@@ -118,7 +163,16 @@ def _both(axis: int, flip: float) -> Statement:
     return Statement(q.symbols, (goal,), given, q.before, computed=computed)
 
 
-def _scaled(flip: float) -> Statement:
+@claim(
+    "guard.delay.rounding.scaled",
+    given=f"sums >= 0, T, M_min > 0{ROUNDS}",
+    premises="assumption.libm",
+)
+def scaled(mutation: Mutation) -> Statement:
+    """the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that.
+
+    The factor that is multiplied at the end.
+    """
     t = symbols("F N time period M_min dbar f_min front rear ahead back", "period M_min dbar f_min")
     one, none = ca.SX(1), ca.SX(0)
     sent = [(ca.vertcat(t["F"], t["N"]), t["time"])]
@@ -131,7 +185,7 @@ def _scaled(flip: float) -> Statement:
     goals = []
     for before, after in (("front", "ahead"), ("rear", "back")):
         exact = t[before] * t["period"] / t["M_min"]
-        lost = (4 if flip > 0 else 1) * UNIT * exact
+        lost = mutation(4, 1) * UNIT * exact
         goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
     positive = (above(t["period"]), above(t["M_min"]), at_least(t["front"]), at_least(t["rear"]))
     cuts, computed = (
@@ -139,63 +193,3 @@ def _scaled(flip: float) -> Statement:
         for names, sums in ((("front", "rear"), raw), (("ahead", "back"), whole))
     )
     return Statement(t, tuple(goals), positive, cuts, computed=computed)
-
-
-def _read(flip: float) -> Statement:
-    """A command as the guard knows it: the force of the torques that were sent."""
-    t = symbols("right left thrust moment r half", "r half")
-    exact = wheel_to_force(t["r"], t["half"], ca.vertcat(t["right"], t["left"]))
-    goals = []
-    for place, name in enumerate(("thrust", "moment")):
-        lost = (5 if flip > 0 else 1) * UNIT * ca.fabs(exact[place])
-        goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
-    computed = {"thrust": exact[0], "moment": exact[1]}
-    return Statement(t, tuple(goals), (above(t["r"]), above(t["half"])), computed=computed)
-
-
-QUEUE = (
-    late_claim(
-        "rounding.read",
-        "what the guard reads of a sent command misses the exact force of its torques by at most "
-        "5 2^-53 of that, on either axis",
-        "Commands under way are remembered as torques and read back as forces.",
-        f"any torques, r, l > 0{ROUNDS}",
-        _read,
-        LIBM,
-    ),
-    *(
-        late_claim(
-            f"rounding.queue-{word}{suffix}",
-            f"one command more: sum tau_j max({sign}F_j + lost + net, 0) <= (1 + g + 3 2^-53) "
-            "computed sum + off, off growing by tau_j (lost + 2^-52 |net|); "
-            f"{told}",
-            "The sum over the commands is never computed too small, by more than this.",
-            f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0"
-            f"{ROUNDS}",
-            partial(_queue, way, axis),
-            LIBM,
-        )
-        for word, way, sign in WAYS
-        for suffix, axis, told in ON_AXES
-    ),
-    *(
-        late_claim(
-            f"rounding.both{suffix}",
-            "one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + "
-            f"net + 3 2^-53 |net|); {told}",
-            "Nor is it computed so large that no room is left for braking.",
-            f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
-            partial(_both, axis),
-            LIBM,
-        )
-        for suffix, axis, told in ON_AXES
-    ),
-    late_claim(
-        "rounding.scaled",
-        "the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that",
-        "The factor that is multiplied at the end.",
-        f"sums >= 0, T, M_min > 0{ROUNDS}",
-        _scaled,
-        LIBM,
-    ),
-)

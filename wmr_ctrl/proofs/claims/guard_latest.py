@@ -7,19 +7,16 @@ count for are free sums.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import Bounds, room
-from wmr_ctrl.proofs.claim import OURS, Claim
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, z3_claim
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT
 from wmr_ctrl.proofs.claims.guard_late import LATE, LateAxis
-from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
-THEME = "guard"
 SUMS = "ahead back rest_ahead rest_back"
 TIMES = "jitter mixed usual"
 CAPS = (
@@ -144,17 +141,3 @@ def rooms_of(a: LatestAxis) -> tuple[ca.SX, ca.SX]:
     """What is left ahead and what is left behind."""
     coming = a.coming
     return room(a["y"], a.bounds, coming), room(-a["y"], a.bounds, coming.mirrored)
-
-
-latest_claim = partial(z3_claim, "guard.late", 400)
-"""An entry about one sample."""
-
-
-def by_hand(
-    name: str, claim: str, meaning: str, hypotheses: str, premises: tuple[str, ...]
-) -> Claim:
-    """An entry by hand."""
-    key = f"guard.late.{name}"
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, verdict=HAND, premises=premises, theme=THEME
-    )

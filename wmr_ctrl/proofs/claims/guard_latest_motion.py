@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import clipped, room
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
-from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, by_hand, latest_claim, rooms_of
+from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
+from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 BEGINS = (
@@ -25,8 +27,8 @@ BEGINS = (
 ACTS = "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max"
 
 
-def _invariant(way: int, varies: bool = True) -> Callable[[float], Statement]:
-    def statement(flip: float) -> Statement:
+def _invariant(way: int, varies: bool = True) -> Callable[[Mutation], Statement]:
+    def statement(mutation: Mutation) -> Statement:
         a = LatestAxis(varies=varies)
         b = a.bounds
         t = symbols("room_ahead room_back")
@@ -35,7 +37,7 @@ def _invariant(way: int, varies: bool = True) -> Callable[[float], Statement]:
         over = a.takes_over(way)
         end = over + a["t"] * ca.fmax(way * a.force + a.net, 0) / a["mass"]
         given = (
-            *a.sound(), at_least(b.braking, a.net), *a.acts(1 if flip > 0 else 1.01),
+            *a.sound(), at_least(b.braking, a.net), *a.acts(mutation(1, 1.01)),
             at_least(a["arrived"], b.f_speed), at_least(b.u1 - a["arrived"], left + again),
             at_least(b.u1 - a["arrived"], (1 + b.alpha * a.J) * left),
             at_least(a["u1"], over), at_least(a.hi, a.lo),
@@ -46,49 +48,83 @@ def _invariant(way: int, varies: bool = True) -> Callable[[float], Statement]:
     return statement
 
 
-def _outside(varies: bool, flip: float) -> Statement:
+claim = Claims(by=Z3(effort=400))
+
+
+@claim(
+    "guard.late.upper",
+    given=f"guard.late.left; {ACTS}; alpha T <= 1, {CAPS}, lo <= hi",
+    premises="guard.late.feasible guard.late.left",
+)
+def guard_late_upper(mutation: Mutation) -> Statement:
+    """v+ <= u1 where the new command takes over: v+ <= u1 as long as it acts.
+
+    Inside stays inside, forwards.
+    """
+    return _invariant(1)(mutation)
+
+
+@claim(
+    "guard.late.lower",
+    given=f"guard.late.left; {ACTS}; alpha T <= 1, {CAPS}, lo <= hi",
+    premises="guard.late.feasible guard.late.left",
+)
+def guard_late_lower(mutation: Mutation) -> Statement:
+    """the same for -v, whatever v is in the other direction.
+
+    Nor backwards.
+    """
+    return _invariant(-1)(mutation)
+
+
+@claim("guard.late.outside", given=f"{BEGINS}; {CAPS}")
+def guard_late_outside(mutation: Mutation, varies: bool = True) -> Statement:
+    """v+ > u1 where the new command takes over: F + net <= -min(brakes - net, M_max (v+ - u1)/T).
+
+    Outside the limit no disturbance can make the robot faster, once what was sent before is over.
+    """
     a = LatestAxis(varies=varies)
     b, over = a.bounds, a.takes_over(1)
     beyond = over - a["u1"]
-    needed = ca.fmin(b.braking - a.net, (1 if flip > 0 else 1.01) * b.M_max * beyond / b.period)
+    needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * beyond / b.period)
     left = a.force + a.net
     given = (*a.sound(), *a.capped, *a.measured, *a.moving, *a.begins(1), *a.acts(), above(beyond))
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given, a.cuts)
 
 
-def _left(varies: bool, flip: float) -> Statement:
-    """The room is counted from what is reached when the new command may first take over."""
+@claim("guard.late.left", given=BEGINS)
+def guard_late_left(mutation: Mutation, varies: bool = True) -> Statement:
+    """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
+    command may first take over.
+
+    What the room is counted from; the same for -v.
+    """
     a = LatestAxis(varies=varies)
     b, rooms, goals = a.bounds, rooms_of(a), []
     ways = ((1, "ahead", a.again.ahead), (-1, "back", a.again.back))
     for left, (way, name, again) in zip(rooms, ways, strict=True):
         mean, rest = a[name], a[f"rest_{name}"]
         start = ca.fmax(ca.fmax(way * a["v"], b.f_speed) + mean, b.f_speed + rest)
-        most = b.u1 - (1 if flip > 0 else 1.01) * start
+        most = b.u1 - mutation(1, 1.01) * start
         goals += [at_least(most, left + again), at_least(most, (1 + b.alpha * a.J) * left)]
     return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))
 
 
-def _returns(flip: float) -> Statement:
-    """One sample from outside where the delay does not vary: as without window."""
-    a = LatestAxis(varies=False)
-    b, mass, start = a.bounds, a["mass"], a["arrived"]
-    step = b.period * (b.braking - a.net) / mass
-    end = start + b.period * (a.force + a.net) / mass
-    goal = at_least(ca.fmax(a["u1"], start - (1 if flip > 0 else 1.01) * step), end)
-    given = (
-        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.begins(1),
-        above(start, a["u1"]),
-    )  # fmt: skip
-    return Statement(a.symbols, (goal,), given, a.cuts)
+@claim(
+    "guard.late.graceful",
+    given=f"guard.late.left with D (late - J)/M_min more; {ACTS}, to the end of that; brakes - "
+    f"net >= D; {CAPS}",
+    premises="guard.late.left",
+)
+def guard_late_graceful(mutation: Mutation, varies: bool = True) -> Statement:
+    """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min.
 
-
-def _graceful(varies: bool, flip: float) -> Statement:
-    """|d| <= dbar + D: |v| <= u1 + D (T + late)/M_min stays true; t at its end, as v is linear."""
-    a = LatestAxis(varies=varies)
+    A bound that is broken by D costs a known excess, no more.
+    """
+    a = LatestAxis(varies=varies)  # t at its end, as v is linear
     b, D = a.bounds, a["extra"]
     early = D * (a["delay"] - a.J) / b.M_min
-    limit = b.u1 + (1 if flip > 0 else 0.99) * D * (b.period + a["delay"]) / b.M_min
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a["delay"]) / b.M_min
     over = a.takes_over(1, D)
     last = b.period + a.J - a["since"]
     end = over + last * ca.fmax(a.hi + a.net + D, 0) / a["mass"]
@@ -104,8 +140,13 @@ def _graceful(varies: bool, flip: float) -> Statement:
     return Statement({**a.symbols, **t}, (at_least(limit, end),), given, cuts)
 
 
-def _stopped(counts_rest: bool, flip: float) -> Statement:
-    """-V, stopped by friction with a share of the window left, then driven by p to its end."""
+@claim("guard.late.rest", given="one command in the window; before, v = -V")
+def guard_late_rest(mutation: Mutation, counts_rest: bool = True) -> Statement:
+    """v = share window p/M_min, after friction has stopped the robot with a share of the window
+    left, is at most what the guard counts from the mean, or from rest over the window.
+
+    Why the guard counts from the oldest instant, too.
+    """
     a = LateAxis()
     b, t = a.bounds, symbols("V share window")
     p, window, share = ca.fmax(a["sent"] + a.net, 0), t["window"], t["share"]
@@ -119,11 +160,24 @@ def _stopped(counts_rest: bool, flip: float) -> Statement:
         *a.sound(), above(window), at_least(share), at_least(1, share), at_least(t["V"]),
         at_least(b.u1, t["V"]),
     )  # fmt: skip
-    return Statement({**a.symbols, **t}, (at_least(reached, (1 if flip > 0 else 1.01) * v),), given)
+    return Statement({**a.symbols, **t}, (at_least(reached, mutation(1, 1.01) * v),), given)
 
 
-def _unmixed(_: float) -> Statement:
-    """A guard that counts the latest takeover as the delay, and no jitter: false."""
+@claim("guard.late.half", given="one command in the window; before, v = -V")
+def guard_late_half(mutation: Mutation) -> Statement:
+    """the same, counted from the mean alone.
+
+    False: half the window is not enough, since friction can stop the robot inside it.
+    """
+    return guard_late_rest(mutation, False)
+
+
+@claim("guard.late.unmixed", given="0 < J <= T")
+def unmixed(_: Mutation) -> Statement:
+    """guard.late.upper, for the guard of a constant delay of the largest lateness.
+
+    False: a command that takes over early and is replaced late acts for more than T.
+    """
     a = LatestAxis()
     over = a.takes_over(1)
     coming = UnderWay(a["ahead"] + a.again.ahead, a["back"] + a.again.back)
@@ -138,163 +192,140 @@ def _unmixed(_: float) -> Statement:
     return Statement(a.symbols, (at_least(a["u1"], end),), given, a.cuts)
 
 
-CLAIMS = (
-    latest_claim(
-        "upper",
-        "v+ <= u1 where the new command takes over: v+ <= u1 as long as it acts",
-        "Inside stays inside, forwards.",
-        f"guard.late.left; {ACTS}; alpha T <= 1, {CAPS}, lo <= hi",
-        _invariant(1),
-        ("guard.late.feasible", "guard.late.left"),
-    ),
-    latest_claim(
-        "lower",
-        "the same for -v, whatever v is in the other direction",
-        "Nor backwards.",
-        f"guard.late.left; {ACTS}; alpha T <= 1, {CAPS}, lo <= hi",
-        _invariant(-1),
-        ("guard.late.feasible", "guard.late.left"),
-    ),
-    latest_claim(
-        "outside",
-        "v+ > u1 where the new command takes over: F + net <= -min(brakes - net, M_max (v+ - u1)"
-        "/T)",
-        "Outside the limit no disturbance can make the robot faster, once what was sent before is "
-        "over.",
-        f"{BEGINS}; {CAPS}",
-        partial(_outside, True),
-    ),
-    latest_claim(
-        "left",
-        "room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the "
-        "new command may first take over",
-        "What the room is counted from; the same for -v.",
-        BEGINS,
-        partial(_left, True),
-    ),
-    latest_claim(
-        "graceful",
-        "|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min",
-        "A bound that is broken by D costs a known excess, no more.",
-        f"guard.late.left with D (late - J)/M_min more; {ACTS}, to the end of that; brakes - net "
-        f">= D; {CAPS}",
-        partial(_graceful, True),
-        ("guard.late.left",),
-    ),
-    latest_claim(
-        "rest",
-        "v = share window p/M_min, after friction has stopped the robot with a share of the window "
-        "left, is at most what the guard counts from the mean, or from rest over the window",
-        "Why the guard counts from the oldest instant, too.",
-        "one command in the window; before, v = -V",
-        partial(_stopped, True),
-    ),
-    latest_claim(
-        "half",
-        "the same, counted from the mean alone",
-        "False: half the window is not enough, since friction can stop the robot inside it.",
-        "one command in the window; before, v = -V",
-        partial(_stopped, False),
-    ),
-    latest_claim(
-        "unmixed",
-        "guard.late.upper, for the guard of a constant delay of the largest lateness",
-        "False: a command that takes over early and is replaced late acts for more than T.",
-        "0 < J <= T",
-        _unmixed,
-    ),
-    latest_claim(
-        "steady.upper",
-        "guard.late.upper for a delay that does not vary",
-        "Inside stays inside, forwards, without jitter.",
-        f"guard.late.steady.left; alpha T <= 1, {CAPS}, lo <= hi",
-        _invariant(1, False),
-        ("guard.late.steady.feasible", "guard.late.steady.left"),
-    ),
-    latest_claim(
-        "steady.lower",
-        "guard.late.lower for a delay that does not vary",
-        "Nor backwards.",
-        f"guard.late.steady.left; alpha T <= 1, {CAPS}, lo <= hi",
-        _invariant(-1, False),
-        ("guard.late.steady.feasible", "guard.late.steady.left"),
-    ),
-    latest_claim(
-        "steady.outside",
-        "guard.late.outside for a delay that does not vary",
-        "Outside the limit no disturbance can make the robot faster, without jitter.",
-        f"{BEGINS}; {CAPS}",
-        partial(_outside, False),
-    ),
-    latest_claim(
-        "steady.left",
-        "room is at most u1 less v+ when the new command takes over",
-        "guard.late.left for a delay that does not vary, either way.",
-        BEGINS,
-        partial(_left, False),
-    ),
-    latest_claim(
-        "steady.graceful",
-        "guard.late.graceful for a delay that does not vary",
-        "A bound that is broken by D costs a known excess, without jitter.",
-        "guard.late.steady.left with D late/M_min more; to the end of T; brakes - net >= D; "
-        f"{CAPS}",
-        partial(_graceful, False),
-        ("guard.late.steady.left",),
-    ),
-    latest_claim(
-        "steady.return",
-        "v > u1 where the new command takes over, neither jitter nor lag: a sample later v <= "
-        "max(u1, v - T (brakes - net)/M)",
-        "Late and averaged velocities change nothing about how soon the robot is back.",
-        f"{BEGINS}; M_min <= M <= M_max; {CAPS}",
-        _returns,
-    ),
-    by_hand(
-        "mean",
-        "v+ now is at most max(y + nbar + sum of mean pieces, f_speed + sum of rest pieces)",
-        "guard.lemma from every age in the window, averaged; or from where the robot last stood.",
-        "y is the mean of v over ages in [age, age + window] to within nbar",
-        ("guard.lemma", "guard.late.piece", "guard.late.rest"),
-    ),
-    by_hand(
-        "lag",
-        "Psi = v+ + (1/M_min) times the integral over the past of (1 - S(s)) max(F(-s) + net, 0) "
-        "rises by at most max(F + net, 0)/M_min, and v+ <= Psi",
-        "Behind drives with a lag everything is said of Psi, with 1 - S(s) <= exp(-s/b).",
-        "drives with a step response S that rises from 0 to 1 and is at least 1 - exp(-s/b), the "
-        "same for both wheels and all the time: a first order with any constant time constant up "
-        "to b",
-        ("guard.lemma",),
-    ),
-    by_hand(
-        "lemma",
-        "|v| <= u1 at every instant from the first command on, by induction over the samples",
-        "The theorem for late velocities, jitter and lag.",
-        "commands take over in their order, both wheels at once, each between delay - J and delay "
-        "after its sample, J <= T; before the first sample the robot stood, or its velocity is "
-        "measured at once, and commands were 0; max(|v|, f_speed) + (delay + lag) max(net, "
-        "0)/M_min <= u1 at the start",
-        (
-            "guard.late.mean",
-            "guard.late.lag",
-            "guard.late.piece",
-            "guard.late.tail",
-            "guard.late.upper",
-            "guard.late.lower",
-            "guard.late.feasible",
-            "guard.late.largest",
-        ),
-    ),
-    by_hand(
-        "return",
-        "Psi - u1 never grows while it is positive, and v+ - u1 is at most e at the latest a time "
-        "lag + T (Psi - u1 - e)/e after t1, for 0 < e <= T (brakes - net)/M_max; without lag from "
-        "then on",
-        "How soon a robot outside is back: at a steady pace down to what one sample of braking "
-        "takes away, then by halves.",
-        "the bounds hold from some t0 on; Psi is that of t1, the instant from which on only "
-        "commands act whose sample's window lies behind t0; brakes > net; M_min <= M <= M_max",
-        ("guard.late.outside", "guard.late.upper", "guard.late.lag", "guard.varying.outside"),
-    ),
+@claim(
+    "guard.late.steady.upper",
+    given=f"guard.late.steady.left; alpha T <= 1, {CAPS}, lo <= hi",
+    premises="guard.late.steady.feasible guard.late.steady.left",
 )
+def guard_late_steady_upper(mutation: Mutation) -> Statement:
+    """guard.late.upper for a delay that does not vary.
+
+    Inside stays inside, forwards, without jitter.
+    """
+    return _invariant(1, False)(mutation)
+
+
+@claim(
+    "guard.late.steady.lower",
+    given=f"guard.late.steady.left; alpha T <= 1, {CAPS}, lo <= hi",
+    premises="guard.late.steady.feasible guard.late.steady.left",
+)
+def guard_late_steady_lower(mutation: Mutation) -> Statement:
+    """guard.late.lower for a delay that does not vary.
+
+    Nor backwards.
+    """
+    return _invariant(-1, False)(mutation)
+
+
+@claim("guard.late.steady.outside", given=f"{BEGINS}; {CAPS}")
+def guard_late_steady_outside(mutation: Mutation) -> Statement:
+    """guard.late.outside for a delay that does not vary.
+
+    Outside the limit no disturbance can make the robot faster, without jitter.
+    """
+    return guard_late_outside(mutation, False)
+
+
+@claim("guard.late.steady.left", given=BEGINS)
+def guard_late_steady_left(mutation: Mutation) -> Statement:
+    """room is at most u1 less v+ when the new command takes over.
+
+    guard.late.left for a delay that does not vary, either way.
+    """
+    return guard_late_left(mutation, False)
+
+
+@claim(
+    "guard.late.steady.graceful",
+    given="guard.late.steady.left with D late/M_min more; to the end of T; brakes - net >= D; "
+    f"{CAPS}",
+    premises="guard.late.steady.left",
+)
+def guard_late_steady_graceful(mutation: Mutation) -> Statement:
+    """guard.late.graceful for a delay that does not vary.
+
+    A bound that is broken by D costs a known excess, without jitter.
+    """
+    return guard_late_graceful(mutation, False)
+
+
+@claim("guard.late.steady.return", given=f"{BEGINS}; M_min <= M <= M_max; {CAPS}")
+def returns(mutation: Mutation) -> Statement:
+    """v > u1 where the new command takes over, neither jitter nor lag: a sample later v <= max(u1,
+    v - T (brakes - net)/M).
+
+    Late and averaged velocities change nothing about how soon the robot is back.
+    """
+    a = LatestAxis(varies=False)
+    b, mass, start = a.bounds, a["mass"], a["arrived"]
+    step = b.period * (b.braking - a.net) / mass
+    end = start + b.period * (a.force + a.net) / mass
+    goal = at_least(ca.fmax(a["u1"], start - mutation(1, 1.01) * step), end)
+    given = (
+        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.begins(1),
+        above(start, a["u1"]),
+    )  # fmt: skip
+    return Statement(a.symbols, (goal,), given, a.cuts)
+
+
+@claim(
+    "guard.late.mean",
+    given="y is the mean of v over ages in [age, age + window] to within nbar",
+    by=HAND,
+    premises="guard.lemma guard.late.piece guard.late.rest",
+)
+def guard_late_mean() -> None:
+    """v+ now is at most max(y + nbar + sum of mean pieces, f_speed + sum of rest pieces).
+
+    guard.lemma from every age in the window, averaged; or from where the robot last stood.
+    """
+
+
+@claim(
+    "guard.late.lag",
+    given="drives with a step response S that rises from 0 to 1 and is at least 1 - exp(-s/b), "
+    "the same for both wheels and all the time: a first order with any constant time constant up "
+    "to b",
+    by=HAND,
+    premises="guard.lemma",
+)
+def guard_late_lag() -> None:
+    """Psi = v+ + (1/M_min) times the integral over the past of (1 - S(s)) max(F(-s) + net, 0) rises
+    by at most max(F + net, 0)/M_min, and v+ <= Psi.
+
+    Behind drives with a lag everything is said of Psi, with 1 - S(s) <= exp(-s/b).
+    """
+
+
+@claim(
+    "guard.late.lemma",
+    given="commands take over in their order, both wheels at once, each between delay - J and "
+    "delay after its sample, J <= T; before the first sample the robot stood, or its velocity is "
+    "measured at once, and commands were 0; max(|v|, f_speed) + (delay + lag) max(net, 0)/M_min "
+    "<= u1 at the start",
+    by=HAND,
+    premises="guard.late.mean guard.late.lag guard.late.piece guard.late.tail guard.late.upper "
+    "guard.late.lower guard.late.feasible guard.late.largest",
+)
+def guard_late_lemma() -> None:
+    """|v| <= u1 at every instant from the first command on, by induction over the samples.
+
+    The theorem for late velocities, jitter and lag.
+    """
+
+
+@claim(
+    "guard.late.return",
+    given="the bounds hold from some t0 on; Psi is that of t1, the instant from which on only "
+    "commands act whose sample's window lies behind t0; brakes > net; M_min <= M <= M_max",
+    by=HAND,
+    premises="guard.late.outside guard.late.upper guard.late.lag guard.varying.outside",
+)
+def guard_late_return() -> None:
+    """Psi - u1 never grows while it is positive, and v+ - u1 is at most e at the latest a time lag
+    + T (Psi - u1 - e)/e after t1, for 0 < e <= T (brakes - net)/M_max; without lag from then on.
+
+    How soon a robot outside is back: at a steady pace down to what one sample of braking takes
+    away, then by halves.
+    """

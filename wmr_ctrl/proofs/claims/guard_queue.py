@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import casadi as ca
 
 from wmr_ctrl.guard.delay import under_way
-from wmr_ctrl.proofs.claims.guard_axis import z3_claim
+from wmr_ctrl.proofs.claim import Mutation
 from wmr_ctrl.proofs.claims.guard_late import LateAxis
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal
 
-THEME = "guard"
 FEASIBLE = (
     "2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), net = dbar - f_min, 2 nbar <= u1, "
     "brake >= net, alpha T <= 1; every other number free"
@@ -19,15 +16,11 @@ FEASIBLE = (
 CAPS = "0 <= brakes, net <= brakes <= largest (guard.delay.caps)"
 
 
-late_claim = partial(z3_claim, "guard.delay", 150)
-"""An entry of the guard behind a delay."""
-
-
-def _command(axis: int, flip: float) -> Statement:
+def _command(axis: int, mutation: Mutation) -> Statement:
     """One command of at most ``largest``: both sums together, and what it does to v, either way."""
     a = LateAxis(axis)
     b, time = a.bounds, a["periods"] * a["period"]
-    most = (1 if flip > 0 else 0.99) * time * (a.largest + a.net) / b.M_min
+    most = mutation(1, 0.99) * time * (a.largest + a.net) / b.M_min
     goals = [at_least(most, a.one.ahead + a.one.back)]
     for way, coming in ((1, a.one.ahead), (-1, a.one.back)):
         start = ca.fmax(way * a["v"], b.f_speed)
@@ -40,7 +33,7 @@ def _command(axis: int, flip: float) -> Statement:
     return Statement(a.symbols, tuple(goals), given)
 
 
-def _queue(flip: float) -> Statement:
+def _queue(mutation: Mutation) -> Statement:
     """under_way of n commands is under_way of the first n - 1 and of the last."""
     a = LateAxis()
     t = {**column("F", 5), **column("N", 5), **column("time", 5)}
@@ -50,34 +43,6 @@ def _queue(flip: float) -> Statement:
         for n in range(1, 6):
             every, last = (under_way(part, axis, a.bounds) for part in (sent[:n], sent[n - 1 : n]))
             rest = under_way(sent[: n - 1], axis, a.bounds)
-            goals.append(equal(every.ahead, rest.ahead + flip * last.ahead))
+            goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
     return Statement({**a.symbols, **t}, tuple(goals), (above(a.bounds.M_min),))
-
-
-COMMANDS = (
-    late_claim(
-        "command",
-        "max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, "
-        "and v and -v at most the guard's count as long as it acts; first axis",
-        "What a command on its way can do is what the guard counts, also if it acts for a shorter "
-        "time.",
-        f"one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {CAPS}",
-        partial(_command, 0),
-    ),
-    late_claim(
-        "command-angular",
-        "the same on the second axis, whatever the first axis is sent",
-        "The guard counts each axis's own force.",
-        f"one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {CAPS}",
-        partial(_command, 1),
-    ),
-    late_claim(
-        "queue",
-        "n commands under way add up: their sums ahead and back are those of n - 1 and of the last "
-        "one, both axes, n = 1 to 5",
-        "Whatever is shown of one command and of a sum holds for the commands together.",
-        "any forces and times",
-        _queue,
-    ),
-)

@@ -7,10 +7,10 @@ wheels, the conversion to torques and the motion, and `guard.rounding` puts them
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import log2
+from typing import Any
 
 import casadi as ca
 
@@ -19,13 +19,11 @@ from wmr_ctrl.guard.bounds import rounding
 from wmr_ctrl.guard.guard import Bounds, clipped, floor
 from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.rounded import UNIT
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
-
-THEME = "guard"
 
 
 @dataclass(frozen=True)
@@ -112,35 +110,6 @@ class RoundedAxis(GuardAxis):
         return ON_WHEELS * SPREAD * self.precision.unit * self.reach
 
 
-def _force(way: int, precision: Precision, flip: float) -> Statement:
-    """Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored."""
-    a = RoundedAxis(precision)
-    b = a.aimed if flip > 0 else a.bounds
-    cuts = {"lo": floor(a["y"], b)}
-    known = () if way > 0 else (a.safe(way, a["lo"], a.on_wheels),)
-    given = (*a.stated, *a.measured, *a.inside, *known)
-    goal = a.safe(way, a["hat"], a.on_wheels)
-    computed = {"hat": clipped(a["asked"], a["y"], b)}
-    return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
-
-
-def _size(precision: Precision, flip: float) -> Statement:
-    """Of what may be asked, and of the safe point."""
-    a = RoundedAxis(precision)
-    most = (a.reach + ca.fmax(-a.net, 0)) * (1 + (a.precision.quicker if flip > 0 else -0.01))
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    computed = {"hat": clipped(a["asked"], a["y"], a.aimed)}
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
-
-
-def _anchor(precision: Precision, flip: float) -> Statement:
-    a = RoundedAxis(precision)
-    most = (1 if flip > 0 else 0.99) * a["most"]
-    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    computed = {"hat": clipped(ca.SX(0), a["y"], a.aimed), "most": a.aimed.braking}
-    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
-
-
 def _wheels() -> dict[str, ca.SX]:
     names = " ".join(f"{name}{i}" for name in ("force", "safe", "cap", "size", "lo", "hi")
                      for i in (1, 2))  # fmt: skip
@@ -149,57 +118,6 @@ def _wheels() -> dict[str, ca.SX]:
 
 def _within(most: ca.SX, value: ca.SX) -> tuple[Relation, Relation]:
     return at_least(most, value), at_least(most, -value)
-
-
-def _mapped(name: str, precision: Precision, flip: float) -> Statement:
-    t = _wheels()
-    found, given = (t["thrust"], t["moment"]), [above(t["half"]), above(t["phi"])]
-    for i in "12":
-        given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
-        given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
-        for part in ("force", "safe"):
-            given += [
-                at_least(t[f"hi{i}"], t[f"{part}{i}"]),
-                at_least(t[f"{part}{i}"], t[f"lo{i}"]),
-            ]
-    given.append(at_least(t["phi"] * (1 + 4 * precision.unit), t["cap1"] + t["cap2"] / t["half"]))
-    lost = (12 if flip > 0 else 1) * precision.unit * (t["size1"] + t["size2"] / t["half"])
-    goals = [part for i, error in ((1, lost), (2, lost * t["half"]))
-             for part in (at_least(t[f"hi{i}"] + error, found[i - 1]),
-                          at_least(found[i - 1], t[f"lo{i}"] - error))]  # fmt: skip
-    force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
-    both = MAPS[name](force, t["phi"], t["half"], safe)
-    computed = {"thrust": both[0], "moment": both[1]}
-    return Statement(t, tuple(goals), tuple(given), computed=computed, unit=precision.unit)
-
-
-def _converted(precision: Precision, flip: float) -> Statement:
-    t = _wheels()
-    half, asked = t["half"], ca.vertcat(t["force1"], t["force2"])
-    torque = force_to_wheel(t["r"], half, asked)
-    reached = wheel_to_force(t["r"], half, ca.vertcat(t["right"], t["left"]))
-    lost = (5 if flip > 0 else 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
-    goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
-    computed = {"right": torque[0], "left": torque[1]}
-    return Statement(t, goals, (above(half), above(t["r"])), computed=computed, unit=precision.unit)
-
-
-def _together(precision: Precision, flip: float) -> Statement:
-    """``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between."""
-    a = RoundedAxis(precision)
-    b, lost = a.bounds, (1 if flip > 0 else 2) * a.on_wheels
-    goals, given = [], [*a.stated, *a.inside, *a.during]
-    for way in (1, -1):
-        fastest = ca.fmax(way * a["v"], b.f_speed)
-        end = fastest + a["t"] * ca.fmax(way * a["hat"] + a.net, 0) / a["mass"]
-        goals.append(at_least(b.u1, end))
-        asked, safe = way * a["asked"], way * a["most"]
-        given.append(at_least(ca.fmax(asked, safe) + lost, way * a["hat"]))
-        given += [a.safe(way, a[name], a.on_wheels) for name in ("asked", "most")]
-    return Statement(a.symbols, tuple(goals), tuple(given))
-
-
-HARD = Z3(effort=100)
 
 
 def _stated(precision: Precision) -> str:
@@ -216,110 +134,25 @@ def _two(power: float) -> str:
     return f"2^{int(log2(power))}"
 
 
-def _claim(
-    name: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    premises: tuple[str, ...] = ("assumption.libm",),
-) -> Claim:
-    key = f"guard.{name}"
-    return Claim(
-        key, (), OURS, claim, meaning, hypotheses, statement, HARD, premises=premises, theme=THEME
-    )
+PARTS = "force-ahead force-back size anchor linear-first rotation-first torques"
 
 
-def _maps(precision: Precision, name: str, rounds: str) -> tuple[Claim, ...]:
-    """Both maps onto the wheels."""
-    unit = _two(precision.unit)
-    return tuple(
-        _claim(
-            f"{name}.{kind}",
-            f"{kind} as computed ends between the asked force and the safe point, to "
-            f"12 {unit} (G1 + G2/l) in N, l times that in N m",
-            "Nor does the torque limit's arithmetic undo the guard.",
-            "any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi "
-            f"(1 + {_two(4 * precision.unit)}){rounds}",
-            partial(_mapped, kind, precision),
-        )
-        for kind in MAPS
-    )
+def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
+    """What the texts name of one precision."""
+    shares = {
+        "unit": precision.unit, "left": precision.left, "quicker": precision.quicker,
+        "reach": 4 * precision.unit,
+    }  # fmt: skip
+    return {
+        "precision": precision, "name": name, "meaning": meaning, "numbers": numbers,
+        "stated": _stated(precision), **{key: _two(share) for key, share in shares.items()},
+        "rounds": f"; operations rounded by at most {_two(precision.unit)}",
+        "parts": " ".join(f"guard.{name}.{part}" for part in PARTS.split()),
+    }  # fmt: skip
 
 
-def _parts(precision: Precision, name: str) -> tuple[Claim, ...]:
-    """What the promise is put together from."""
-    unit, quicker = _two(precision.unit), _two(precision.quicker)
-    stated, rounds = _stated(precision), f"; operations rounded by at most {unit}"
-    forces = (
-        _claim(
-            f"{name}.force-{word}",
-            f"the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha "
-            f"(u1 (1 - {_two(precision.left)}) - max({sign}v, f_speed)), 0)",
-            f"What the guard's text computes keeps the limit {word}, and leaves room for what the "
-            "wheels' arithmetic adds; the branch that brakes is in it.",
-            f"{stated}; |v| <= u1, |y - v| <= nbar{rounds}{known}",
-            partial(_force, way, precision),
-            ("assumption.libm", *premises),
-        )
-        for word, way, sign, known, premises in (
-            ("ahead", 1, "", "", ()),
-            (
-                "back",
-                -1,
-                "-",
-                f"; lo(y) = -hi(-y) by guard.{name}.force-ahead",
-                (f"guard.{name}.force-ahead",),
-            ),
-        )
-    )
-    return (
-        *forces,
-        _claim(
-            f"{name}.size",
-            f"|F^| <= (K + max(-net, 0)) (1 + {quicker})",
-            "No computed force is large enough to make its rounding matter.",
-            stated + rounds,
-            partial(_size, precision),
-        ),
-        _claim(
-            f"{name}.anchor",
-            "the computed safe point is at most the computed min(brake, cap)",
-            "What the wheels have to keep free is what the text keeps free.",
-            stated + rounds,
-            partial(_anchor, precision),
-        ),
-        *_maps(precision, name, rounds),
-        _claim(
-            f"{name}.torques",
-            "the exact force of the computed torques misses what was converted by at most "
-            f"5 {unit} (|F| + |N|/l), the moment by l times that",
-            "The plant is pushed by torques, which are rounded numbers as well.",
-            "any force, r, l > 0; r and l are the plant's" + rounds,
-            partial(_converted, precision),
-        ),
-    )
-
-
-def _promised(precision: Precision, name: str, meaning: str, numbers: str) -> tuple[Claim, ...]:
-    """The parts, and what they make together."""
-    parts, quicker = _parts(precision, name), _two(precision.quicker)
-    together = _claim(
-        name,
-        "max(v, f_speed) + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the "
-        "torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v",
-        meaning,
-        f"{_stated(precision)}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + "
-        f"max(-net, 0)) (1 + {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) "
-        f"(1 + {_two(4 * precision.unit)}); no overflow, no underflow{numbers}",
-        partial(_together, precision),
-        (*(part.id for part in parts), "guard.axes", "guard.lemma"),
-    )
-    return (*parts, together)
-
-
-CLAIMS = (
-    *_promised(
+PRECISIONS = (
+    _words(
         DOUBLE,
         "rounding",
         "The limit itself is kept by the exact robot behind the double-precision guard, to the "
@@ -328,7 +161,7 @@ CLAIMS = (
         "[1/22, 22] is enough: I/(m l^2) from 1/22 to 22 times u1_1/(l u1_2).",
         "",
     ),
-    *_promised(
+    _words(
         SINGLE,
         "rounding.single",
         "A package in single precision keeps the limit, too, since its limit is lowered by 2^-15. "
@@ -337,3 +170,159 @@ CLAIMS = (
         "to 2^-24",
     ),
 )
+claim = Claims(by=Z3(effort=100))
+
+
+@claim(
+    "guard.{name}.force-{word}",
+    given="{stated}; |v| <= u1, |y - v| <= nbar{rounds}{known}",
+    premises="assumption.libm{premises}",
+    over=tuple(
+        precision
+        | {
+            "word": word,
+            "way": way,
+            "sign": sign,
+            "known": known.format(**precision),
+            "premises": premises.format(**precision),
+        }
+        for precision in PRECISIONS
+        for word, way, sign, known, premises in (
+            ("ahead", 1, "", "", ""),
+            (
+                "back",
+                -1,
+                "-",
+                "; lo(y) = -hi(-y) by guard.{name}.force-ahead",
+                " guard.{name}.force-ahead",
+            ),
+        )
+    ),
+)
+def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
+    """the computed force F^ has {sign}F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
+    max({sign}v, f_speed)), 0).
+
+    What the guard's text computes keeps the limit {word}, and leaves room for what the wheels'
+    arithmetic adds; the branch that brakes is in it.
+    """
+    # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
+    a = RoundedAxis(precision)
+    b = mutation(a.aimed, a.bounds)
+    cuts = {"lo": floor(a["y"], b)}
+    known = () if way > 0 else (a.safe(way, a["lo"], a.on_wheels),)
+    given = (*a.stated, *a.measured, *a.inside, *known)
+    goal = a.safe(way, a["hat"], a.on_wheels)
+    computed = {"hat": clipped(a["asked"], a["y"], b)}
+    return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
+
+
+@claim("guard.{name}.size", given="{stated}{rounds}", premises="assumption.libm", over=PRECISIONS)
+def size(mutation: Mutation, precision: Precision) -> Statement:
+    """|F^| <= (K + max(-net, 0)) (1 + {quicker}).
+
+    No computed force is large enough to make its rounding matter.
+    """
+    # Of what may be asked, and of the safe point.
+    a = RoundedAxis(precision)
+    most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
+    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    computed = {"hat": clipped(a["asked"], a["y"], a.aimed)}
+    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+
+
+@claim("guard.{name}.anchor", given="{stated}{rounds}", premises="assumption.libm", over=PRECISIONS)
+def anchor(mutation: Mutation, precision: Precision) -> Statement:
+    """the computed safe point is at most the computed min(brake, cap).
+
+    What the wheels have to keep free is what the text keeps free.
+    """
+    a = RoundedAxis(precision)
+    most = mutation(1, 0.99) * a["most"]
+    goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
+    computed = {"hat": clipped(ca.SX(0), a["y"], a.aimed), "most": a.aimed.braking}
+    return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}.{kind}",
+    given="any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 + "
+    "{reach}){rounds}",
+    premises="assumption.libm",
+    over=tuple(precision | {"kind": kind} for precision in PRECISIONS for kind in MAPS),
+)
+def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
+    """{kind} as computed ends between the asked force and the safe point, to 12 {unit} (G1 + G2/l)
+    in N, l times that in N m.
+
+    Nor does the torque limit's arithmetic undo the guard.
+    """
+    t = _wheels()
+    found, given = (t["thrust"], t["moment"]), [above(t["half"]), above(t["phi"])]
+    for i in "12":
+        given += [*_within(t[f"cap{i}"], t[f"safe{i}"]), *_within(t[f"size{i}"], t[f"force{i}"])]
+        given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
+        for part in ("force", "safe"):
+            given += [
+                at_least(t[f"hi{i}"], t[f"{part}{i}"]),
+                at_least(t[f"{part}{i}"], t[f"lo{i}"]),
+            ]
+    given.append(at_least(t["phi"] * (1 + 4 * precision.unit), t["cap1"] + t["cap2"] / t["half"]))
+    lost = mutation(12, 1) * precision.unit * (t["size1"] + t["size2"] / t["half"])
+    goals = [part for i, error in ((1, lost), (2, lost * t["half"]))
+             for part in (at_least(t[f"hi{i}"] + error, found[i - 1]),
+                          at_least(found[i - 1], t[f"lo{i}"] - error))]  # fmt: skip
+    force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
+    both = MAPS[kind](force, t["phi"], t["half"], safe)
+    computed = {"thrust": both[0], "moment": both[1]}
+    return Statement(t, tuple(goals), tuple(given), computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}.torques",
+    given="any force, r, l > 0; r and l are the plant's{rounds}",
+    premises="assumption.libm",
+    over=PRECISIONS,
+)
+def converted(mutation: Mutation, precision: Precision) -> Statement:
+    """the exact force of the computed torques misses what was converted by at most 5 {unit} (|F| +
+    |N|/l), the moment by l times that.
+
+    The plant is pushed by torques, which are rounded numbers as well.
+    """
+    t = _wheels()
+    half, asked = t["half"], ca.vertcat(t["force1"], t["force2"])
+    torque = force_to_wheel(t["r"], half, asked)
+    reached = wheel_to_force(t["r"], half, ca.vertcat(t["right"], t["left"]))
+    lost = mutation(5, 2) * precision.unit * (ca.fabs(asked[0]) + ca.fabs(asked[1]) / half)
+    goals = (*_within(lost, reached[0] - asked[0]), *_within(lost * half, reached[1] - asked[1]))
+    computed = {"right": torque[0], "left": torque[1]}
+    return Statement(t, goals, (above(half), above(t["r"])), computed=computed, unit=precision.unit)
+
+
+@claim(
+    "guard.{name}",
+    given="{stated}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net, 0)) (1 "
+    "+ {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + {reach}); no "
+    "overflow, no underflow{numbers}",
+    premises="{parts} guard.axes guard.lemma",
+    over=PRECISIONS,
+)
+def together(mutation: Mutation, precision: Precision) -> Statement:
+    """max(v, f_speed) + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the
+    torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v.
+
+    {meaning}
+    """
+    # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
+    a = RoundedAxis(precision)
+    b, lost = a.bounds, mutation(1, 2) * a.on_wheels
+    goals, given = [], [*a.stated, *a.inside, *a.during]
+    for way in (1, -1):
+        fastest = ca.fmax(way * a["v"], b.f_speed)
+        end = fastest + a["t"] * ca.fmax(way * a["hat"] + a.net, 0) / a["mass"]
+        goals.append(at_least(b.u1, end))
+        asked, safe = way * a["asked"], way * a["most"]
+        given.append(at_least(ca.fmax(asked, safe) + lost, way * a["hat"]))
+        given += [a.safe(way, a[name], a.on_wheels) for name in ("asked", "most")]
+    return Statement(a.symbols, tuple(goals), tuple(given))

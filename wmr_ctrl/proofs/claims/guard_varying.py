@@ -5,18 +5,20 @@ Exponentials are symbols with what is true of them; the sums may be those of any
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
+from typing import TypeVar
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.lagging import Lagging, integral, moved, push, waiting
-from wmr_ctrl.proofs.claim import Claim
-from wmr_ctrl.proofs.claims.guard_axis import z3_claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
+from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 FELT = "z_ahead z_back after_ahead after_back"
@@ -109,17 +111,51 @@ class VaryingAxis(LatestAxis):
         )  # fmt: skip
 
 
-varying_claim = partial(z3_claim, "guard.varying", 400)
-"""An entry about a lag that varies."""
+Twin = TypeVar("Twin", bound=Callable[..., Statement])
 
 
-def _moved(flip: float) -> Statement:
+def _core(a: VaryingAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
+    """M_min room less all that the last and the new command, of at most ``most``, may do."""
+    return a.bounds.M_min * room + a["slow"] * a.lasts(way)[0] - (a["slow"] + a.J) * most
+
+
+STEADY = r"varying\.(spare|left|room|feasible|counts)\b"
+"""Entries that have a kin for a delay that does not vary."""
+
+
+def twice(claim: Claims, name: str, given: str, premises: str = "") -> Callable[[Twin], Twin]:
+    """Enter the function as a claim with jitter and as one without, whose graph is another."""
+
+    def enter(function: Twin) -> Twin:
+        claim(f"guard.varying.{name}", given=given, premises=premises)(function)
+        claim(
+            f"guard.varying.steady.{name}",
+            given=given,
+            premises=re.sub(STEADY, r"varying.steady.\1", premises),
+            wording=f"guard.varying.{name} for a delay that does not vary, J = 0",
+            varies=False,
+        )(function)
+        return function
+
+    return enter
+
+
+claim = Claims(by=Z3(effort=400))
+
+
+@claim("guard.varying.moved", given="0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0")
+def guard_varying_moved(mutation: Mutation) -> Statement:
+    """Z after a piece of time is at least p + e (Z0 - p) for every e between exp(-h/a) and
+    exp(-h/b), lies between Z0 and p, and does not fall where Z0 or p rises.
+
+    Z falls latest with b and rises soonest with a.
+    """
     t = symbols("z p more_z more_p falls rises between")
     z, p, falls, rises, between = (t[k] for k in ("z", "p", "falls", "rises", "between"))
     first = moved(z, p, (falls, rises))
     second = moved(t["more_z"], t["more_p"], (falls, rises))
     goals = (
-        at_least((1 if flip > 0 else 0.99) * second, first), at_least(first, p + between * (z - p)),
+        at_least(mutation(1, 0.99) * second, first), at_least(first, p + between * (z - p)),
         at_least(ca.fmax(z, p), first), at_least(first, ca.fmin(z, p)),
     )  # fmt: skip
     given = (
@@ -130,33 +166,52 @@ def _moved(flip: float) -> Statement:
     return Statement(t, goals, given)
 
 
-def _integral(flip: float) -> Statement:
+@claim("guard.varying.integral", given="where every age counts in full; exponentials free")
+def guard_varying_integral(mutation: Mutation) -> Statement:
+    """b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0).
+
+    What a piece adds beyond a constant lag b.
+    """
     t = symbols("z p time fast slow falls rises")
     z, p, time, a, b, falls, rises = t.values()
     weights = (time, b * (1 - falls), a * (1 - rises))
     whole = b * moved(z, p, (falls, rises)) + integral(z, p, weights)
-    goal = equal(whole, b * z + waiting(z, p, time, (b - flip * a) * (1 - rises)))
+    goal = equal(whole, b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises)))
     return Statement(t, (goal,))
 
 
-def _piece(flip: float) -> Statement:
+@claim(
+    "guard.varying.piece",
+    given="0 <= Z0, p <= S, weights of the differences within 0 and that of p",
+)
+def piece(mutation: Mutation) -> Statement:
+    """the weighted integral of Z over a piece is between 0 and its weight times S.
+
+    So all pieces together count for no more than behind a constant lag b.
+    """
     t = symbols("z p most time fall rise")
     z, p, most, time, fall, rise = t.values()
     counted = integral(z, p, (time, fall, rise))
     given = [at_least(item) for item in (z, p, fall, rise)]
     given += [at_least(most, z), at_least(most, p), at_least(time, fall), at_least(time, rise)]
     return Statement(
-        t, (at_least((1 if flip > 0 else 0.99) * time * most, counted), at_least(counted)),
+        t, (at_least(mutation(1, 0.99) * time * most, counted), at_least(counted)),
         tuple(given),
     )  # fmt: skip
 
 
-def _more(flip: float) -> Statement:
+@claim("guard.varying.more", given=f"0 <= Z, p_1 <= S; {EXPONENTIALS}")
+def guard_varying_more(mutation: Mutation) -> Statement:
+    """b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T + J)
+    (S - Z) <= b S.
+
+    The last command and the new one together count for no more than b + J of the largest.
+    """
     a = VaryingAxis()
     z, most, p = a["z_ahead"], a["most"], push([a["sent"]], a.bounds, 1)
     again = waiting(z, p, a.J, a["rise_J"])
     after = moved(z, p, (a["falls"], a["rises_by"]))
-    b, more = a["slow"], 1 if flip > 0 else 0.99
+    b, more = a["slow"], mutation(1, 0.99)
     goals = (
         at_least(more * (b + a.J) * most, b * z + again + a["rise"] * (most - after)),
         at_least(b * most, b * z + a["rise_late"] * (most - z)), at_least(again),
@@ -165,12 +220,19 @@ def _more(flip: float) -> Statement:
     return Statement(a.symbols, goals, given)
 
 
-def _core(a: VaryingAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
-    """M_min room less all that the last and the new command, of at most ``most``, may do."""
-    return a.bounds.M_min * room + a["slow"] * a.lasts(way)[0] - (a["slow"] + a.J) * most
+@twice(
+    claim,
+    "spare",
+    given="sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
+    f"each way (guard.varying.piece); mixed = usual; {CAPS}",
+    premises="guard.late.caps guard.varying.piece",
+)
+def spare(mutation: Mutation, varies: bool = True) -> Statement:
+    """core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = M_min (u1 -
+    reached) + b Z - (b + J) S.
 
-
-def _spare(varies: bool, flip: float) -> Statement:
+    The caps leave what braking needs, also where both directions are full.
+    """
     a = VaryingAxis(varies=varies)
     b, b_lag, S = a.bounds, a["slow"], a.S
     cores, given = (
@@ -183,26 +245,39 @@ def _spare(varies: bool, flip: float) -> Statement:
         cores.append(_core(a, way, b.u1 - reached, S))
         for sums, time in ((a[name], a["usual"]), (a[f"rest_{name}"], a["delay"])):
             given.append(at_least((time - a.J - b_lag) * S + b_lag * z, b.M_min * sums))
-    need = (1 if flip > 0 else 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
+    need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
     goal = at_least(ca.fmax(ca.fmax(*cores), cores[0] + cores[1]), need)
     rules = (*a.sound(), *a.capped, a.shared(), a.apart(), *given)
     return Statement(a.symbols, (goal,), rules, a.cuts)
 
 
-def _left(varies: bool, flip: float) -> Statement:
-    """M_min left >= min(core, S/alpha): a weighted mean of both on every line."""
+@twice(claim, "left", given=MORE, premises="guard.varying.more")
+def left(mutation: Mutation, varies: bool = True) -> Statement:
+    """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
+
+    Every line is a mean of core and S/alpha.
+    """
     a = VaryingAxis(varies=varies)
     b, room, most = a.bounds, symbols("room")["room"], a["most"]
     left, core = b.M_min * a.coming.left(room, b), _core(a, 1, room, most)
-    goal = at_least(left, (1 if flip > 0 else 1.01) * ca.fmin(core, most / b.alpha))
+    goal = at_least(left, mutation(1, 1.01) * ca.fmin(core, most / b.alpha))
     given = (
         *a.more(1), *a.numbers, above(b.M_min), above(b.alpha), *([above(a.J)] * varies),
     )  # fmt: skip
     return Statement({**a.symbols, "room": room}, (goal,), given)
 
 
-def _room(varies: bool, flip: float) -> Statement:
-    """Either room, or both together, are what braking needs."""
+@twice(
+    claim,
+    "room",
+    given="guard.varying.left, guard.varying.spare; S >= brakes + net",
+    premises="guard.varying.left guard.varying.spare",
+)
+def guard_varying_room(mutation: Mutation, varies: bool = True) -> Statement:
+    """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
+
+    What was sent never takes the room that braking needs.
+    """
     a = VaryingAxis(varies=varies)
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
     rooms, cores = (t["room_ahead"], t["room_back"]), (t["core_ahead"], t["core_back"])
@@ -219,114 +294,25 @@ def _room(varies: bool, flip: float) -> Statement:
         *lines, at_least(most(cores), need), at_least(a["most"], need * b.alpha), above(b.M_min),
         above(b.alpha),
     )  # fmt: skip
-    goal = at_least(b.M_min * most(rooms), (1 if flip > 0 else 1.01) * need)
+    goal = at_least(b.M_min * most(rooms), mutation(1, 1.01) * need)
     return Statement({**a.symbols, **t}, (goal,), given)
 
 
-def _feasible(varies: bool, flip: float) -> Statement:
+@twice(
+    claim,
+    "feasible",
+    given="guard.varying.room, 2 nbar <= u1, alpha T <= 1",
+    premises="guard.varying.room guard.late.caps",
+)
+def feasible(mutation: Mutation, varies: bool = True) -> Statement:
+    """lo(y) <= hi(y) for every y, whatever was sent.
+
+    There is always a safe force: nothing has to be checked while it runs.
+    """
     a = VaryingAxis(varies=varies)
     b, t = a.bounds, symbols("room_ahead room_back")
     cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
     both = ca.fmax(ca.fmax(*t.values()), t["room_ahead"] + t["room_back"])
-    enough = at_least(
-        (1 if flip > 0 else 1.01) * b.M_min * b.alpha * both, ca.fmax(b.braking + a.net, 0)
-    )
+    enough = at_least(mutation(1, 1.01) * b.M_min * b.alpha * both, ca.fmax(b.braking + a.net, 0))
     given = (*a.sound(), *a.capped, enough)
     return Statement({**a.symbols, **t}, (at_least(a.hi, a.lo),), given, cuts)
-
-
-STEADY = {f"guard.varying.{name}" for name in ("spare", "left", "room", "feasible", "counts")}
-
-
-def twice(
-    name: str, words: tuple[str, str, str], statement: Callable[[bool, float], Statement],
-    premises: tuple[str, ...] = (),
-) -> tuple[Claim, Claim]:  # fmt: skip
-    """An entry with jitter and one without, whose graph is another."""
-    claim, meaning, given = words
-    steady = tuple(
-        item.replace("varying.", "varying.steady.") if item in STEADY else item for item in premises
-    )
-    return (
-        varying_claim(name, claim, meaning, given, partial(statement, True), premises),
-        varying_claim(
-            f"steady.{name}", f"guard.varying.{name} for a delay that does not vary, J = 0",
-            meaning, given, partial(statement, False), steady,
-        ),
-    )  # fmt: skip
-
-
-CLAIMS = (
-    varying_claim(
-        "moved",
-        "Z after a piece of time is at least p + e (Z0 - p) for every e between exp(-h/a) and "
-        "exp(-h/b), lies between Z0 and p, and does not fall where Z0 or p rises",
-        "Z falls latest with b and rises soonest with a.",
-        "0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0",
-        _moved,
-    ),
-    varying_claim(
-        "integral",
-        "b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0)",
-        "What a piece adds beyond a constant lag b.",
-        "where every age counts in full; exponentials free",
-        _integral,
-    ),
-    varying_claim(
-        "piece",
-        "the weighted integral of Z over a piece is between 0 and its weight times S",
-        "So all pieces together count for no more than behind a constant lag b.",
-        "0 <= Z0, p <= S, weights of the differences within 0 and that of p",
-        _piece,
-    ),
-    varying_claim(
-        "more",
-        "b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + "
-        "c(T + J) (S - Z) <= b S",
-        "The last command and the new one together count for no more than b + J of the largest.",
-        f"0 <= Z, p_1 <= S; {EXPONENTIALS}",
-        _more,
-    ),
-    *twice(
-        "spare",
-        (
-            "core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = "
-            "M_min (u1 - reached) + b Z - (b + J) S",
-            "The caps leave what braking needs, also where both directions are full.",
-            "sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
-            f"each way (guard.varying.piece); mixed = usual; {CAPS}",
-        ),
-        _spare,
-        ("guard.late.caps", "guard.varying.piece"),
-    ),
-    *twice(
-        "left",
-        (
-            "M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S",
-            "Every line is a mean of core and S/alpha.",
-            MORE,
-        ),
-        _left,
-        ("guard.varying.more",),
-    ),
-    *twice(
-        "room",
-        (
-            "M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together",
-            "What was sent never takes the room that braking needs.",
-            "guard.varying.left, guard.varying.spare; S >= brakes + net",
-        ),
-        _room,
-        ("guard.varying.left", "guard.varying.spare"),
-    ),
-    *twice(
-        "feasible",
-        (
-            "lo(y) <= hi(y) for every y, whatever was sent",
-            "There is always a safe force: nothing has to be checked while it runs.",
-            "guard.varying.room, 2 nbar <= u1, alpha T <= 1",
-        ),
-        _feasible,
-        ("guard.varying.room", "guard.late.caps"),
-    ),
-)  # fmt: skip

@@ -4,14 +4,43 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmr_ctrl.laws import nn
+import casadi as ca
+
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.laws import rbf
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
-from wmr_ctrl.proofs.claims import network_steps as steps
+from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claims.common import BarrierAxis
+from wmr_ctrl.proofs.claims.network_axis import (
+    DIMENSIONS,
+    NODES,
+    NetworkAxis,
+    decay_chart,
+    dot,
+    free_chart,
+    network_axis,
+    residual_chart,
+    vanishing_chart,
+)
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.regions import AxisName
+from wmr_ctrl.proofs.statement import (
+    Statement,
+    above,
+    at_least,
+    column,
+    equal,
+    every,
+    stacked,
+    symbols,
+)
 
-NODES, DIMENSIONS = nn.NODES, 6
+
+def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
+    """M1^-1 Gamma^-1 W~' times a rate."""
+    return dot(n.error, rate) / (n.free["mass"] * n.gain("Gamma"))
+
+
 GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
     "clock.control": POSITIVE
 }
@@ -26,12 +55,7 @@ SOLVED = {
     **VECTORS,
 }
 FREE_CASES = (
-    Case(
-        "A != 0",
-        {"A": NONZERO, "V": FREE, "w": FREE},
-        steps.free_chart,
-        {"mass": POSITIVE, **GAINS},
-    ),
+    Case("A != 0", {"A": NONZERO, "V": FREE, "w": FREE}, free_chart, {"mass": POSITIVE, **GAINS}),
 )
 OFF_CASES = (replace(FREE_CASES[0], numbers={"A": NONZERO, "V": FREE, "w": NONZERO}),)
 BOTH_CASES = (
@@ -39,16 +63,14 @@ BOTH_CASES = (
     Case(
         "A = 0",
         dict.fromkeys(("quotient", "q"), FREE),
-        steps.vanishing_chart,
+        vanishing_chart,
         {"mass": POSITIVE, **GAINS},
     ),
 )
-BOUND_CASES = (Case("A != 0", SOLVED, steps.residual_chart, GAINS),)
+BOUND_CASES = (Case("A != 0", SOLVED, residual_chart, GAINS),)
 RATES = dict.fromkeys(("rho2", "gamma"), POSITIVE) | dict.fromkeys(("a", "b"), NONNEGATIVE)
 DECAY_CASES = (
-    Case(
-        "rho2 below both rates", {**SOLVED, **RATES}, steps.decay_chart, {"clock.control": POSITIVE}
-    ),
+    Case("rho2 below both rates", {**SOLVED, **RATES}, decay_chart, {"clock.control": POSITIVE}),
 )
 ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
 OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
@@ -57,192 +79,272 @@ OFF = Ring(OFF_CASES, spare=0)
 TWO = Ring(BOTH_CASES, spare=0)
 BOUND = Ring(BOUND_CASES, spare=0)
 FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
-CLAIMS = (
-    Claim(
-        "eq57",
-        (57,),
-        PRINTED,
-        "F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes",
-        "The network law that runs is the paper's, with the quotients by their cancellation-free "
-        "forms.",
-        "any weights and basis",
-        steps.law,
-        ONE,
-    ),
-    Claim(
-        "eq58",
-        (58,),
-        PRINTED,
-        "W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the "
-        "compiled Euler step integrates it",
-        "The weights learn from the distance to the target velocity and slowly forget.",
-        "any weights and basis",
-        steps.adaptation,
-        ONE,
-    ),
-    Claim(
-        "eq58.angular",
-        (58,),
-        PRINTED,
-        "the same on the angular axis",
-        "As on the linear axis.",
-        "any weights and basis",
-        lambda s: steps.adaptation(s, 1),
-        ONE,
-    ),
-    Claim(
-        "eq58.basis",
-        (57, 58),
-        OURS,
-        "the compiled basis (one exponential per dimension more than one) equals "
-        "exp(-|Z - c_j|^2/eta^2) at all 64 nodes",
-        "The fast evaluation of the network changes nothing.",
-        "any Z and eta; nodes at -1 and 1",
-        steps.basis_product,
-        Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
-    ),
-    Claim(
-        "eq59.printed",
-        (59,),
-        PRINTED,
-        "the target (59) is bounded on a bounded set of velocities, so that a "
-        "network can approximate it",
-        "Just below v_u2 with v_c0 = 3 m/s the network would have to give more than "
-        "a million times the friction force: no bounded weights do that. Theorem 2 assumes it, so "
-        "its bound is "
-        "empty in the middle region.",
-        "|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
-        steps.target_bounded,
-        Refute(FAR_POINT),
-    ),
-    Claim(
-        "eq59.ratio",
-        (59,),
-        OURS,
-        "A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + "
-        "1/(v_u1 - v_u2): it grows without bound as v rises to v_u2",
-        "The regressor of the network blows up in normal operation, which is why the code caps it.",
-        "every 0 < v_u2 < v_u1",
-        steps.ratio,
-        Ring(tuple(AxisName().case("middle+", side) for side in ("zero", "in+"))),
-    ),
-    Claim(
-        "eq63-66",
-        (62, 63, 64, 65, 66),
-        PRINTED,
-        "differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66)",
-        "How velocity error and learning error change together.",
-        ALL_NODES,
-        steps.differentiated,
-        TWO,
-    ),
-    Claim(
-        "eq67-68",
-        (67, 68),
-        PRINTED,
-        "with (28), (4) and constant W*",
-        "Force and friction enter.",
-        ALL_NODES,
-        steps.substituted,
-        TWO,
-    ),
-    Claim(
-        "eq69",
-        (69,),
-        PRINTED,
-        "with the law (57)",
-        "The feedback appears as a decay.",
-        ALL_NODES,
-        steps.with_law,
-        TWO,
-    ),
-    Claim(
-        "eq70",
-        (70,),
-        PRINTED,
-        "with (59) as the definition of eps2",
-        "What the network cannot represent remains as eps2.",
-        OFF_TARGET,
-        steps.with_target,
-        OFF,
-    ),
-    Claim(
-        "eq71",
-        (71,),
-        PRINTED,
-        "with the adaptation (58)",
-        "Learning cancels the unknown part; only the forgetting term and eps2 remain.",
-        OFF_TARGET,
-        steps.with_adaptation,
-        OFF,
-    ),
-    Claim(
-        "eq72",
-        (72,),
-        PRINTED,
-        "V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/(2 M1)",
-        "The worst that eps2 can do.",
-        OFF_TARGET,
-        lambda s: steps.bounded(s, False),
-        BOUND,
-    ),
-    Claim(
-        "eq73",
-        (73,),
-        PRINTED,
-        "the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is "
-        "sigma |W^|^2/(2 M1) more",
-        "Forgetting pulls the weights back.",
-        OFF_TARGET,
-        lambda s: steps.bounded(s, True),
-        BOUND,
-    ),
-    Claim(
-        "eq82-83",
-        (82, 83),
-        PRINTED,
-        "V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers",
-        "One unit of the gain is spent on eps2.",
-        OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
-        steps.printed_step,
-        BOUND,
-        premises=("eq81",),
-    ),
-    Claim(
-        "eq84-85",
-        (84, 85, 87),
-        PRINTED,
-        "V3i' <= -rho2 V3i + C_i per axis",
-        "Velocity and weight errors fall "
-        "until eps2 and the forgetting balance them - provided that eps2 is bounded.",
-        OFF_TARGET
-        + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
-        steps.decay,
-        Ring(DECAY_CASES, spare=0),
-        premises=("eq81",),
-    ),
-    Claim(
-        "eq86",
-        (86,),
-        PRINTED,
-        "rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes",
-        "The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, "
-        "which rho1 "
-        "cannot change.",
-        "all gains and masses positive, rho1 > 1",
-        steps.rate_is_least,
-        Z3(),
-    ),
-    Claim(
-        "eq60.step",
-        (60, 88),
-        CORRECTED,
-        "|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets "
-        "4 C3/rho2 = eps3, which must be eps3^2)",
-        "How close the velocities come, if C3 is finite.",
-        "|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
-        steps.end_bound,
-        Z3(),
-        premises=("eq81",),
-    ),
+claim = Claims(by=ONE)
+
+
+@claim("eq57", (57,), form=PRINTED, given="any weights and basis")
+def law(mutation: Mutation) -> Statement:
+    """F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes.
+
+    The network law that runs is the paper's, with the quotients by their cancellation-free forms.
+    """
+    n = network_axis(0)
+    written = -n.gain("rho1") * n.free["quotient"] + mutation * n.free["q"] * dot(
+        n.weights, n.basis
+    )
+    return n.statement(equal(n.law.force[0], written))
+
+
+@claim("eq58", (58,), form=PRINTED, given="any weights and basis")
+def adaptation(mutation: Mutation, axis: int = 0) -> Statement:
+    """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the compiled Euler
+    step integrates it.
+
+    The weights learn from the distance to the target velocity and slowly forget.
+    """
+    n = network_axis(axis)
+    rate = -n.gain("Gamma") * (n.basis * n.free["w"] + mutation * n.gain("sigma") * n.weights)
+    return n.statement(*(equal(n.weight_rate[j], rate[j]) for j in range(NODES)))
+
+
+@claim("eq58.angular", (58,), form=PRINTED, given="any weights and basis")
+def eq58_angular(mutation: Mutation) -> Statement:
+    """the same on the angular axis.
+
+    As on the linear axis.
+    """
+    return adaptation(mutation, 1)
+
+
+@claim(
+    "eq58.basis",
+    (57, 58),
+    given="any Z and eta; nodes at -1 and 1",
+    by=Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
 )
+def basis_product(mutation: Mutation) -> Statement:
+    """the compiled basis (one exponential per dimension more than one) equals exp(-|Z -
+    c_j|^2/eta^2) at all 64 nodes.
+
+    The fast evaluation of the network changes nothing.
+    """
+    t = {**column("z", DIMENSIONS), **symbols("eta")}
+    z = stacked(t, "z", DIMENSIONS)
+    plain = rbf.gaussian_basis(z, t["eta"], rbf.corner_centres(DIMENSIONS, mutation))
+    return Statement(t, every(rbf.corner_basis(z, t["eta"], ca.SX(1)), plain))
+
+
+@claim(
+    "eq59.printed",
+    (59,),
+    form=PRINTED,
+    given="|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
+    by=Refute(FAR_POINT),
+)
+def target_bounded(_: Mutation) -> Statement:
+    """the target (59) is bounded on a bounded set of velocities, so that a network can approximate
+    it.
+
+    Just below v_u2 with v_c0 = 3 m/s the network would have to give more than a million times the
+    friction force: no bounded weights do that. Theorem 2 assumes it, so its bound is empty in the
+    middle region.
+    """
+    a = BarrierAxis()
+    v, c, u1 = a.all[:3]
+    given = (*a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
+    return Statement(a.symbols, (at_least(1e6, ca.fabs(a.A / a.w)),), given)
+
+
+@claim(
+    "eq59.ratio",
+    (59,),
+    given="every 0 < v_u2 < v_u1",
+    by=Ring(tuple(AxisName().case("middle+", side) for side in ("zero", "in+"))),
+)
+def ratio(mutation: Mutation) -> Statement:
+    """A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + 1/(v_u1
+    - v_u2): it grows without bound as v rises to v_u2.
+
+    The regressor of the network blows up in normal operation, which is why the code caps it.
+    """
+    a = BarrierAxis()
+    v, c, _, u2 = a.all
+    return Statement(a.symbols, (equal(a.A, a.w * (1 + mutation * (c - u2) / (u2 - v))),))
+
+
+@claim("eq63-66", (62, 63, 64, 65, 66), form=PRINTED, given=ALL_NODES, by=TWO)
+def differentiated(mutation: Mutation) -> Statement:
+    """differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66).
+
+    How velocity error and learning error change together.
+    """
+    n = network_axis(0)
+    return n.statement(equal(n.rate, n.barrier_rate + mutation * weights_part(n, n.weight_rate)))
+
+
+@claim("eq67-68", (67, 68), form=PRINTED, given=ALL_NODES, by=TWO)
+def substituted(mutation: Mutation) -> Statement:
+    """with (28), (4) and constant W*.
+
+    Force and friction enter.
+    """
+    n = network_axis(0)
+    f = n.free
+    pushed = f["A"] / f["mass"] * (n.law.force[0] - f["friction"])
+    return n.statement(
+        equal(n.rate, pushed - mutation * f["w"] * f["cdot"] + weights_part(n, n.weight_rate))
+    )
+
+
+@claim("eq69", (69,), form=PRINTED, given=ALL_NODES, by=TWO)
+def with_law(mutation: Mutation) -> Statement:
+    """with the law (57).
+
+    The feedback appears as a decay.
+    """
+    n = network_axis(0)
+    f = n.free
+    learnt = f["w"] / f["mass"] * dot(n.best + n.error, n.basis)
+    lost = f["A"] / f["mass"] * f["friction"] + mutation * f["w"] * f["cdot"]
+    fed = -n.gain("rho1") / f["mass"] * f["V"]
+    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
+
+
+@claim("eq70", (70,), form=PRINTED, given=OFF_TARGET, by=OFF)
+def with_target(mutation: Mutation) -> Statement:
+    """with (59) as the definition of eps2.
+
+    What the network cannot represent remains as eps2.
+    """
+    n = network_axis(0)
+    f = n.free
+    rest = f["w"] / f["mass"] * (dot(n.error, n.basis) + mutation * n.residual)
+    fed = -n.gain("rho1") / f["mass"] * f["V"]
+    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
+
+
+@claim("eq71", (71,), form=PRINTED, given=OFF_TARGET, by=OFF)
+def with_adaptation(mutation: Mutation) -> Statement:
+    """with the adaptation (58).
+
+    Learning cancels the unknown part; only the forgetting term and eps2 remain.
+    """
+    n = network_axis(0)
+    f, mass = n.free, n.free["mass"]
+    leak = n.gain("sigma") / mass * dot(n.error, n.weights)
+    written = -n.gain("rho1") / mass * f["V"] - mutation * leak + f["w"] / mass * n.residual
+    return n.statement(equal(n.rate, written))
+
+
+@claim("eq72", (72,), form=PRINTED, given=OFF_TARGET, by=BOUND)
+def eq72(mutation: Mutation, combined: bool = False) -> Statement:
+    """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/(2 M1).
+
+    The worst that eps2 can do.
+    """
+    n = network_axis(0)
+    f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
+    base = -n.gain("rho1") / mass * f["V"] + 0.5 / mass * (f["w"] ** 2 + n.residual**2)
+    leak = -sigma / mass * dot(n.error, n.error + n.best)
+    if combined:
+        leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
+    return n.statement(
+        at_least(base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2, n.rate)
+    )
+
+
+@claim("eq73", (73,), form=PRINTED, given=OFF_TARGET, by=BOUND)
+def eq73(mutation: Mutation) -> Statement:
+    """the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is sigma |W^|^2/(2 M1)
+    more.
+
+    Forgetting pulls the weights back.
+    """
+    return eq72(mutation, True)
+
+
+@claim(
+    "eq82-83",
+    (82, 83),
+    form=PRINTED,
+    given=OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
+    by=BOUND,
+    premises="eq81",
+)
+def printed_step(mutation: Mutation) -> Statement:
+    """V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers.
+
+    One unit of the gain is spent on eps2.
+    """
+    n = network_axis(0)
+    f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
+    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f["V"] + 0.5 / mass * n.residual**2
+    leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
+    return n.statement(at_least(bound + leak, n.rate))
+
+
+@claim(
+    "eq84-85",
+    (84, 85, 87),
+    form=PRINTED,
+    given=OFF_TARGET
+    + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
+    by=Ring(DECAY_CASES, spare=0),
+    premises="eq81",
+)
+def decay(mutation: Mutation) -> Statement:
+    """V3i' <= -rho2 V3i + C_i per axis.
+
+    Velocity and weight errors fall until eps2 and the forgetting balance them - provided that eps2
+    is bounded.
+    """
+    n = network_axis(0)
+    f = n.free
+    leftover = analysis.leftover(n.residual, n.gain("sigma"), n.best, f["mass"])
+    total = analysis.network_lyapunov(f["V"], f["mass"], n.gain("Gamma"), n.error)
+    names = {**n.names, **symbols("rho2")}
+    least = mutation(names["rho2"], 1e6 * names["rho2"])
+    return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
+
+
+@claim("eq86", (86,), form=PRINTED, given="all gains and masses positive, rho1 > 1", by=Z3())
+def rate_is_least(mutation: Mutation) -> Statement:
+    """rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes.
+
+    The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, which
+    rho1 cannot change.
+    """
+    t = {**column("rho", 2), **column("M", 2), **column("sigma", 2), **column("gamma", 2)}
+    rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
+    least = mutation(1, 2) * analysis.decay_rate(rho, mass, sigma, gamma)
+    given = tuple(above(t[f"{n}{i}"]) for n in ("M", "sigma", "gamma") for i in (1, 2))
+    ones = tuple(above(t[f"rho{i}"], 1) for i in (1, 2))
+    goals = [at_least((rho[i] - 1) / mass[i], least) for i in (0, 1)]
+    goals += [at_least(sigma[i] * gamma[i], least) for i in (0, 1)]
+    return Statement(t, tuple(goals), given + ones)
+
+
+@claim(
+    "eq60.step",
+    (60, 88),
+    form=CORRECTED,
+    given="|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
+    by=Z3(),
+    premises="eq81",
+)
+def end_bound(mutation: Mutation) -> Statement:
+    """|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets 4 C3/rho2 = eps3,
+    which must be eps3^2).
+
+    How close the velocities come, if C3 is finite.
+    """
+    t = symbols("z1 z2 V C1 C2 rho2")
+    square = t["z1"] ** 2 + t["z2"] ** 2
+    given = (
+        above(t["rho2"]),
+        at_least(2 * (t["C1"] + t["C2"]), t["V"] * t["rho2"]),
+        at_least(2 * t["V"], square),
+    )
+    return Statement(
+        t, (at_least(4 * (t["C1"] + t["C2"]) * mutation(1, 0.5), square * t["rho2"]),), given
+    )

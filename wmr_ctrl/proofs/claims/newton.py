@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -16,27 +16,11 @@ import casadi as ca
 from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import NO_SERIES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import CHARTED, SIDE_EDGES, SIDES, side_value
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
-
-
-def _above_tangent(flip: float) -> Statement:
-    """V1(y) >= V1(v) + (A + jump) (y - v) + (y - v)^2/2; the minimum of (16) stands as any number.
-
-    ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
-    """
-    t = symbols("y v c u1 u2 jump", "u1 u2")
-    y, v, c, u1, u2, jump = t.values()
-    at_corner = ca.if_else(ca.eq(ca.fabs(v), u2), barrier.sign(v) * jump, 0)
-    slope = barrier.a_term(v, c, u1, u2) + at_corner
-    bend = (0.5 if flip > 0 else 0.6) * (y - v) ** 2
-    line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
-    given = (at_least(jump), at_least(1, jump * (u1 - u2)))
-    least = {"least": -barrier.g(c, u1, u2)}
-    return Statement(t, (at_least(barrier.lyapunov(y, c, u1, u2), line),), given, least)
 
 
 def _pairs() -> Iterator[Case]:
@@ -118,17 +102,77 @@ class NewtonStep:
         return Statement({**self.law.symbols, **self.free}, goals, (*self.held, *given), self.cuts)
 
 
-def _side(axis: int, flip: float) -> Statement:
-    """exp(-rho T) w^2 <= (v+ - v_c1) w <= w^2, from 0 <= (V1/A) w <= w^2."""
+HELD = (
+    'paper\'s barrier, decay = "exact", c held, model exact, |v| < v_u1 below the clip; v != v_c1'
+)
+AXES = (
+    {"axis": 0, "of": "", "where": ""},
+    {"axis": 1, "of": "-angular", "where": " (angular axis)"},
+)
+claim = Claims()
+
+
+@claim(
+    "convex",
+    (12, 80),
+    given="every 0 < v_u2 < v_u1, |v| and |y| < v_u1, any v_c0",
+    by=Ring(tuple(_pairs()), log_lemma=True),
+    premises="lemma.log",
+)
+def above_tangent(mutation: Mutation) -> Statement:
+    """V1i(y) >= V1i(v) + a (y - v) + (y - v)^2/2 with a = A, and at |v| = v_u2 with every slope
+    between those of the two sides.
+
+    The barrier function lies above each of its tangents, its corner included.
+    """
+    # V1(y) >= V1(v) + (A + jump) (y - v) + (y - v)^2/2; the minimum of (16) stands as any number.
+    # ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
+    t = symbols("y v c u1 u2 jump", "u1 u2")
+    y, v, c, u1, u2, jump = t.values()
+    at_corner = ca.if_else(ca.eq(ca.fabs(v), u2), barrier.sign(v) * jump, 0)
+    slope = barrier.a_term(v, c, u1, u2) + at_corner
+    bend = mutation(0.5, 0.6) * (y - v) ** 2
+    line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
+    given = (at_least(jump), at_least(1, jump * (u1 - u2)))
+    least = {"least": -barrier.g(c, u1, u2)}
+    return Statement(t, (at_least(barrier.lyapunov(y, c, u1, u2), line),), given, least)
+
+
+@claim(
+    "prox.newton-side{of}",
+    given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
+    by=Z3(),
+    premises="P5",
+    over=AXES,
+)
+def side(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph v+ lies between v and v_c1, at most exp(-rho T) nearer: exp(-rho T) w^2 <=
+    (v+ - v_c1) w <= w^2{where}.
+
+    One sample never carries the velocity past its target, whatever the period.
+    """
     s = NewtonStep(axis)
     w, fall = s.free["w"], s.free["fall"]
     after, share = w * (w + s.moved), s.free["quotient"] * w
-    goals = (at_least(after, (1 + flip * fall) * w**2), at_least(w**2, after))
+    goals = (at_least(after, (1 + mutation * fall) * w**2), at_least(w**2, after))
     return s.states(goals, (at_least(share), at_least(w**2, share)))
 
 
-def _falls(axis: int, flip: float) -> Statement:
-    """V1 at v+, from tangents at v (towards v+) and at v+ (towards v and v_c1, where V1 = 0)."""
+@claim(
+    "prox.newton{of}",
+    given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
+    by=Z3(),
+    premises="prox.newton-side{of} convex forms.quotient P3 eq78 eq18.inside",
+    over=AXES,
+)
+def falls(mutation: Mutation, axis: int) -> Statement:
+    """one Newton step towards exp(-rho T) V1 makes V1 fall and does not pass that level: exp(-rho
+    T) V1(v) <= V1(v+) < V1(v){where}.
+
+    The exact-decay option of the model-based law cannot overshoot, whatever the period. Steps
+    repeated towards one level are each such a step (induction).
+    """
+    # Tangents at v (towards v+) and at v+ (towards v and v_c1, where V1 = 0).
     s = NewtonStep(axis)
     _, _, _, fall, w, before, after, slope, slope_after = s.free.values()
     given = (
@@ -140,67 +184,5 @@ def _falls(axis: int, flip: float) -> Statement:
         at_least(0, after - slope_after * (w + s.moved)),
         above(w**2),
     )
-    level = (1 + fall) * before if flip > 0 else before
+    level = mutation((1 + fall) * before, before)
     return s.states((above(before, after), at_least(after, level)), given)
-
-
-HELD = (
-    'paper\'s barrier, decay = "exact", c held, model exact, |v| < v_u1 below the clip; v != v_c1'
-)
-
-
-def _step_claims(axis: int) -> tuple[Claim, Claim]:
-    of = ("", "-angular")[axis]
-    where = "" if axis == 0 else " (angular axis)"
-    return (
-        Claim(
-            f"prox.newton-side{of}",
-            (),
-            OURS,
-            "on the law's graph v+ lies between v and v_c1, at most exp(-rho T) nearer: "
-            f"exp(-rho T) w^2 <= (v+ - v_c1) w <= w^2{where}",
-            "One sample never carries the velocity past its target, whatever the period.",
-            f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
-            partial(_side, axis),
-            Z3(),
-            premises=("P5",),
-        ),
-        Claim(
-            f"prox.newton{of}",
-            (),
-            OURS,
-            "one Newton step towards exp(-rho T) V1 makes V1 fall and does not pass that level: "
-            f"exp(-rho T) V1(v) <= V1(v+) < V1(v){where}",
-            "The exact-decay option of the model-based law cannot overshoot, whatever the period. "
-            "Steps repeated towards one level are each such a step (induction).",
-            f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
-            partial(_falls, axis),
-            Z3(),
-            premises=(
-                f"prox.newton-side{of}",
-                "convex",
-                "forms.quotient",
-                "P3",
-                "eq78",
-                "eq18.inside",
-            ),
-        ),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "convex",
-        (12, 80),
-        OURS,
-        "V1i(y) >= V1i(v) + a (y - v) + (y - v)^2/2 with a = A, and at |v| = v_u2 with every slope "
-        "between those of the two sides",
-        "The barrier function lies above each of its tangents, its corner included.",
-        "every 0 < v_u2 < v_u1, |v| and |y| < v_u1, any v_c0",
-        _above_tangent,
-        Ring(tuple(_pairs()), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    *_step_claims(0),
-    *_step_claims(1),
-)

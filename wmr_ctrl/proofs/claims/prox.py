@@ -8,19 +8,27 @@ holds none of the graphs is a LEMMA.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.transport import transported
 from wmr_ctrl.laws.prox import mixture, prox_step
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
-FORMS = (("", False), ("-smooth", True))
-WORDS = {False: "paper's barrier", True: "smooth barrier"}
+FORMS = (
+    {
+        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
+        "C_less": "C - v_u1",
+    },
+    {
+        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
+        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)",
+    },
+)  # fmt: skip
 HARD = Z3(effort=150)
 
 
@@ -97,15 +105,33 @@ class Step:
         return Statement(table, goals, (*self.plain, *given), self.cuts(*names))
 
 
-def _inside(smooth: bool, flip: float) -> Statement:
-    """|v+| < u1 from every v*, on the graph."""
+claim = Claims(by=HARD)
+
+
+@claim("prox.inside{key}", given="0 < v_u2 < v_u1, 0 < E < 1", over=FORMS)
+def inside(mutation: Mutation, smooth: bool) -> Statement:
+    """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words}).
+
+    The law never aims beyond the limit, wherever the robot is. In doubles v+ can round to v_u1
+    itself (from |c+| of about 1e17 on).
+    """
     s = Step(smooth)
-    limit = s.inputs["u1"] if flip > 0 else s.inputs["u2"]
+    limit = mutation(s.inputs["u1"], s.inputs["u2"])
     return s.states((above(limit, s.end), above(s.end, -limit)), (), ("carried",))
 
 
-def _contracts(smooth: bool, flip: float) -> Statement:
-    """|w+| <= E (|w| + |c+ - c_m|), with w the distance before the transport."""
+@claim(
+    "prox.contracts{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
+    premises="prox.optimal{key} prox.monotone{key} prox.not-expansive transport.level{key}",
+    over=FORMS,
+)
+def contracts(mutation: Mutation, smooth: bool) -> Statement:
+    """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words}).
+
+    The distance to a target that moves shrinks by E in every sample, however long the sample is,
+    but for the part of the target's way that is not carried along.
+    """
     s, t = Step(smooth), symbols("w")
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
@@ -116,13 +142,23 @@ def _contracts(smooth: bool, flip: float) -> Statement:
         at_least(ca.fabs(target - followed), ca.fabs(x_target - x_followed)),
     )
     way = ca.fabs(target - followed)
-    most = E * (ca.fabs(t["w"]) + (way if flip > 0 else 0.9 * way))
+    most = E * (ca.fabs(t["w"]) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
     return s.states((at_least(most, ca.fabs(s.end - x_target)),), given, names, t)
 
 
-def _decay(smooth: bool, flip: float) -> Statement:
-    """V1(v+; c+) <= E^2 V1(v*; c+): V1 above its tangent at v+, at v* and at v_c1+."""
+@claim(
+    "prox.decay{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
+    premises="prox.optimal{key} {convex} transport.inside{key}",
+    over=FORMS,
+)
+def decay(mutation: Mutation, smooth: bool) -> Statement:
+    """V1i(v+; c+) <= E^2 V1i(v*; c+) ({words}).
+
+    From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
+    period and the targets.
+    """
     s, t = Step(smooth), symbols("mid after")
     E, target = s.inputs["E"], s.inputs["target"]
     end, carried = s.free["end"], s.free["carried"]
@@ -136,22 +172,68 @@ def _decay(smooth: bool, flip: float) -> Statement:
         at_least(0, t["after"] + A["A"] * back + 0.5 * back**2),
         at_least(t["after"]),
     )
-    share = E**2 if flip > 0 else (0.9 * E) ** 2
+    share = mutation(E**2, (0.9 * E) ** 2)
     goals = (at_least(share * t["mid"], t["after"]), equal(s.end, end))
     return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
 
 
-def _linear(smooth: bool, flip: float) -> Statement:
-    """Below v_u2: v+ = E v* + (1-E) c+."""
+@claim(
+    "prox.linear{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1",
+    premises="transport.plain{key}",
+    over=FORMS,
+)
+def linear(mutation: Mutation, smooth: bool) -> Statement:
+    """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
+
+    Away from the limits the law closes the distance to its target by E in a sample.
+    """
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
     plain = E * s.free["carried"] + (1 - E) * target
     given = (*(at_least(u2, way * plain) for way in (1, -1)), above(1e100, u2))
-    return s.states((equal(s.end, flip * plain),), given, ("carried",))
+    return s.states((equal(s.end, mutation * plain),), given, ("carried",))
 
 
-def _rises(flip: float) -> Statement:
-    """V1+ <= E^2 V1(v*; c+), the transport and the way that is left: what remains of V1 and S."""
+@claim(
+    "prox.margin{key}",
+    given="0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
+    premises="transport.inside{key} prox.short{key}",
+    over=FORMS,
+)
+def margin(mutation: Mutation, smooth: bool) -> Statement:
+    """|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m +
+    (1-E) ({C_less})) <= 1 - E ({words}).
+
+    How far below the limit the law aims, which is what a push may take back.
+    """
+    # What X_(1-E) is taken of is bounded here; the rest is `resolvent`'s.
+    s, t = Step(smooth), symbols("C m", "C m")
+    u1, C = s.limits[0], t["C"]
+    most = s.inputs["E"] * u1 + s.shares[1] * mutation(C, 0.9 * C)
+    reached = ca.fabs(s.argument) <= most
+    given = (
+        at_least(u1, ca.fabs(s.free["carried"])), at_least(C, ca.fabs(s.inputs["target"])),
+        Relation(ca.if_else(reached, u1 - t["m"] - ca.fabs(s.free["end"]), 0), ">="),
+    )  # fmt: skip
+    return s.states((at_least(u1 - t["m"], ca.fabs(s.end)),), given, ("carried", "end"), t)
+
+
+@claim(
+    "prox.rises",
+    given="0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; "
+    "c+) <= E^2 V1i(v*; c+)",
+    by=HARD,
+    premises="prox.decay prox.decay-smooth transport.level transport.level-smooth transport.root",
+)
+def rises(mutation: Mutation) -> Statement:
+    """S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 V1i(v;
+    c).
+
+    What remains of V1 after a sample, with the model exact, for every period, every motion of the
+    target and every |v| < v_u1: level transport keeps the decay of V1, two-part transport adds the
+    way that it does not carry.
+    """
     t = symbols("before carried mid after S S_next way E")
     S, E = t["S"], t["E"]
     root = symbols("S_mid S_carried")
@@ -169,124 +251,6 @@ def _rises(flip: float) -> Statement:
         at_least(root["S_carried"] + t["way"], root["S_mid"]),
         at_least(E**2 * t["mid"], t["after"]),
     )  # fmt: skip
-    most = E * (S + (1 if flip > 0 else 0.9) * t["way"])
+    most = E * (S + mutation(1, 0.9) * t["way"])
     level = Relation(ca.if_else(t["way"] > 0, 0, E**2 * t["before"] - t["after"]), ">=")
     return Statement({**t, **root}, (at_least(most, t["S_next"]), level), given)
-
-
-def _margin(smooth: bool, flip: float) -> Statement:
-    """|v*| <= u1 and |c+| <= C bound what X_(1-E) is taken of; the rest is `resolvent`'s."""
-    s, t = Step(smooth), symbols("C m", "C m")
-    u1, C = s.limits[0], t["C"]
-    most = s.inputs["E"] * u1 + s.shares[1] * (C if flip > 0 else 0.9 * C)
-    reached = ca.fabs(s.argument) <= most
-    given = (
-        at_least(u1, ca.fabs(s.free["carried"])), at_least(C, ca.fabs(s.inputs["target"])),
-        Relation(ca.if_else(reached, u1 - t["m"] - ca.fabs(s.free["end"]), 0), ">="),
-    )  # fmt: skip
-    return s.states((at_least(u1 - t["m"], ca.fabs(s.end)),), given, ("carried", "end"), t)
-
-
-def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
-    words = WORDS[smooth]
-    convex = "smooth.convex" if smooth else "convex"
-    optimal = f"prox.optimal{key}"
-    return (
-        Claim(
-            f"prox.inside{key}",
-            (),
-            OURS,
-            f"|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words})",
-            "The law never aims beyond the limit, wherever the robot is. In doubles v+ can round "
-            "to v_u1 itself (from |c+| of about 1e17 on).",
-            "0 < v_u2 < v_u1, 0 < E < 1",
-            partial(_inside, smooth),
-            HARD,
-        ),
-        Claim(
-            f"prox.contracts{key}",
-            (),
-            OURS,
-            f"|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+) ({words})",
-            "The distance to a target that moves shrinks by E in every sample, however long the "
-            "sample is, but for the part of the target's way that is not carried along.",
-            "0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+",
-            partial(_contracts, smooth),
-            HARD,
-            premises=(
-                optimal,
-                f"prox.monotone{key}",
-                "prox.not-expansive",
-                f"transport.level{key}",
-            ),
-        ),
-        Claim(
-            f"prox.decay{key}",
-            (),
-            OURS,
-            f"V1i(v+; c+) <= E^2 V1i(v*; c+) ({words})",
-            "From the velocity that was carried along V1 falls by exp(-rho T) in a sample, "
-            "whatever the period and the targets.",
-            "0 < v_u2 < v_u1, 0 < E < 1; |v*| < v_u1; V1i above its tangent at v+, at v* and v_c1+",
-            partial(_decay, smooth),
-            HARD,
-            premises=(optimal, convex, f"transport.inside{key}"),
-        ),
-        *_where_it_ends(key, smooth),
-    )
-
-
-def _where_it_ends(key: str, smooth: bool) -> tuple[Claim, ...]:
-    words = WORDS[smooth]
-    return (
-        Claim(
-            f"prox.linear{key}",
-            (),
-            OURS,
-            f"v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words})",
-            "Away from the limits the law closes the distance to its target by E in a sample.",
-            "0 < v_u2 < v_u1, 0 < E < 1",
-            partial(_linear, smooth),
-            HARD,
-            premises=(f"transport.plain{key}",),
-        ),
-        Claim(
-            f"prox.margin{key}",
-            (),
-            OURS,
-            "|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with "
-            + ("m (m + (1-E) (C - v_u1 + 1/(v_u1 - v_u2))) <= 1 - E" if smooth
-               else "m (m + (1-E) (C - v_u1)) <= 1 - E") + f" ({words})",
-            "How far below the limit the law aims, which is what a push may take back.",
-            "0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
-            partial(_margin, smooth),
-            HARD,
-            premises=(f"transport.inside{key}", f"prox.short{key}"),
-        ),
-    )  # fmt: skip
-
-
-CLAIMS = (
-    *(claim for key, smooth in FORMS for claim in _of_form(key, smooth)),
-    Claim(
-        "prox.rises",
-        (),
-        OURS,
-        "S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 "
-        "V1i(v; c)",
-        "What remains of V1 after a sample, with the model exact, for every period, every motion "
-        "of the target and every |v| < v_u1: level transport keeps the decay of V1, two-part "
-        "transport adds the way that it does not carry.",
-        "0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; c+) "
-        "<= E^2 V1i(v*; c+)",
-        _rises,
-        HARD,
-        premises=(
-            "prox.decay",
-            "prox.decay-smooth",
-            "transport.level",
-            "transport.level-smooth",
-            "transport.root",
-        ),
-    ),
-)

@@ -5,40 +5,15 @@ The loop is read from the law's own graph; what follows for it is algebra, a LEM
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Mapping
+from fractions import Fraction
 
 import casadi as ca
 
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.prox_push import AXES, Sampled
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
-
-HARD = Z3(effort=150)
-
-
-def _loop_force(axis: int, flip: float) -> Statement:
-    """w+ = (1 - mu a) w + mu q with q = T f/M^, mu = M^/M, v+ = v - a w, target held."""
-    s, t = Sampled(axis), symbols("mu a x")
-    w, q = s.v - t["x"], s.period * s.free["f"] / s.mass
-    moves = s.period * t["mu"] * (s.force - s.force_cuts["friction"]) / s.mass
-    goal = equal(w + moves, (1 - t["mu"] * t["a"]) * w + flip * t["mu"] * q)
-    given = (above(s.period), above(s.mass), equal(s.free["next"], s.v - t["a"] * w))
-    return s.states((goal,), given, s.force_cuts, t)
-
-
-def _loop_observer(axis: int, flip: float) -> Statement:
-    """q+ = (1 - L mu) q - L a (1 - mu) w, one sample later."""
-    s, t = Sampled(axis), symbols("mu a w")
-    share, q = -s.free["fall"], s.period * s.f_old / s.mass
-    asked = s.mass * (-t["a"] * t["w"]) / s.period + s.f_old
-    given = (
-        equal(s.applied - s.observer_cuts["drag"], asked),
-        equal(s.mass * (s.v - s.old), t["mu"] * s.period * asked),
-    )
-    left = (1 - share * t["mu"]) * q - flip * share * t["a"] * (1 - t["mu"]) * t["w"]
-    goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
-    return s.states((goal,), (*s.observed, *given), s.observer_cuts, t)
 
 
 def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
@@ -46,22 +21,83 @@ def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
     return ca.vertcat(ca.horzcat(1 - mu * a, mu), ca.horzcat(-share * a * (1 - mu), 1 - share * mu))
 
 
-def _jury(flip: float) -> Statement:
-    """Trace and determinant of the loop of (w, T f/M^) are what the rule is read from."""
+FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
+GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
+MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
+LOOP = "prox.loop-force prox.loop-force-angular prox.loop-observer prox.loop-observer-angular"
+claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "prox.loop-force{of}",
+    given="T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
+    over=AXES,
+)
+def loop_force(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, {where} axis.
+
+    What a wrong mass makes of the step.
+    """
+    s, t = Sampled(axis), symbols("mu a x")
+    w, q = s.v - t["x"], s.period * s.free["f"] / s.mass
+    moves = s.period * t["mu"] * (s.force - s.force_cuts["friction"]) / s.mass
+    goal = equal(w + moves, (1 - t["mu"] * t["a"]) * w + mutation * t["mu"] * q)
+    given = (above(s.period), above(s.mass), equal(s.free["next"], s.v - t["a"] * w))
+    return s.states((goal,), given, s.force_cuts, t)
+
+
+@claim(
+    "prox.loop-observer{of}",
+    given="as prox.loop-force, one sample later; F1 between the samples compensated",
+    over=AXES,
+)
+def loop_observer(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
+
+    What a wrong mass makes of the observer.
+    """
+    s, t = Sampled(axis), symbols("mu a w")
+    share, q = -s.free["fall"], s.period * s.f_old / s.mass
+    asked = s.mass * (-t["a"] * t["w"]) / s.period + s.f_old
+    given = (
+        equal(s.applied - s.observer_cuts["drag"], asked),
+        equal(s.mass * (s.v - s.old), t["mu"] * s.period * asked),
+    )
+    left = (1 - share * t["mu"]) * q - mutation * share * t["a"] * (1 - t["mu"]) * t["w"]
+    goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
+    return s.states((goal,), (*s.observed, *given), s.observer_cuts, t)
+
+
+@claim(
+    "prox.jury",
+    given="mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target "
+    "held; c held",
+    premises=LOOP,
+)
+def jury(mutation: Mutation) -> Statement:
+    """velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), 1 - tr + det = mu a L.
+
+    The two numbers that decide the sampled loop's stability.
+    """
     t = symbols("mu a L")
     loop = _matrix(t["mu"], t["a"], t["L"])
     trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
-    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - flip * t["a"] * t["L"])
+    edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - mutation * t["a"] * t["L"])
     return Statement(
         t, (equal(1 + trace + det, edge), equal(1 - trace + det, t["mu"] * t["a"] * t["L"]))
     )
 
 
-def _light_model(flip: float) -> Statement:
-    """M^ <= (4/3) M: all three conditions of Jury, for every rho, T and wo."""
+@claim("prox.light-model", given="0 < a, L < 1", premises="prox.jury")
+def light_model(mutation: Mutation) -> Statement:
+    """M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo.
+
+    Believe a mass that is rather too small. This is about a target that is held: the tracking loop
+    makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and `check` has its limits.
+    """
     t = symbols("mu a L")
     given = [part for name in ("a", "L") for part in (above(t[name]), above(ca.SX(1), t[name]))]
-    share = 4 / ca.SX(3) if flip > 0 else ca.SX(1.5)
+    share = mutation(4 / ca.SX(3), ca.SX(1.5))
     edge = 4 - t["mu"] * (2 * (t["a"] + t["L"]) - t["a"] * t["L"])
     det = 1 - t["mu"] * (t["a"] + t["L"]) + t["mu"] * t["a"] * t["L"]
     return Statement(
@@ -69,99 +105,27 @@ def _light_model(flip: float) -> Statement:
     )
 
 
-def _wrong_mass(numbers: dict[str, tuple[int, int]], flip: float) -> Statement:
-    """w^2 + 2 p w q + s q^2 falls by g^2 for every a in [least, 1] and mu in [5/8, 5/3]."""
+@claim(
+    "prox.wrong-mass{key}",
+    given=f"{MASSES}: at its corners; no disturbance",
+    premises=LOOP,
+    over=({"key": "", "numbers": FAST}, {"key": "-gentle", "numbers": GENTLE}),
+)
+def wrong_mass(mutation: Mutation, numbers: Mapping[str, str]) -> Statement:
+    """w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu in {{5/8, 5/3}}, a in
+    {{{numbers[least]}, 1}}: L = {numbers[L]}, p = {numbers[p]}, s = {numbers[s]}, g = {numbers[g]}.
+
+    A mass believed wrong by that much makes nothing grow.
+    """
     t = symbols("w q mu a " + " ".join(numbers))
     p, s = t["p"], t["s"]
     w, q = ca.vertsplit(_matrix(t["mu"], t["a"], t["L"]) @ ca.vertcat(t["w"], t["q"]))
     left = t["g"] ** 2 * (t["w"] ** 2 + 2 * p * t["w"] * t["q"] + s * t["q"] ** 2)
-    exact = [equal(below * t[name], over) for name, (over, below) in numbers.items()]
+    shares = {name: Fraction(value) for name, value in numbers.items()}
+    exact = [equal(x.denominator * t[name], x.numerator) for name, x in shares.items()]
     corner = [
         equal((8 * t["mu"] - 5) * (3 * t["mu"] - 5)),
         equal((t["a"] - t["least"]) * (t["a"] - 1)),
     ]
-    goal = at_least((1 if flip > 0 else 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
+    goal = at_least(mutation(1, 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
     return Statement(t, (goal,), (*exact, *corner))
-
-
-FAST = {"L": (3, 10), "least": (1, 4), "p": (1, 6), "s": (53, 5), "g": (93, 100)}
-GENTLE = {"L": (7, 100), "least": (1, 10), "p": (1, 5), "s": (60, 1), "g": (993, 1000)}
-MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
-
-
-def _wrong_mass_on(of: str, where: str, axis: int) -> tuple[Claim, ...]:
-    return (
-        Claim(
-            f"prox.loop-force{of}",
-            (),
-            OURS,
-            "on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, "
-            f"{where} axis",
-            "What a wrong mass makes of the step.",
-            "T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
-            partial(_loop_force, axis),
-            HARD,
-        ),
-        Claim(
-            f"prox.loop-observer{of}",
-            (),
-            OURS,
-            f"on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis",
-            "What a wrong mass makes of the observer.",
-            "as prox.loop-force, one sample later; F1 between the samples compensated",
-            partial(_loop_observer, axis),
-            HARD,
-        ),
-    )
-
-
-LOOP = ("prox.loop-force", "prox.loop-force-angular", "prox.loop-observer",
-        "prox.loop-observer-angular")  # fmt: skip
-
-CLAIMS = (
-    *(claim for of, where, axis in AXES for claim in _wrong_mass_on(of, where, axis)),
-    Claim(
-        "prox.jury",
-        (),
-        OURS,
-        "velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), "
-        "1 - tr + det = mu a L",
-        "The two numbers that decide the sampled loop's stability.",
-        "mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target held; "
-        "c held",
-        _jury,
-        HARD,
-        premises=LOOP,
-    ),
-    Claim(
-        "prox.light-model",
-        (),
-        OURS,
-        "M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo",
-        "Believe a mass that is rather too small. This is about a target that is held: the "
-        "tracking loop makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and `check` "
-        "has its limits.",
-        "0 < a, L < 1",
-        _light_model,
-        HARD,
-        premises=("prox.jury",),
-    ),
-    *(
-        Claim(
-            key,
-            (),
-            OURS,
-            "w^2 + 2 p w q + s q^2 falls by g^2 in a sample at the four corners mu in {5/8, 5/3}, "
-            f"a in {{{least}, 1}}: L = {share}, p = {p}, s = {s}, g = {g}",
-            "A mass believed wrong by that much makes nothing grow.",
-            f"{MASSES}: at its corners; no disturbance",
-            partial(_wrong_mass, numbers),
-            HARD,
-            premises=LOOP,
-        )
-        for key, numbers, (share, least, p, s, g) in (
-            ("prox.wrong-mass", FAST, ("0.3", "1/4", "1/6", "53/5", "0.93")),
-            ("prox.wrong-mass-gentle", GENTLE, ("0.07", "1/10", "1/5", "60", "0.993")),
-        )
-    ),
-)  # fmt: skip

@@ -6,19 +6,18 @@ v+, friction and the observer's force stand as free numbers with what other entr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.laws.prox import next_velocity
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
-AXES = (("", "linear", 0), ("-angular", "angular", 1))
-HARD = Z3(effort=150)
+AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
 
 
 @dataclass(frozen=True)
@@ -120,42 +119,76 @@ class Sampled:
         return Statement({**self.law.symbols, **kept, **more}, goals, given, cuts)
 
 
-def _force(axis: int, flip: float) -> Statement:
-    """v + T (F - F1(v+) - f)/M = v+ on the law's graph."""
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("prox.force{of}", given="T, M > 0; F1(v+) and v+ whatever they are", over=AXES)
+def force(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph v + T (F - F1(v+) - f)/M = v+, {where} axis.
+
+    With the model exact the law's force leads to the velocity that it aims at in one period; f is
+    what the observer adds.
+    """
     s = Sampled(axis)
-    pushed = s.force - s.force_cuts["friction"] - flip * s.free["f"]
+    pushed = s.force - s.force_cuts["friction"] - mutation * s.free["f"]
     end = s.v + s.period * pushed / s.mass
     given = (above(s.period), above(s.mass))
     return s.states((equal(end, s.free["next"]),), given, s.force_cuts, {})
 
 
-def _pushed(axis: int, flip: float) -> Statement:
-    """|w| at the next sample, for a push d, a target that comes out as c+ + eps, E (|w| + way)."""
+@claim(
+    "prox.pushed{of}",
+    given="T, M > 0, mass right; w+ to the target as it comes out, c+ + eps",
+    premises="prox.contracts prox.contracts-smooth prox.not-expansive",
+    over=AXES,
+)
+def pushed(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
+    |f + d|/M + |eps|, {where} axis.
+
+    What a push costs in one sample, at every speed: its part that the observer does not make up
+    for, over the mass. There is no speed from which a push is stronger than the law.
+    """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
     nearest = at_least(t["E"] * (t["w"] + t["way"]), ca.fabs(s.free["next"] - t["x_next"]))
     moved = at_least(ca.fabs(t["eps"]), ca.fabs(t["x_real"] - t["x_next"]))
     end = s.v + s.period * (s.force - s.force_cuts["friction"] + t["d"]) / s.mass
     push = s.period * ca.fabs(t["d"] + s.free["f"]) / s.mass
-    most = t["E"] * (t["w"] + t["way"]) + (push if flip > 0 else 0.9 * push) + ca.fabs(t["eps"])
+    most = t["E"] * (t["w"] + t["way"]) + mutation(push, 0.9 * push) + ca.fabs(t["eps"])
     given = (above(s.period), above(s.mass), nearest, moved)
     return s.states((at_least(most, ca.fabs(end - t["x_real"])),), given, s.force_cuts, t)
 
 
-def _observer(axis: int, flip: float) -> Statement:
-    """p = f + d, d the push until the next sample: p = exp(-wo T) p_old + d - d_old."""
+@claim(
+    "prox.observer{of}",
+    given="after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
+    "and F1 at the middle velocity; d acts from now on",
+    over=AXES,
+)
+def observer(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis.
+
+    A push is made up for at the rate wo; what is left comes from its changes.
+    """
     s, t = Sampled(axis), symbols("d d_old")
-    left = (1 + flip * s.free["fall"]) * (s.f_old + t["d_old"]) + t["d"] - t["d_old"]
+    left = (1 + mutation * s.free["fall"]) * (s.f_old + t["d_old"]) + t["d"] - t["d_old"]
     goal = equal(s.law.system.update[axis] + t["d"], left)
     return s.states((goal,), (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
 
 
-def _observer_bound(axis: int, flip: float) -> Statement:
-    """|f| stays within a bound of |d|; |p| L within one of the change of d."""
+@claim("prox.observer-bound{of}", given="as prox.observer; 0 < exp(-wo T) < 1", over=AXES)
+def observer_bound(mutation: Mutation, axis: int) -> Statement:
+    """on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; L |f_old +
+    d_old|, |d - d_old| <= D imply L |f + d| <= D, {where} axis.
+
+    What the observer leaves over is at most 2 sup |d|, and at most the largest change of d from
+    sample to sample over L.
+    """
     s, t = Sampled(axis), symbols("d d_old most change")
     share, f = -s.free["fall"], s.law.system.update[axis]
     old, new = s.f_old + t["d_old"], f + t["d"]
-    tight = 1 if flip > 0 else 0.9
+    tight = mutation(1, 0.9)
     within = ca.logic_and(ca.fabs(t["d_old"]) <= t["most"], ca.fabs(s.f_old) <= t["most"])
     slow = ca.logic_and(
         ca.fabs(t["d"] - t["d_old"]) <= t["change"], share * ca.fabs(old) <= t["change"]
@@ -165,59 +198,3 @@ def _observer_bound(axis: int, flip: float) -> Statement:
         Relation(ca.if_else(slow, tight * t["change"] - share * ca.fabs(new), 0), ">="),
     )
     return s.states(goals, (*s.observed, s.gained(t["d_old"])), s.observer_cuts, t)
-
-
-def _of_axis(of: str, where: str, axis: int) -> tuple[Claim, ...]:
-    return (
-        Claim(
-            f"prox.force{of}",
-            (),
-            OURS,
-            f"on the law's graph v + T (F - F1(v+) - f)/M = v+, {where} axis",
-            "With the model exact the law's force leads to the velocity that it aims at in one "
-            "period; f is what the observer adds.",
-            "T, M > 0; F1(v+) and v+ whatever they are",
-            partial(_force, axis),
-            HARD,
-        ),
-        Claim(
-            f"prox.pushed{of}",
-            (),
-            OURS,
-            "on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - "
-            f"c_m|) + T |f + d|/M + |eps|, {where} axis",
-            "What a push costs in one sample, at every speed: its part that the observer does not "
-            "make up for, over the mass. There is no speed from which a push is stronger than the "
-            "law.",
-            "T, M > 0, mass right; w+ to the target as it comes out, c+ + eps",
-            partial(_pushed, axis),
-            HARD,
-            premises=("prox.contracts", "prox.contracts-smooth", "prox.not-expansive"),
-        ),
-        Claim(
-            f"prox.observer{of}",
-            (),
-            OURS,
-            f"on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, {where} axis",
-            "A push is made up for at the rate wo; what is left comes from its changes.",
-            "after the first sample; M (v - v_old)/T = F_applied - F1 + d_old with the believed M "
-            "and F1 at the middle velocity; d acts from now on",
-            partial(_observer, axis),
-            HARD,
-        ),
-        Claim(
-            f"prox.observer-bound{of}",
-            (),
-            OURS,
-            "on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; "
-            f"L |f_old + d_old|, |d - d_old| <= D imply L |f + d| <= D, {where} axis",
-            "What the observer leaves over is at most 2 sup |d|, and at most the largest change of "
-            "d from sample to sample over L.",
-            "as prox.observer; 0 < exp(-wo T) < 1",
-            partial(_observer_bound, axis),
-            HARD,
-        ),
-    )
-
-
-CLAIMS = (*(claim for of, where, axis in AXES for claim in _of_axis(of, where, axis)),)

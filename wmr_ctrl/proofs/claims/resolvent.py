@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import casadi as ca
 
 from wmr_ctrl.barrier.resolvent import LARGEST, resolvent, root
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
-THEME = "prox"
 ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
-HARD = Z3(effort=150)
 
 
 def _limits(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
@@ -30,12 +26,26 @@ def _slope(size: ca.SX, t: dict[str, ca.SX], smooth: bool) -> ca.SX:
     return 1 / (t["u1"] - size) - tangent
 
 
-def _optimal(smooth: bool, flip: float) -> Statement:
-    """c - x is in k df(x): as the sum of squared violations, which must not be positive."""
+FORMS = (
+    {"key": "", "smooth": False, "words": "paper's barrier", "bound": "m (m + C - v_u1)"},
+    {
+        "key": "-smooth", "smooth": True, "words": "smooth barrier",
+        "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))",
+    },
+)  # fmt: skip
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("prox.optimal", (14, 15, 18), given=ANY)
+def optimal_paper(mutation: Mutation, smooth: bool = False) -> Statement:
+    """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1.
+
+    The closed form is the nearest velocity inside the limit.
+    """
     t = symbols("c k u1 u2", "k u1 u2")
     x = resolvent(t["c"], t["k"], t["u1"], t["u2"], smooth)
     size, s = ca.fabs(x), ca.if_else(t["c"] >= 0, 1, -1)
-    rest = s * (t["c"] - flip * x)
+    rest = s * (t["c"] - mutation * x)
     beyond = (rest - t["k"] * _slope(size, t, smooth)) * (t["u1"] - size)
     jump = ca.SX(0) if smooth else t["k"] / (t["u1"] - t["u2"])
     at_kink = ca.fmin(jump - rest, 0)
@@ -44,16 +54,21 @@ def _optimal(smooth: bool, flip: float) -> Statement:
     return Statement(t, (equal(miss), at_least(rest), at_least(s * x), inside), _target(t))
 
 
-def _optimal_paper(flip: float) -> Statement:
-    return _optimal(False, flip)
+@claim("prox.optimal-smooth", given=ANY)
+def optimal_smooth(mutation: Mutation) -> Statement:
+    """the same for the smooth barrier.
+
+    Also where the barrier has no corner.
+    """
+    return optimal_paper(mutation, True)
 
 
-def _optimal_smooth(flip: float) -> Statement:
-    return _optimal(True, flip)
+@claim("prox.monotone", (14, 15), given="every 0 < v_u2 < v_u1, |x| < v_u1")
+def monotone_paper(mutation: Mutation, smooth: bool = False) -> Statement:
+    """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included.
 
-
-def _monotone(smooth: bool, flip: float) -> Statement:
-    """Slopes of f at two points, with 0 <= jump <= 1/delta at the kink."""
+    The barrier is convex.
+    """
     t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
     slopes = []
     for x, kink in ((t["x1"], t["k1"]), (t["x2"], t["k2"])):
@@ -63,7 +78,7 @@ def _monotone(smooth: bool, flip: float) -> Statement:
             size > t["u2"], _slope(size, t, smooth), ca.if_else(size < t["u2"], 0, jump)
         )
         slopes.append(s * steep)
-    rises = flip * (slopes[0] - slopes[1]) * (t["x1"] - t["x2"])
+    rises = mutation * (slopes[0] - slopes[1]) * (t["x1"] - t["x2"])
     sizes = [above(t["u1"], way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
     kinks = [
         part
@@ -73,131 +88,62 @@ def _monotone(smooth: bool, flip: float) -> Statement:
     return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
 
 
-def _monotone_paper(flip: float) -> Statement:
-    return _monotone(False, flip)
+@claim("prox.monotone-smooth", given="every 0 < v_u2 < v_u1, |x| < v_u1")
+def monotone_smooth(mutation: Mutation) -> Statement:
+    """the same for the smooth barrier.
+
+    So is the smooth one.
+    """
+    return monotone_paper(mutation, True)
 
 
-def _monotone_smooth(flip: float) -> Statement:
-    return _monotone(True, flip)
+@claim(
+    "prox.not-expansive", given="x + k a = c with monotone a", premises="prox.optimal prox.monotone"
+)
+def not_expansive(mutation: Mutation) -> Statement:
+    """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
 
-
-def _not_expansive(flip: float) -> Statement:
-    """c_i = x_i + k a_i with monotone a: |x1 - x2| <= |c1 - c2|."""
+    Targets that are near stay near.
+    """
     t = symbols("x1 x2 a1 a2 k")
     dx, da = t["x1"] - t["x2"], t["a1"] - t["a2"]
     dc = dx + t["k"] * da
-    goal = at_least(dc * dc, (1 if flip > 0 else 1.01) * dx * dx)
+    goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
     return Statement(t, (goal,), (above(t["k"]), at_least(dx * da)))
 
 
-def _root(flip: float) -> Statement:
-    """d = root(t, k): d > 0 and d (d + t) = k."""
+@claim("prox.root", given="k > 0, any t")
+def prox_root(mutation: Mutation) -> Statement:
+    """the compiled d is the positive root of d (d + t) = k.
+
+    How far below the limit a proximal map ends.
+    """
     t = symbols("t k")
     d = root(t["t"], t["k"])
-    return Statement(t, (above(d), equal(d * (d + flip * t["t"]), t["k"])), (above(t["k"]),))
+    return Statement(t, (above(d), equal(d * (d + mutation * t["t"]), t["k"])), (above(t["k"]),))
 
 
-def _short(smooth: bool, flip: float) -> Statement:
-    """|c| <= C: |X_k(c)| <= u1 - m where m (m + C - u1 (+ k/delta)) <= k."""
+@claim(
+    "prox.short{key}",
+    given="every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
+    premises="prox.root",
+    over=FORMS,
+)
+def short(mutation: Mutation, smooth: bool) -> Statement:
+    """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k
+    ({words}).
+
+    The nearer the target, the farther below the limit its nearest velocity.
+    """
     t = symbols("c k u1 u2 C m d", "k u1 u2 C m")
     c, k, u1, u2, most, m, d = t.values()
     x = resolvent(c, k, u1, u2, smooth)
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
-    room = k if flip > 0 else 1.5 * k
+    room = mutation(k, 1.5 * k)
     given = (
         *_target(t), above(m), at_least(u1 - u2, m), at_least(room, m * (m + most - u1 + bent)),
         at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k),
     )  # fmt: skip
     goals = (at_least(u1 - m, x), at_least(x, m - u1))
     return Statement(t, goals, given, {"d": root(beyond, k)})
-
-
-CLAIMS = (
-    Claim(
-        "prox.optimal",
-        (14, 15, 18),
-        OURS,
-        "c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1",
-        "The closed form is the nearest velocity inside the limit.",
-        ANY,
-        _optimal_paper,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.optimal-smooth",
-        (),
-        OURS,
-        "the same for the smooth barrier",
-        "Also where the barrier has no corner.",
-        ANY,
-        _optimal_smooth,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.monotone",
-        (14, 15),
-        OURS,
-        "(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included",
-        "The barrier is convex.",
-        "every 0 < v_u2 < v_u1, |x| < v_u1",
-        _monotone_paper,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.monotone-smooth",
-        (),
-        OURS,
-        "the same for the smooth barrier",
-        "So is the smooth one.",
-        "every 0 < v_u2 < v_u1, |x| < v_u1",
-        _monotone_smooth,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "prox.not-expansive",
-        (),
-        OURS,
-        "|X_k(c1) - X_k(c2)| <= |c1 - c2|",
-        "Targets that are near stay near.",
-        "x + k a = c with monotone a",
-        _not_expansive,
-        HARD,
-        premises=("prox.optimal", "prox.monotone"),
-        theme=THEME,
-    ),
-    Claim(
-        "prox.root",
-        (),
-        OURS,
-        "the compiled d is the positive root of d (d + t) = k",
-        "How far below the limit a proximal map ends.",
-        "k > 0, any t",
-        _root,
-        HARD,
-        theme=THEME,
-    ),
-    *(
-        Claim(
-            f"prox.short{key}",
-            (),
-            OURS,
-            f"|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with {bound} <= k"
-            f" ({words})",
-            "The nearer the target, the farther below the limit its nearest velocity.",
-            "every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
-            partial(_short, smooth),
-            HARD,
-            premises=("prox.root",),
-            theme=THEME,
-        )
-        for key, smooth, words, bound in (
-            ("", False, "paper's barrier", "m (m + C - v_u1)"),
-            ("-smooth", True, "smooth barrier", "m (m + C - v_u1 + k/(v_u1 - v_u2))"),
-        )
-    ),
-)

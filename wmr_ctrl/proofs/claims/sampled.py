@@ -15,7 +15,7 @@ import casadi as ca
 
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import at
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Ball, Method, Refute
 from wmr_ctrl.proofs.statement import Statement, at_least, symbols
@@ -33,12 +33,12 @@ class Held:
     disturbance: str
     level: str
 
-    def statement(self, flip: float) -> Statement:
+    def statement(self, mutation: Mutation) -> Statement:
         """|next v| <= L; the mutation has eight times the disturbance."""
         law = LawGraph("mb")
-        v = law.symbols[VELOCITY_NAMES[self.axis]]
+        v = law.symbols[self.velocity]
         free = symbols("c cdot d")
-        extra = 1 if flip > 0 else 8
+        extra = mutation(1, 8)
         push = (
             acceleration(law.own(law.sample.mass), law.force, ca.SX(0))[self.axis]
             + extra * free["d"]
@@ -54,10 +54,25 @@ class Held:
         return {name: expr for name, expr in law.inner(self.axis).items() if name in ("c", "cdot")}
 
     @property
+    def velocity(self) -> str:
+        """Name of the axis's velocity."""
+        return VELOCITY_NAMES[self.axis]
+
+    @property
+    def unit(self) -> str:
+        """Of that velocity."""
+        return ("m/s", "rad/s")[self.axis]
+
+    @property
+    def milliseconds(self) -> str:
+        """The period."""
+        return f"{float(Fraction(self.period)) * 1000:g}"
+
+    @property
     def method(self) -> Method:
         """Branch and bound over v and v_c0; rate and disturbance stay intervals."""
         bounds = {
-            VELOCITY_NAMES[self.axis]: self.level,
+            self.velocity: self.level,
             "c": self.target,
             "cdot": self.rate,
             "d": self.disturbance,
@@ -68,15 +83,11 @@ class Held:
         }
         edges = _edges(self.axis)
         cuts = {
-            VELOCITY_NAMES[self.axis]: (-edges[0], Fraction(0), edges[0]),
+            self.velocity: (-edges[0], Fraction(0), edges[0]),
             "c": (*(-e for e in edges), Fraction(0), *edges),
         }
         return Ball(
-            box=box,
-            float_mode=True,
-            cuts_at=cuts,
-            split=(VELOCITY_NAMES[self.axis], "c"),
-            budget=20000,
+            box=box, float_mode=True, cuts_at=cuts, split=(self.velocity, "c"), budget=20000
         )
 
 
@@ -92,33 +103,6 @@ def _edges(axis: int) -> tuple[Fraction, Fraction]:
     return u2, Fraction(float(u2 + 1 / (u1 - u2)))
 
 
-def _said(s: Held) -> str:
-    unit = ("m/s", "rad/s")[s.axis]
-    return (
-        f"|{VELOCITY_NAMES[s.axis]}| <= {s.level} {unit} is kept with T = "
-        f"{float(Fraction(s.period)) * 1000:g} ms for "
-        f"|v_c0| <= {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} "
-        f"{unit}^2"
-    )
-
-
-def _claim(s: Held) -> Claim:
-    return Claim(
-        s.id,
-        (9,),
-        OURS,
-        _said(s),
-        "The law's compiled text, with every rounding error that it can make, keeps the limit "
-        "from one sample to the next under the stated disturbance.",
-        "paper limits and gains; mass exact, friction compensated; doubles; log of the C library "
-        "right to 2^-51 (tested); no underflow; the force acts as computed: its conversion to "
-        "wheel torques is not in the graph",
-        s.statement,
-        s.method,
-        premises=("assumption.libm", "lemma.sampling"),
-    )
-
-
 SETTINGS = (
     Held("sampled.1ms", 0, "1/1000", "5", "10", "0.312", "0.9292"),
     Held("sampled.1ms-frozen", 0, "1/1000", "5", "0", "0.677", "0.9292"),
@@ -127,33 +111,53 @@ SETTINGS = (
     Held("sampled.10ms", 0, "1/100", "5", "10", "0.3", "0.9292"),
     Held("sampled.10ms-angular", 1, "1/100", "6", "10", "1.1", "1.4335"),
 )
-SLOW = Held("sampled.100ms", 0, "1/10", "10", "0", "0.01", "0.9999")
-SLOW_ANGULAR = Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.4335")
-
-
-def _refuted(s: Held, points: tuple[dict[str, Fraction], ...]) -> Claim:
-    return Claim(
-        s.id,
-        (9,),
-        OURS,
-        _said(s),
-        "With the 100 ms of the paper's experiment and the gains of its simulation one "
-        "sample is enough to break the limit.",
-        "paper limits and gains; mass exact, friction compensated",
-        s.statement,
-        Refute(points),
-    )
-
-
-CLAIMS = (
-    *(_claim(setting) for setting in SETTINGS),
-    _refuted(
-        SLOW,
-        tuple(
+SLOW = (
+    {
+        "s": Held("sampled.100ms", 0, "1/10", "10", "0", "0.01", "0.9999"),
+        "points": tuple(
             at(v1=v, c=10, cdot=0, d=0) for v in ("0", "1/5", "-1/2", "-4/5", "-9/10", "-99/100")
         ),
-    ),
-    _refuted(
-        SLOW_ANGULAR, tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1"))
-    ),
+    },
+    {
+        "s": Held("sampled.100ms-angular", 1, "1/10", "6", "0", "0.01", "1.4335"),
+        "points": tuple(at(omega=w, c=6, cdot=0, d=0) for w in ("0", "1/2", "-1/2", "-1")),
+    },
 )
+claim = Claims()
+
+
+@claim(
+    "{s.id}",
+    (9,),
+    given="paper limits and gains; mass exact, friction compensated; doubles; log of the C "
+    "library right to 2^-51 (tested); no underflow; the force acts as computed: its conversion to "
+    "wheel torques is not in the graph",
+    by=lambda s: s.method,
+    premises="assumption.libm lemma.sampling",
+    over=tuple({"s": setting} for setting in SETTINGS),
+)
+def held(mutation: Mutation, s: Held) -> Statement:
+    """|{s.velocity}| <= {s.level} {s.unit} is kept with T = {s.milliseconds} ms for |v_c0| <=
+    {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} {s.unit}^2.
+
+    The law's compiled text, with every rounding error that it can make, keeps the limit from one
+    sample to the next under the stated disturbance.
+    """
+    return s.statement(mutation)
+
+
+@claim(
+    "{s.id}",
+    (9,),
+    given="paper limits and gains; mass exact, friction compensated",
+    by=lambda points: Refute(points),
+    over=SLOW,
+)
+def slow(mutation: Mutation, s: Held) -> Statement:
+    """|{s.velocity}| <= {s.level} {s.unit} is kept with T = {s.milliseconds} ms for |v_c0| <=
+    {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} {s.unit}^2.
+
+    With the 100 ms of the paper's experiment and the gains of its simulation one sample is enough
+    to break the limit.
+    """
+    return s.statement(mutation)

@@ -11,7 +11,7 @@ from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.smooth import Barrier, smooth_barrier
 from wmr_ctrl.proofs.case import POSITIVE, Case
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.regions import CHARTED, SIDE_EDGES, SIDES, side_value, smooth_cases
@@ -21,52 +21,6 @@ from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
 def _compiled(a: BarrierAxis) -> Barrier:
     v, c, u1, u2 = a.all
     return smooth_barrier(c, v, u1, u2)
-
-
-def _target(flip: float) -> Statement:
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
-    found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
-    return Statement(a.symbols, (equal(found.v_c1, flip * nearest), equal(found.w, v - nearest)))
-
-
-def _slope(flip: float) -> Statement:
-    """q dV1/dv = v - v_c1."""
-    a = BarrierAxis()
-    found = _compiled(a)
-    return Statement(a.symbols, (equal(found.q * ca.gradient(found.V1, a.all[0]), flip * found.w),))
-
-
-def _quotient(flip: float) -> Statement:
-    """(V1/A) (v - v_c1) = q V1."""
-    a = BarrierAxis()
-    found = _compiled(a)
-    return Statement(a.symbols, (equal(found.V1_over_A * found.w, flip * found.q * found.V1),))
-
-
-def _ratio(flip: float) -> Statement:
-    """q = (v - v_c1)/A: q <= 1 and (1 + 1/(u1 - m)^2) q >= 1, m = max(|v|, |v_c1|)."""
-    a = BarrierAxis()
-    v, _, u1, _ = a.all
-    found = _compiled(a)
-    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
-    share = 1 if flip > 0 else 0.9
-    top = (1 + share / (u1 - m) ** 2) * found.q
-    return Statement(a.symbols, (at_least(1, found.q), at_least(top, 1)))
-
-
-def _value(flip: float) -> Statement:
-    a = BarrierAxis()
-    return Statement(a.symbols, (equal(_compiled(a).V1, flip * smooth_lyapunov(*a.all)),))
-
-
-def _above_tangent(flip: float) -> Statement:
-    """f(y) >= f(v) + f'(v) (y - v)."""
-    t = symbols("y v u1 u2", "u1 u2")
-    y, v, u1, u2 = t.values()
-    line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
-    bend = 0 if flip > 0 else (y - v) ** 2
-    return Statement(t, (at_least(smooth_f(y, u1, u2), line + bend),))
 
 
 def _pairs() -> Iterator[Case]:
@@ -89,79 +43,109 @@ def _pair(y_side: str, v_side: str) -> Case:
 
 
 EVERY = smooth_cases()
-OPEN = tuple(
+OFF_CORNERS = tuple(
     c
     for c in EVERY
     if c.label != "v_c0 zero, v zero" and "corner" not in c.label and "kink" not in c.label
 )
+claim = Claims(by=Ring(EVERY, CLOSED_FORM))
 
-CLAIMS = (
-    Claim(
-        "smooth.V1",
-        (),
-        OURS,
-        "smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) "
-        "- (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0",
-        "The sum of non-negative terms is the same function.",
-        ALL_LIMITS + NO_SERIES,
-        _value,
-        Ring(EVERY, CLOSED_FORM),
-        premises=("cover.smooth-targets", "cover.beyond"),
-    ),
-    Claim(
-        "smooth.convex",
-        (),
-        OURS,
-        "smooth barrier: f(y) >= f(v) + f'(v) (y - v)",
-        "The smooth barrier function lies above each of its tangents.",
-        "every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out",
-        _above_tangent,
-        Ring(tuple(_pairs()), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "smooth.v_c1",
-        (),
-        OURS,
-        "smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1",
-        "The generated code aims at the nearest velocity inside the limit.",
-        ALL_LIMITS + FINITE,
-        _target,
-        Ring(EVERY),
-        premises=("prox.optimal-smooth", "cover.smooth-targets", "cover.beyond"),
-    ),
-    Claim(
-        "smooth.slope",
-        (),
-        OURS,
-        "smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i",
-        "What the laws divide by is the slope of the barrier function.",
-        "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
-        "and v = v_c0 = 0 left out" + NO_SERIES,
-        _slope,
-        Ring(OPEN, CLOSED_FORM),
-        premises=("cover.smooth-targets", "cover.beyond"),
-    ),
-    Claim(
-        "smooth.quotient",
-        (),
-        OURS,
-        "smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i",
-        "The feedback term is the quotient of the two.",
-        ALL_LIMITS + NO_SERIES,
-        _quotient,
-        Ring(EVERY, CLOSED_FORM),
-        premises=("cover.smooth-targets", "cover.beyond"),
-    ),
-    Claim(
-        "prox.smooth-ratio",
-        (),
-        OURS,
-        "smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q)",
-        "The network's regressor is bounded where V1 is.",
-        ALL_LIMITS + FINITE,
-        _ratio,
-        Ring(EVERY),
-        premises=("smooth.slope", "cover.smooth-targets", "cover.beyond"),
-    ),
+
+@claim("smooth.V1", given=ALL_LIMITS + NO_SERIES, premises="cover.smooth-targets cover.beyond")
+def value(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) -
+    (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0.
+
+    The sum of non-negative terms is the same function.
+    """
+    a = BarrierAxis()
+    return Statement(a.symbols, (equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)),))
+
+
+@claim(
+    "smooth.convex",
+    given="every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out",
+    by=Ring(tuple(_pairs()), log_lemma=True),
+    premises="lemma.log",
 )
+def above_tangent(mutation: Mutation) -> Statement:
+    """smooth barrier: f(y) >= f(v) + f'(v) (y - v).
+
+    The smooth barrier function lies above each of its tangents.
+    """
+    t = symbols("y v u1 u2", "u1 u2")
+    y, v, u1, u2 = t.values()
+    line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
+    bend = mutation(0, (y - v) ** 2)
+    return Statement(t, (at_least(smooth_f(y, u1, u2), line + bend),))
+
+
+@claim(
+    "smooth.v_c1",
+    given=ALL_LIMITS + FINITE,
+    by=Ring(EVERY),
+    premises="prox.optimal-smooth cover.smooth-targets cover.beyond",
+)
+def target(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1.
+
+    The generated code aims at the nearest velocity inside the limit.
+    """
+    a = BarrierAxis()
+    v, c, u1, u2 = a.all
+    found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
+    return Statement(
+        a.symbols, (equal(found.v_c1, mutation * nearest), equal(found.w, v - nearest))
+    )
+
+
+@claim(
+    "smooth.slope",
+    given="every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
+    "and v = v_c0 = 0 left out" + NO_SERIES,
+    by=Ring(OFF_CORNERS, CLOSED_FORM),
+    premises="cover.smooth-targets cover.beyond",
+)
+def slope(mutation: Mutation) -> Statement:
+    """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
+
+    What the laws divide by is the slope of the barrier function.
+    """
+    a = BarrierAxis()
+    found = _compiled(a)
+    return Statement(
+        a.symbols, (equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w),)
+    )
+
+
+@claim(
+    "smooth.quotient", given=ALL_LIMITS + NO_SERIES, premises="cover.smooth-targets cover.beyond"
+)
+def quotient(mutation: Mutation) -> Statement:
+    """smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i.
+
+    The feedback term is the quotient of the two.
+    """
+    a = BarrierAxis()
+    found = _compiled(a)
+    return Statement(a.symbols, (equal(found.V1_over_A * found.w, mutation * found.q * found.V1),))
+
+
+@claim(
+    "prox.smooth-ratio",
+    given=ALL_LIMITS + FINITE,
+    by=Ring(EVERY),
+    premises="smooth.slope cover.smooth-targets cover.beyond",
+)
+def ratio(mutation: Mutation) -> Statement:
+    """smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q).
+
+    The network's regressor is bounded where V1 is.
+    """
+    a = BarrierAxis()
+    v, _, u1, _ = a.all
+    found = _compiled(a)
+    m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
+    share = mutation(1, 0.9)
+    top = (1 + share / (u1 - m) ** 2) * found.q
+    return Statement(a.symbols, (at_least(1, found.q), at_least(top, 1)))

@@ -11,9 +11,10 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import OURS, PRINTED, Claim
+from wmr_ctrl.proofs.claim import PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis
 from wmr_ctrl.proofs.claims.tracking import Tracking
+from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
@@ -41,137 +42,6 @@ def _size(e: ca.SX) -> ca.SX:
     return e[0] ** 2 + e[1] ** 2 + ca.sin(e[2]) ** 2
 
 
-def _falls(flip: float) -> Statement:
-    t, eps = Tracking(), ca.SX.sym("eps")
-    rate = analysis.strict_rate(t.e, t.v_d, t.k, eps)
-    share = 1000 if flip > 0 else 10
-    goal = at_least(-share * rate, _size(t.e))
-    return Statement({**t.names, "eps": eps}, (goal,), _region(t, eps))
-
-
-def _between(flip: float) -> Statement:
-    t, eps = Tracking(), ca.SX.sym("eps")
-    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
-    low = 20 if flip > 0 else 2
-    goals = (at_least(low * value, _size(t.e)), at_least(_size(t.e), value))
-    return Statement({**t.names, "eps": eps}, goals, _region(t, eps))
-
-
-def _exponential(flip: float) -> Statement:
-    """W' <= -W/1000 from the two claims before it, W and W' being whatever they are."""
-    t = Tracking()
-    names = {**t.names, **symbols("value rate eps")}
-    inner = {
-        "value": analysis.strict_lyapunov(t.e, t.k[1], names["eps"]),
-        "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"]),
-    }
-    value, rate, size = inner["value"], inner["rate"], _size(t.e)
-    share = 1000 if flip > 0 else 2000
-    given = (at_least(-share * rate, size), at_least(size, value))
-    return Statement(names, (at_least(-value, 1000 * rate),), given, inner)
-
-
-def _stays(flip: float) -> Statement:
-    """W < 1/20 keeps |e1|, |e2| < 1 and cos e3 > 1/4."""
-    t, eps = Tracking(), ca.SX.sym("eps")
-    n = {**t.names, "eps": eps}
-    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
-    given = (equal(n["k2"], 5), equal(50 * eps, 1), above(flip, 20 * flip * value))
-    goals = (above(1, n["e1"] ** 2), above(1, n["e2"] ** 2), above(4 * ca.cos(n["e3"]), 1))
-    return Statement(n, goals, given)
-
-
-def _pull(flip: float) -> Statement:
-    """(sat(p + y) - p) y >= 0 for |p| <= v_u2, sat the map from v_c0 to v_c1."""
-    a = BarrierAxis()
-    _, _, u1, u2 = a.all
-    t = {**a.symbols, **symbols("p y")}
-    moved = barrier.minimiser(t["p"] + t["y"], u1, u2) - flip * t["p"]
-    given = (*a.inside, at_least(u2, t["p"]), at_least(t["p"], -u2))
-    return Statement(t, (at_least(moved * t["y"]),), given)
-
-
-def _saturated_rate(flip: float) -> Statement:
-    """V2' for v = v_c1: two products, each of the form of `_pull`."""
-    t = Tracking()
-    names = {**t.names, **symbols("x1 x2 u11 u12 u21 u22")}
-    e, k, v_d = t.e, t.k, t.v_d
-    x = ca.vertcat(names["x1"], names["x2"])
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    written = -(x[0] - p[0]) * e[0] - flip * (x[1] - p[1]) * ca.sin(e[2]) / k[1]
-    return Statement(names, (equal(analysis.position_rate(e, x, v_d, k[1]), written),))
-
-
-def _argument(flip: float) -> Statement:
-    """v_c0 = p + y with y1 = k1 e1 and y2 = k3 sin e3, which have the signs of e1 and sin e3."""
-    t = Tracking()
-    e, k, v_d = t.e, t.k, t.v_d
-    target = auxiliary_velocity(e, v_d, k)
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (
-        equal(target[0], p[0] + k[0] * e[0]),
-        equal(target[1], p[1] + flip * k[2] * ca.sin(e[2])),
-    )
-    return Statement(t.names, goals)
-
-
-def _level_set(flip: float) -> Statement:
-    """V2 below the level keeps |p1| <= v_u21, |p2| <= v_u22 and e3 away from pi."""
-    t = Tracking()
-    names = {**t.names, **symbols("u21 u22 level")}
-    e, k, v_d, level = t.e, t.k, t.v_d, names["level"]
-    room = names["u22"] - ca.fabs(v_d[1])
-    given = (
-        above(k[1]),
-        above(v_d[0]),
-        at_least(names["u21"], v_d[0]),
-        above(room),
-        at_least(2, k[1] * level),
-        at_least(room**2, 2 * flip * (k[1] * v_d[0]) ** 2 * level),
-        above(level, analysis.position_lyapunov(e, k[1])),
-    )
-    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
-    goals = (
-        at_least(names["u21"], ca.fabs(p[0])),
-        at_least(names["u22"], ca.fabs(p[1])),
-        above(ca.cos(e[2]), -1),
-    )
-    return Statement(names, goals, given)
-
-
-def _paper_level(flip: float) -> Statement:
-    """Over a box around the start, rounded to five digits."""
-    t = Tracking()
-    limit = 0.33 if flip > 0 else 0.3
-    return Statement(t.names, (above(limit, analysis.position_lyapunov(t.e, t.k[1])),))
-
-
-def _saturated_growth(_: float) -> Statement:
-    """V2' <= 0 for v = v_c1 everywhere."""
-    t = Tracking()
-    names = {**t.names, **symbols("u11 u12 u21 u22")}
-    target = auxiliary_velocity(t.e, t.v_d, t.k)
-    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
-    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
-    return Statement(names, (at_least(0, analysis.position_rate(t.e, x, t.v_d, t.k[1])),))
-
-
-def _stuck(_: float) -> Statement:
-    """The saturated kinematics have no rest but e = 0 (cos e3 > 0)."""
-    t = Tracking()
-    names = {**t.names, **symbols("u11 u12 u21 u22")}
-    target = auxiliary_velocity(t.e, t.v_d, t.k)
-    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
-    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
-    given = (
-        above(ca.cos(t.e[2])),
-        above(ca.sumsqr(t.e)),
-        above(t.v_d[0]),
-        above(names["u11"], t.v_d[0]),
-    )
-    return Statement(names, (above(ca.sumsqr(error_rate(t.e, x, t.v_d))),), given)
-
-
 LIMITS: dict[str, str | int] = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
 GAINS: dict[str, str | int] = {"k1": 10, "k2": 5, "k3": 4}
 FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, **GAINS, **LIMITS),)
@@ -188,130 +58,207 @@ START = {
 }
 NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
+claim = Claims(by=Z3(effort=150))
 
-CLAIMS = (
-    Claim(
-        "strict.falls",
-        (31,),
-        OURS,
-        "W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000",
-        "Unlike V2, this function falls in every direction, so disturbances can be weighed against "
-        "it.",
-        NEAR,
-        _falls,
-        Z3(effort=150),
-    ),
-    Claim(
-        "strict.bounds",
-        (31,),
-        OURS,
-        "(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3",
-        "W measures the distance from the path.",
-        NEAR,
-        _between,
-        Z3(effort=150),
-    ),
-    Claim(
-        "strict.rate",
-        (31,),
-        OURS,
-        "W' <= -W/1000: the error decays exponentially",
-        "The robot returns to the path "
-        "exponentially, at a guaranteed (if small) rate; the paper only says that it converges.",
-        NEAR,
-        _exponential,
-        Z3(points=RATES),
-        premises=("strict.falls", "strict.bounds"),
-    ),
-    Claim(
-        "strict.region",
-        (31,),
-        OURS,
-        "W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4",
-        "From inside this set the robot never leaves the region where the rate holds.",
-        "k2 = 5, eps = 1/50",
-        _stays,
-        Z3(effort=150),
-    ),
-    Claim(
-        "level.pull",
-        (7, 18),
-        OURS,
-        "(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1",
-        "The limit weakens a correction but never reverses it.",
-        "every 0 < v_u2 < v_u1",
-        _pull,
-        Z3(effort=150),
-    ),
-    Claim(
-        "level.rate",
-        (31, 36),
-        OURS,
-        "for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, "
-        "p2 = v2d + k2 v1d e2",
-        "",
-        "k2 > 0",
-        _saturated_rate,
-        Ring((Case("any", declared={"k2": POSITIVE}),)),
-    ),
-    Claim(
-        "level.argument", (7,), OURS, "v_c0 = p + (k1 e1, k3 sin e3)", "", "any", _argument, Ring()
-    ),
-    Claim(
-        "level.inside",
-        (31,),
-        OURS,
-        "V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, "
-        "cos e3 > -1",
-        "",
-        "0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
-        _level_set,
-        Z3(effort=150, points=(TOP,)),
-    ),
-    Claim(
-        "level.invariant",
-        (31,),
-        OURS,
-        "with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, "
-        "((v_u22 - |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it",
-        "The paper proves tracking only while no limit is touched, and never shows that the robot "
-        "gets there. "
-        "This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is "
-        "saturated.",
-        "level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside",
-        verdict="HAND",
-        premises=("level.pull", "level.rate", "level.argument", "level.inside"),
-    ),
-    Claim(
-        "level.start",
-        (31,),
-        OURS,
-        "the paper's start has V2 < 0.33 < 0.4",
-        "The paper's run starts inside.",
-        "e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5",
-        _paper_level,
-        Ball(box=START),
-    ),
-    Claim(
-        "level.everywhere",
-        (31,),
-        OURS,
-        "V2' <= 0 for v = v_c1 everywhere",
-        "Outside the set a saturated robot may first move away: 3 m to the side V2 grows.",
-        "every e",
-        _saturated_growth,
-        Refute(SIDEWAYS),
-    ),
-    Claim(
-        "E7",
-        (7,),
-        PRINTED,
-        "v1d < v_u11 suffices: the robot has no rest but e = 0",
-        "With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind "
-        "for ever: the "
-        "hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).",
-        "0 < v1d < v_u11, cos e3 > 0",
-        _stuck,
-        Refute(FAST),
-    ),
+
+@claim("strict.falls", (31,), given=NEAR)
+def falls(mutation: Mutation) -> Statement:
+    """W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000.
+
+    Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
+    """
+    t, eps = Tracking(), ca.SX.sym("eps")
+    rate = analysis.strict_rate(t.e, t.v_d, t.k, eps)
+    share = mutation(1000, 10)
+    goal = at_least(-share * rate, _size(t.e))
+    return Statement({**t.names, "eps": eps}, (goal,), _region(t, eps))
+
+
+@claim("strict.bounds", (31,), given=NEAR)
+def between(mutation: Mutation) -> Statement:
+    """(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3.
+
+    W measures the distance from the path.
+    """
+    t, eps = Tracking(), ca.SX.sym("eps")
+    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
+    low = mutation(20, 2)
+    goals = (at_least(low * value, _size(t.e)), at_least(_size(t.e), value))
+    return Statement({**t.names, "eps": eps}, goals, _region(t, eps))
+
+
+@claim("strict.rate", (31,), given=NEAR, by=Z3(points=RATES), premises="strict.falls strict.bounds")
+def exponential(mutation: Mutation) -> Statement:
+    """W' <= -W/1000: the error decays exponentially.
+
+    The robot returns to the path exponentially, at a guaranteed (if small) rate; the paper only
+    says that it converges.
+    """
+    # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
+    t = Tracking()
+    names = {**t.names, **symbols("value rate eps")}
+    inner = {
+        "value": analysis.strict_lyapunov(t.e, t.k[1], names["eps"]),
+        "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"]),
+    }
+    value, rate, size = inner["value"], inner["rate"], _size(t.e)
+    share = mutation(1000, 2000)
+    given = (at_least(-share * rate, size), at_least(size, value))
+    return Statement(names, (at_least(-value, 1000 * rate),), given, inner)
+
+
+@claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
+def stays(mutation: Mutation) -> Statement:
+    """W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4.
+
+    From inside this set the robot never leaves the region where the rate holds.
+    """
+    t, eps = Tracking(), ca.SX.sym("eps")
+    n = {**t.names, "eps": eps}
+    value = analysis.strict_lyapunov(t.e, t.k[1], eps)
+    given = (equal(n["k2"], 5), equal(50 * eps, 1), above(mutation, 20 * mutation * value))
+    goals = (above(1, n["e1"] ** 2), above(1, n["e2"] ** 2), above(4 * ca.cos(n["e3"]), 1))
+    return Statement(n, goals, given)
+
+
+@claim("level.pull", (7, 18), given="every 0 < v_u2 < v_u1")
+def pull(mutation: Mutation) -> Statement:
+    """(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1.
+
+    The limit weakens a correction but never reverses it.
+    """
+    a = BarrierAxis()
+    _, _, u1, u2 = a.all
+    t = {**a.symbols, **symbols("p y")}
+    moved = barrier.minimiser(t["p"] + t["y"], u1, u2) - mutation * t["p"]
+    given = (*a.inside, at_least(u2, t["p"]), at_least(t["p"], -u2))
+    return Statement(t, (at_least(moved * t["y"]),), given)
+
+
+@claim("level.rate", (31, 36), given="k2 > 0", by=Ring((Case("any", declared={"k2": POSITIVE}),)))
+def saturated_rate(mutation: Mutation) -> Statement:
+    """for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, p2 = v2d +
+    k2 v1d e2.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("x1 x2 u11 u12 u21 u22")}
+    e, k, v_d = t.e, t.k, t.v_d
+    x = ca.vertcat(names["x1"], names["x2"])
+    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
+    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k[1]
+    return Statement(names, (equal(analysis.position_rate(e, x, v_d, k[1]), written),))
+
+
+@claim("level.argument", (7,), given="any", by=Ring())
+def argument(mutation: Mutation) -> Statement:
+    """v_c0 = p + (k1 e1, k3 sin e3)."""
+    # v_c0 = p + y with y1 = k1 e1 and y2 = k3 sin e3, which have the signs of e1 and sin e3.
+    t = Tracking()
+    e, k, v_d = t.e, t.k, t.v_d
+    target = auxiliary_velocity(e, v_d, k)
+    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
+    goals = (
+        equal(target[0], p[0] + k[0] * e[0]),
+        equal(target[1], p[1] + mutation * k[2] * ca.sin(e[2])),
+    )
+    return Statement(t.names, goals)
+
+
+@claim(
+    "level.inside",
+    (31,),
+    given="0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
+    by=Z3(effort=150, points=(TOP,)),
 )
+def level_set(mutation: Mutation) -> Statement:
+    """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
+    -1.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("u21 u22 level")}
+    e, k, v_d, level = t.e, t.k, t.v_d, names["level"]
+    room = names["u22"] - ca.fabs(v_d[1])
+    given = (
+        above(k[1]),
+        above(v_d[0]),
+        at_least(names["u21"], v_d[0]),
+        above(room),
+        at_least(2, k[1] * level),
+        at_least(room**2, 2 * mutation * (k[1] * v_d[0]) ** 2 * level),
+        above(level, analysis.position_lyapunov(e, k[1])),
+    )
+    p = ca.vertcat(v_d[0] * ca.cos(e[2]), v_d[1] + k[1] * v_d[0] * e[1])
+    goals = (
+        at_least(names["u21"], ca.fabs(p[0])),
+        at_least(names["u22"], ca.fabs(p[1])),
+        above(ca.cos(e[2]), -1),
+    )
+    return Statement(names, goals, given)
+
+
+@claim(
+    "level.invariant",
+    (31,),
+    given="level.pull with y = k1 e1 and y = k3 sin e3, level.rate, level.inside",
+    by=HAND,
+    premises="level.pull level.rate level.argument level.inside",
+)
+def level_invariant() -> None:
+    """with v = v_c1 (velocities at their limited targets) the set {V2 < min(2/k2, ((v_u22 -
+    |v2d|)/(k2 v1d))^2/2), |e3| < pi} is never left: V2' <= 0 on it.
+
+    The paper proves tracking only while no limit is touched, and never shows that the robot gets
+    there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
+    saturated.
+    """
+
+
+@claim(
+    "level.start",
+    (31,),
+    given="e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5",
+    by=Ball(box=START),
+)
+def paper_level(mutation: Mutation) -> Statement:
+    """the paper's start has V2 < 0.33 < 0.4.
+
+    The paper's run starts inside.
+    """
+    t = Tracking()
+    limit = mutation(0.33, 0.3)
+    return Statement(t.names, (above(limit, analysis.position_lyapunov(t.e, t.k[1])),))
+
+
+@claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))
+def saturated_growth(_: Mutation) -> Statement:
+    """V2' <= 0 for v = v_c1 everywhere.
+
+    Outside the set a saturated robot may first move away: 3 m to the side V2 grows.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("u11 u12 u21 u22")}
+    target = auxiliary_velocity(t.e, t.v_d, t.k)
+    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
+    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
+    return Statement(names, (at_least(0, analysis.position_rate(t.e, x, t.v_d, t.k[1])),))
+
+
+@claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
+def stuck(_: Mutation) -> Statement:
+    """v1d < v_u11 suffices: the robot has no rest but e = 0.
+
+    With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 the robot follows exactly 1 m behind for
+    ever: the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does not state).
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("u11 u12 u21 u22")}
+    target = auxiliary_velocity(t.e, t.v_d, t.k)
+    pairs = zip((target[0], target[1]), (("u11", "u21"), ("u12", "u22")), strict=True)
+    x = ca.vertcat(*(barrier.minimiser(c, names[a], names[b]) for c, (a, b) in pairs))
+    given = (
+        above(ca.cos(t.e[2])),
+        above(ca.sumsqr(t.e)),
+        above(t.v_d[0]),
+        above(names["u11"], t.v_d[0]),
+    )
+    return Statement(names, (above(ca.sumsqr(error_rate(t.e, x, t.v_d))),), given)

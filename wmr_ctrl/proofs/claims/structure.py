@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
     ALL_LIMITS,
     CLOSED_FORM,
@@ -19,75 +19,138 @@ from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
+AT_TARGET = tuple(c for c in target_cases(edges=False))
+NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
+claim = Claims(by=Ring(all_cases(), log_lemma=True))
 
-def _bregman(flip: float) -> Statement:
-    """P1: V1i - w^2/2 is the Bregman distance of f with the subgradient v_c0 - v_c1, and >= 0."""
+
+@claim("P1", (12, 81), given=ALL_LIMITS, premises="lemma.log")
+def bregman(mutation: Mutation) -> Statement:
+    """V1i = w^2/2 + D_f(v, v_c1), the Bregman distance of f, which is >= 0; w = v - v_c1.
+
+    The barrier function is a squared distance plus something that only grows towards the limit.
+    """
     a = BarrierAxis()
     v, c, u1, u2 = a.all
-    distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - flip * (c - a.x) * a.w
+    distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - mutation * (c - a.x) * a.w
     return Statement(a.symbols, (equal(a.V - 0.5 * a.w**2, distance), at_least(distance)))
 
 
-def _subgradient(flip: float) -> Statement:
-    """f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0)."""
+@claim("P1.prox", (16, 18), given=ALL_LIMITS, premises="lemma.log")
+def subgradient(mutation: Mutation) -> Statement:
+    """v_c0 - v_c1 is a subgradient of f at v_c1: v_c1 is the proximal map of f, and -g its Moreau
+    envelope.
+
+    The target velocity is a smooth clip of v_c0 to the limit, of the kind known from optimisation.
+    """
+    # f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0).
     a = BarrierAxis()
     v, c, u1, u2 = a.all
-    line = barrier.f(a.x, u1, u2) + flip * (c - a.x) * (v - a.x)
+    line = barrier.f(a.x, u1, u2) + mutation * (c - a.x) * (v - a.x)
     return Statement(a.symbols, (at_least(barrier.f(v, u1, u2), line),))
 
 
-def _envelope_slope(flip: float) -> Statement:
+@claim("P2", (16, 25), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def envelope_slope(mutation: Mutation) -> Statement:
+    """dg/dv_c0 = v_c1 - v_c0.
+
+    The corrected sign of (25), without time.
+    """
     a = BarrierAxis()
     _, c, u1, u2 = a.all
-    return Statement(a.symbols, (equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - flip * c),))
+    return Statement(a.symbols, (equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c),))
 
 
-def _three_points(flip: float) -> Statement:
+@claim("P3", (10, 12), given=ALL_LIMITS, premises="lemma.log")
+def three_points(mutation: Mutation) -> Statement:
+    """A w >= V1i + w^2/2.
+
+    Slope and value of the barrier function keep in step.
+    """
     a = BarrierAxis()
-    share = 0.5 if flip > 0 else 0.75
+    share = mutation(0.5, 0.75)
     return Statement(a.symbols, (at_least(a.A * a.w, a.V + share * a.w**2),))
 
 
-def _q_range(flip: float) -> Statement:
+@claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
+def q_range(mutation: Mutation) -> Statement:
+    """0 <= q <= 1 for the compiled q = (v - v_c1)/A.
+
+    The feed-forward is never amplified.
+    """
     a = BarrierAxis()
-    top = 1 if flip > 0 else 0.5
+    top = mutation(1, 0.5)
     return Statement(a.symbols, (at_least(a.stable.q), at_least(top, a.stable.q)))
 
 
-def _q_positive(flip: float) -> Statement:
+@claim(
+    "P4.positive",
+    (9, 10),
+    given="|v_c0| <= v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)" + FINITE,
+    by=Ring(NO_CORNER),
+)
+def q_positive(mutation: Mutation) -> Statement:
+    """q > 0 outside the middle region (0 there only in the limit v -> v_c1).
+
+    The feed-forward never has the wrong sign.
+    """
     a = BarrierAxis()
-    return Statement(a.symbols, (above(flip * a.stable.q),))
+    return Statement(a.symbols, (above(mutation * a.stable.q),))
 
 
-def _quotient_range(flip: float) -> Statement:
-    """P5 without dividing by w: 0 <= (V1/A) w <= w^2."""
+@claim(
+    "P5",
+    (9, 12),
+    given=ALL_LIMITS + NO_SERIES,
+    by=Ring(all_cases(), CLOSED_FORM, log_lemma=True),
+    premises="lemma.log",
+)
+def quotient_range(mutation: Mutation) -> Statement:
+    """V1i/A_i as compiled lies between 0 and v - v_c1.
+
+    The feedback never overshoots what the distance to the target asks for: near the limit it stays
+    bounded, it does not blow up.
+    """
     a = BarrierAxis()
-    top = 1 if flip > 0 else 0.5
+    top = mutation(1, 0.5)
     product = a.stable.V1_over_A * a.stable.w
     return Statement(a.symbols, (at_least(product), at_least(top * a.stable.w**2, product)))
 
 
-def _target_slope(flip: float) -> Statement:
-    """P6: dv_c1/dv_c0 is 1, 0 or 1/(1 + 1/d^2), between 0 and 1."""
+@claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+def target_slope(mutation: Mutation) -> Statement:
+    """dv_c1/dv_c0 = 1, 0 or 1/(1 + 1/(v_u1 - |v_c1|)^2): between 0 and 1.
+
+    The target velocity never moves faster than v_c0.
+    """
     a = BarrierAxis()
     _, c, u1, u2 = a.all
     slope = ca.gradient(a.x, c)
     edge = u2 + 1 / (u1 - u2)
-    far = 1 / (1 + flip / (u1 - ca.fabs(a.x)) ** 2)
+    far = 1 / (1 + mutation / (u1 - ca.fabs(a.x)) ** 2)
     written = ca.if_else(ca.fabs(c) <= u2, 1, ca.if_else(ca.fabs(c) <= edge, 0, far))
     return Statement(a.symbols, (equal(slope, written), at_least(slope), at_least(1, slope)))
 
 
-def _q_at_target(flip: float) -> Statement:
-    """P7: q at v = v_c1 is dv_c1/dv_c0, so that the feed-forward becomes the target's own rate."""
+@claim("P7", (9, 18), given=OFF_EDGES + FINITE, by=Ring(target_cases(edges=False)))
+def q_at_target(mutation: Mutation) -> Statement:
+    """at v = v_c1 the compiled q equals dv_c1/dv_c0.
+
+    On target, the law tells the robot to follow the target's own acceleration.
+    """
     a = BarrierAxis()
     v, c, _, _ = a.all
     q = ca.substitute(a.stable.q, v, a.x)
-    return Statement(a.symbols, (equal(q, ca.gradient(a.x, c) + (0 if flip > 0 else c)),))
+    return Statement(a.symbols, (equal(q, ca.gradient(a.x, c) + mutation(0, c)),))
 
 
-def _bounded_command(flip: float) -> Statement:
-    """P8 on the law's graph: |F - F1|/M <= rho |w| + |v_c0'|, given P4 and P5 inside it."""
+@claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")
+def bounded_command(mutation: Mutation) -> Statement:
+    """|commanded acceleration| <= rho |v - v_c1| + |v_c0'| on the law's graph.
+
+    The command stays bounded right up to the speed limit; this barrier does not push infinitely
+    hard.
+    """
     law = LawGraph("mb")
     names = {n: law.symbols[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
     t = {**names, **symbols("quotient q w cdot friction")}
@@ -109,123 +172,5 @@ def _bounded_command(flip: float) -> Statement:
         at_least(t["w"] ** 2, t["quotient"] * t["w"]),
         at_least(t["w"] ** 2, t["quotient"] ** 2),
     )
-    bound = flip * rho * ca.fabs(t["w"]) + ca.fabs(t["cdot"])
+    bound = mutation * rho * ca.fabs(t["w"]) + ca.fabs(t["cdot"])
     return Statement(t, (at_least(bound * mass, ca.fabs(force)),), given, inner)
-
-
-AT_TARGET = tuple(c for c in target_cases(edges=False))
-NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" not in c.label)
-
-CLAIMS = (
-    Claim(
-        "P1",
-        (12, 81),
-        OURS,
-        "V1i = w^2/2 + D_f(v, v_c1), the Bregman distance of f, which is >= 0; w = v - v_c1",
-        "The barrier function is a squared distance plus something that only grows towards the "
-        "limit.",
-        ALL_LIMITS,
-        _bregman,
-        Ring(all_cases(), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "P1.prox",
-        (16, 18),
-        OURS,
-        "v_c0 - v_c1 is a subgradient of f at v_c1: v_c1 is the proximal map of f, and "
-        "-g its Moreau envelope",
-        "The target velocity is a smooth clip of v_c0 to the limit, of the kind known "
-        "from optimisation.",
-        ALL_LIMITS,
-        _subgradient,
-        Ring(all_cases(), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "P2",
-        (16, 25),
-        OURS,
-        "dg/dv_c0 = v_c1 - v_c0",
-        "The corrected sign of (25), without time.",
-        OFF_EDGES,
-        _envelope_slope,
-        Ring(target_cases(edges=False)),
-    ),
-    Claim(
-        "P3",
-        (10, 12),
-        OURS,
-        "A w >= V1i + w^2/2",
-        "Slope and value of the barrier function keep in step.",
-        ALL_LIMITS,
-        _three_points,
-        Ring(all_cases(), log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "P4",
-        (9, 10),
-        OURS,
-        "0 <= q <= 1 for the compiled q = (v - v_c1)/A",
-        "The feed-forward is never amplified.",
-        ALL_LIMITS + FINITE,
-        _q_range,
-        Ring(all_cases()),
-    ),
-    Claim(
-        "P4.positive",
-        (9, 10),
-        OURS,
-        "q > 0 outside the middle region (0 there only in the limit v -> v_c1)",
-        "The feed-forward never has the wrong sign.",
-        "|v_c0| <= v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)" + FINITE,
-        _q_positive,
-        Ring(NO_CORNER),
-    ),
-    Claim(
-        "P5",
-        (9, 12),
-        OURS,
-        "V1i/A_i as compiled lies between 0 and v - v_c1",
-        "The feedback never overshoots "
-        "what the distance to the target asks for: near the limit it stays bounded, it does not "
-        "blow up.",
-        ALL_LIMITS + NO_SERIES,
-        _quotient_range,
-        Ring(all_cases(), CLOSED_FORM, log_lemma=True),
-        premises=("lemma.log",),
-    ),
-    Claim(
-        "P6",
-        (18,),
-        OURS,
-        "dv_c1/dv_c0 = 1, 0 or 1/(1 + 1/(v_u1 - |v_c1|)^2): between 0 and 1",
-        "The target velocity never moves faster than v_c0.",
-        OFF_EDGES,
-        _target_slope,
-        Ring(target_cases(edges=False)),
-    ),
-    Claim(
-        "P7",
-        (9, 18),
-        OURS,
-        "at v = v_c1 the compiled q equals dv_c1/dv_c0",
-        "On target, the law tells the robot to follow the target's own acceleration.",
-        OFF_EDGES + FINITE,
-        _q_at_target,
-        Ring(target_cases(edges=False)),
-    ),
-    Claim(
-        "P8",
-        (9,),
-        OURS,
-        "|commanded acceleration| <= rho |v - v_c1| + |v_c0'| on the law's graph",
-        "The command stays bounded right up to the speed limit; this barrier does not push "
-        "infinitely hard.",
-        "P4 and P5 for the inner values",
-        _bounded_command,
-        Z3(),
-        premises=("P4", "P5"),
-    ),
-)

@@ -2,293 +2,237 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
+from wmr_ctrl.barrier import lyapunov as analysis
+from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim
-from wmr_ctrl.proofs.claims import theorem1_steps as steps
+from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claims.tracking import Tracking
+from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+
+
+def positive(*items: ca.SX) -> tuple[Relation, ...]:
+    """Every item > 0."""
+    return tuple(above(item) for item in items)
+
+
+def conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
+    """The six conditions on l, in the symbols of a table."""
+    gains = ca.vertcat(1, names["k2"], names["k3"])
+    return theorem1.conditions(
+        names["l"], gains, names["v1dmin"], names["v1dmax"], names["v2max"], printed
+    )
+
 
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
-LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2": 1, "k3": 1}
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
-CLAIMS = (
-    Claim(
-        "eq40",
-        (40,),
-        CORRECTED,
-        "V2(t0) < ((k2 + 1)/(2 k2 l^2) + 1/2) e2^2 for |e2| > l |e1|, |e2| > l |e3| "
-        "(the text prints |e2| < l |e1|)",
-        "When only the sideways error is left, it alone decides.",
-        "l > 5, k2 > 0; 1 - cos t <= t^2/2",
-        steps.start,
-        Z3(points=(SIDE_POINT,)),
-        premises=("lemma.sine",),
-    ),
-    Claim(
-        "eq40.printed",
-        (40,),
-        PRINTED,
-        "the same for |e2| < l |e1|",
-        "With the printed inequality the bound is false: the error ahead may be the larger one.",
-        "l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
-        lambda s: steps.start(-s),
-        Refute((SIDE_POINT,)),
-    ),
-    Claim(
-        "eq41",
-        (41,),
-        PRINTED,
-        "V2(t) = V2(t0) + integral of V2'",
-        "",
-        "V2 differentiable along the motion",
-        verdict="HAND",
-        premises=("lemma.integration",),
-    ),
-    Claim(
-        "eq42.rate",
-        (42,),
-        PRINTED,
-        "eps1 < k3 V2(t0)/(2 l^2 k2)",
-        "The unwanted growth is small against the value.",
-        "|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2",
-        steps.growth,
-        Z3(),
-    ),
-    Claim(
-        "eq42",
-        (42,),
-        PRINTED,
-        "V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2",
-        "Over the window the error hardly grows.",
-        "l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5",
-        steps.window_value,
-        Z3(),
-    ),
-    Claim(
-        "eq43",
-        (43,),
-        PRINTED,
-        "|e2| < 1.1 |e2(t0)|",
-        "",
-        "V2 < 0.594 e2(t0)^2",
-        steps.side_bound,
-        Z3(),
-    ),
-    Claim(
-        "eq44",
-        (44,),
-        PRINTED,
-        "|e1| < 1.1 |e2(t0)|",
-        "",
-        "V2 < 0.594 e2(t0)^2",
-        lambda s: steps.side_bound(s, 0),
-        Z3(),
-    ),
-    Claim(
-        "eq45.printed",
-        (45, 50),
-        PRINTED,
-        "e3' = -k2 v1d e2 - k3 sin e3 + z2",
-        "The sign of z2 is wrong; harmless, because only |z2| is used afterwards.",
-        "any",
-        lambda s: steps.angle_rate(-s),
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq45",
-        (45, 50),
-        CORRECTED,
-        "e3' = -k2 v1d e2 - k3 sin e3 - z2",
-        "A sideways error turns the robot.",
-        "any",
-        steps.angle_rate,
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq46",
-        (46,),
-        PRINTED,
-        "sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant",
-        "The sine term only helps, as long as the robot does not face backwards.",
-        "|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
-        steps.angle_grows,
-        Z3(points=(PUSHED,)),
-        premises=("lemma.integration",),
-    ),
-    Claim(
-        "eq47",
-        (47,),
-        PRINTED,
-        "|e3(t0)| + (1.1 k2 v1dmax |e2(t0)| + |z2|) T < |e2(t0)| (1/l + 11 v1dmax/(l v1dmin) + "
-        "k3/(5 l))",
-        "The angle stays small over the window.",
-        "T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l",
-        steps.angle_bound,
-        Z3(),
-        premises=("eq43", "eq46"),
-    ),
-    Claim(
-        "eq48",
-        (48,),
-        PRINTED,
-        "|e2'| <= |e1| |v2| + v1d |e3| at every instant",
-        "",
-        "|sin t| <= |t|",
-        steps.side_rate,
-        Z3(),
-        premises=("lemma.sine", "lemma.integration"),
-    ),
-    Claim(
-        "eq49",
-        (49,),
-        PRINTED,
-        "|e2| > 0.8 |e2(t0)|",
-        "The sideways error cannot vanish within the window, so it keeps turning the robot.",
-        FIVE,
-        steps.side_stays,
-        Z3(),
-        premises=("eq44", "eq47", "eq48"),
-    ),
-    Claim(
-        "eq50",
-        (50,),
-        CORRECTED,
-        "e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)",
-        "",
-        "e2 > 0.8 |e2(t0)|, |z2| < k3 |e2(t0)|/l",
-        steps.angle_falls,
-        Z3(),
-        premises=("eq49",),
-    ),
-    Claim(
-        "eq51.printed",
-        (51,),
-        PRINTED,
-        "the share in (51) is 1 + 1.1 k2 v1dmax 10/v1dmin + k3/5",
-        "One k2 too many: the condition on l is k2 times too strict (l above 1136 instead of above "
-        "256 with the paper's "
-        "gains). The text at hand may have lost a fraction bar.",
-        "k2, k3, v1dmin, v1dmax > 0",
-        steps.printed_share,
-        Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)),
-    ),
-    Claim(
-        "eq51.share",
-        (51,),
-        CORRECTED,
-        "the share in (51) is 1 + 11 v1dmax/v1dmin + k3/5",
-        "What (47) gives.",
-        "l, k2, k3, v1dmin, v1dmax, E > 0",
-        steps.share,
-        Ring(
-            (
-                Case(
-                    "any",
-                    declared=dict.fromkeys(["l", "k2", "k3", "v1dmin", "v1dmax", "E"], POSITIVE),
-                ),
-            )
-        ),
-    ),
-    Claim(
-        "eq51",
-        (51,),
-        CORRECTED,
-        "e3' < -0.5 k2 v1dmin |e2(t0)|",
-        "The robot turns towards the path at a guaranteed speed.",
-        "fourth and sixth condition on l, the latter corrected",
-        steps.angle_speed,
-        Z3(),
-        premises=("eq47", "eq50"),
-    ),
-    Claim(
-        "eq52",
-        (52,),
-        PRINTED,
-        "V2' < eps1",
-        "",
-        "(39)",
-        steps.rise,
-        Z3(points=(at(e1=1, e2=0, e3=1, z1=0, z2=0, k1=1, k2=1, k3=1, eps1=1),)),
-        premises=("eq39",),
-    ),
-    Claim(
-        "eq53-54",
-        (53, 54),
-        PRINTED,
-        "from 3 T/5 on, e3 < -(2/l)|e2(t0)| < -4 (sqrt(k2 eps1/k3) + |z2|/(2 k3)), and "
-        "mirrored for e2 < 0 (s = -1)",
-        "By then the robot points clearly towards the path.",
-        "|e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0",
-        steps.angle_end,
-        Z3(),
-        premises=("eq51",),
-    ),
-    Claim(
-        "eq55.printed",
-        (55,),
-        PRINTED,
-        "|e3| > 4 x gives V2' < -3 eps1, x < pi/4 being all that is asked",
-        "With x = 0.78 the angle may be 3.12, almost backwards, where the sine is 0.02.",
-        "x = sqrt(k2 eps1/k3) + |z2|/(2 k3) < 11/14 (just above pi/4), |e3| < 22/7",
-        lambda s: steps.fast_fall(s, False),
-        Refute((at(e3="-78001/25000", x="39/50", root="39/50", eps1="1521/2500", **LATE),)),
-    ),
-    Claim(
-        "eq55",
-        (55,),
-        CORRECTED,
-        "the same where |sin e3| >= (7/11)|e3|, which holds for |e3| <= pi/2; that needs "
-        "4 x < pi/2",
-        "The step needs an angle below a quarter turn and a velocity error half as large.",
-        "|e3| <= pi/2, x < pi/8, k1 > 0; |sin t| >= (2/pi)|t| > (7/11)|t|",
-        lambda s: steps.fast_fall(s, True),
-        Z3(points=steps.BARELY_PAST),
-        premises=("lemma.sine",),
-    ),
-    Claim(
-        "eq56",
-        (56,),
-        PRINTED,
-        "(3/5) T eps1 - (2/5) T 3 eps1 = -(3/5) T eps1",
-        "On average over the window the error falls.",
-        "any",
-        steps.mean,
-        Ring(),
-    ),
-    Claim(
-        "conditions.least",
-        (40,),
-        OURS,
-        "with the paper's gains all six conditions on l (the sixth corrected) hold "
-        "for every l > 256",
-        "The theorem asks that the sideways error be more than 256 times the others before "
-        "it says anything.",
-        "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        lambda s: steps.condition_set(False, 256, s),
-        Z3(),
-    ),
-    Claim(
-        "conditions.256",
-        (40,),
-        OURS,
-        "l = 256 itself satisfies them",
-        "The sixth condition holds there with "
-        "equality, and it is strict: the least whole number is 257. Floating-point arithmetic "
-        "hides this. A "
-        "least real l, which the paper takes, does not exist.",
-        "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        steps.at_256,
-        Z3(),
-    ),
-    Claim(
-        "conditions.printed",
-        (40, 51),
-        OURS,
-        "with the sixth condition as printed they hold for every l > 1136",
-        "The further k2 makes the theorem more than four times weaker.",
-        "k = (10, 5, 4), v1d = 0.2, v2max = 1.5",
-        lambda s: steps.condition_set(True, 1136, s),
-        Z3(),
-    ),
+claim = Claims(by=Z3())
+
+
+@claim(
+    "eq40",
+    (40,),
+    form=CORRECTED,
+    given="l > 5, k2 > 0; 1 - cos t <= t^2/2",
+    by=Z3(points=(SIDE_POINT,)),
+    premises="lemma.sine",
 )
+def start(mutation: Mutation) -> Statement:
+    """V2(t0) < ((k2 + 1)/(2 k2 l^2) + 1/2) e2^2 for |e2| > l |e1|, |e2| > l |e3| (the text prints
+    |e2| < l |e1|).
+
+    When only the sideways error is left, it alone decides.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("l")}
+    e, k2, l = t.e, t.k[1], names["l"]
+    sides = (above(ca.fabs(e[1]), l * ca.fabs(e[0])), above(ca.fabs(e[1]), l * ca.fabs(e[2])))
+    if mutation < 0:
+        sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
+    lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
+    goal = above(theorem1.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
+    return Statement(names, (goal,), (above(l, 5), above(k2), *sides, lemma))
+
+
+@claim(
+    "eq40.printed",
+    (40,),
+    form=PRINTED,
+    given="l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
+    by=Refute((SIDE_POINT,)),
+)
+def eq40_printed(mutation: Mutation) -> Statement:
+    """the same for |e2| < l |e1|.
+
+    With the printed inequality the bound is false: the error ahead may be the larger one.
+    """
+    return start(-mutation)
+
+
+@claim(
+    "eq41",
+    (41,),
+    form=PRINTED,
+    given="V2 differentiable along the motion",
+    by=HAND,
+    premises="lemma.integration",
+)
+def eq41() -> None:
+    """V2(t) = V2(t0) + integral of V2'."""
+
+
+@claim("eq42.rate", (42,), form=PRINTED, given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")
+def growth(mutation: Mutation) -> Statement:
+    """eps1 < k3 V2(t0)/(2 l^2 k2).
+
+    The unwanted growth is small against the value.
+    """
+    t = symbols("l k2 k3 E V0 eps1 root")
+    l, k2, k3, E, V0, eps1, root = t.values()
+    given = (
+        *positive(l, k2, k3, E, root),
+        equal(root**2 * k3, k2 * eps1),
+        above(E, 2 * l * root),
+        above(2 * V0, E**2),
+    )
+    return Statement(t, (above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1),), given)
+
+
+@claim("eq42", (42,), form=PRINTED, given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
+def window_value(mutation: Mutation) -> Statement:
+    """V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2.
+
+    Over the window the error hardly grows.
+    """
+    t = symbols("l k2 k3 T V0 E")
+    l, k2, k3, T, V0, E = t.values()
+    grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
+    given = (
+        above(l, 5),
+        at_least(k2, 1),
+        *positive(k3, T, V0, E),
+        above(1, 5 * T),
+        above(1, k3 / (k2 * l**2)),
+        above(theorem1.start_bound(l, k2, E), V0),
+    )
+    limit = mutation(594, 500)
+    return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
+
+
+@claim("eq43", (43,), form=PRINTED, given="V2 < 0.594 e2(t0)^2")
+def side_bound(mutation: Mutation, index: int = 1) -> Statement:
+    """|e2| < 1.1 |e2(t0)|."""
+    t = Tracking()
+    names = {**t.names, **symbols("E")}
+    value = analysis.position_lyapunov(t.e, t.k[1])
+    given = (*positive(t.k[1], names["E"]), above(594 * names["E"] ** 2, 1000 * value))
+    limit = mutation(1.21, 1.0)
+    return Statement(names, (above(121 * names["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
+
+
+@claim("eq44", (44,), form=PRINTED, given="V2 < 0.594 e2(t0)^2")
+def eq44(mutation: Mutation) -> Statement:
+    """|e1| < 1.1 |e2(t0)|."""
+    return side_bound(mutation, 0)
+
+
+@claim("eq45.printed", (45, 50), form=PRINTED, given="any", by=Ring(GAINS))
+def eq45_printed(mutation: Mutation) -> Statement:
+    """e3' = -k2 v1d e2 - k3 sin e3 + z2.
+
+    The sign of z2 is wrong; harmless, because only |z2| is used afterwards.
+    """
+    return angle_rate(-mutation)
+
+
+@claim("eq45", (45, 50), form=CORRECTED, given="any", by=Ring(GAINS))
+def angle_rate(mutation: Mutation) -> Statement:
+    """e3' = -k2 v1d e2 - k3 sin e3 - z2.
+
+    A sideways error turns the robot.
+    """
+    t = Tracking()
+    k, e = t.k, t.e
+    written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - mutation * t.z[1]
+    return Statement(t.names, (equal(t.rate[2], written),))
+
+
+@claim(
+    "eq46",
+    (46,),
+    form=PRINTED,
+    given="|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
+    by=Z3(points=(PUSHED,)),
+    premises="lemma.integration",
+)
+def angle_grows(mutation: Mutation) -> Statement:
+    """sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant.
+
+    The sine term only helps, as long as the robot does not face backwards.
+    """
+    t = Tracking()
+    k, e = t.k, t.e
+    push = ca.fabs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
+    given = (above(k[2]), at_least(e[2] * ca.sin(e[2])))
+    return Statement(t.names, (at_least(push * ca.fabs(e[2]), e[2] * t.rate[2]),), given)
+
+
+@claim(
+    "eq47",
+    (47,),
+    form=PRINTED,
+    given="T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l",
+    premises="eq43 eq46",
+)
+def angle_bound(mutation: Mutation) -> Statement:
+    """|e3(t0)| + (1.1 k2 v1dmax |e2(t0)| + |z2|) T < |e2(t0)| (1/l + 11 v1dmax/(l v1dmin) + k3/(5
+    l)).
+
+    The angle stays small over the window.
+    """
+    t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
+    l, k2, k3, low, high, E, e3, z2 = t.values()
+    T = theorem1.window(l, k2, low)
+    start = 10 * ca.fabs(e3) + (11 * k2 * high * E + 10 * ca.fabs(z2)) * T
+    given = (
+        above(l, 5),
+        *positive(k2, k3, low, E),
+        at_least(high, low),
+        above(1, 5 * T),
+        at_least(E, l * ca.fabs(e3)),
+        at_least(k3 * E, l * ca.fabs(z2)),
+    )
+    share = mutation(10, 5)
+    return Statement(
+        t, (at_least(share * theorem1.angle_bound(l, k3, low, high, E), start),), given
+    )
+
+
+@claim("eq48", (48,), form=PRINTED, given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
+def side_rate(mutation: Mutation) -> Statement:
+    """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
+    t = Tracking()
+    e, v2 = t.e, t.followed[1]
+    given = (above(t.v_d[0]), at_least(ca.fabs(e[2]), ca.fabs(ca.sin(e[2]))))
+    bound = ca.fabs(e[0]) * ca.fabs(v2) + mutation * t.v_d[0] * ca.fabs(e[2])
+    return Statement(t.names, (at_least(bound, ca.fabs(t.rate[1])),), given)
+
+
+@claim("eq49", (49,), form=PRINTED, given=FIVE, premises="eq44 eq47 eq48")
+def side_stays(mutation: Mutation) -> Statement:
+    """|e2| > 0.8 |e2(t0)|.
+
+    The sideways error cannot vanish within the window, so it keeps turning the robot.
+    """
+    t = symbols("l k2 k3 v1dmin v1dmax v2max E")
+    l, k2, k3, low, high, v2, E = t.values()
+    T = theorem1.window(l, k2, low)
+    lost = (11 * v2 * E + 10 * high * theorem1.angle_bound(l, k3, low, high, E)) * T
+    given = (*positive(l, k2, k3, low, high, v2, E), above(conditions(t)[4]))
+    kept = mutation(8, 9.5)
+    return Statement(t, (above(10 * E - lost, kept * E),), given)

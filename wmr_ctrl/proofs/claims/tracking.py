@@ -12,7 +12,8 @@ from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claim
+from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
 
@@ -73,81 +74,6 @@ class Tracking:
         return analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
 
 
-def _derivative(flip: float) -> Statement:
-    """Eq. (32) and (36): for a free v."""
-    t = Tracking()
-    e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
-    rate = error_rate(e, v, v_d)
-    chain = rate[0] * e[0] + rate[1] * e[1] + flip * rate[2] * ca.sin(e[2]) / k2
-    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), chain),))
-
-
-def _expanded(flip: float) -> Statement:
-    """Eq. (36): with (33)-(35)."""
-    t = Tracking()
-    e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
-    s, c = ca.sin(e[2]), ca.cos(e[2])
-    written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + flip * (v_d[1] - v[1]) * s / k2
-    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), written),))
-
-
-def _with_targets(flip: float) -> Statement:
-    """Eq. (37): with v = v_c0 + z."""
-    t = Tracking()
-    e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
-    written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - flip * z[1] * s / k[1]
-    return Statement(t.names, (equal(t.fall, written),))
-
-
-def _squares(flip: float) -> Statement:
-    t = Tracking()
-    z, k = t.z, t.k
-    written = analysis.position_rate_bound(t.e, flip * z, k) + analysis.square_rest(
-        z[0] ** 2, z[1] ** 2, k
-    )
-    return Statement(t.names, (equal(t.fall, written),))
-
-
-def _bounded(flip: float) -> Statement:
-    t = Tracking()
-    names = {**t.names, **symbols("eps0")}
-    rest = analysis.square_rest(names["eps0"] ** 2, names["eps0"] ** 2, t.k)
-    written = analysis.position_rate_bound(t.e, t.z, t.k) + flip * rest
-    return Statement(names, (at_least(written, t.fall),))
-
-
-def _beyond(flip: float) -> Statement:
-    """|sin e3| > x, or |e1| > its own bound, makes the right side of (39) negative."""
-    t = Tracking()
-    names = {**t.names, **symbols("eps0 root")}
-    e, z, k, eps0, root = t.e, t.z, t.k, names["eps0"], names["root"]
-    rest = analysis.square_rest(eps0**2, eps0**2, k)
-    given = (
-        above(eps0),
-        *(above(k[i]) for i in range(3)),
-        at_least(eps0, ca.fabs(z[1])),
-        above(root),
-        equal(root**2 * k[2], k[1] * rest),
-        above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * flip),
-    )
-    only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return Statement(names, (above(0, only_angle + rest),), given)
-
-
-def _twice_threshold(_: float) -> Statement:
-    """|e3| > 2 x makes V2' < 0, with |z| < eps0 and x < pi/4 as the paper asks (7/9 < pi/4)."""
-    t = Tracking()
-    names = {**t.names, **symbols("eps0")}
-    x = theorem1.threshold(names["eps0"], t.k)
-    given = (
-        above(ca.fabs(t.e[2]), 2 * x),
-        above(7, 9 * x),
-        above(22, 7 * ca.fabs(t.e[2])),
-        at_least(names["eps0"] ** 2, ca.sumsqr(t.z)),
-    )
-    return Statement(names, (above(0, t.fall),), given)
-
-
 SIGNED = Case(
     "|z| < eps0",
     {"eps0": POSITIVE, "s1": POSITIVE, "s2": POSITIVE},
@@ -161,105 +87,151 @@ SIGNED = Case(
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
+claim = Claims(by=Ring(GAINS))
 
-CLAIMS = (
-    Claim(
-        "eq32",
-        (31, 32),
-        PRINTED,
-        "V2' = e1' e1 + e2' e2 + e3' sin e3/k2",
-        "How the position error's measure changes.",
-        ANY,
-        _derivative,
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq36",
-        (33, 34, 35, 36),
-        PRINTED,
-        "V2' with (33)-(35) put in",
-        "The turning terms e1 e2 v2 cancel.",
-        ANY,
-        _expanded,
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq37",
-        (7, 13, 37),
-        PRINTED,
-        "V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z",
-        "The auxiliary velocity damps the error ahead and the angle; the sideways error is only "
-        "coupled.",
-        ANY,
-        _with_targets,
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq38",
-        (38,),
-        PRINTED,
-        "the same with completed squares",
-        "",
-        "k1, k2, k3 > 0",
-        _squares,
-        Ring(GAINS),
-    ),
-    Claim(
-        "eq39",
-        (39,),
-        PRINTED,
-        "V2' <= the squares + eps1 for |z1|, |z2| < eps0",
-        "A small velocity error can make the position error grow only a little.",
-        "k1, k2, k3, eps0 > 0",
-        _bounded,
-        Ring((SIGNED,)),
-    ),
-    Claim(
-        "eq39.threshold",
-        (39,),
-        PRINTED,
-        "|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0",
-        "If the angle is clearly wrong, the error falls.",
-        "|z2| <= eps0; root stands for the square root",
-        _beyond,
-        Z3(
-            points=(
-                at(
-                    e1=0,
-                    e2=0,
-                    e3="1/100",
-                    z1=0,
-                    z2="-1/2",
-                    v1d="1/5",
-                    v2d="1/10",
-                    k1=10,
-                    k2=5,
-                    k3=4,
-                    eps0="1/2",
-                    root="1/2",
-                ),
-            )
-        ),
-    ),
-    Claim(
-        "eq39.printed",
-        (39,),
-        PRINTED,
-        "|e3| > 2 (sqrt(k2 eps1/k3) + eps0/(2 k3)) makes V2' < 0",
-        "Near pi the sine is small again: a robot that faces backwards is not brought back by this "
-        "argument.",
-        "|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7",
-        _twice_threshold,
-        Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),)),
-    ),
-    Claim(
-        "eq39.corrected",
-        (39,),
-        CORRECTED,
-        "|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket",
-        "Within a quarter turn the argument is right.",
-        "x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
-        verdict="HAND",
-        premises=("eq39.threshold", "lemma.sine"),
+
+@claim("eq32", (31, 32), form=PRINTED, given=ANY)
+def derivative(mutation: Mutation) -> Statement:
+    """V2' = e1' e1 + e2' e2 + e3' sin e3/k2.
+
+    How the position error's measure changes.
+    """
+    t = Tracking()
+    e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
+    rate = error_rate(e, v, v_d)
+    chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * ca.sin(e[2]) / k2
+    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), chain),))
+
+
+@claim("eq36", (33, 34, 35, 36), form=PRINTED, given=ANY)
+def expanded(mutation: Mutation) -> Statement:
+    """V2' with (33)-(35) put in.
+
+    The turning terms e1 e2 v2 cancel.
+    """
+    t = Tracking()
+    e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
+    s, c = ca.sin(e[2]), ca.cos(e[2])
+    written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + mutation * (v_d[1] - v[1]) * s / k2
+    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), written),))
+
+
+@claim("eq37", (7, 13, 37), form=PRINTED, given=ANY)
+def with_targets(mutation: Mutation) -> Statement:
+    """V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z.
+
+    The auxiliary velocity damps the error ahead and the angle; the sideways error is only coupled.
+    """
+    t = Tracking()
+    e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
+    written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - mutation * z[1] * s / k[1]
+    return Statement(t.names, (equal(t.fall, written),))
+
+
+@claim("eq38", (38,), form=PRINTED, given="k1, k2, k3 > 0")
+def squares(mutation: Mutation) -> Statement:
+    """the same with completed squares."""
+    t = Tracking()
+    z, k = t.z, t.k
+    written = analysis.position_rate_bound(t.e, mutation * z, k) + analysis.square_rest(
+        z[0] ** 2, z[1] ** 2, k
+    )
+    return Statement(t.names, (equal(t.fall, written),))
+
+
+@claim("eq39", (39,), form=PRINTED, given="k1, k2, k3, eps0 > 0", by=Ring((SIGNED,)))
+def bounded(mutation: Mutation) -> Statement:
+    """V2' <= the squares + eps1 for |z1|, |z2| < eps0.
+
+    A small velocity error can make the position error grow only a little.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("eps0")}
+    rest = analysis.square_rest(names["eps0"] ** 2, names["eps0"] ** 2, t.k)
+    written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
+    return Statement(names, (at_least(written, t.fall),))
+
+
+@claim(
+    "eq39.threshold",
+    (39,),
+    form=PRINTED,
+    given="|z2| <= eps0; root stands for the square root",
+    by=Z3(
+        points=(
+            at(
+                e1=0,
+                e2=0,
+                e3="1/100",
+                z1=0,
+                z2="-1/2",
+                v1d="1/5",
+                v2d="1/10",
+                k1=10,
+                k2=5,
+                k3=4,
+                eps0="1/2",
+                root="1/2",
+            ),
+        )
     ),
 )
+def beyond(mutation: Mutation) -> Statement:
+    """|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0.
+
+    If the angle is clearly wrong, the error falls.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("eps0 root")}
+    e, z, k, eps0, root = t.e, t.z, t.k, names["eps0"], names["root"]
+    rest = analysis.square_rest(eps0**2, eps0**2, k)
+    given = (
+        above(eps0),
+        *(above(k[i]) for i in range(3)),
+        at_least(eps0, ca.fabs(z[1])),
+        above(root),
+        equal(root**2 * k[2], k[1] * rest),
+        above(ca.fabs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation),
+    )
+    only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
+    return Statement(names, (above(0, only_angle + rest),), given)
+
+
+@claim(
+    "eq39.printed",
+    (39,),
+    form=PRINTED,
+    given="|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7",
+    by=Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),)),
+)
+def twice_threshold(_: Mutation) -> Statement:
+    """|e3| > 2 (sqrt(k2 eps1/k3) + eps0/(2 k3)) makes V2' < 0.
+
+    Near pi the sine is small again: a robot that faces backwards is not brought back by this
+    argument.
+    """
+    t = Tracking()
+    names = {**t.names, **symbols("eps0")}
+    x = theorem1.threshold(names["eps0"], t.k)
+    given = (
+        above(ca.fabs(t.e[2]), 2 * x),
+        above(7, 9 * x),
+        above(22, 7 * ca.fabs(t.e[2])),
+        at_least(names["eps0"] ** 2, ca.sumsqr(t.z)),
+    )
+    return Statement(names, (above(0, t.fall),), given)
+
+
+@claim(
+    "eq39.corrected",
+    (39,),
+    form=CORRECTED,
+    given="x < pi/4; |sin t| >= (2/pi) |t| for |t| <= pi/2",
+    by=HAND,
+    premises="eq39.threshold lemma.sine",
+)
+def eq39_corrected() -> None:
+    """|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket.
+
+    Within a quarter turn the argument is right.
+    """

@@ -7,7 +7,7 @@ V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import casadi as ca
 
@@ -17,14 +17,22 @@ from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.smooth import smooth_barrier
 from wmr_ctrl.barrier.stable import stable_barrier
 from wmr_ctrl.barrier.transport import level_share, transported
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
-FORMS = (("", False), ("-smooth", True))
-WORDS = {False: "paper's barrier", True: "smooth barrier"}
-HARD = Z3(effort=150)
+FORMS = (
+    {
+        "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
+        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox",
+    },
+    {
+        "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
+        "optimal": "prox.optimal-smooth", "least": "prox.optimal-smooth",
+        "compiled": "smooth.V1 smooth.v_c1",
+    },
+)  # fmt: skip
 
 
 def when(condition: ca.SX, relation: Relation) -> Relation:
@@ -86,71 +94,37 @@ class Carried:
         return Statement({**self.inputs, **self.free}, goals, (*self.known, *given), self.cuts)
 
 
-def _share(flip: float) -> Statement:
-    """0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0."""
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("transport.share", given="V0 >= w^2/2, D1 >= 0, any w", premises="eq81")
+def transport_share(mutation: Mutation) -> Statement:
+    """0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0.
+
+    How far the velocity is carried is chosen such that what V1 allows is not exceeded.
+    """
     t = symbols("w level excess")
     theta = level_share(t["w"], t["level"], t["excess"])
     spent = 0.5 * (theta * t["w"]) ** 2 + theta * t["excess"]
-    room = t["level"] if flip > 0 else 0.9 * t["level"]
+    room = mutation(t["level"], 0.9 * t["level"])
     given = (at_least(t["level"], 0.5 * t["w"] ** 2), at_least(t["excess"]))
     return Statement(t, (at_least(theta), at_least(1, theta), at_least(room, spent)), given)
 
 
-def _level(smooth: bool, flip: float) -> Statement:
-    """V1(v*; c+) <= V0 from |v| < u1, and |v* - x+| <= |v - x| from every v."""
-    g = Carried(smooth)
-    t = {**g.inputs, **g.free}
-    v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
-    w, shift, left = v - x, x_next - x, g.end - x_next
-    within = ca.fabs(v) < t["u1"]
-    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t["u1"])
-    on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
-    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
-    stays = ca.logic_and(within, ca.eq(g.end, v))
-    held = ca.eq(t["c"], t["c_next"])
-    spent = 0.5 * (share * w) ** 2 + share * t["excess"]
-    given = (
-        when(reaches, at_least(t["level"], spent)),
-        when(within, at_least(t["level"], 0.5 * w**2)),
-        when(on_chord, at_least(spent, after)),
-        when(ca.eq(left, 0), equal(after)),
-        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t["level"], after)),
-    )
-    lost = at_least(t["level"] if flip > 0 else 0.9 * t["level"], after)
-    goals = (when(within, lost), at_least(w**2, left**2))
-    return g.states(goals, given)
+@claim(
+    "transport.moves{key}",
+    given=f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
+    "other target's v_c1",
+    premises="{convex} {least}",
+    over=FORMS,
+)
+def moves(mutation: Mutation, smooth: bool) -> Statement:
+    """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
+    D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, |d| <= |w| ({words}).
 
-
-def _stays_inside(smooth: bool, flip: float) -> Statement:
-    """|v| <= u1 gives |v*| <= u1, < the same, and v* = v where the target is held."""
-    g = Carried(smooth)
-    t = g.inputs
-    u1, size = t["u1"], ca.fabs(g.end)
-    goals = (
-        at_least(u1 if flip > 0 else t["u2"], size),
-        above(ca.if_else(ca.fabs(t["v"]) < u1, u1, 1 + size), size),
-        when(ca.eq(t["c"], t["c_next"]), equal(g.end, t["v"])),
-    )
-    return g.states(goals, (at_least(u1, ca.fabs(t["v"])),))
-
-
-def _plain(smooth: bool, flip: float) -> Statement:
-    """v_c1 = v_c0 for both targets, V0 = w^2/2 and D1 = 0: v* = v + c+ - c."""
-    g = Carried(smooth)
-    t, free = g.inputs, {name: x for name, x in g.free.items() if name not in ("share", "after")}
-    v, c, c_next, u1, u2 = t.values()
-    ahead = v + c_next - c
-    given = (
-        above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead)),
-        equal(free["x"], c), equal(free["x_next"], c_next),
-        equal(free["level"], 0.5 * (v - c) ** 2), equal(free["excess"]),
-    )  # fmt: skip
-    cuts = {name: g.cuts[name] for name in free}
-    return Statement({**t, **free}, (equal(g.end, flip * ahead),), given, cuts)
-
-
-def _moves(smooth: bool, flip: float) -> Statement:
-    """How V1(v; .) changes with the target, from what v_c1 minimises, on the graph of V1."""
+    How much V1 can change because its target moves; a target that comes nearer to the velocity
+    lowers it.
+    """
     t = symbols("v c c_next u1 u2", "u1 u2")
     v, c, c_next, u1, u2 = t.values()
     form, pull = (smooth_lyapunov, smooth_f) if smooth else (lyapunov, f)
@@ -170,7 +144,7 @@ def _moves(smooth: bool, flip: float) -> Statement:
     )  # fmt: skip
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
     nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
-    most = -w * step + 0.5 * (step**2 if flip > 0 else -(step**2))
+    most = -w * step + 0.5 * mutation(step**2, -(step**2))
     goals = (
         at_least(rise, -w * step + 0.5 * shift**2),
         at_least(-w * step + step * shift - 0.5 * shift**2, rise),
@@ -180,98 +154,98 @@ def _moves(smooth: bool, flip: float) -> Statement:
     return Statement({**t, **symbols("x x_next")}, goals, given, {"x": x, "x_next": x_next})
 
 
-def _root(flip: float) -> Statement:
-    """V1+ <= V1 - w D + D^2/2, w^2 <= 2 V1 = S^2, V1+ = S+^2/2: S+ <= S + |D|."""
+@claim(
+    "transport.level{key}",
+    given=f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
+    premises="transport.share transport.moves{key} {convex} {optimal} {compiled}",
+    over=FORMS,
+)
+def level(mutation: Mutation, smooth: bool) -> Statement:
+    """V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every v
+    ({words}).
+
+    Carrying the velocity along with its target raises neither V1 nor the distance.
+    """
+    g = Carried(smooth)
+    t = {**g.inputs, **g.free}
+    v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
+    w, shift, left = v - x, x_next - x, g.end - x_next
+    within = ca.fabs(v) < t["u1"]
+    reaches = ca.logic_and(within, ca.fabs(x_next + w) < t["u1"])
+    on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
+    nearer = ca.logic_and(w * shift > 0, ca.fabs(shift) <= ca.fabs(w))
+    stays = ca.logic_and(within, ca.eq(g.end, v))
+    held = ca.eq(t["c"], t["c_next"])
+    spent = 0.5 * (share * w) ** 2 + share * t["excess"]
+    given = (
+        when(reaches, at_least(t["level"], spent)),
+        when(within, at_least(t["level"], 0.5 * w**2)),
+        when(on_chord, at_least(spent, after)),
+        when(ca.eq(left, 0), equal(after)),
+        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t["level"], after)),
+    )
+    lost = at_least(mutation(t["level"], 0.9 * t["level"]), after)
+    goals = (when(within, lost), at_least(w**2, left**2))
+    return g.states(goals, given)
+
+
+@claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=FORMS)
+def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
+    """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
+    ({words}).
+
+    Nothing inside the limit is carried out of it; a target that is held carries nothing.
+    """
+    g = Carried(smooth)
+    t = g.inputs
+    u1, size = t["u1"], ca.fabs(g.end)
+    goals = (
+        at_least(mutation(u1, t["u2"]), size),
+        above(ca.if_else(ca.fabs(t["v"]) < u1, u1, 1 + size), size),
+        when(ca.eq(t["c"], t["c_next"]), equal(g.end, t["v"])),
+    )
+    return g.states(goals, (at_least(u1, ca.fabs(t["v"])),))
+
+
+@claim(
+    "transport.plain{key}",
+    given="0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
+    premises="{compiled} {optimal}",
+    over=FORMS,
+)
+def plain(mutation: Mutation, smooth: bool) -> Statement:
+    """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c ({words}).
+
+    Away from the limits the velocity is carried all the way.
+    """
+    g = Carried(smooth)
+    t, free = g.inputs, {name: x for name, x in g.free.items() if name not in ("share", "after")}
+    v, c, c_next, u1, u2 = t.values()
+    ahead = v + c_next - c
+    given = (
+        above(u2), above(u1, u2), *(at_least(u2, ca.fabs(y)) for y in (v, c, c_next, ahead)),
+        equal(free["x"], c), equal(free["x_next"], c_next),
+        equal(free["level"], 0.5 * (v - c) ** 2), equal(free["excess"]),
+    )  # fmt: skip
+    cuts = {name: g.cuts[name] for name in free}
+    return Statement({**t, **free}, (equal(g.end, mutation * ahead),), given, cuts)
+
+
+@claim(
+    "transport.root",
+    given="S, S+ >= 0, w^2 <= 2 V1i",
+    premises="transport.moves transport.moves-smooth eq81",
+)
+def root(mutation: Mutation) -> Statement:
+    """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).
+
+    In units of velocity, V1 rises by no more than the way of its target.
+    """
     t = symbols("before after S S_next w step")
     given = (
         at_least(t["S"]), at_least(t["S_next"]), equal(t["S"] ** 2, 2 * t["before"]),
         equal(t["S_next"] ** 2, 2 * t["after"]), at_least(2 * t["before"], t["w"] ** 2),
         at_least(t["before"] - t["w"] * t["step"] + 0.5 * t["step"] ** 2, t["after"]),
     )  # fmt: skip
-    most = t["S"] + (1 if flip > 0 else 0.9) * ca.fabs(t["step"])
+    most = t["S"] + mutation(1, 0.9) * ca.fabs(t["step"])
     return Statement(t, (at_least(most, t["S_next"]),), given)
-
-
-def _of_form(key: str, smooth: bool) -> tuple[Claim, ...]:
-    convex = "smooth.convex" if smooth else "convex"
-    optimal = "prox.optimal-smooth" if smooth else "prox.optimal"
-    compiled = ("smooth.V1", "smooth.v_c1") if smooth else ("forms.V1", "forms.v_c1", "P1.prox")
-    return (
-        Claim(
-            f"transport.moves{key}",
-            (),
-            OURS,
-            "with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - "
-            "V1i(v; c) <= -w D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, "
-            f"|d| <= |w| ({WORDS[smooth]})",
-            "How much V1 can change because its target moves; a target that comes nearer to the "
-            "velocity lowers it.",
-            f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
-            "other target's v_c1",
-            partial(_moves, smooth),
-            HARD,
-            premises=(convex, *(("prox.optimal-smooth",) if smooth else ("eq81",))),
-        ),
-        Claim(
-            f"transport.level{key}",
-            (),
-            OURS,
-            "V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every "
-            f"v ({WORDS[smooth]})",
-            "Carrying the velocity along with its target raises neither V1 nor the distance.",
-            f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
-            partial(_level, smooth),
-            HARD,
-            premises=("transport.share", f"transport.moves{key}", convex, optimal, *compiled),
-        ),
-        Claim(
-            f"transport.inside{key}",
-            (),
-            OURS,
-            "|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies "
-            f"v* = v ({WORDS[smooth]})",
-            "Nothing inside the limit is carried out of it; a target that is held carries nothing.",
-            ANY,
-            partial(_stays_inside, smooth),
-            HARD,
-            premises=("transport.share", optimal),
-        ),
-        Claim(
-            f"transport.plain{key}",
-            (),
-            OURS,
-            f"|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c ({WORDS[smooth]})",
-            "Away from the limits the velocity is carried all the way.",
-            "0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
-            partial(_plain, smooth),
-            HARD,
-            premises=(*compiled, optimal),
-        ),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "transport.share",
-        (),
-        OURS,
-        "0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0",
-        "How far the velocity is carried is chosen such that what V1 allows is not exceeded.",
-        "V0 >= w^2/2, D1 >= 0, any w",
-        _share,
-        HARD,
-        premises=("eq81",),
-    ),
-    *(claim for key, smooth in FORMS for claim in _of_form(key, smooth)),
-    Claim(
-        "transport.root",
-        (),
-        OURS,
-        "S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i)",
-        "In units of velocity, V1 rises by no more than the way of its target.",
-        "S, S+ >= 0, w^2 <= 2 V1i",
-        _root,
-        HARD,
-        premises=("transport.moves", "transport.moves-smooth", "eq81"),
-    ),
-)

@@ -9,11 +9,10 @@ import casadi as ca
 
 from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 
-THEME = "guard"
 BOX = (
     "every box lo <= hi of both axes, every force in it, |F0| + |N0|/l <= phi for the safe point "
     "(F0, N0)"
@@ -62,110 +61,70 @@ class MappedWheels:
         return MAPS[name](self.pair("force"), self.symbols["phi"], self.symbols["half"], safe)
 
 
-def _map(name: str, flip: float) -> Statement:
-    w = MappedWheels()
-    found = w.mapped(name, w.safe if flip > 0 else ca.SX.zeros(2))
-    return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
+claim = Claims(by=Z3(effort=150))
 
 
-def _linear(flip: float) -> Statement:
-    return _map("linear-first", flip)
+@claim("wheels.reach", (4,), given="r, l > 0")
+def torques(mutation: Mutation) -> Statement:
+    """max |tau| = (r/2) (|F| + |N|/l).
 
-
-def _rotation(flip: float) -> Statement:
-    return _map("rotation-first", flip)
-
-
-def _clip_per_wheel(flip: float) -> Statement:
-    """Each torque clipped by itself."""
-    w = MappedWheels()
-    t = w.symbols
-    most = t["phi"] * t["r"] / 2
-    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
-    found = wheel_to_force(t["r"], t["half"], ca.fmax(-most, ca.fmin(most, torque)))
-    return Statement(t, w.within(flip * found), w.given)
-
-
-def _torques(flip: float) -> Statement:
-    """|F| + |N|/l <= phi is |tau| <= tau_max = phi r/2 on both wheels."""
+    The torque limit is a diamond of forces.
+    """
     w = MappedWheels()
     t = w.symbols
     torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    size = ca.fabs(t["force1"]) + flip * ca.fabs(t["force2"]) / t["half"]
+    size = ca.fabs(t["force1"]) + mutation * ca.fabs(t["force2"]) / t["half"]
     return Statement(t, (equal(largest, t["r"] / 2 * size),), (above(t["half"]), above(t["r"])))
 
 
-def _necessary(flip: float) -> Statement:
-    """At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger."""
+@claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
+def necessary(mutation: Mutation) -> Statement:
+    """dbar1 + dbar2/l > phi = 2 tau_max/r: a force that holds both velocities at their limits needs
+    a torque above tau_max.
+
+    Motors weaker than the disturbances cannot keep both limits, whatever the guard does.
+    """
+    # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
     w = MappedWheels()
     t = {**w.symbols, **symbols("dbar1 dbar2")}
     torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
     largest = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
-    tight = above(t["dbar1"] + t["dbar2"] / t["half"], (1 if flip > 0 else 0.99) * t["phi"])
+    tight = above(t["dbar1"] + t["dbar2"] / t["half"], mutation(1, 0.99) * t["phi"])
     held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
     positive = [at_least(t[f"dbar{i}"]) for i in (1, 2)] + [above(t["half"]), above(t["r"])]
     return Statement(t, (above(largest, t["phi"] * t["r"] / 2),), (*positive, *held, tight))
 
 
-HARD = Z3(effort=150)
+@claim("wheels.linear-first", given=BOX)
+def linear(mutation: Mutation, name: str = "linear-first") -> Statement:
+    """linear-first ends in the guard's box and within reach.
 
-CLAIMS = (
-    Claim(
-        "wheels.reach",
-        (4,),
-        OURS,
-        "max |tau| = (r/2) (|F| + |N|/l)",
-        "The torque limit is a diamond of forces.",
-        "r, l > 0",
-        _torques,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "wheels.necessary",
-        (),
-        OURS,
-        "dbar1 + dbar2/l > phi = 2 tau_max/r: a force that holds both velocities at their limits "
-        "needs a torque above tau_max",
-        "Motors weaker than the disturbances cannot keep both limits, whatever the guard does.",
-        "F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0",
-        _necessary,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "wheels.linear-first",
-        (),
-        OURS,
-        "linear-first ends in the guard's box and within reach",
-        "The torque limit does not undo the guard.",
-        BOX,
-        _linear,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "wheels.rotation-first",
-        (),
-        OURS,
-        "rotation-first ends in the guard's box and within reach",
-        "Nor does it when the rotation is served first.",
-        BOX,
-        _rotation,
-        HARD,
-        theme=THEME,
-    ),
-    Claim(
-        "wheels.per-wheel",
-        (),
-        OURS,
-        "a clip of each wheel's torque ends in the guard's box",
-        "False: clipping one wheel changes thrust and moment at once, and can turn braking into "
-        "driving.",
-        BOX,
-        _clip_per_wheel,
-        HARD,
-        theme=THEME,
-    ),
-)
+    The torque limit does not undo the guard.
+    """
+    w = MappedWheels()
+    found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
+    return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
+
+
+@claim("wheels.rotation-first", given=BOX)
+def rotation(mutation: Mutation) -> Statement:
+    """rotation-first ends in the guard's box and within reach.
+
+    Nor does it when the rotation is served first.
+    """
+    return linear(mutation, "rotation-first")
+
+
+@claim("wheels.per-wheel", given=BOX)
+def clip_per_wheel(mutation: Mutation) -> Statement:
+    """a clip of each wheel's torque ends in the guard's box.
+
+    False: clipping one wheel changes thrust and moment at once, and can turn braking into driving.
+    """
+    w = MappedWheels()
+    t = w.symbols
+    most = t["phi"] * t["r"] / 2
+    torque = force_to_wheel(t["r"], t["half"], w.pair("force"))
+    found = wheel_to_force(t["r"], t["half"], ca.fmax(-most, ca.fmin(most, torque)))
+    return Statement(t, w.within(mutation * found), w.given)

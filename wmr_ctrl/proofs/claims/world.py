@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +10,7 @@ import casadi as ca
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import System
-from wmr_ctrl.proofs.claim import OURS, Claim
+from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
@@ -19,7 +18,6 @@ from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.world import encoder, wheels
 from wmr_ctrl.world.effect import Effect
 
-HARD = Z3(effort=150)
 WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
 
@@ -66,11 +64,28 @@ def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
     return tuple(above(g[name]) for name in names)
 
 
-# Encoders.
+def _velocity(g: EffectGraph, rate: ca.SX) -> ca.SX:
+    """`velocity_of` in the symbols of a graph."""
+    return encoder.velocity_of(rate, g.parameters)
 
 
-def _counted(axis: int, flip: float) -> Statement:
-    """The counts of both wheels, now and before, are the whole parts of their turn."""
+SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau"
+INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
+WHOLE = (
+    "every turn of both wheels now and a window ago; counts are their whole parts: "
+    "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
+)
+
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim("world.encoder.v1", given=WHOLE)
+def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
+    """counts differenced over w show a v1 that is off by less than 2 pi r/(N w).
+
+    What an encoder adds to nbar beside the window.
+    """
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0),))
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
@@ -87,7 +102,7 @@ def _counted(axis: int, flip: float) -> Statement:
     believed = (g["robot.r"], g["robot.l"])
     bound = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     off = g.system.outputs[axis].expr - exact[axis]
-    most = bound if flip > 0 else 0.9 * bound
+    most = mutation(bound, 0.9 * bound)
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
     floors = {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
@@ -97,21 +112,22 @@ def _counted(axis: int, flip: float) -> Statement:
     )  # fmt: skip
 
 
-def _velocity(g: EffectGraph, rate: ca.SX) -> ca.SX:
-    """`velocity_of` in the symbols of a graph."""
-    return encoder.velocity_of(rate, g.parameters)
+@claim("world.encoder.omega", given=WHOLE)
+def counted_turn(mutation: Mutation) -> Statement:
+    """and an omega that is off by less than 2 pi r/(N w l).
+
+    The same for the turn.
+    """
+    return counted_speed(mutation, 1)
 
 
-def _counted_speed(flip: float) -> Statement:
-    return _counted(0, flip)
+@claim("world.wheels.misread-v1", given=INSIDE)
+def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
+    """turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, c and d
+    the mean and half the difference of 1/(1 + radius_i).
 
-
-def _counted_turn(flip: float) -> Statement:
-    return _counted(1, flip)
-
-
-def _misread(axis: int, flip: float) -> Statement:
-    """Turns of other wheels, read as those of the believed ones, for |v1| <= u1, |omega| <= u2."""
+    What wrong radii add to nbar of an encoder.
+    """
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0), *WHEELS))
     t = symbols("v omega u1 u2")
     turn = encoder.turned(load_scenario("paper-simulation", dict(g.numbers)), g.parameters,
@@ -128,24 +144,24 @@ def _misread(axis: int, flip: float) -> Statement:
         above(t["u1"]),
         above(t["u2"]),
     )
-    return Statement(
-        {**g.symbols, **t}, within(off, bounds[axis] * (1 if flip > 0 else 0.9)), given
-    )
+    return Statement({**g.symbols, **t}, within(off, bounds[axis] * mutation(1, 0.9)), given)
 
 
-def _misread_speed(flip: float) -> Statement:
-    return _misread(0, flip)
+@claim("world.wheels.misread-omega", given=INSIDE)
+def misread_turn(mutation: Mutation) -> Statement:
+    """and omega off by at most |c l'/l - 1| u2 + |d| u1/l.
+
+    The same for the turn.
+    """
+    return misread_speed(mutation, 1)
 
 
-def _misread_turn(flip: float) -> Statement:
-    return _misread(1, flip)
+@claim("world.wheels.thrust", given=SIZES)
+def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
+    """torques of at most tau make a thrust that is off by at most tau sum |1/(1 + radius_i) - 1|/r.
 
-
-# Drives.
-
-
-def _wheels(axis: int, flip: float) -> Statement:
-    """Thrust or moment of true wheels less that of believed ones."""
+    What wrong radii add to dbar.
+    """
     g, most = EffectGraph(wheels.WHEELS, WHEELS), symbols("most")
     told = ca.vertcat(g["tau_right"], g["tau_left"])
     believed = (g["robot.r"], g["robot.l"])
@@ -158,82 +174,13 @@ def _wheels(axis: int, flip: float) -> Statement:
         *within(told[0], most["most"]),
         *within(told[1], most["most"]),
     )
-    return Statement(
-        {**g.symbols, **most}, within(made - meant, bound * (1 if flip > 0 else 0.9)), given
-    )
+    return Statement({**g.symbols, **most}, within(made - meant, bound * mutation(1, 0.9)), given)
 
 
-def _wheels_thrust(flip: float) -> Statement:
-    return _wheels(0, flip)
+@claim("world.wheels.moment", given=SIZES)
+def wheels_moment(mutation: Mutation) -> Statement:
+    """and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r.
 
-
-def _wheels_moment(flip: float) -> Statement:
-    return _wheels(1, flip)
-
-
-SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau"
-INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
-WHOLE = (
-    "every turn of both wheels now and a window ago; counts are their whole parts: "
-    "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
-)
-
-
-def ours(
-    key: str,
-    claim: str,
-    meaning: str,
-    hypotheses: str,
-    statement: Callable[[float], Statement],
-    method: Z3 = HARD,
-) -> Claim:
-    """A claim about an effect, checked by z3."""
-    return Claim(f"world.{key}", (), OURS, claim, meaning, hypotheses, statement, method)
-
-
-CLAIMS = (
-    ours(
-        "encoder.v1",
-        "counts differenced over w show a v1 that is off by less than 2 pi r/(N w)",
-        "What an encoder adds to nbar beside the window.",
-        WHOLE,
-        _counted_speed,
-    ),
-    ours(
-        "encoder.omega",
-        "and an omega that is off by less than 2 pi r/(N w l)",
-        "The same for the turn.",
-        WHOLE,
-        _counted_turn,
-    ),
-    ours(
-        "wheels.misread-v1",
-        "turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, "
-        "c and d the mean and half the difference of 1/(1 + radius_i)",
-        "What wrong radii add to nbar of an encoder.",
-        INSIDE,
-        _misread_speed,
-    ),
-    ours(
-        "wheels.misread-omega",
-        "and omega off by at most |c l'/l - 1| u2 + |d| u1/l",
-        "The same for the turn.",
-        INSIDE,
-        _misread_turn,
-    ),
-    ours(
-        "wheels.thrust",
-        "torques of at most tau make a thrust that is off by at most "
-        "tau sum |1/(1 + radius_i) - 1|/r",
-        "What wrong radii add to dbar.",
-        SIZES,
-        _wheels_thrust,
-    ),
-    ours(
-        "wheels.moment",
-        "and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r",
-        "The same for the moment, with the track.",
-        SIZES,
-        _wheels_moment,
-    ),
-)
+    The same for the moment, with the track.
+    """
+    return wheels_thrust(mutation, 1)
