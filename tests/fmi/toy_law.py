@@ -7,9 +7,6 @@ Choose it never.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
@@ -21,11 +18,8 @@ from wmr_ctrl.signals import Signal
 SUM = Signal("toy_sum", "m, rad", "integral of the velocity error", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyGains(Section):
+class ToyGains(Section, key="gains.toy"):
     """One gain per axis."""
-
-    KEY: ClassVar[str] = "gains.toy"
 
     K: tuple[float, float] = quantity((200.0, 20.0), unit="kg/s, kg.m2/s", doc="gain", above=0.0)
 
@@ -37,4 +31,10 @@ def build(sample: Sample) -> System:
     return sample.system("toy law", force, (memory,), memory.sym + sample.period * error)
 
 
-LAW = Law("toy", ToyGains, build, Traits(auxiliary=True), __doc__ or "")
+LAW = Law(
+    "toy",
+    gains=ToyGains,
+    build=build,
+    traits=Traits(auxiliary=True),
+    doc=__doc__ or "",
+)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 import pytest
 
@@ -15,11 +12,8 @@ from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyGains(Section):
+class ToyGains(Section, key="gains.toy"):
     """One gain an axis."""
-
-    KEY: ClassVar[str] = "gains.toy"
 
     k: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on z")
 
@@ -30,14 +24,17 @@ def build_toy(sample: Sample) -> System:
     return sample.system("toy", sample.friction - pull)
 
 
-TOY = Law("toy", ToyGains, build_toy, Traits(auxiliary=True, barrier=True, model=True), "Toy law.")
+TOY = Law(
+    "toy",
+    gains=ToyGains,
+    build=build_toy,
+    traits=Traits(auxiliary=True, barrier=True, model=True),
+    doc="Toy law.",
+)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlainGains(Section):
+class PlainGains(Section, key="gains.plain"):
     """Gains on the errors of way, heading and velocity."""
-
-    KEY: ClassVar[str] = "gains.plain"
 
     ahead: float = quantity(0.5, unit="1/s", doc="gain on e_1", minimum=0.0)
     aside: float = quantity(0.5, unit="rad/(m.s)", doc="gain on e_2", minimum=0.0)
@@ -52,7 +49,13 @@ def build_plain(sample: Sample) -> System:
     return sample.system("plain", sample.gain("k") * (wanted - sample.v))
 
 
-PLAIN = Law("plain", PlainGains, build_plain, Traits(), "Plain law.")
+PLAIN = Law(
+    "plain",
+    gains=PlainGains,
+    build=build_plain,
+    traits=Traits(),
+    doc="Plain law.",
+)
 
 
 class Entry:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port
@@ -15,11 +12,8 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole
 COUNT = Signal("shove_count", "1", "samples so far")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Shove(Section):
+class Shove(Section, key="shove"):
     """Size, beginning and length."""
-
-    KEY: ClassVar[str] = "shove"
 
     force: float = quantity(0.0, unit="N", doc="force along the heading", minimum=0)
     start: float = quantity(0.0, unit="s", doc="when it begins", minimum=0)
@@ -34,9 +28,14 @@ def build(scenario):
     acts_now = ca.logic_and(t > start - half, t < start + p.take("shove.time") - half)
     thrust = ca.if_else(acts_now, p.take("shove.force"), 0)
     return System(
-        "shove", "a single push", (), (count,), p.ports, count.sym + 1,
-        (Output(BODY_FORCE[0], thrust),), period=scenario.clock.control,
-    )  # fmt: skip
+        "shove",
+        "a single push",
+        state=(count,),
+        params=p.ports,
+        update=count.sym + 1,
+        outputs=(Output(BODY_FORCE[0], thrust),),
+        period=scenario.clock.control,
+    )
 
 
 SHOVE = Effect(

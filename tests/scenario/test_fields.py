@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import FrozenInstanceError, dataclass, fields
-from typing import ClassVar
+from dataclasses import FrozenInstanceError, fields
 
 import numpy as np
 import pytest
@@ -27,11 +26,8 @@ from wmr_ctrl.world.references import REFERENCES
 KINDS = [kind.section for kind in REFERENCES.values()]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Gains(Section):
+class Gains(Section, key="gains.toy"):
     """Gains as a law would have them."""
-
-    KEY: ClassVar[str] = "gains.toy"
 
     rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="rates", above=0)
     nodes: int = quantity(64, unit="1", doc="number of nodes", minimum=1, maximum=1000)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import casadi as ca
 import pytest
@@ -28,11 +27,8 @@ from wmr_ctrl.world.registry import EFFECTS
 SHORT = {"clock.duration": 0.3, "disturbance.truncate": 3.0}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Shake(Section):
+class Shake(Section, key="shake"):
     """How hard."""
-
-    KEY: ClassVar[str] = "shake"
 
     force: float = quantity(0.0, unit="N", doc="mean force backwards", minimum=0)
 
@@ -44,10 +40,13 @@ def shaken(scenario: Scenario, signals: tuple[Signal, ...] = BODY_FORCE) -> Syst
     number = draw(Signal("shake", "1", "normal numbers", 2), NORMAL, force > 0, 3.0)
     made = -force * (1 + 0.1 * number.port.sym)
     return System(
-        "shake", "shaking", (), (), p.ports, ca.SX(0, 1),
-        tuple(Output(signal, made[i]) for i, signal in enumerate(signals)),
-        period=scenario.clock.plant, draws=(number,),
-    )  # fmt: skip
+        "shake",
+        "shaking",
+        params=p.ports,
+        outputs=tuple(Output(signal, made[i]) for i, signal in enumerate(signals)),
+        period=scenario.clock.plant,
+        draws=(number,),
+    )
 
 
 SHAKE = Effect(
@@ -302,7 +301,13 @@ def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
         p, time = Parameters(scenario), port(TIME)
         speed = 0.1 / p.take("robot.mu")
         outputs = tuple(Output(signal, speed * time.sym) for signal in REFERENCE)
-        return System("own", "own", (time,), (), p.ports, ca.SX(0, 1), outputs)
+        return System(
+            "own",
+            "own",
+            inputs=(time,),
+            params=p.ports,
+            outputs=outputs,
+        )
 
     kind = replace(toys.CLOTHOID, build=build)
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
@@ -313,10 +318,7 @@ def test_what_a_reference_reads_elsewhere_is_checked_anew(monkeypatch):
 
 
 def test_a_unit_that_is_none_is_told_with_its_field(registered, tmp_path):
-    @dataclass(frozen=True, kw_only=True)
-    class Furlongs(Section):
-        KEY: ClassVar[str] = "shake"
-
+    class Furlongs(Section, key="shake"):
         force: float = quantity(0.0, unit="furlong", doc="how far", minimum=0)
 
     registered(replace(SHAKE, section=Furlongs, acts=lambda scenario: True, bound=None))

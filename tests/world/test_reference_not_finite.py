@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import casadi as ca
@@ -21,7 +20,6 @@ from wmr_ctrl.world.references.registry import REFERENCES
 WHEN = Signal("ref_when", "s", "time at which there is no desired speed")
 
 
-@dataclass(frozen=True, kw_only=True)
 class Singular(Reference):
     """A line whose desired speed is not a number at one sample."""
 

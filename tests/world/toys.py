@@ -6,8 +6,6 @@ Each is a section, a graph, and what the guard may count on.  `docs/extending.md
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -44,11 +42,8 @@ THETA = PLANT_STATE[2]
 # A sensor with state and draws: a gyro whose bias walks.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyGyro(Section):
+class ToyGyro(Section, key="toy_gyro"):
     """How fast the bias walks."""
-
-    KEY: ClassVar[str] = "toy_gyro"
 
     walk: float = quantity(0.0, unit="rad/s", doc="largest step of the bias in a sample", minimum=0)
 
@@ -60,11 +55,17 @@ def gyro(scenario: Scenario) -> System:
     step = draw(Signal("toy_gyro", "1", "uniform numbers", 2), UNIFORM, p.take("toy_gyro.walk") > 0)
     following = 0.99 * bias.sym + p.take("toy_gyro.walk") * step.port.sym[0]
     return System(
-        "toy_gyro", "walking bias", (omega,), (bias,), p.ports, following,
-        (Output(OMEGA, omega.sym + following),),
-        (Output(Signal("toy_bias_now", "rad/s", "bias of this sample"), following),),
-        scenario.clock.control, (step,),
-    )  # fmt: skip
+        "toy_gyro",
+        "walking bias",
+        inputs=(omega,),
+        state=(bias,),
+        params=p.ports,
+        update=following,
+        outputs=(Output(OMEGA, omega.sym + following),),
+        diagnostics=(Output(Signal("toy_bias_now", "rad/s", "bias of this sample"), following),),
+        period=scenario.clock.control,
+        draws=(step,),
+    )
 
 
 GYRO = Effect(
@@ -80,11 +81,8 @@ GYRO = Effect(
 # A sensor that counts the way: what an encoder stands on.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyEncoder(Section):
+class ToyEncoder(Section, key="toy_encoder"):
     """How coarse it is."""
-
-    KEY: ClassVar[str] = "toy_encoder"
 
     step: float = quantity(0.0, unit="m", doc="way of one count; 0: none", minimum=0)
 
@@ -95,9 +93,13 @@ def encoder(scenario: Scenario) -> System:
     step, period = p.take("toy_encoder.step"), p.take("clock.control")
     counted = step * ca.floor(travel.sym[0] / step + 0.5)
     return System(
-        "toy_encoder", "differenced counts", (travel,), (), p.ports, ca.SX(0, 1),
-        (Output(MEASURED_VELOCITY[0], counted / period),), period=scenario.clock.control,
-    )  # fmt: skip
+        "toy_encoder",
+        "differenced counts",
+        inputs=(travel,),
+        params=p.ports,
+        outputs=(Output(MEASURED_VELOCITY[0], counted / period),),
+        period=scenario.clock.control,
+    )
 
 
 ENCODER = Effect(
@@ -113,11 +115,8 @@ ENCODER = Effect(
 # A drive with state: a torque that cannot jump.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyRamp(Section):
+class ToyRamp(Section, key="toy_ramp"):
     """How fast the torque may change."""
-
-    KEY: ClassVar[str] = "toy_ramp"
 
     rate: float = quantity(0.0, unit="N.m/s", doc="largest rate; 0: the torque jumps", minimum=0)
 
@@ -130,10 +129,15 @@ def ramp(scenario: Scenario) -> System:
     moved = ca.fmax(-most, ca.fmin(most, stack(item.sym for item in torque) - old.sym))
     following = old.sym + moved
     return System(
-        "toy_ramp", "limited rate", torque, (old,), p.ports, following,
-        tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
+        "toy_ramp",
+        "limited rate",
+        inputs=torque,
+        state=(old,),
+        params=p.ports,
+        update=following,
+        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
         period=scenario.clock.plant,
-    )  # fmt: skip
+    )
 
 
 RAMP = Effect(
@@ -149,11 +153,8 @@ RAMP = Effect(
 # A force on the body, in each plant step.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToySlope(Section):
+class ToySlope(Section, key="toy_slope"):
     """How steep the ground is."""
-
-    KEY: ClassVar[str] = "toy_slope"
 
     angle: float = quantity(0.0, unit="rad", doc="rise of the ground along +X", minimum=0)
 
@@ -163,9 +164,13 @@ def slope(scenario: Scenario) -> System:
     theta, p = port(THETA), Parameters(scenario)
     pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("toy_slope.angle"))
     return System(
-        "toy_slope", "slope along X", (theta,), (), p.ports, ca.SX(0, 1),
-        (Output(BODY_FORCE[0], pull * ca.sin(theta.sym)),), period=scenario.clock.plant,
-    )  # fmt: skip
+        "toy_slope",
+        "slope along X",
+        inputs=(theta,),
+        params=p.ports,
+        outputs=(Output(BODY_FORCE[0], pull * ca.sin(theta.sym)),),
+        period=scenario.clock.plant,
+    )
 
 
 def slope_bound(scenario: Scenario) -> Bound:
@@ -189,11 +194,8 @@ SLOPE = Effect(
 # A disturbance with state and draws of its own in each plant step: gusts.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyGust(Section):
+class ToyGust(Section, key="toy_gust"):
     """How strong the gusts are."""
-
-    KEY: ClassVar[str] = "toy_gust"
 
     torque: float = quantity(0.0, unit="N.m", doc="standard deviation of a step's kick", minimum=0)
 
@@ -205,10 +207,15 @@ def gust(scenario: Scenario) -> System:
     first, other = ca.vertsplit(kick.port.sym, 2)
     following = 0.9 * state.sym + p.take("toy_gust.torque") * (first - other)
     return System(
-        "toy_gust", "gusts", (), (state,), p.ports, following,
-        tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
-        period=scenario.clock.plant, draws=(kick,),
-    )  # fmt: skip
+        "toy_gust",
+        "gusts",
+        state=(state,),
+        params=p.ports,
+        update=following,
+        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        period=scenario.clock.plant,
+        draws=(kick,),
+    )
 
 
 GUST = Effect(
@@ -225,7 +232,6 @@ GUST = Effect(
 # A reference with state: a clothoid, integrated.
 
 
-@dataclass(frozen=True, kw_only=True)
 class ToyClothoid(Reference):
     """A curve whose curvature grows with the way."""
 
@@ -258,9 +264,15 @@ def clothoid(scenario: Scenario) -> System:
     following = place.sym + T / 6 * (velocity(t) + 4 * velocity(t + T / 2) + velocity(t + T))
     path = ca.vertcat(place.sym, angle(t), v, growth * v * v * t, 0, growth * v * v)
     return System(
-        "reference", "clothoid", (time,), (place,), p.ports, following, outputs(path),
+        "reference",
+        "clothoid",
+        inputs=(time,),
+        state=(place,),
+        params=p.ports,
+        update=following,
+        outputs=outputs(path),
         period=scenario.clock.control,
-    )  # fmt: skip
+    )
 
 
 CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid)
@@ -269,11 +281,8 @@ CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid
 # A drive that is late by a number of its own: the loop's queue has room for it.
 
 
-@dataclass(frozen=True, kw_only=True)
-class ToyLate(Section):
+class ToyLate(Section, key="toy_late"):
     """How late it is."""
-
-    KEY: ClassVar[str] = "toy_late"
 
     time: float = quantity(0.0, unit="s", doc="how long a torque takes to arrive", minimum=0)
 
@@ -283,10 +292,14 @@ def late(scenario: Scenario) -> System:
     torque, p = ports(TORQUE), Parameters(scenario)
     time = p.take("toy_late.time")
     return System(
-        "toy_late", "late drive", torque, (), p.ports, ca.SX(0, 1),
-        tuple(Output(item.signal, item.sym) for item in torque),
-        period=scenario.clock.plant, transport=time,
-    )  # fmt: skip
+        "toy_late",
+        "late drive",
+        inputs=torque,
+        params=p.ports,
+        outputs=tuple(Output(item.signal, item.sym) for item in torque),
+        period=scenario.clock.plant,
+        transport=time,
+    )
 
 
 LATE = Effect(

@@ -74,13 +74,13 @@ def guard(setup: Setup) -> System:
     return System(
         "guard",
         "velocity guard",
-        (asked, *velocity),
-        (*applied.state, *memory.state),
-        p.ports,
-        ca.vertcat(*applied.following(torque), memory.update),
-        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
-        memory.diagnostics,
-        setup.scenario.clock.control,
+        inputs=(asked, *velocity),
+        state=(*applied.state, *memory.state),
+        params=p.ports,
+        update=ca.vertcat(*applied.following(torque), memory.update),
+        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
+        diagnostics=memory.diagnostics,
+        period=setup.scenario.clock.control,
     )
 
 
@@ -219,11 +219,11 @@ def _finished(
     return System(
         core.name,
         core.title,
-        tuple(item for item in core.inputs if item not in known),
-        (*core.state, *state),
-        p.ports,
-        ca.vertcat(core.update, *(update or [])),
-        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
-        (*core.diagnostics, *diagnostics),
-        core.period,
+        inputs=tuple(item for item in core.inputs if item not in known),
+        state=(*core.state, *state),
+        params=p.ports,
+        update=ca.vertcat(core.update, *(update or [])),
+        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE)),
+        diagnostics=(*core.diagnostics, *diagnostics),
+        period=core.period,
     )

@@ -1,11 +1,9 @@
 """Dataclass fields with unit, meaning and bounds, and the validation that all of them share.
 
-A section of a scenario, or the gains of a law, is a frozen dataclass that derives from
-:class:`Section` and whose fields are made by :func:`quantity`::
+A section of a scenario, or the gains of a law, derives from :class:`Section`, which makes it a
+frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
 
-    @dataclass(frozen=True, kw_only=True)
-    class Gains(Section):
-        KEY: ClassVar[str] = "gains.mb"
+    class Gains(Section, key="gains.mb"):
         rho: tuple[float, float] = quantity((15.0, 57.6), unit="1/s", doc="decay rates", above=0)
 """
 
@@ -13,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
@@ -62,10 +60,21 @@ def _kind(default: object) -> str:
     return "number" if default is REQUIRED or isinstance(default, tuple) else kind_of(default)
 
 
+@dataclass_transform(kw_only_default=True, frozen_default=True)
 class Section:
-    """Base of the frozen dataclasses of a scenario: cleans and checks every field on creation."""
+    """Base of the frozen dataclasses of a scenario: cleans and checks every field on creation.
+
+    A class that derives from it names its table, ``key``, or leaves that to those that derive from
+    it in turn.
+    """
 
     KEY: ClassVar[str] = ""
+
+    def __init_subclass__(cls, *, key: str = "") -> None:
+        """Make a frozen dataclass of what derives from this."""
+        super().__init_subclass__()
+        cls.KEY = key or cls.KEY
+        dataclasses.dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
         """Put every field into its own type, or raise ScenarioError that names the key."""

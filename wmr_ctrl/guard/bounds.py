@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
@@ -30,7 +30,6 @@ def rounding(under_way: int) -> float:
     return ROUNDING * (1 + under_way)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Stated(Guard):
     """A guard's numbers as they were stated or implied, whether or not they can be met.
 

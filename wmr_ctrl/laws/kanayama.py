@@ -18,9 +18,6 @@ Choose it to have something plain and good to compare with, or behind the guard.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
@@ -34,11 +31,8 @@ from wmr_ctrl.signals import Signal
 COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class KanayamaGains(Predicting):
+class KanayamaGains(Predicting, key="gains.kanayama"):
     """Gains of the kinematic law and of the velocity loop below it, per axis where two."""
-
-    KEY: ClassVar[str] = "gains.kanayama"
 
     k: tuple[float, float, float] = quantity(
         (4.0, 64.0, 16.0), unit="1/s, 1/m2, 1/m", doc="kx, ky, kt of the kinematic law", above=0.0
@@ -96,9 +90,9 @@ def _cut(values: ca.SX, most: ca.SX) -> ca.SX:
 
 LAW = Law(
     "kanayama",
-    KanayamaGains,
-    build,
-    Traits(model=True, observer=True),
-    __doc__ or "",
+    gains=KanayamaGains,
+    build=build,
+    traits=Traits(model=True, observer=True),
+    doc=__doc__ or "",
     tuned=("k", "rate", "wo", "a_max"),
 )

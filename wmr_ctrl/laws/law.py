@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import System
@@ -57,22 +57,16 @@ class Law:
         return self.doc.strip().splitlines()[0].rstrip(".") if self.doc.strip() else self.name
 
 
-@dataclass(frozen=True, kw_only=True)
-class TorqueLimited(Section):
+class TorqueLimited(Section, key="gains"):
     """Gains of a law that brings a torque limit of its own, which counts where it is smaller."""
-
-    KEY: ClassVar[str] = "gains"
 
     tau_max: float = quantity(
         20.0, unit="N.m", doc="torque limit of the law's own, beside actuator.tau_max", above=0.0
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class OwnKinematics(Section):
+class OwnKinematics(Section, key="gains"):
     """Gains of a law that may have gains of Eq. (7) of its own, beside those that laws share."""
-
-    KEY: ClassVar[str] = "gains"
 
     kinematics: tuple[float, float, float] | None = quantity(
         None,
@@ -83,20 +77,14 @@ class OwnKinematics(Section):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class BarrierChoice(Section):
+class BarrierChoice(Section, key="gains"):
     """Gains of a law that lets one choose the form of the barrier function."""
-
-    KEY: ClassVar[str] = "gains"
 
     barrier: str = quantity("paper", unit="1", doc="form of the barrier f", options=BARRIERS)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Predicting(Section):
+class Predicting(Section, key="gains"):
     """Gains of a law that predicts to the time when its command acts (see `prediction`)."""
-
-    KEY: ClassVar[str] = "gains"
 
     delay: float = quantity(
         0.0,

@@ -11,9 +11,6 @@ well below the stable limit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
@@ -22,11 +19,8 @@ from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModelBasedGains(BarrierChoice):
+class ModelBasedGains(BarrierChoice, key="gains.mb"):
     """Gains of the model-based law."""
-
-    KEY: ClassVar[str] = "gains.mb"
 
     rho: tuple[float, float] = quantity(
         (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis, Eq. (9)", above=0.0
@@ -54,9 +48,9 @@ def decay_rate(sample: Sample) -> ca.SX:
 
 LAW = Law(
     "mb",
-    ModelBasedGains,
-    build,
-    Traits(auxiliary=True, barrier=True, model=True, theorem=1),
-    __doc__ or "",
+    gains=ModelBasedGains,
+    build=build,
+    traits=Traits(auxiliary=True, barrier=True, model=True, theorem=1),
+    doc=__doc__ or "",
     tuned=("rho",),
 )

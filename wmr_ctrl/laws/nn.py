@@ -11,8 +11,6 @@ Choose it when mass and friction are unknown or change.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 
@@ -31,11 +29,8 @@ WEIGHTS = tuple(
 W_NORM = Signal("W_norm", "N.s/m, N.m.s/rad", "norms of the weights, after the sample's update", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class NetworkGains(BarrierChoice):
+class NetworkGains(BarrierChoice, key="gains.nn"):
     """Gains of the network law, per axis (linear, angular) where there are two."""
-
-    KEY: ClassVar[str] = "gains.nn"
 
     rho1: tuple[float, float] = quantity(
         (1350.0, 21.6), unit="kg/s, kg.m2/s", doc="gain on V1/A, Eq. (57)", above=0.0
@@ -97,9 +92,9 @@ def _adapted(sample: Sample, axis: int, weights: ca.SX, basis: ca.SX) -> ca.SX:
 
 LAW = Law(
     "nn",
-    NetworkGains,
-    build,
-    Traits(auxiliary=True, barrier=True, theorem=2, estimates=True),
-    __doc__ or "",
+    gains=NetworkGains,
+    build=build,
+    traits=Traits(auxiliary=True, barrier=True, theorem=2, estimates=True),
+    doc=__doc__ or "",
     tuned=("rho1", "Gamma"),
 )

@@ -8,9 +8,6 @@ believable wheel torques).  Choose it only to compare with: it knows no velocity
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
@@ -23,11 +20,8 @@ Z_OLD = Signal("z_previous", "m/s, rad/s", "velocity error of the previous sampl
 STARTED = Signal("started", "1", "0 before the first sample, then 1")
 
 
-@dataclass(frozen=True, kw_only=True)
-class PidGains(OwnKinematics):
+class PidGains(OwnKinematics, key="gains.pid"):
     """Gains of the PID law, per axis (linear, angular)."""
-
-    KEY: ClassVar[str] = "gains.pid"
 
     Kp: tuple[float, float] = quantity(
         (210.0, 1.1), unit="N.s/m, N.m.s/rad", doc="proportional gain", minimum=0.0
@@ -48,9 +42,9 @@ def build(sample: Sample) -> System:
 
 LAW = Law(
     "pid",
-    PidGains,
-    build,
-    Traits(auxiliary=True),
-    __doc__ or "",
+    gains=PidGains,
+    build=build,
+    traits=Traits(auxiliary=True),
+    doc=__doc__ or "",
     tuned=("Kp", "Kd"),
 )

@@ -27,7 +27,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log1p
-from typing import ClassVar
 
 import casadi as ca
 
@@ -44,11 +43,8 @@ TRANSPORTS = ("two-part", "level")
 """How much of the target's way the velocity is carried along: the reference's share, or all."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ProxGains(BarrierChoice, TorqueLimited, Predicting):
+class ProxGains(BarrierChoice, TorqueLimited, Predicting, key="gains.prox"):
     """Gains of the prox law, per axis (linear, angular) where there are two."""
-
-    KEY: ClassVar[str] = "gains.prox"
 
     rho: tuple[float, float] = quantity(
         (15.0, 57.6), unit="1/s", doc="decay rate of V1 per axis", above=0.0
@@ -156,9 +152,9 @@ def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
 
 LAW = Law(
     "prox",
-    ProxGains,
-    build,
-    Traits(auxiliary=True, barrier=True, model=True, observer=True),
-    __doc__ or "",
+    gains=ProxGains,
+    build=build,
+    traits=Traits(auxiliary=True, barrier=True, model=True, observer=True),
+    doc=__doc__ or "",
     tuned=("rho", "wo"),
 )

@@ -181,13 +181,13 @@ class Sample:
         return System(
             self.law,
             title,
-            (*self.inputs, *further_inputs),
-            tuple(state),
-            self.parameters.ports,
-            following,
-            (Output(FORCE, force),),
-            every,
-            self.scenario.clock.control,
+            inputs=(*self.inputs, *further_inputs),
+            state=tuple(state),
+            params=self.parameters.ports,
+            update=following,
+            outputs=(Output(FORCE, force),),
+            diagnostics=every,
+            period=self.scenario.clock.control,
         )
 
 

@@ -8,9 +8,6 @@ zero.  Choose it to compare with: it tracks best of the four because it ignores 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
@@ -23,11 +20,8 @@ MASS = Signal("m_hat", "kg, kg.m2", "estimated mass and inertia, after the sampl
 FRICTION = Signal("F_hat", "N, N.m", "estimated Coulomb friction, after the sample's update", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SmcGains(Section):
+class SmcGains(Section, key="gains.smc"):
     """Gains of the stand-in, per axis (linear, angular) where there are two."""
-
-    KEY: ClassVar[str] = "gains.smc"
 
     K: tuple[float, float] = quantity(
         (200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on s", minimum=0.0
@@ -71,9 +65,9 @@ def build(sample: Sample) -> System:
 
 LAW = Law(
     "smc",
-    SmcGains,
-    build,
-    Traits(auxiliary=True, estimates=True),
-    __doc__ or "",
+    gains=SmcGains,
+    build=build,
+    traits=Traits(auxiliary=True, estimates=True),
+    doc=__doc__ or "",
     tuned=("K", "eta"),
 )

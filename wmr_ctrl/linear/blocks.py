@@ -82,7 +82,13 @@ def error_plant(scenario: Scenario) -> System:
     outputs = tuple(Output(item.signal, item.sym) for item in state)
     inputs = (force, disturbance, v_d)
     return System(
-        "plant", "robot seen from its reference", inputs, (*state, *lagging), p.ports, rate, outputs
+        "plant",
+        "robot seen from its reference",
+        inputs=inputs,
+        state=(*state, *lagging),
+        params=p.ports,
+        update=rate,
+        outputs=outputs,
     )
 
 
@@ -127,9 +133,15 @@ def error_law(scenario: Scenario, law: str, own_torque: bool = True, commands: i
     update, force = core.function("act", [core.update, core.outputs[0].expr])(u, core.x, core.p)
     inputs = (e, *v, v_d, v_d_dot, *([] if own_torque or not asks else [before]), *sent)
     return System(
-        "law", core.title, inputs, core.state, core.params, update, (Output(FORCE, force),),
+        "law",
+        core.title,
+        inputs=inputs,
+        state=core.state,
+        params=core.params,
+        update=update,
+        outputs=(Output(FORCE, force),),
         period=core.period,
-    )  # fmt: skip
+    )
 
 
 def _with_own_torque(core: System, scenario: Scenario) -> System:

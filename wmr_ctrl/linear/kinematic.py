@@ -50,7 +50,14 @@ def kinematic_loop(scenario: Scenario, saturated: bool = False) -> System:
         )
     rate = error_rate(e.sym, v, v_d.sym)
     outputs = (Output(TRACKING_ERROR, e.sym),)
-    return System("kinematics", "kinematic loop", (v_d,), (e,), (), rate, outputs)
+    return System(
+        "kinematics",
+        "kinematic loop",
+        inputs=(v_d,),
+        state=(e,),
+        update=rate,
+        outputs=outputs,
+    )
 
 
 def kinematics_at(

@@ -111,6 +111,12 @@ def _over_period(scenario: Scenario) -> System:
     for _ in range(clock.substeps):
         state = step(moving.u, state, moving.p)
     return System(
-        moving.name, moving.title, moving.inputs, moving.state, moving.params, state,
-        moving.outputs, period=clock.control,
-    )  # fmt: skip
+        moving.name,
+        moving.title,
+        inputs=moving.inputs,
+        state=moving.state,
+        params=moving.params,
+        update=state,
+        outputs=moving.outputs,
+        period=clock.control,
+    )

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.symbolic import ca
 
 
-@dataclass(frozen=True, kw_only=True)
-class KinematicGains(Section):
+class KinematicGains(Section, key="gains.kinematics"):
     """Gains of the kinematic loop, shared by all laws (k_1, k_2, k_3 > 0, k_2 >= 1)."""
-
-    KEY: ClassVar[str] = "gains.kinematics"
 
     k: tuple[float, float, float] = quantity(
         (10.0, 5.0, 4.0),

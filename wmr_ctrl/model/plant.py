@@ -39,11 +39,11 @@ def plant(scenario: Scenario, *, rolling: tuple[Signal, ...] = ()) -> System:
     return System(
         "plant",
         "wheeled robot",
-        (*torque, *noise, *pushed),
-        (*state, *rolled),
-        p.ports,
-        rate,
-        (*outputs, heading),
+        inputs=(*torque, *noise, *pushed),
+        state=(*state, *rolled),
+        params=p.ports,
+        update=rate,
+        outputs=(*outputs, heading),
     )
 
 

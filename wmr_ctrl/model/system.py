@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass, field
 
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
@@ -61,11 +61,12 @@ class System:
 
     name: str
     title: str
-    inputs: tuple[Port, ...]
-    state: tuple[Port, ...]
-    params: tuple[Port, ...]
-    update: ca.SX
-    outputs: tuple[Output, ...]
+    _: KW_ONLY
+    inputs: tuple[Port, ...] = ()
+    state: tuple[Port, ...] = ()
+    params: tuple[Port, ...] = ()
+    update: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    outputs: tuple[Output, ...] = ()
     diagnostics: tuple[Output, ...] = ()
     period: float | None = None
     draws: tuple[Draw, ...] = ()

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
 
 WHEELS = ("sphere", "cylinder")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Body(Section):
+class Body(Section, key="body"):
     """What a rigid body needs beside mass, inertia, friction, wheels and track of [robot].
 
     The plane model does not read it.  Casters slide without friction.
     """
-
-    KEY: ClassVar[str] = "body"
 
     tyre: float = quantity(0.8, unit="1", doc="friction between tyre and ground", above=0)
     grip: float = quantity(

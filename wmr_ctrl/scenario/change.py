@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.fields.section import REQUIRED, Section, quantity
 
 
-@dataclass(frozen=True, kw_only=True)
-class Change(Section):
+class Change(Section, key="changes"):
     """New parameters from the first plant step that starts at or after ``t``; others stay."""
-
-    KEY: ClassVar[str] = "changes"
 
     t: float = quantity(REQUIRED, unit="s", doc="time of the change", minimum=0)
     m: float | None = quantity(None, unit="kg", doc="mass from then on", above=0)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import multiple
@@ -13,11 +10,8 @@ MOST_SAMPLES = 10_000_000
 MOST_SUBSTEPS = 100_000
 
 
-@dataclass(frozen=True, kw_only=True)
-class Clock(Section):
+class Clock(Section, key="clock"):
     """Control period (zero-order hold), plant step (RK4) and duration of a run."""
-
-    KEY: ClassVar[str] = "clock"
 
     control: float = quantity(
         0.01, unit="s", doc="period of the control law", minimum=1e-9, usual=(1e-4, 1)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 
 MAPS = ("linear-first", "rotation-first")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Guard(Section):
+class Guard(Section, key="guard"):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
 
     What is left out follows from the rest of the scenario: masses from the robot and its changes,
@@ -21,8 +17,6 @@ class Guard(Section):
     guard is built, and there a bound that the scenario itself breaks is refused, unless ``trust``
     says that it is meant.
     """
-
-    KEY: ClassVar[str] = "guard"
 
     enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
     trust: bool = quantity(

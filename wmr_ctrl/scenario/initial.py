@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 from wmr_ctrl.fields.section import Section, quantity
 
@@ -12,11 +10,8 @@ HEADING = -math.pi / 2
 """Orientation along +X in the paper's convention (0 is along +Y), rad."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Initial(Section):
+class Initial(Section, key="initial"):
     """Pose and velocity at t = 0; the velocity may lie outside the limits."""
-
-    KEY: ClassVar[str] = "initial"
 
     pose: tuple[float, float, float] = quantity(
         (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta = 0 along +Y)"

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 
 UNITS = ("m/s", "rad/s")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Limits(Section):
+class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
-
-    KEY: ClassVar[str] = "limits"
 
     v_u1: tuple[float, float] = quantity(
         (1.0, 1.5), unit="m/s, rad/s", doc="limits of |v1| and |omega|", above=0

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.fields.section import Section, quantity
 
 
-@dataclass(frozen=True, kw_only=True)
-class Metrics(Section):
+class Metrics(Section, key="metrics"):
     """Where a run is split into before and after, where the RMS of the torque begins, tolerance.
 
     The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
     doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
     reference leaves.
     """
-
-    KEY: ClassVar[str] = "metrics"
 
     split: float | None = quantity(
         None, unit="s", doc="split into before and after; left out: half the duration", above=0

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 from wmr_ctrl.fields.section import Section, quantity
 
 
-@dataclass(frozen=True, kw_only=True)
-class Robot(Section):
+class Robot(Section, key="robot"):
     """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
-
-    KEY: ClassVar[str] = "robot"
 
     m: float = quantity(50.0, unit="kg", doc="mass", above=0, usual=(0.02, 5000))
     I: float = quantity(5.4, unit="kg.m2", doc="moment of inertia about the vertical", above=0)
@@ -31,11 +25,8 @@ class Robot(Section):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Model(Section):
+class Model(Section, key="model"):
     """What the laws believe; a field that is left out is the robot's, before any change."""
-
-    KEY: ClassVar[str] = "model"
 
     m: float | None = quantity(
         None, unit="kg", doc="mass that the laws believe; left out: robot.m", above=0

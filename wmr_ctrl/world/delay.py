@@ -6,26 +6,21 @@ at; this System passes them on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import TORQUE
-from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Delay(Section):
+class Delay(Section, key="actuator"):
     """How late the torque is."""
-
-    KEY: ClassVar[str] = "actuator"
 
     delay: float = quantity(
         0.0,
@@ -52,11 +47,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "delay",
         "delay of the drives",
-        torque,
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(item.signal, item.sym) for item in torque),
+        inputs=torque,
+        params=p.ports,
+        outputs=tuple(Output(item.signal, item.sym) for item in torque),
         period=scenario.clock.plant,
         transport=late,
     )

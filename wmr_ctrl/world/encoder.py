@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
@@ -39,11 +38,8 @@ LONG = 1e9
 """Time since a last count that there was not yet [s]: the first one shows no speed."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Encoder(Section):
+class Encoder(Section, key="encoder"):
     """Counts per turn, and how a velocity is made of counts; left out: no encoders."""
-
-    KEY: ClassVar[str] = "encoder"
 
     counts: float | None = quantity(
         None, unit="1", doc="counts in one turn of a wheel, all four edges counted", above=0
@@ -87,13 +83,13 @@ def build(scenario: Scenario) -> System:
     return System(
         "encoder",
         "wheel encoders",
-        (path, theta, skid, sample),
-        state,
-        p.ports,
-        update,
-        tuple(Output(signal, velocity[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
-        (Output(COUNTS, counts),),
-        scenario.clock.control,
+        inputs=(path, theta, skid, sample),
+        state=state,
+        params=p.ports,
+        update=update,
+        outputs=tuple(Output(signal, velocity[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
+        diagnostics=(Output(COUNTS, counts),),
+        period=scenario.clock.control,
     )
 
 
@@ -114,11 +110,11 @@ def reader(scenario: Scenario) -> System:
     return System(
         "encoder_reader",
         "velocity from counts",
-        (counts,),
-        (*seen.state, started),
-        p.ports,
-        ca.vertcat(seen.update, 1),
-        tuple(Output(VELOCITY[i], velocity[i]) for i in axes_without_gyro(scenario)),
+        inputs=(counts,),
+        state=(*seen.state, started),
+        params=p.ports,
+        update=ca.vertcat(seen.update, 1),
+        outputs=tuple(Output(VELOCITY[i], velocity[i]) for i in axes_without_gyro(scenario)),
         period=scenario.clock.control,
     )
 

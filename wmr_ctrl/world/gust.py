@@ -6,8 +6,7 @@ period, over which the force is held.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
@@ -23,11 +22,8 @@ NUMBERS = Signal("gust", "1", "uniform numbers on [-1, 1)", 2)
 SHARE = Signal("gust_share", "1", "force and moment as shares of their size", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Gust(Section):
+class Gust(Section, key="gust"):
     """Size and colour."""
-
-    KEY: ClassVar[str] = "gust"
 
     size: tuple[float, float] = quantity(
         (0.0, 0.0), unit="N, N.m", doc="largest force, moment on the body", minimum=0
@@ -45,11 +41,10 @@ def build(scenario: Scenario) -> System:
     return System(
         "gust",
         "gusts",
-        (),
-        (share,),
-        p.ports,
-        now,
-        tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE)),
+        state=(share,),
+        params=p.ports,
+        update=now,
+        outputs=tuple(Output(signal, size[i] * now[i]) for i, signal in enumerate(BODY_FORCE)),
         period=scenario.clock.control,
         draws=(number,),
     )

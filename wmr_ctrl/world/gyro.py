@@ -6,14 +6,12 @@ of what other sensors make of it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
-from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 
 if TYPE_CHECKING:
@@ -22,11 +20,8 @@ if TYPE_CHECKING:
 NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Gyro(Section):
+class Gyro(Section, key="gyro"):
     """Whether there is one, and its errors."""
-
-    KEY: ClassVar[str] = "gyro"
 
     enabled: bool = quantity(False, unit="1", doc="whether omega is measured by a gyro")
     bias: float = quantity(0.0, unit="rad/s", doc="what it shows at rest")
@@ -42,11 +37,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "gyro",
         "gyro",
-        (omega,),
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        (Output(MEASURED_VELOCITY[1], shown),),
+        inputs=(omega,),
+        params=p.ports,
+        outputs=(Output(MEASURED_VELOCITY[1], shown),),
         period=scenario.clock.control,
         draws=(error,),
     )

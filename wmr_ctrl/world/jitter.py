@@ -6,8 +6,7 @@ anew for each command.  A command never overtakes the one before it, since jitte
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
@@ -27,11 +26,8 @@ WAITING = Signal("jitter_waiting", "N.m", "torque that arrived last (right, left
 DUE = Signal("jitter_due", "1", "plant steps from its arrival until it acts")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Jitter(Section):
+class Jitter(Section, key="actuator"):
     """How much later a command may come."""
-
-    KEY: ClassVar[str] = "actuator"
 
     jitter: float = quantity(
         0.0,
@@ -69,11 +65,11 @@ def build(scenario: Scenario) -> System:
     return System(
         "jitter",
         "jitter of the drives' delay",
-        (*torque, step),
-        (acting, waiting, due),
-        p.ports,
-        ca.vertcat(now, arrived, wait),
-        tuple(Output(signal, now[i]) for i, signal in enumerate(TORQUE)),
+        inputs=(*torque, step),
+        state=(acting, waiting, due),
+        params=p.ports,
+        update=ca.vertcat(now, arrived, wait),
+        outputs=tuple(Output(signal, now[i]) for i, signal in enumerate(TORQUE)),
         period=scenario.clock.plant,
         draws=(number,),
     )

@@ -8,8 +8,7 @@ Source: motors whose winding warms up, drives whose tuning is not known.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
@@ -27,11 +26,8 @@ MANY = 500.0
 """Time constants in a step after which nothing is left."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Lag(Section):
+class Lag(Section, key="actuator"):
     """How slow the torque is."""
-
-    KEY: ClassVar[str] = "actuator"
 
     lag: float = quantity(
         0.0, unit="s", doc="time constant of the torque's lag", minimum=0, usual=(0, 2)
@@ -56,11 +52,11 @@ def build(scenario: Scenario) -> System:
     return System(
         "lag",
         "first-order lag of the drives",
-        torque,
-        (acting,),
-        p.ports,
-        following,
-        tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
+        inputs=torque,
+        state=(acting,),
+        params=p.ports,
+        update=following,
+        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
         period=scenario.clock.plant,
         draws=draws,
     )

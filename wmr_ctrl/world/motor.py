@@ -8,8 +8,7 @@ with its full stall torque.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
@@ -23,11 +22,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motor(Section):
+class Motor(Section, key="motor"):
     """What the motors make of a torque; the defaults change nothing."""
-
-    KEY: ClassVar[str] = "motor"
 
     step: float = quantity(
         0.0, unit="N.m", doc="torque comes in whole steps of this, the nearest; 0: any", minimum=0
@@ -67,11 +63,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "motor",
         "motors of the wheels",
-        (*torque, *velocity),
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True)),
+        inputs=(*torque, *velocity),
+        params=p.ports,
+        outputs=tuple(Output(signal, item) for signal, item in zip(TORQUE, given, strict=True)),
         period=scenario.clock.plant,
     )
 

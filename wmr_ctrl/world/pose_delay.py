@@ -6,8 +6,7 @@ late pose as if it were new, which is what a controller does that does not know 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_multiple
@@ -22,11 +21,8 @@ if TYPE_CHECKING:
 OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PoseDelay(Section):
+class PoseDelay(Section, key="sensor"):
     """How old a pose is when it comes."""
-
-    KEY: ClassVar[str] = "sensor"
 
     pose_delay: float = quantity(
         0.0,
@@ -45,11 +41,10 @@ def build(scenario: Scenario) -> System:
     return System(
         "pose_delay",
         "late pose",
-        (*pose, sample),
-        seen.state,
-        (),
-        seen.update,
-        tuple(Output(signal, seen.aged[-1][i]) for i, signal in enumerate(MEASURED_POSE)),
+        inputs=(*pose, sample),
+        state=seen.state,
+        update=seen.update,
+        outputs=tuple(Output(signal, seen.aged[-1][i]) for i, signal in enumerate(MEASURED_POSE)),
         period=scenario.clock.control,
     )
 

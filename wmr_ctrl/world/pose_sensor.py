@@ -5,8 +5,7 @@ Source: Section VI of the paper has such a sensor; how it is read between two po
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_multiple
@@ -25,15 +24,12 @@ ESTIMATE = Signal("pose_estimate", "m, m, rad", "dead-reckoned pose of the previ
 OLD_VELOCITY = Signal("v_reckoned", "m/s, rad/s", "measured velocity of the previous sample", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PoseSensor(Section):
+class PoseSensor(Section, key="sensor"):
     """Period, error and weight of the measured pose; the defaults are a perfect sensor.
 
     Between two measured poses the pose is predicted from the velocity; each measured pose
     corrects the prediction by the share ``correction`` of the difference.
     """
-
-    KEY: ClassVar[str] = "sensor"
 
     pose_period: float = quantity(
         0.0, unit="s", doc="time between two poses; 0: one every control period", minimum=0
@@ -89,11 +85,11 @@ def build(scenario: Scenario) -> System:
     return System(
         "pose_sensor",
         "dead reckoning with pose correction",
-        (*pose, *velocity, sample),
-        (estimate, old),
-        p.ports,
-        ca.vertcat(seen, *(item.sym for item in velocity)),
-        tuple(Output(signal, seen[i]) for i, signal in enumerate(MEASURED_POSE)),
+        inputs=(*pose, *velocity, sample),
+        state=(estimate, old),
+        params=p.ports,
+        update=ca.vertcat(seen, *(item.sym for item in velocity)),
+        outputs=tuple(Output(signal, seen[i]) for i, signal in enumerate(MEASURED_POSE)),
         period=scenario.clock.control,
         draws=tuple(draws),
     )

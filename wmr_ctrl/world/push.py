@@ -6,8 +6,7 @@ acts as torque at the wheels and is held over a control period.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -21,11 +20,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Push(Section):
+class Push(Section, key="disturbance"):
     """Size of the push."""
-
-    KEY: ClassVar[str] = "disturbance"
 
     push: tuple[float, float] = quantity(
         (0.0, 0.0), unit="N, N.m", doc="force that always pushes away from rest", minimum=0
@@ -41,11 +37,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "push",
         "push in the direction of motion",
-        velocity,
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        inputs=velocity,
+        params=p.ports,
+        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
         period=scenario.clock.control,
     )
 

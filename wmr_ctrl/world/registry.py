@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import loaded
@@ -45,25 +44,16 @@ OURS = (
 GROUP = "wmr_ctrl.effects"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sensor(VelocityNoise, VelocityMean, PoseSensor, PoseDelay):
+class Sensor(VelocityNoise, VelocityMean, PoseSensor, PoseDelay, key="sensor"):
     """How pose and velocity are measured; the defaults are perfect sensors."""
 
-    KEY: ClassVar[str] = "sensor"
 
-
-@dataclass(frozen=True, kw_only=True)
-class Disturbance(Push, TorqueNoise):
+class Disturbance(Push, TorqueNoise, key="disturbance"):
     """Torque on the wheels that no law commands: random, or as adverse as its size allows."""
 
-    KEY: ClassVar[str] = "disturbance"
 
-
-@dataclass(frozen=True, kw_only=True)
-class Actuator(Delay, Jitter, Lag):
+class Actuator(Delay, Jitter, Lag, key="actuator"):
     """Torque limit, first-order lag and delay of the drives; the defaults are ideal drives."""
-
-    KEY: ClassVar[str] = "actuator"
 
     tau_max: float = quantity(
         math.inf, unit="N.m", doc="largest torque of each wheel; inf: none", above=0, infinite=True

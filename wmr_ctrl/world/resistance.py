@@ -6,8 +6,7 @@ robot's friction is; a force in proportion to the velocity for bearings and air.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
@@ -21,11 +20,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Resistance(Section):
+class Resistance(Section, key="resistance"):
     """Coefficients; the defaults are none."""
-
-    KEY: ClassVar[str] = "resistance"
 
     rolling: tuple[float, float] = quantity(
         (0.0, 0.0), unit="1", doc="force over load of the right, left wheel's rolling", minimum=0
@@ -46,11 +42,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "resistance",
         "rolling resistance and viscous friction",
-        velocity,
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(
+        inputs=velocity,
+        params=p.ports,
+        outputs=tuple(
             Output(signal, force[i] - viscous[i] * velocity[i].sym)
             for i, signal in enumerate(BODY_FORCE)
         ),

@@ -8,8 +8,7 @@ level ground.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
@@ -23,11 +22,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Slope(Section):
+class Slope(Section, key="slope"):
     """How steep the ground is, whereto it rises, and where the robot is heavy."""
-
-    KEY: ClassVar[str] = "slope"
 
     angle: float = quantity(
         0.0, unit="rad", doc="rise of the ground where it is steepest", minimum=0, maximum=1.0
@@ -50,11 +46,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "slope",
         "slope of the ground",
-        (theta,),
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(signal, force[i]) for i, signal in enumerate(BODY_FORCE)),
+        inputs=(theta,),
+        params=p.ports,
+        outputs=tuple(Output(signal, force[i]) for i, signal in enumerate(BODY_FORCE)),
         period=scenario.clock.plant,
     )
 

@@ -6,14 +6,12 @@ Source: Section V of the paper adds such noise without saying more.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import NORMAL, Output, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
-from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 
 if TYPE_CHECKING:
@@ -24,11 +22,8 @@ SIGMAS = 3.0
 NUMBERS = Signal("torque", "1", "standard normal numbers (right, left)", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TorqueNoise(Section):
+class TorqueNoise(Section, key="disturbance"):
     """Standard deviation and truncation of the noise."""
-
-    KEY: ClassVar[str] = "disturbance"
 
     std: float = quantity(
         1.0, unit="N.m", doc="standard deviation of the torque on each wheel", minimum=0
@@ -51,11 +46,8 @@ def build(scenario: Scenario) -> System:
     return System(
         "torque_noise",
         "Gaussian torque on the wheels",
-        (),
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        params=p.ports,
+        outputs=tuple(Output(signal, torque[i]) for i, signal in enumerate(TORQUE_NOISE)),
         period=scenario.clock.control,
         draws=(normal,),
     )

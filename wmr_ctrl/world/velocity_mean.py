@@ -6,8 +6,7 @@ adds.  An ideal one: it counts nothing in steps (see `encoder`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_multiple
@@ -25,11 +24,8 @@ PLACE = Signal("mean_place", "m, rad", "way and orientation", 2)
 OLD_VELOCITY = Signal("mean_v", "m/s, rad/s", "true velocity", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class VelocityMean(Section):
+class VelocityMean(Section, key="sensor"):
     """Window and age of the measured velocity."""
-
-    KEY: ClassVar[str] = "sensor"
 
     velocity_window: float = quantity(
         0.0,
@@ -61,11 +57,11 @@ def build(scenario: Scenario) -> System:
     return System(
         "velocity_mean",
         "late or averaged velocity",
-        (*true, sample),
-        seen.state,
-        p.ports,
-        seen.update,
-        tuple(Output(signal, shown[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
+        inputs=(*true, sample),
+        state=seen.state,
+        params=p.ports,
+        update=seen.update,
+        outputs=tuple(Output(signal, shown[i]) for i, signal in enumerate(MEASURED_VELOCITY)),
         period=scenario.clock.control,
     )
 

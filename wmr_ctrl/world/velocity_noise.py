@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
@@ -18,11 +17,8 @@ if TYPE_CHECKING:
 NUMBERS = Signal("velocity", "1", "uniform numbers on [-1, 1)", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
-class VelocityNoise(Section):
+class VelocityNoise(Section, key="sensor"):
     """Half-widths of the error."""
-
-    KEY: ClassVar[str] = "sensor"
 
     velocity_noise: tuple[float, float] = quantity(
         (0.0, 0.0),
@@ -40,11 +36,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "velocity_noise",
         "noise of the measured velocity",
-        velocity,
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(
+        inputs=velocity,
+        params=p.ports,
+        outputs=tuple(
             Output(item.signal, item.sym + half[i] * error.port.sym[i])
             for i, item in enumerate(velocity)
         ),

@@ -9,8 +9,7 @@ Noise and push are torques at wheels of the believed size.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
@@ -25,11 +24,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
 
 
-@dataclass(frozen=True, kw_only=True)
-class Wheels(Section):
+class Wheels(Section, key="wheels"):
     """By which shares the wheels differ from what is believed; the defaults are none."""
-
-    KEY: ClassVar[str] = "wheels"
 
     radius: tuple[float, float] = quantity(
         (0.0, 0.0),
@@ -61,11 +57,9 @@ def build(scenario: Scenario) -> System:
     return System(
         "wheels",
         "wheels of another size than believed",
-        torque,
-        (),
-        p.ports,
-        ca.SX(0, 1),
-        tuple(Output(signal, acting[i]) for i, signal in enumerate(TORQUE)),
+        inputs=torque,
+        params=p.ports,
+        outputs=tuple(Output(signal, acting[i]) for i, signal in enumerate(TORQUE)),
         period=scenario.clock.plant,
     )
 

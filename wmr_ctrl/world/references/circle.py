@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
@@ -15,7 +14,6 @@ RADIUS = Signal("ref_radius", "m", "radius of the desired circle")
 RATE = Signal("ref_rate", "rad/s", "angular rate of the desired motion")
 
 
-@dataclass(frozen=True, kw_only=True)
 class Circle(Reference):
     """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt."""
 

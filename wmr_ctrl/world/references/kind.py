@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.parameters import Parameters
@@ -24,11 +24,8 @@ Numbers: TypeAlias = tuple[tuple[Signal, tuple[float, ...]], ...]
 Raw: TypeAlias = dict[str, object]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Reference(Section):
+class Reference(Section, key="reference"):
     """Base of the sections of all kinds; theta_d is 0 along +Y, and the motion starts at t = 0."""
-
-    KEY: ClassVar[str] = "reference"
 
     @property
     def cycle(self) -> float:
@@ -77,7 +74,11 @@ def timed(trajectory: Trajectory) -> Callable[[Scenario], System]:
         names = [signal.name for signal, _ in scenario.reference_kind.numbers(scenario.reference)]
         path = trajectory(time.sym, {name: p.take(name) for name in names})
         return System(
-            "reference", "desired trajectory", (time,), (), p.ports, ca.SX(0, 1), outputs(path)
+            "reference",
+            "desired trajectory",
+            inputs=(time,),
+            params=p.ports,
+            outputs=outputs(path),
         )
 
     return build

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
@@ -19,7 +18,6 @@ SIZE = Signal("ref_size", "m", "half the width of the desired figure of eight")
 RATE = Signal("ref_rate", "rad/s", "rate of the phase along the figure of eight")
 
 
-@dataclass(frozen=True, kw_only=True)
 class Lemniscate(Reference):
     """Figure of eight (of Gerono): x = a sin wt, y = a sin wt cos wt."""
 

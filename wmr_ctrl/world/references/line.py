@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
@@ -16,7 +15,6 @@ HEADING = Signal("ref_heading", "rad", "orientation of the desired line, 0 along
 ORIGIN = Signal("ref_origin", "m", "desired position at t = 0", 2)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Line(Reference):
     """Straight line at constant speed along (-sin heading, cos heading)."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -18,7 +17,6 @@ GROWTH = 2.5
 """Ratio of neighbouring steps along a side, away from a corner: ripples die out in them."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class RoundedSquare(Reference):
     """Square with smoothed corners, counter-clockwise from the middle of its lower side."""
 

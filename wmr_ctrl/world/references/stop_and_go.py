@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
@@ -15,7 +14,6 @@ SPEED = Signal("ref_speed", "m/s", "largest speed of the desired motion")
 PERIOD = Signal("ref_period", "s", "time from one stop to the next")
 
 
-@dataclass(frozen=True, kw_only=True)
 class StopAndGo(Reference):
     """The circle with a speed that rises from 0 and falls to 0 again in every period."""
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -50,7 +49,6 @@ at_end = "stop"
 STOP, CONTINUE, LOOP = "stop", "continue", "loop"
 
 
-@dataclass(frozen=True, kw_only=True)
 class Waypoints(Reference):
     """Path through given points, as fast as the limits on it admit, and a rest at its end.
 
