@@ -149,6 +149,34 @@ def test_a_bad_link_does_no_harm(opened: tuple[Browser, str], link: str) -> None
     assert one.said == []
 
 
+def test_a_number_that_cannot_be_is_refused_aloud(shown: Browser) -> None:
+    shown.value(
+        "(() => { const number = document.querySelector('#set-robot\\\\.m + input');"
+        " number.value = '-5'; number.dispatchEvent(new Event('change')); })()"
+    )
+
+    assert "robot.m = -5 must be above 0" in shown.value(
+        "document.getElementById('notices').textContent"
+    )
+    assert shown.value("wmr.page.fleet.value('robot.m')") == 50
+    assert shown.value("document.querySelector('#set-robot\\\\.m + input').value") == "50"
+
+
+@pytest.mark.parametrize("width", [738, 350])
+def test_robots_and_charts_are_seen_in_a_small_frame(
+    opened: tuple[Browser, str], width: int
+) -> None:
+    one, url = opened
+    show(one, url, size=(width, 800))
+    assert one.value("document.documentElement.className") == ""
+    places = one.value(
+        "(document.documentElement.classList.add('embedded'), ['plane', 'play', 'chart-v1'].map("
+        "(id) => document.getElementById(id).getBoundingClientRect().top))"
+    )
+
+    assert max(places) < 780
+
+
 def test_a_robot_is_dragged_and_thrown(shown: Browser) -> None:
     shown.value("wmr.page.draw()")
     x, y = shown.value(

@@ -65,6 +65,30 @@ class Chart extends Sheet {
     pen.clip();
     for (const member of fleet.members.values()) this.line(member, look, from, to, X, Y, frame);
     pen.restore();
+    this.beyond(fleet, look, from, frame, bottom, top);
+  }
+
+  // Names those whose line leaves the chart, with how far it goes, at the edge where it leaves.
+  beyond(fleet, look, from, frame, bottom, top) {
+    const { pen } = this, ends = { "▲": [frame.right, frame.top + 7], "▼": [frame.right, frame.low - 7] };
+    pen.font = look.small;
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    pen.lineWidth = 3;
+    pen.strokeStyle = look.paper;
+    for (const { history, law } of fleet.members.values()) {
+      const values = history.columns[this.what.column].subarray(history.after(from), history.length);
+      let low = bottom, high = top;
+      for (let k = 0; k < values.length; ++k) { if (values[k] < low) low = values[k]; else if (values[k] > high) high = values[k]; }
+      for (const [arrow, value, left] of [["▲", high, high > top], ["▼", low, low < bottom]]) {
+        if (!left) continue;
+        const text = `${arrow} ${look.laws[law].label} ${shownNumber(value, 2)}`, [x, y] = ends[arrow];
+        pen.fillStyle = look.laws[law].colour;
+        pen.strokeText(text, x, y);
+        pen.fillText(text, x, y);
+        ends[arrow][0] -= pen.measureText(text).width + 10;
+      }
+    }
   }
 
   // What is beyond a limit, and the limits' edges.
@@ -101,7 +125,7 @@ class Chart extends Sheet {
       pen.moveTo(frame.left, Y(value));
       pen.lineTo(frame.right, Y(value));
       pen.stroke();
-      pen.fillText(shownNumber(value, 2), frame.left - 5, Y(value));
+      pen.fillText(shownNumber(value), frame.left - 5, Y(value));
     }
     pen.textAlign = "center";
     pen.textBaseline = "top";

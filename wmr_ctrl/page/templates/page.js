@@ -127,14 +127,18 @@ class Page {
     const { scene, stand } = this.fleet, own = scene.stands[0], wanted = { ...stand, ...change };
     const other = "period" in change ? { delay: own.delay } : "delay" in change ? { period: own.period } : {};
     const found = [wanted, { ...wanted, ...other }].map((w) => findStand(scene, w.guard, w.period, w.delay)).find(Boolean);
-    this.refused = found?.refusal ?? "";
+    this.refused = found?.refusal ? `The guard stays as it was: ${found.refusal}` : "";
     if (found && !found.refusal) this.fleet.take(found);
     this.refresh();
   }
 
   moved(control, value) {
     const { fleet } = this, names = [control.name, ...control.along];
-    if (value === null) {
+    const fault = value === null ? "" : faultOf(fleet.scene, control.name, value);
+    this.refused = fault && `Refused: ${fault}`;
+    if (fault) {
+      // the number stays as it was
+    } else if (value === null) {
       fleet.replace(Object.fromEntries(Object.entries(fleet.overrides).filter(([name]) => !names.includes(name))));
     } else {
       const before = fleet.value(control.name);
@@ -143,6 +147,7 @@ class Page {
     }
     this.settings.show();
     this.remember();
+    this.board();
     this.dirty = true;
   }
 
@@ -321,7 +326,7 @@ class Page {
   }
 
   notices() {
-    const { fleet } = this, found = new Set(this.refused ? [`The guard stays as it was: ${this.refused}`] : []);
+    const { fleet } = this, found = new Set(this.refused ? [this.refused] : []);
     if (this.unmet.length) found.add(`The link asks for what cannot be had here, and was followed without it: ${this.unmet.slice(0, 3).join(", ")}${this.unmet.length > 3 ? " and more" : ""}.`);
     for (const member of fleet.members.values()) {
       const { feasible, least } = member.carried;
@@ -348,6 +353,8 @@ function swatch(law) {
   svg.append(line);
   return svg;
 }
+
+document.documentElement.classList.toggle("embedded", window !== window.top);
 
 window.wmr = (() => {
   const ready = openEngine(JSON.parse(byId("told").textContent), byId("module").textContent);

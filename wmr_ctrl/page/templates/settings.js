@@ -48,8 +48,8 @@ class Slider {
   slid() { this.changed(this.control, this.value(Number(this.range.value))); }
 
   typed() {
-    const [low, high] = this.control.bounds.map(Number), value = this.number.value === "" ? Infinity : Number(this.number.value);
-    if (Number.isNaN(value) || (value === Infinity && !this.open)) this.show(); else this.changed(this.control, value === Infinity ? value : clamp(value, low, high));
+    const value = this.number.value === "" ? Infinity : Number(this.number.value);
+    if (Number.isNaN(value) || (value === Infinity && !this.open)) this.show(); else this.changed(this.control, value);
   }
 
   show() {
