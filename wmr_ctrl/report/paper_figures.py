@@ -33,7 +33,7 @@ from wmr_ctrl.report.drawing import (
 )
 from wmr_ctrl.report.style import INK, MUTED, look
 from wmr_ctrl.results import FloatArray, Run, distance
-from wmr_ctrl.scenario import loads_scenario
+from wmr_ctrl.scenario import Scenario, loads_scenario
 
 Group: TypeAlias = Mapping[str, Run]
 """Runs of one scenario by law, in the order in which they are drawn and named."""
@@ -63,11 +63,14 @@ class Panel:
 
 def switch_time(run: Run) -> float | None:
     """When the robot's parameters change [s], as the run's scenario says; None if they do not."""
+    scenario = scenario_behind(run)
+    return scenario.changes[0].t if scenario and scenario.changes else None
+
+
+def scenario_behind(run: Run) -> Scenario | None:
+    """The scenario that the run says it was made from, if it says so."""
     text = run.provenance.get("scenario_toml")
-    if not text:
-        return None
-    changes = loads_scenario(text).changes
-    return changes[0].t if changes else None
+    return loads_scenario(text) if text else None
 
 
 WIDTHS = (1.0, 1.75)

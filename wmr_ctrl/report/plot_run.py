@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from functools import partial
 from pathlib import Path
@@ -18,13 +19,17 @@ from wmr_ctrl.report.drawing import (
     include,
     mark_switch,
     one_axes,
+    plot_reference,
+    running_mean,
     save_figure,
     shade_limits,
     thin,
+    thin_path,
 )
-from wmr_ctrl.report.paper_figures import draw_paths, switch_time
-from wmr_ctrl.report.style import DASHED, MUTED, driver, house_style, look, shown
+from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
+from wmr_ctrl.report.style import DASHED, INK, LIMIT, MUTED, driver, house_style, look, shown
 from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.world.references import Waypoints
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _SIZE = (8.3, 11.0)
@@ -75,9 +80,9 @@ def _draw(figure: Figure, run: Run) -> None:
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
     _velocity(parts[3], run, 1)
-    _lines(parts[4], run, "Position errors, Eq. (8) [m]", {"e₁": "e[1]", "e₂": "e[2]"})
-    _lines(parts[5], run, "Orientation error e₃ [rad]", {"e₃": "e[3]"})
-    _lines(parts[6], run, "Wheel torques [N m]", {"right": "tau_right", "left": "tau_left"})
+    _lines(parts[4], run, "Position errors, Eq. (8)", {"e₁": "e[1]", "e₂": "e[2]"}, ("m", "mm"))
+    _lines(parts[5], run, "Orientation error e₃", {"e₃": "e[3]"}, ("rad", "mrad"))
+    _torques(parts[6], run)
     _barrier(parts[7], run)
 
 
@@ -88,12 +93,29 @@ def _header(figure: Figure, run: Run) -> None:
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
 
 
+MOST_WAYPOINTS = 60
+"""More would hide the path that they are on."""
+
+
 def _path(part: SubFigure, run: Run) -> None:
+    """The robot's path on top of the desired one, with start, waypoints and goal."""
     axes = one_axes(part, _MARGINS)
-    draw_paths(axes, {run.law: run}, 3000)
+    plot_reference(axes, *thin_path(run["x_d"], run["y_d"], 64))
+    axes.plot(*thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
+    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+    marks = ["dots: reference"]
+    scenario = scenario_behind(run)
+    if scenario and isinstance(scenario.reference, Waypoints):
+        points = np.array(scenario.reference.points)
+        if len(points) <= MOST_WAYPOINTS:
+            axes.plot(*points.T, "s", mfc="none", mec=INK, ms=6, mew=0.8, zorder=3.6)
+            marks.append("squares: waypoints")
+    if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
+        axes.plot(run["x_d"][-1], run["y_d"][-1], "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
+        marks.append("star: goal")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_title("Path (dots: reference)", weight="normal")
+    axes.set_title(f"Path ({', '.join(marks)})", weight="normal")
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -105,17 +127,19 @@ def _facts(part: SubFigure, run: Run) -> None:
 def _figures(run: Run) -> list[str]:
     square = ise(run)
     (v1, omega), (limit_v, limit_w) = run.monitor.max_abs_v, run.settings.v_u1
-    end = run.settings.duration
+    arrival, end = run.settings.arrival, run.settings.duration
+    end, of = (end, "") if arrival is None or arrival > end else (arrival, " of the drive")
     errors = e_rms(run, max(0.0, end - 10.0), end) or (None, None, None)
+    small = [None if error is None else 1e3 * error for error in errors]
     before, after = shown(square["before"]), shown(square["after"])
     parts = f" (before {run.settings.split:g} s {before}, after {after})"
     return [
-        f"ISE {shown(square['total'])}{'' if switch_time(run) is None else parts}",
+        f"ISE {shown(square['total'])} m² s + rad² s{'' if switch_time(run) is None else parts}",
         f"largest |v₁| {shown(v1)} of {limit_v:g} m/s, |ω| {shown(omega)} of {limit_w:g} rad/s",
         f"plant steps beyond a limit: {run.monitor.violations}",
         f"wheel torque: peak {shown(tau_peak(run))} N m, RMS {shown(tau_rms(run))} N m",
-        f"RMS errors of the last 10 s: {shown(errors[0])} m, {shown(errors[1])} m, "
-        f"{shown(errors[2])} rad",
+        f"RMS errors of the last 10 s{of}:",
+        f"    e₁ {shown(small[0])} mm, e₂ {shown(small[1])} mm, e₃ {shown(small[2])} mrad",
     ]
 
 
@@ -123,29 +147,67 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol = ("v₁", "ω")[axis]
     axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
-    axes.plot(*thin(run.time, run[desired]), color=MUTED, ls=DASHED, lw=1.0)
-    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.0)
+    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
+    axes.plot(*thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     limit = run.settings.v_u1[axis]
     include(axes, (-1.15 * limit, 1.15 * limit))
     shade_limits(axes, limit)
 
 
-def _lines(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> None:
-    """Scalar columns over time, the first in the law's colour; a focus on what follows the start.
+SMALL = 0.1
+"""Below this, lengths and angles are drawn in thousandths."""
 
-    The view spans what the samples after the first 2 s need, unless the start needs little more.
-    """
-    axes = _time_axes(part, run, title)
+
+def _lines(
+    part: SubFigure, run: Run, title: str, columns: dict[str, str], units: tuple[str, str]
+) -> None:
+    """Scalar columns over time, in a unit or, where they are small, in its thousandth."""
+    rows = [run[name] for name in columns.values()]
+    low = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows) < SMALL
+    scaled = [1e3 * row if low else row for row in rows]
+    axes = _time_axes(part, run, f"{title} [{units[low]}]")
+    _plot_pair(axes, run, dict(zip(columns, scaled, strict=True)))
+    _focus(axes, run, scaled)
+
+
+def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float = 1.0) -> None:
+    """One or two rows over time, the first in the law's colour and on top."""
     colours = (look(run.law).colour, MUTED)
-    for (label, name), colour, zorder in zip(columns.items(), colours, (2.2, 2.1), strict=False):
-        axes.plot(*thin(run.time, run[name]), color=colour, lw=0.9, label=label, zorder=zorder)
-    if len(columns) > 1:
+    for (label, row), colour, zorder in zip(rows.items(), colours, (2.2, 2.1), strict=False):
+        axes.plot(*thin(run.time, row), color=colour, lw=0.9, zorder=zorder, alpha=alpha,
+                  label=label if alpha == 1 else None)  # fmt: skip
+    if len(rows) > 1 and alpha == 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
-    _focus(axes, run, [run[name] for name in columns.values()])
+
+
+START = 2.0
+"""What happens before [s] may leave the view."""
+MEAN_TIME = 0.25
+"""Torques are drawn as means over so long [s], with their samples faint behind."""
+NEAR = 3.0
+"""A torque limit is drawn if it is at most so many times the largest torque after the start."""
+
+
+def _torques(part: SubFigure, run: Run) -> None:
+    """Commanded torques: samples and their mean, with the drives' limit."""
+    rows = {"right": run["tau_right"], "left": run["tau_left"]}
+    scenario = scenario_behind(run)
+    limit = scenario.actuator.tau_max if scenario else math.inf
+    bound = "" if math.isinf(limit) else f", limit {limit:g}"
+    axes = _time_axes(part, run, f"Wheel torques [N m]{bound}")
+    width = max(1, round(MEAN_TIME / run.settings.control))
+    _plot_pair(axes, run, rows, alpha=0.3)
+    _plot_pair(axes, run, {name: running_mean(row, width) for name, row in rows.items()})
+    if limit <= NEAR * (tau_peak(run, START) or 0.0):
+        include(axes, (-1.08 * limit, 1.08 * limit))
+        shade_limits(axes, limit)
+    else:
+        _focus(axes, run, list(rows.values()))
 
 
 def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
-    tail = np.concatenate([column[run.settings.index(2.0) :] for column in columns])
+    """View what the samples after the start need, unless it needs little more."""
+    tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
     if not tail.size or not np.isfinite(tail).all():
         return
     low, high = float(tail.min()), float(tail.max())
@@ -159,7 +221,7 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
 
 
 def _barrier(part: SubFigure, run: Run) -> None:
-    axes = _time_axes(part, run, "Barrier function V₁")
+    axes = _time_axes(part, run, "Barrier function V₁ [1]")
     values = np.maximum(run["V1"], 1e-12)
     axes.plot(*thin(run.time, values), color=look(run.law).colour, lw=0.8)
     axes.set_yscale("log")
