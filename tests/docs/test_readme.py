@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -48,6 +49,17 @@ def test_distances_are_those_of_the_page() -> None:
     assert shown.keys() == set(NAMES)
     for law, cells in shown.items():
         assert cells == [page_rows[law][0].split(",")[0] for page_rows in told]
+
+
+def test_the_command_that_keeps_the_limit_for_sure_does() -> None:
+    """No assumption of the guarantee is void there, and the robot comes from far away."""
+    (call,) = re.findall(r"\| keep the limit for sure \| `wmr-ctrl (.*?)`", TEXT)
+    found = json.loads(CliRunner().invoke(root, [*call.split(), "--json"]).stdout)
+
+    assert found["guard"]
+    assert (found["outcome"], found["violations"]) == ("completed", 0)
+    assert "assumption-void" not in [item["key"] for item in found["remarks"]]
+    assert found["position_rms"]["all"] > 1.0 > 0.1 > found["position_rms"]["last_quarter"]
 
 
 def test_python_example_runs(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,14 +9,14 @@ import pytest
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import early_speed
-from wmr_ctrl.guard.counted import ROBOT, STATED, counted
+from wmr_ctrl.guard.counted import MODEL, STATED, counted
 from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}
 
 
 def derived(**changed: object):
-    return settle(load_scenario("paper-simulation", {**ON, **changed}), None).guard
+    return settle(load_scenario("paper-simulation-no-switch", {**ON, **changed}), None).guard
 
 
 def test_dbar_counts_the_model_s_share_on_each_axis() -> None:
@@ -25,12 +25,30 @@ def test_dbar_counts_the_model_s_share_on_each_axis() -> None:
     assert more.dbar == pytest.approx((alone.dbar[0] + 7.0, alone.dbar[1] + 3.0))
 
 
-def test_a_slope_pulls_at_the_heaviest_robot_of_the_run() -> None:
-    slope = {"slope.angle": 0.05}
-    light, heavy = derived(**slope, changes=[]), derived(**slope, changes=[{"t": 9.0, "m": 70.0}])
-    pull = 9.81 * math.sin(0.05)
+def test_a_slope_pulls_at_the_heaviest_robot_that_is_counted_on() -> None:
+    slope, pull = {"slope.angle": 0.05}, 9.81 * math.sin(0.05)
+    light, heavy = derived(**slope), derived(**slope, **{"guard.M_max": [70.0, 9.0]})
 
-    assert heavy.dbar[0] - light.dbar[0] == pytest.approx((70.0 - 50.0) * pull, rel=1e-9)
+    assert light.dbar[0] - derived().dbar[0] == pytest.approx(1.1 * 50.0 * pull, rel=1e-9)
+    assert heavy.dbar[0] - light.dbar[0] == pytest.approx((70.0 - 55.0) * pull, rel=1e-9)
+
+
+TRUE = [
+    {"robot.m": 90.0, "robot.I": 9.0, "robot.mu": 0.3},
+    {"robot.m": 20.0, "robot.I": 2.0, "robot.mu": 0.0},
+    {"changes": [{"t": 1.0, "m": 90.0, "I": 9.0, "mu": 0.3}]},
+]
+EFFECTS = {"slope.angle": 0.05, "slope.offset": 0.02, "resistance.rolling": [0.02, 0.01]}
+
+
+@pytest.mark.parametrize("true", TRUE)
+def test_no_number_follows_the_true_robot(true) -> None:
+    """What the guard counts on is what is believed, whatever drives below it."""
+    believed = {"model.m": 30.0, "model.I": 3.0, "model.mu": 0.05, **EFFECTS}
+    guard = derived(**believed, **true)
+
+    assert guard == derived(**believed)
+    assert (guard.M_min, guard.M_max) == (pytest.approx((27, 2.7)), pytest.approx((33, 3.3)))
 
 
 def test_friction_above_the_push_makes_nothing_faster_before_the_first_command() -> None:
@@ -45,7 +63,7 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
     effects = {"encoder.counts": 4096.0, "actuator.delay": 0.02, "actuator.jitter": 0.01,
                "disturbance.push": [5.0, 1.0], "guard.d_model": [7.0, 3.0],
                "disturbance.truncate": 3.0}  # fmt: skip
-    setup = settle(load_scenario("paper-simulation", {**ON, **effects}), None)
+    setup = settle(load_scenario("far-start", {**ON, **effects}), None)
     known = counted(setup.scenario, setup.guard, setup.effects)
 
     assert set(known["dbar"].sources) == {"torque noise", "push", "guard.d_model"}
@@ -53,7 +71,7 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
         added = [pair for pair in known[name].sources.values() if pair is not None]
         total = tuple(sum(pair[i] for pair in added) for i in (0, 1))
         assert known[name].value == pytest.approx(total, abs=1e-15), name
-    assert set(known["M_min"].sources) == {ROBOT}
+    assert set(known["M_min"].sources) == {MODEL}
     assert known["delay"].value == pytest.approx((0.02, 0.03))
 
 

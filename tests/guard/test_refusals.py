@@ -10,7 +10,6 @@ from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.scenario import load_scenario
 
 ON = {"guard.enabled": True}
@@ -63,14 +62,12 @@ def test_the_remedy_of_the_message_is_accepted() -> None:
 
 
 def test_defaults_follow_from_the_scenario() -> None:
-    scenario = load_scenario("paper-simulation", ON)
+    scenario = load_scenario("paper-simulation-no-switch", ON)
     setup = settle(scenario, None)
     settled = setup.guard
 
-    assert mass_range(scenario, setup.bound) == (
-        pytest.approx((45.0, 4.86)),
-        pytest.approx((71.5, 7.7)),
-    )
+    assert settled.M_min == pytest.approx((45.0, 4.86))
+    assert settled.M_max == pytest.approx((55.0, 5.94))
     assert setup.bound.dbar == pytest.approx((60.0, 15.0))
     assert settled.dbar == pytest.approx((60.0, 15.0))
     assert settled.nbar == (0.0, 0.0)

@@ -185,14 +185,11 @@ def times_that_count(delay: float, lag: float, T: float) -> list[float]:
 
 
 def axes_of(scenario: Scenario) -> tuple[GuardedAxis, GuardedAxis]:
-    """Both axes' numbers, derived from the robot where the scenario leaves them out."""
+    """Both axes' numbers, derived from the believed robot where the scenario leaves them out."""
     g, bot, noise = scenario.guard, scenario.robot, scenario.disturbance
-    masses = [[bot.m], [bot.I]]
-    for change in scenario.changes:
-        for listed, value in zip(masses, (change.m, change.I), strict=True):
-            listed += [] if value is None else [value]
-    low = g.M_min or tuple((1.0 - g.mass_margin) * min(item) for item in masses)
-    high = g.M_max or tuple((1.0 + g.mass_margin) * max(item) for item in masses)
+    masses = (scenario.model.m or bot.m, scenario.model.I or bot.I)
+    low = g.M_min or tuple((1.0 - g.mass_margin) * item for item in masses)
+    high = g.M_max or tuple((1.0 + g.mass_margin) * item for item in masses)
     wheel = noise.std * (3.0 if math.isinf(noise.truncate) else noise.truncate)
     push = (2.0 * wheel / bot.r + g.d_model[0], 2.0 * wheel * bot.l / bot.r + g.d_model[1])
     push = (push[0] + noise.push[0], push[1] + noise.push[1])

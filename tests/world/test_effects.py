@@ -417,7 +417,8 @@ def test_a_gyro_takes_the_place_of_the_encoders_omega():
 
 
 def test_the_ground_pulls_and_resists_within_its_bound():
-    slope = {"slope.angle": 0.05, "slope.direction": 1.0, "slope.offset": -0.03}
+    exact = {"guard.M_max": [50.0, 5.4]}
+    slope = {"slope.angle": 0.05, "slope.direction": 1.0, "slope.offset": -0.03, **exact}
     rolling = {"resistance.rolling": [0.01, 0.015], "resistance.viscous": [5.0, 0.2]}
     motion = rows(2000, np.random.default_rng(3), size=3.0)
     pulled = np.abs(fed(SLOPE.build(scenario(slope)), motion)).max(axis=0)

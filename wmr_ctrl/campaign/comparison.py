@@ -62,7 +62,14 @@ ADVERSARY: Overrides = MappingProxyType(
 """Half the believed mass, no friction, and a push of dbar that always drives on."""
 
 FAR: Overrides = MappingProxyType({"initial.pose": [-5.0, -5.0, -0.7]})
-DROP = ({"t": 3.0, "m": 25.0, "I": 2.7, "mu": 0.0},)
+DROP: Overrides = MappingProxyType(
+    {
+        "changes": [{"t": 3.0, "m": 25.0, "I": 2.7, "mu": 0.0}],
+        "guard.M_min": [22.5, 2.43],
+        "guard.M_max": [55.0, 5.94],
+    }
+)
+"""What drops, and masses around it for the guard."""
 
 AS_A_ROBOT: Overrides = MappingProxyType(
     {
@@ -83,7 +90,7 @@ FACTORS: Mapping[str, Overrides] = MappingProxyType(
         BASE: {},
         FAR_START: FAR,
         "far start, friction believed 50 % too high": {**FAR, "model.mu": 0.12},
-        "far start, mass and friction drop at 3 s": {**FAR, "changes": list(DROP)},
+        "far start, mass and friction drop at 3 s": {**FAR, **DROP},
         OUTSIDE: {"initial.velocity": [1.3, 2.0]},
         PUSHED: ADVERSARY,
         "lemniscate": {"reference.kind": "lemniscate"},

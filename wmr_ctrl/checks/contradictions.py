@@ -24,8 +24,9 @@ def units(loop: Loop) -> Iterator[Warning]:
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:
-    """Yield every stated bound that the scenario breaks, be the guard on or off."""
-    for item in contradictions(loop.scenario, loop.setup.bound):
+    """Yield what the scenario breaks: stated bounds, and with the guard on what is believed."""
+    setup = loop.setup
+    for item in setup.broken if loop.guarded else contradictions(setup.scenario, setup.bound):
         yield Warning(item.key, item.sentence, "guard, docs/guarantee.md")
 
 

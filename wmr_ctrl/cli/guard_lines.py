@@ -38,7 +38,7 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     from wmr_ctrl.results import speeds
 
     known = counted(setup.scenario, setup.guard, setup.effects)
-    parts = [_masses(known), *(_bound(known[name]) for name in PER_AXIS)]
+    parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
     parts += [_late(known[name]) for name in ("delay", "lag")]
     parts += [_aged(known[name]) for name in ("age", "window") if any(known[name].value)]
     yield f"the guard counts on {'; '.join(parts)}"
@@ -58,6 +58,17 @@ def _masses(known: Mapping[str, Counted]) -> str:
     origin = _made(low)
     other = _made(high)
     return f"{', '.join(texts)}{origin if origin == other else f'{origin} to{other}'}"
+
+
+def _differs(setup: Setup) -> str:
+    """Where the robot has another mass or inertia than the laws believe, within what is counted."""
+    pairs = (("m", "kg"), ("I", "kg m2"))
+    texts = [
+        f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
+        for name, unit in pairs
+        if setup.value(f"robot.{name}") != setup.value(f"model.{name}")
+    ]
+    return f", and the robot has {', '.join(texts)}" if texts else ""
 
 
 def _bound(item: Counted) -> str:

@@ -19,8 +19,8 @@ def summary_text(run: Run) -> str:
     head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"
     remarks = [wrapped(f"- {item.key}: {item.text}", hang="  ") for item in _unsaid(run)]
     head = "\n".join((head, *_parts(run)))
-    said = ("\n".join((wrapped(run.explanation), *remarks)), table(_rows(run, summary(run))))
-    return "\n\n".join((head, *said))
+    said = "\n".join((wrapped(run.explanation), *remarks, *_counted(run)))
+    return "\n\n".join((head, said, table(_rows(run, summary(run)))))
 
 
 def _parts(run: Run) -> Iterator[str]:
@@ -55,6 +55,21 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, change", change, "RMS a sample, last half"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
+
+
+def _counted(run: Run) -> Iterator[str]:
+    """What the guard counts on, as a sentence."""
+    known = run.settings
+    if not run.guard or known.M_min is None or known.M_max is None or known.nbar is None:
+        return
+    units = (("M", "kg"), ("I", "kg m2"))
+    masses = [
+        f"{name} {low:.4g} to {high:.4g} {unit}"
+        for (name, unit), low, high in zip(units, known.M_min, known.M_max, strict=True)
+    ]
+    dbar = "" if known.dbar is None else f"dbar {_force(known.dbar)}; "
+    rest = f"{dbar}nbar {speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"
+    yield wrapped(f"The guard counts on {', '.join(masses)}; {rest}.")
 
 
 def _usable(run: Run) -> Iterator[Row]:

@@ -13,7 +13,12 @@ from typing import TypeVar
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
 from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
-from wmr_ctrl.guard.contradictions import contradictions, refuse_contradictions
+from wmr_ctrl.guard.contradictions import (
+    Contradiction,
+    beyond_belief,
+    contradictions,
+    refuse_contradictions,
+)
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.guard.refusals import settled_guard
 from wmr_ctrl.laws.law import Law, OwnKinematics, Predicting, TorqueLimited, commands_predicted
@@ -95,10 +100,18 @@ class Setup:
     def void(self) -> str:
         """Which assumptions of the guarantee the scenario itself breaks, in sentences; or none.
 
-        Those that no bound covers, and bounds that are stated, broken and let pass by guard.trust.
+        Those that no bound covers, a robot that is not what is believed, and bounds that are
+        stated, broken and let pass by guard.trust.
         """
-        trusted = contradictions(self.scenario, self.bound) if self.scenario.guard.trust else ()
-        return " ".join(filter(None, (self.bound.void, *(item.sentence for item in trusted))))
+        return " ".join(filter(None, (self.bound.void, *(item.sentence for item in self.broken))))
+
+    @cached_property
+    def broken(self) -> tuple[Contradiction, ...]:
+        """Numbers of a guard that is on which the scenario breaks, and which are let pass."""
+        if not self.scenario.guard.enabled:
+            return ()
+        stated = contradictions(self.scenario, self.bound)
+        return *stated, *beyond_belief(self.scenario, self.guard, self.bound)
 
     @cached_property
     def bound(self) -> Bound:

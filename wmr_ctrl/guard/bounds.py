@@ -11,6 +11,7 @@ from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.assumptions import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
 from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.masses import mass_bounds
 
 Pair = tuple[float, float]
 
@@ -97,18 +98,21 @@ class Stated(Guard):
 
 def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
     """What a guard's numbers assume of the motion, be it on or off."""
-    force = stopping_force(pair_of(guard.M_max), scenario.limits.v_u1, scenario.clock.control)
-    return Assumptions(pair_of(guard.dbar), force)
+    low, high = pair_of(guard.M_min), pair_of(guard.M_max)
+    force = stopping_force(high, scenario.limits.v_u1, scenario.clock.control)
+    return Assumptions(
+        pair_of(guard.dbar), force, M_min=low, M_max=high, nbar=guard.nbar, alpha=guard.alpha
+    )
 
 
 def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
     """What `settled_guard` gives, and the same derivation where that refuses."""
     given = Stated(**asdict(scenario.guard), age=bound.age, window=bound.window)
-    low, high = mass_range(scenario, bound)
+    (low, high), add = mass_bounds(scenario), bound.mass
     stated = replace(
         given,
-        M_min=given.M_min or low,
-        M_max=given.M_max or high,
+        M_min=given.M_min or (low[0] - add[0], low[1] - add[1]),
+        M_max=given.M_max or _sum(high, add),
         dbar=given.dbar or _sum(bound.dbar, given.d_model),
         nbar=given.nbar or bound.nbar,
         delay=given.delay or bound.takeover,
@@ -116,23 +120,6 @@ def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
         alpha=given.alpha or 1.0 / scenario.clock.control,
     )
     return replace(stated, brake=given.brake or _derived_brake(scenario, stated, tau_max))
-
-
-def mass_range(scenario: Scenario, bound: Bound, margin: float | None = None) -> tuple[Pair, Pair]:
-    """M_min and M_max of (m, I) over the robot and all its changes, widened by ``margin``.
-
-    That is a share, guard.mass_margin by default.
-    """
-    margin = scenario.guard.mass_margin if margin is None else margin
-    robot = scenario.robot
-    masses = [robot.m, *(change.m for change in scenario.changes if change.m is not None)]
-    inertias = [robot.I, *(change.I for change in scenario.changes if change.I is not None)]
-    low, high = 1.0 - margin, 1.0 + margin
-    less, more = bound.mass, bound.mass
-    return (
-        (low * min(masses) - less[0], low * min(inertias) - less[1]),
-        (high * max(masses) + more[0], high * max(inertias) + more[1]),
-    )
 
 
 def _sum(a: Pair, b: Pair) -> Pair:

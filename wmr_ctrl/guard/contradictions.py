@@ -1,4 +1,4 @@
-"""What a scenario states about disturbances, masses, sensors and friction, and itself breaks."""
+"""Guard's numbers that the scenario breaks: stated against its own, believed against the robot."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import AXES, UNITS, mass_range
+from wmr_ctrl.guard.bounds import AXES, UNITS, Stated, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.friction import drag, phases
+from wmr_ctrl.world.friction import Phase, drag, phases
 from wmr_ctrl.world.lag import stepped
 
 Pair = tuple[float, float]
@@ -32,7 +32,6 @@ def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
     What is left out is derived from the scenario and cannot contradict it.
     """
     yield from _disturbance(scenario, bound)
-    yield from _masses(scenario, bound)
     yield from _sensor(scenario, bound)
     yield from _drives(scenario, bound)
     yield from _friction(scenario)
@@ -59,24 +58,6 @@ def _disturbance(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
                 f"guard.dbar[{i + 1}] = {_of(scenario.guard.dbar, i):g} {UNITS[i]} is below the "
                 f"{needed:.6g} {UNITS[i]} that noise, push and guard.d_model of the scenario add "
                 f"up to. State at least {needed:.6g}, leave it out, or lower the disturbance.",
-            )
-
-
-def _masses(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    least, most = mass_range(scenario, bound, margin=0.0)
-    for i in AXES:
-        unit, low, high = MASS_UNITS[i], scenario.guard.M_min, scenario.guard.M_max
-        if low is not None and low[i] > least[i] * (1 + ROUNDING):
-            yield Contradiction(
-                "guard.M_min",
-                f"guard.M_min[{i + 1}] = {low[i]:g} {unit} excludes the robot or a change, which "
-                f"go down to {least[i]:.6g} {unit}. State at most that, or leave it out.",
-            )
-        if _below(high, i, most[i]):
-            yield Contradiction(
-                "guard.M_max",
-                f"guard.M_max[{i + 1}] = {_of(high, i):g} {unit} excludes the robot or a change, "
-                f"which go up to {most[i]:.6g} {unit}. State at least that, or leave it out.",
             )
 
 
@@ -116,24 +97,62 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def _friction(scenario: Scenario) -> Iterator[Contradiction]:
-    there = sure_friction(scenario)
+    """Friction that is claimed and that the laws do not believe in."""
+    believed = _believed_friction(scenario)
     for i in AXES:
-        stated = scenario.guard.f_min[i]
-        if stated > there[i] * (1 + ROUNDING):
+        if scenario.guard.f_min[i] > believed[i] * (1 + ROUNDING):
+            yield _too_much_friction(scenario, i, believed, "the laws believe in")
+
+
+def beyond_belief(scenario: Scenario, guard: Stated, bound: Bound) -> Iterator[Contradiction]:
+    """Yield where the true robot, or a change of it, is not what the guard's numbers say.
+
+    Laws and guard are told what is believed (model.*, guard.*), so this is a trial like others:
+    it is run, without promise.
+    """
+    for i in AXES:
+        yield from _mass(scenario, guard, bound, i)
+    believed, there = _believed_friction(scenario), _sure_friction(scenario, *phases(scenario))
+    for i in AXES:
+        if there[i] * (1 + ROUNDING) < scenario.guard.f_min[i] <= believed[i] * (1 + ROUNDING):
+            yield _too_much_friction(scenario, i, there, "the robot is sure to have")
+
+
+def _mass(scenario: Scenario, guard: Stated, bound: Bound, i: int) -> Iterator[Contradiction]:
+    low, high, spread = pair_of(guard.M_min)[i], pair_of(guard.M_max)[i], bound.mass[i]
+    name, unit = ("m", "I")[i], MASS_UNITS[i]
+    changed = [(item.t, item.values()[name]) for item in scenario.changes if name in item.values()]
+    for t, mass in [(0.0, scenario.value(f"robot.{name}")[0]), *changed]:
+        light = mass - spread < low * (1 - ROUNDING)
+        if light or mass + spread > high * (1 + ROUNDING):
+            since = f" from t = {t:g} s on" if t else ""
             yield Contradiction(
-                "guard.f_min",
-                f"guard.f_min[{i + 1}] = {stated:g} {UNITS[i]} is above the {there[i]:.4g} "
-                f"{UNITS[i]} of friction that the scenario is sure to have from guard.f_speed"
-                f"[{i + 1}] = {scenario.guard.f_speed[i]:g} {SPEED_UNITS[i]} on. Lower it, or "
-                "raise guard.f_speed where that helps.",
+                "guard.M_min" if light else "guard.M_max",
+                f"The robot's {('mass', 'inertia')[i]} {mass:.6g} {unit}{since} lies outside what "
+                f"the guard counts on, {low:.4g} to {high:.4g} {unit}. State "
+                "guard.M_min and guard.M_max around it for a guarantee.",
             )
 
 
-def sure_friction(scenario: Scenario) -> Pair:
-    """Least friction [N, N m] above guard.f_speed, over the run: the robot's turn has none."""
+def _too_much_friction(scenario: Scenario, i: int, there: Pair, whose: str) -> Contradiction:
+    guard = scenario.guard
+    return Contradiction(
+        "guard.f_min",
+        f"guard.f_min[{i + 1}] = {guard.f_min[i]:g} {UNITS[i]} is above the {there[i]:.4g} "
+        f"{UNITS[i]} of friction that {whose} from guard.f_speed[{i + 1}] = {guard.f_speed[i]:g} "
+        f"{SPEED_UNITS[i]} on. Lower it, or raise guard.f_speed where that helps.",
+    )
+
+
+def _believed_friction(scenario: Scenario) -> Pair:
+    (m,), (mu,) = scenario.value("model.m"), scenario.value("model.mu")
+    return _sure_friction(scenario, Phase(0.0, m, mu))
+
+
+def _sure_friction(scenario: Scenario, *robots: Phase) -> Pair:
+    """Least friction [N, N m] above guard.f_speed; a robot's turn has none."""
     slowest = (scenario.guard.f_speed[0], 0.0)
-    least = min(drag(scenario.robot, phase, slowest)[0].item() for phase in phases(scenario))
-    return least, 0.0
+    return min(drag(scenario.robot, robot, slowest)[0].item() for robot in robots), 0.0
 
 
 def _below(stated: Pair | None, axis: int, needed: float) -> bool:

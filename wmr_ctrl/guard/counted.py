@@ -9,7 +9,7 @@ from wmr_ctrl.guard.bounds import Pair, Stated, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound, Effect
 
-ROBOT = "robot and its changes, widened by guard.mass_margin"
+MODEL = "model.m, model.I, widened by guard.mass_margin"
 STATED = "stated"
 _PARTS: Mapping[str, Callable[[Bound], Pair]] = {
     "M_min": lambda bound: bound.mass,
@@ -50,7 +50,7 @@ def _sources(
         yield STATED, None
         return
     if name in ("M_min", "M_max"):
-        yield ROBOT, None
+        yield MODEL, None
     yield from ((effect, _PARTS[name](b)) for effect, b in bounds.items() if any(_PARTS[name](b)))
     if name == "dbar" and any(scenario.guard.d_model):
         yield "guard.d_model", scenario.guard.d_model

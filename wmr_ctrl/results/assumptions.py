@@ -34,6 +34,7 @@ class Assumptions:
     ``force`` stops the robot in one sample: the scale of what the monitor compares.  ``void``: what
     the scenario has that no such bound covers, in sentences.  ``usable`` and ``asked``, with the
     guard on: largest steady speeds that it leaves, and those of the reference [m/s, rad/s].
+    ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s], ``alpha`` [1/s]: as in `Guard`.
     """
 
     dbar: tuple[float, float]
@@ -41,6 +42,10 @@ class Assumptions:
     void: str = ""
     usable: Pair | None = None
     asked: Pair | None = None
+    M_min: Pair | None = None
+    M_max: Pair | None = None
+    nbar: Pair | None = None
+    alpha: float | None = None
 
 
 def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:

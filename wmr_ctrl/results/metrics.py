@@ -31,6 +31,8 @@ E_RMS_WINDOWS = ((30, 40), (40, 45), (70, 80))
 
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
+COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
+"""What it repeats of the numbers that a guard counts on."""
 COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_plant")
 """Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
 
@@ -94,7 +96,7 @@ def summary(run: Run) -> dict[str, object]:
     figures = {
         "scenario": run.scenario,
         "law": run.law,
-        "guard": run.guard,
+        "guard": counted_on(run),
         "seed": run.seed,
         "engine": run.engine,
         "plant": run.settings.plant_kind,
@@ -121,6 +123,11 @@ def summary(run: Run) -> dict[str, object]:
         | {key: run.provenance[key] for key in COUPLED if key in run.provenance},
     }
     return {key: json_safe(value) for key, value in figures.items()}
+
+
+def counted_on(run: Run) -> dict[str, object] | None:
+    """What a guarded run's guard counted on, in SI units as in `Settings`; None without guard."""
+    return {name: getattr(run.settings, name) for name in COUNTED} if run.guard else None
 
 
 def _torques(run: Run, rows: slice | None) -> FloatArray:

@@ -27,7 +27,8 @@ class Settings:
     "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which the
     desired motion comes to rest for good [s], None where it never does; ``usable`` and ``asked``:
     largest steady speeds that the guard leaves, and the reference's largest [m/s, rad/s], None
-    without guard.
+    without guard; ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s] and ``alpha`` [1/s]: what
+    a guard counts on beside dbar, None where not known.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -44,13 +45,17 @@ class Settings:
     arrival: float | None = None
     usable: tuple[float, float] | None = None
     asked: tuple[float, float] | None = None
+    M_min: tuple[float, float] | None = None
+    M_max: tuple[float, float] | None = None
+    nbar: tuple[float, float] | None = None
+    alpha: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
             object.__setattr__(self, name, float(getattr(self, name)))
         linear, angular = self.v_u1
         object.__setattr__(self, "v_u1", (float(linear), float(angular)))
-        for name in ("dbar", "usable", "asked"):
+        for name in ("dbar", "usable", "asked", "M_min", "M_max", "nbar"):
             if getattr(self, name) is not None:
                 first, second = getattr(self, name)
                 object.__setattr__(self, name, (float(first), float(second)))

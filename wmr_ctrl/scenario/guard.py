@@ -11,11 +11,11 @@ MAPS = ("linear-first", "rotation-first")
 class Guard(Section, key="guard"):
     """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
 
-    What is left out follows from the rest of the scenario: masses from the robot and its changes,
-    dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the control
-    period, brake from the torque limit.  Whether the settings can be met is checked where the
-    guard is built, and there a bound that the scenario itself breaks is refused, unless ``trust``
-    says that it is meant.
+    What is left out follows from the rest of the scenario: masses from what the laws believe of the
+    robot, dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the
+    control period, brake from the torque limit.  Whether the settings can be met is checked where
+    the guard is built, and there a stated bound that the scenario itself breaks is refused, unless
+    ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
     """
 
     enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
@@ -29,7 +29,7 @@ class Guard(Section, key="guard"):
         options=MAPS,
     )
     mass_margin: float = quantity(
-        0.1, unit="1", doc="share by which M_min, M_max go beyond the robot's", minimum=0, below=1
+        0.1, unit="1", doc="share by which M_min, M_max go beyond the model's", minimum=0, below=1
     )
     M_min: tuple[float, float] | None = quantity(
         None, unit="kg, kg.m2", doc="smallest mass and inertia possible", above=0, size=2

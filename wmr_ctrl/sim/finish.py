@@ -26,6 +26,8 @@ from wmr_ctrl.results import (
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
+COUNTED = ("dbar", "void", "usable", "asked", "M_min", "M_max", "nbar", "alpha")
+"""What of `Assumptions` a run's settings keep."""
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
@@ -52,9 +54,8 @@ def finished(
     if bounds is not None:
         left, least = first_beyond(columns, bounds), largest_push(columns)
         monitor = replace(seen, bounds_left=left, d_least=least)
-        settings = replace(
-            settings, dbar=bounds.dbar, void=bounds.void, usable=bounds.usable, asked=bounds.asked
-        )
+        known = {name: getattr(bounds, name) for name in COUNTED}
+        settings = replace(settings, **known)
     return Run(
         scenario.name, law, guard, seed, engine, settings, signals, columns, monitor,
         outcome_of(monitor, guard), {**provenance(scenario), **facts},

@@ -41,11 +41,6 @@ def phases(scenario: Scenario) -> Iterator[Phase]:
         yield phase
 
 
-def heaviest(scenario: Scenario) -> float:
-    """Largest mass of the robot over a run [kg]."""
-    return max(phase.m for phase in phases(scenario))
-
-
 def largest_friction(scenario: Scenario) -> float:
     """Largest friction of the robot over a run [N]."""
     return max(full_friction(scenario.robot, phase) for phase in phases(scenario))

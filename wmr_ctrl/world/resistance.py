@@ -14,7 +14,7 @@ from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-from wmr_ctrl.world.friction import heaviest
+from wmr_ctrl.world.masses import heaviest
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

@@ -16,7 +16,7 @@ from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-from wmr_ctrl.world.friction import heaviest
+from wmr_ctrl.world.masses import heaviest
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -74,7 +74,7 @@ def acts(scenario: Scenario) -> bool:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The heaviest robot straight downhill, and straight across (ledger: world.slope.*)."""
+    """The heaviest robot counted on, straight downhill, and across (ledger: world.slope.*)."""
     slope = scenario.section(Slope)
     pull = downhill(heaviest(scenario), scenario.robot.g, math.sin(slope.angle))
     return Bound(dbar=pulled_at_most(pull, slope.offset))
