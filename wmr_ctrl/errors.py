@@ -24,6 +24,10 @@ class UnknownNameError(WmrError, LookupError):
         tail = f" {remedy}" if remedy else ""
         super().__init__(f"no {kind} is named {name!r} ({hint}known: {', '.join(options)}).{tail}")
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Between processes it travels as its message."""
+        return BaseException.__new__, (type(self), *self.args)
+
 
 class CompilerError(WmrError, RuntimeError):
     """No C compiler was found, or it refused the generated source."""

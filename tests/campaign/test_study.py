@@ -7,6 +7,7 @@ import errno
 import json
 import math
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -19,8 +20,11 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl import simulate
+from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.campaign.study_plan import load_plan, plan_of
-from wmr_ctrl.campaign.study_run import run_study
+from wmr_ctrl.campaign.study_rows import StudyChunk
+from wmr_ctrl.campaign.study_run import _told, run_study
+from wmr_ctrl.campaign.study_store import counted_reasons, opened
 from wmr_ctrl.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
 
 FACTS = {"version": "1", "kernels": "ab"}
@@ -44,7 +48,8 @@ def figures(chunk, jobs=None):
         rows.append((broken, mass * mu / (seed + 1), np.nan if seed == 4 else 1 / 3 + seed))
     table = np.array(rows).T
     named = dict(zip(("violated", "position_rms", "ise_total"), table, strict=True))
-    return {"outcome": np.array(["completed"] * len(rows)), **named}
+    outcome, refusal = np.array(["completed"] * len(rows)), np.array([""] * len(rows))
+    return {"outcome": outcome, "refusal": refusal, **named}
 
 
 def table_of(out, **changes):
@@ -198,6 +203,30 @@ def test_a_chunk_that_is_damaged_is_made_again(tmp_path):
     assert table_of(tmp_path / "a") == before
 
 
+def test_a_chunk_with_a_flipped_bit_is_missing_or_whole(tmp_path):
+    """Whatever the flip makes of the archive: no error, and no number that was not written."""
+    plan = plan_of(PLAN)
+    with opened(tmp_path, plan, FACTS) as folder:
+        path = folder.chunk_path(0, [0, 1])
+        chunk = {
+            "index": np.arange(2),
+            "outcome": np.array(["completed"] * 2),
+            "refusal": np.array(["", ""]),
+        } | {name: np.arange(2.0) for name in plan.figures}
+        folder.keep(path, chunk)
+        whole = path.read_bytes()
+        missing = 0
+        for place in range(len(whole)):
+            flipped = bytearray(whole)
+            flipped[place] ^= 1 << place % 8
+            path.write_bytes(flipped)
+            rows = folder.rows(path)
+            missing += rows is None
+            assert rows is None or all((rows[name] == chunk[name]).all() for name in chunk)
+
+    assert 0.2 * len(whole) < missing < len(whole)
+
+
 def test_a_full_disk_loses_nothing(tmp_path, monkeypatch):
     save, left = np.savez, [4]
 
@@ -300,7 +329,9 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
         guard, torque = row["guard"] == "true", float(row["actuator.tau_max"])
         if guard and torque == 1.0:
             assert (row["outcome"], row["max_abs_v1"]) == ("refused", "")
+            assert "tau_max >= 7.5 N m on (now 1)" in row["refusal"]
             continue
+        assert row["refusal"] == ""
         overrides = {**REAL["set"], "actuator.tau_max": torque}
         run = simulate("far-start", "mb", seed=int(row["seed"]), guard=guard, overrides=overrides)
         assert row["outcome"] == run.outcome.value
@@ -309,6 +340,46 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
         assert float(row["d_start"]) == pytest.approx(np.hypot(5, 5))
     told = json.loads((tmp_path / "s" / "study.json").read_text())
     assert told["provenance"]["version"] == wmr_ctrl.__version__
+    ((reason, count),) = result.refused.items()
+    assert (count, result.all_refused) == (2, False)
+    assert f"2 refused: {reason}" in str(result)
+
+
+def test_reasons_that_differ_by_numbers_alone_are_one():
+    told = [
+        "v_u1[1] = 1.5: 2 > 1",
+        "",
+        "v_u1[1] = 1.5: 2.5e-3 > 1",
+        "wheels of 3 N",
+        "wheels of 3 N",
+    ]
+
+    assert counted_reasons(told) == {"v_u1[1] = 1.5: ... > 1": 2, "wheels of 3 N": 2}
+
+
+def test_what_is_wrong_without_the_guard_too_is_no_refusal(tmp_path):
+    """The guard's runs and the others end in the same words."""
+    wrong = {**REAL, "grid": {"clock.control": [0.0105]}}
+    told = []
+    for guard in (True, False):
+        with pytest.raises(ScenarioError) as refused:
+            wmr_ctrl.study({**wrong, "guard": [guard]}, tmp_path / str(guard))
+        told.append(str(refused.value))
+
+    assert told[0] == told[1]
+    assert "clock.plant" in told[0]
+
+
+def test_a_worker_s_error_comes_back_as_it_is(tmp_path):
+    """Dask prints what is raised in a worker: the error is sent back in place of rows."""
+    with ThreadPoolExecutor(1) as pool, pytest.raises(ScenarioError, match=r"clock\.plant"):
+        wmr_ctrl.study({**REAL, "grid": {"clock.control": [0.0105]}}, tmp_path, executor=pool)
+    chunk = StudyChunk(((PlannedCase("far-start", "mb"), 0),), ("violated",))
+    error = ScenarioError("no such robot")
+
+    assert _told(refuse_after(0, error), chunk, None) is error
+    unknown = UnknownNameError("law", "x", ("a", "b"))
+    assert str(pickle.loads(pickle.dumps(unknown))) == str(unknown)
 
 
 @pytest.mark.slow

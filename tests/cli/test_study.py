@@ -90,6 +90,26 @@ def test_bad_input_is_one_paragraph(wmr, tmp_path, text, options, words):
     assert not (tmp_path / "s").exists()
 
 
+def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
+    (tmp_path / "robot.toml").write_text('title = "mine"\n[robot]\nm = 30.0\n')
+    told = " ".join(wmr("study", tmp_path / "robot.toml", "--out", tmp_path / "s").stderr.split())
+
+    assert "robot.toml is a scenario, no plan of a study" in told
+    assert 'scenario = "robot.toml"' in told
+
+
+def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
+    refused = '[set]\nclock.duration = 1.0\nguard.dbar = [9000.0, 1.0]\n[sample]\nn = 3\n"robot.mu" = [0, 1]'
+    (tmp_path / "plan.toml").write_text(f"guard = true\nlaws = ['mb']\nseeds = 2\n{refused}")
+    found = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json")
+    told = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s")
+    ((reason, count),) = json.loads(found.stdout)["refused"].items()
+
+    assert (found.exit_code, told.exit_code) == (1, 1)
+    assert (count, reason.startswith("guard: no force can keep limits.v_u1[1]")) == (6, True)
+    assert f"6 refused: {reason}" in " ".join(told.stdout.split())
+
+
 def test_a_study_needs_a_folder(wmr, plan):
     assert wmr("study", plan).exit_code == 2
 

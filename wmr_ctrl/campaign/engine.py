@@ -96,7 +96,7 @@ def prepared_cases(
 ) -> list[Ready | Refusal]:
     """The loop of each case, in their order, each different one compiled once.
 
-    A guard that refuses gives its Refusal; what cannot be without a guard is raised.
+    A guard that refuses gives its Refusal; what cannot be without the guard either is raised.
     """
     listed = list(cases)
     known: dict[str, Ready | Refusal] = {}
@@ -124,7 +124,9 @@ def _prepared(prepare: Prepare, case: PlannedCase) -> Ready | Refusal:
     except ScenarioError as error:
         if not case.guard:
             raise
-        return Refusal(str(error))
+        refusal = Refusal(str(error))
+    prepare(case.scenario, case.law, case.overrides, False)
+    return refusal
 
 
 def run_cases(

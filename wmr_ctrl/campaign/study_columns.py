@@ -14,7 +14,7 @@ from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.results import atomic_path
 from wmr_ctrl.results.frames import library
 
-TEXTS, COUNTS = ("law", "outcome"), ("index", "seed")
+TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
 
 
 def write_columns(folder: str | Path) -> Path:

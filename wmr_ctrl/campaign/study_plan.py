@@ -24,6 +24,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
+from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.scenario.toml_io import is_path
 from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
@@ -100,11 +101,6 @@ class StudyPlan:
         changes = dict(zip(self.keys, self.values(cell), strict=True))
         return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes)
 
-    def run(self, index: int) -> tuple[PlannedCase, int]:
-        """Case and seed of a run."""
-        cell, place = divmod(index, self.seeds)
-        return self.case(cell), self.first_seed + place
-
     @cached_property
     def identity(self) -> str:
         """What two plans must share for one to go on where the other was interrupted."""
@@ -136,6 +132,13 @@ def load_plan(path: str | Path) -> StudyPlan:
     raw = parse_toml(read_text(file, "plan"), file)
     if not raw:
         raise ArgumentError(f'{file} says nothing. Give at least one key, such as laws = ["nn"].')
+    alone = {"title", "extends", "changes", "gains", "reference", *sections()} - {*KEYS}
+    if alone & raw.keys():
+        raise ArgumentError(
+            f"{file} is a scenario, no plan of a study. A plan names one and says what is run on "
+            f'it: scenario = "{file.name}", laws = ["prox"], seeds = 20 in a file of its own. One '
+            f"run of it is `wmr-ctrl run {file}`."
+        )
     return plan_of(raw, file.parent)
 
 

@@ -59,7 +59,7 @@ class StudyChunk:
 
 
 def chunk_rows(chunk: StudyChunk, prepare: Prepare, take: TakeColumns, jobs: int | None) -> Columns:
-    """Outcome and figures of each run of a chunk; a guard's refusal has no figures."""
+    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none."""
     cases = (case for case, _ in chunk.runs)
     loops = chunk.loops or prepared_cases(prepare, cases, Silent(), "")
     places = [place for place, loop in enumerate(loops) if not isinstance(loop, Refusal)]
@@ -71,13 +71,14 @@ def chunk_rows(chunk: StudyChunk, prepare: Prepare, take: TakeColumns, jobs: int
     ]
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = [REFUSED] * len(loops)
+    refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
     if ready:
         taken = take(ready, chunk.figures, jobs)
         for place, text in zip(places, taken["outcome"], strict=True):
             outcome[place] = str(text)
         for name in chunk.figures:
             rows[name][places] = taken[name]
-    return {"outcome": np.array(outcome), **rows}
+    return {"outcome": np.array(outcome), "refusal": np.array(refusal), **rows}
 
 
 def take_in_lanes(

@@ -15,6 +15,7 @@ from wmr_ctrl.campaign.engine import PhaseProgress, Silent
 from wmr_ctrl.campaign.study_plan import StudyPlan
 from wmr_ctrl.campaign.study_rows import StudyChunk
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
+from wmr_ctrl.errors import WmrError
 
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
@@ -28,7 +29,8 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 class StudyOutcome:
     """What a study left: its folder, the table's path, the runs made and those of the whole plan.
 
-    ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's.
+    ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's;
+    ``refused``: how many runs a guard refused for each reason (`counted_reasons`).
     """
 
     folder: Path
@@ -37,10 +39,18 @@ class StudyOutcome:
     planned: int
     stopped: int
     warnings: tuple[str, ...]
+    refused: Mapping[str, int]
+
+    @property
+    def all_refused(self) -> bool:
+        """Whether no run was made, since the guard refused each."""
+        return sum(self.refused.values()) == self.runs > 0
 
     def __str__(self) -> str:
         early = f"; {self.stopped} cases were settled early" if self.stopped else ""
-        return f"{self.runs} of {self.planned} planned runs{early}; the table: {self.table}"
+        head = f"{self.runs} of {self.planned} planned runs{early}; the table: {self.table}"
+        why = [f"{count} refused: {reason}" for reason, count in self.refused.items()]
+        return "\n".join((head, *why))
 
 
 def run_study(
@@ -86,7 +96,8 @@ def run_study(
                     break
         stopped = plan.cells - len(cells)
         table = folder.write_table(looks)
-        return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings)
+        refused = folder.refusals(looks)
+        return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings, refused)
 
 
 def _phase(look: int, looks: int) -> str:
@@ -156,18 +167,35 @@ def _sent(
 ) -> None:
     """Send chunks to an executor, few ahead of those that run, and keep what comes back."""
     ahead = IN_FLIGHT * (jobs or 4)
-    waiting: dict[Future[dict[str, np.ndarray]], tuple[Path, list[int]]] = {}
+    waiting: dict[Future[Rows | WmrError], tuple[Path, list[int]]] = {}
     try:
         for path, block in chain(missing, [(None, [])]):
             while waiting and (path is None or len(waiting) >= ahead):
                 ended, _ = wait(waiting, return_when=FIRST_COMPLETED)
                 for future in ended:
-                    keep(*waiting.pop(future), future.result())
+                    keep(*waiting.pop(future), _raised(future.result()))
             if path is not None:
-                waiting[executor.submit(make, _chunk(plan, block), 1)] = (path, block)
+                waiting[executor.submit(_told, make, _chunk(plan, block), 1)] = (path, block)
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _told(make: MakeRows, chunk: StudyChunk, jobs: int | None) -> Rows | WmrError:
+    """The rows of a chunk, or the error that a user can mend.
+
+    What is raised in a worker, Dask prints there with its traceback.
+    """
+    try:
+        return make(chunk, jobs)
+    except WmrError as error:
+        return error.with_traceback(None)
+
+
+def _raised(found: Rows | WmrError) -> Rows:
+    if isinstance(found, WmrError):
+        raise found
+    return found
 
 
 def _blocks(indices: Iterator[int], count: int, longest: int) -> Iterator[list[int]]:

@@ -1,7 +1,7 @@
 """The folder of a study: plan, provenance, chunks written whole or not at all, and the table.
 
 study.json      the plan, its identity, what made the results
-chunks/*.npz    rows of finished chunks: index, outcome, figures
+chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
 columns.csv     name, unit and meaning of the table's columns
 table.csv       one row a run, in the order of the index; empty where a figure is not finite
 """
@@ -13,8 +13,8 @@ import heapq
 import json
 import math
 import os
-import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -30,9 +30,12 @@ from wmr_ctrl.scenario import Section, quantities
 from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
 Rows = Mapping[str, NDArray[np.generic]]
-"""``index``, ``outcome`` and an array a figure, one row a run."""
+"""``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
 _QUOTE = '"'
 HEAD = ("index", "law", "guard", "seed")
+REFUSAL = "refusal"
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+"""A number within the words of a refusal; the one in ``v_u1`` is none."""
 FORMAT = "wmr_ctrl study, version 1"
 
 
@@ -42,23 +45,30 @@ class StudyFolder:
     def __init__(self, folder: Path, plan: StudyPlan) -> None:
         self.folder, self.plan = folder, plan
         self.chunks = folder / "chunks"
+        self.members = {"index", "outcome", REFUSAL, *plan.figures}
 
     def chunk_path(self, look: int, indices: Sequence[int]) -> Path:
         """Where the rows of some runs stand; the name tells which they are."""
         return self.chunks / f"{look:02d}-{indices[0]:012d}-{indices[-1]:012d}-{len(indices)}.npz"
 
     def rows(self, path: Path) -> Rows | None:
-        """Rows of a finished chunk; None where it is not there, or damaged."""
+        """Rows of a finished chunk; None where it is not there, or damaged in any way."""
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                return {name: archive[name] for name in archive.files}
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+                rows = {name: archive[name] for name in archive.files}
+        except Exception:
             return None
+        return rows if rows.keys() == self.members else None
 
     def keep(self, path: Path, rows: Rows) -> None:
         """Write the rows of a chunk, whole or not at all.  Raises ResultFileError."""
         with atomic_write(path) as file:
             np.savez(file, **rows)  # type: ignore[arg-type]
+
+    def refusals(self, looks: Sequence[Sequence[Path]]) -> dict[str, int]:
+        """How many runs a guard refused for each reason."""
+        found = (self.rows(path) for paths in looks for path in paths)
+        return counted_reasons(text for rows in found if rows for text in rows[REFUSAL].tolist())
 
     def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
         """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
@@ -69,7 +79,8 @@ class StudyFolder:
             writer.writerows(described_columns(self.plan))
         streams = [self._lines(paths) for paths in looks]
         with atomic_write(target, text=True) as file:
-            file.write(_line((*HEAD, *self.plan.keys, "outcome", *self.plan.figures)))
+            named = ("outcome", *self.plan.figures, REFUSAL)
+            file.write(_line((*HEAD, *self.plan.keys, *named)))
             for _, line in heapq.merge(*streams, key=lambda pair: pair[0]):
                 file.write(line)
         return target
@@ -85,9 +96,9 @@ class StudyFolder:
                     "only what is missing is made."
                 )
             columns = [rows[name].tolist() for name in plan.figures]
-            listed = zip(rows["index"].tolist(), rows["outcome"].tolist(), *columns, strict=True)
+            texts = (rows[name].tolist() for name in ("index", "outcome", REFUSAL))
             last, labels, values = -1, ("", ""), [""]
-            for index, outcome, *figures in listed:
+            for index, outcome, refusal, *figures in zip(*texts, *columns, strict=True):
                 cell, place = divmod(index, plan.seeds)
                 if cell != last:
                     last, case = cell, plan.case(cell)
@@ -95,7 +106,29 @@ class StudyFolder:
                     values = [_cell(value) for value in plan.values(cell)]
                 numbers = [repr(x) if math.isfinite(x) else "" for x in figures]
                 head = (str(index), *labels, str(plan.first_seed + place))
-                yield index, _line((*head, *values, outcome, *numbers))
+                yield index, _line((*head, *values, outcome, *numbers, refusal))
+
+
+def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
+    """How often each reason stands among texts, the most frequent first; empty texts are none.
+
+    Reasons that differ by numbers alone are one; "..." stands for what differs.
+    """
+    counts: dict[str, int] = {}
+    numbers: dict[str, list[str | None]] = {}
+    for text in filter(None, refusals):
+        words, found = NUMBER.sub("{}", text), NUMBER.findall(text)
+        before = numbers.setdefault(words, found)
+        numbers[words] = [a if a == b else None for a, b in zip(before, found, strict=True)]
+        counts[words] = counts.get(words, 0) + 1
+    ranked = sorted(counts, key=lambda words: -counts[words])
+    return {_filled(words, numbers[words]): counts[words] for words in ranked}
+
+
+def _filled(words: str, numbers: Sequence[str | None]) -> str:
+    shown = ["..." if number is None else number for number in numbers]
+    parts = zip(words.split("{}"), [*shown, ""], strict=True)
+    return "".join(part + number for part, number in parts)
 
 
 def _cell(value: object) -> str:
@@ -132,6 +165,7 @@ def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
     known |= {name: ("1", f"1 if {name}, else 0") for name in SHARES}
     for name in plan.figures:
         yield name, *known[name]
+    yield REFUSAL, "", "why the guard refused the run, else empty"
 
 
 def _field(plan: StudyPlan, key: str) -> tuple[str, str]:

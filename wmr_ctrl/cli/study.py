@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.console import print_json, say, wrapped
 from wmr_ctrl.cli.failures import resumable
 from wmr_ctrl.cli.options import check_folder, debug_option, examples, json_option
 from wmr_ctrl.cli.progress import Progress
@@ -43,7 +43,8 @@ def study(
     A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
     ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
     number of jobs and of interruptions. `study plot DIR` draws its pictures,
-    `study parquet DIR` writes the table by columns too.
+    `study parquet DIR` writes the table by columns too. Where the guard refused
+    every run, the exit code is 1.
     """
     if words[0] in (PLOT, PARQUET) and len(words) == 2:
         _written((_plot if words[0] == PLOT else _columns)(words[1]), as_json)
@@ -64,7 +65,10 @@ def study(
             {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}
         )
     else:
-        click.echo(str(result))
+        head, *refused = str(result).split("\n")
+        click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
+    if result.all_refused:
+        raise SystemExit(1)
 
 
 def _plot(folder: str) -> list[Path]:
