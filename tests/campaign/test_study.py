@@ -329,7 +329,7 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
         guard, torque = row["guard"] == "true", float(row["actuator.tau_max"])
         if guard and torque == 1.0:
             assert (row["outcome"], row["max_abs_v1"]) == ("refused", "")
-            assert "tau_max >= 7.5 N m on (now 1)" in row["refusal"]
+            assert "tau_max >= 6 N m on (now 1)" in row["refusal"]
             continue
         assert row["refusal"] == ""
         overrides = {**REAL["set"], "actuator.tau_max": torque}

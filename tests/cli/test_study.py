@@ -98,9 +98,21 @@ def test_a_scenario_s_file_is_called_so(wmr, tmp_path):
     assert 'scenario = "robot.toml"' in told
 
 
+ALL_REFUSED = """\
+guard = true
+laws = ["mb"]
+seeds = 2
+[set]
+clock.duration = 1.0
+guard.dbar = [9000.0, 15.0]
+[sample]
+n = 3
+robot.mu = [0.0, 1.0]
+"""
+
+
 def test_a_study_of_which_the_guard_refuses_all_is_no_success(wmr, tmp_path):
-    refused = '[set]\nclock.duration = 1.0\nguard.dbar = [9000.0, 1.0]\n[sample]\nn = 3\n"robot.mu" = [0, 1]'
-    (tmp_path / "plan.toml").write_text(f"guard = true\nlaws = ['mb']\nseeds = 2\n{refused}")
+    (tmp_path / "plan.toml").write_text(ALL_REFUSED)
     found = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s", "--json")
     told = wmr("study", tmp_path / "plan.toml", "--out", tmp_path / "s")
     ((reason, count),) = json.loads(found.stdout)["refused"].items()

@@ -192,10 +192,10 @@ def _told(make: MakeRows, chunk: StudyChunk, jobs: int | None) -> Rows | WmrErro
         return error.with_traceback(None)
 
 
-def _raised(found: Rows | WmrError) -> Rows:
-    if isinstance(found, WmrError):
-        raise found
-    return found
+def _raised(answer: Rows | WmrError) -> Rows:
+    if isinstance(answer, WmrError):
+        raise answer
+    return answer
 
 
 def _blocks(indices: Iterator[int], count: int, longest: int) -> Iterator[list[int]]:

@@ -67,8 +67,8 @@ class StudyFolder:
 
     def refusals(self, looks: Sequence[Sequence[Path]]) -> dict[str, int]:
         """How many runs a guard refused for each reason."""
-        found = (self.rows(path) for paths in looks for path in paths)
-        return counted_reasons(text for rows in found if rows for text in rows[REFUSAL].tolist())
+        chunks = (self.rows(path) for paths in looks for path in paths)
+        return counted_reasons(text for rows in chunks if rows for text in rows[REFUSAL].tolist())
 
     def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
         """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
@@ -117,9 +117,9 @@ def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
     counts: dict[str, int] = {}
     numbers: dict[str, list[str | None]] = {}
     for text in filter(None, refusals):
-        words, found = NUMBER.sub("{}", text), NUMBER.findall(text)
-        before = numbers.setdefault(words, found)
-        numbers[words] = [a if a == b else None for a, b in zip(before, found, strict=True)]
+        words, values = NUMBER.sub("\0", text), NUMBER.findall(text)
+        before = numbers.setdefault(words, values)
+        numbers[words] = [a if a == b else None for a, b in zip(before, values, strict=True)]
         counts[words] = counts.get(words, 0) + 1
     ranked = sorted(counts, key=lambda words: -counts[words])
     return {_filled(words, numbers[words]): counts[words] for words in ranked}
@@ -127,7 +127,7 @@ def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
 
 def _filled(words: str, numbers: Sequence[str | None]) -> str:
     shown = ["..." if number is None else number for number in numbers]
-    parts = zip(words.split("{}"), [*shown, ""], strict=True)
+    parts = zip(words.split("\0"), [*shown, ""], strict=True)
     return "".join(part + number for part, number in parts)
 
 
