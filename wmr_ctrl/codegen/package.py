@@ -12,12 +12,17 @@ import casadi as ca
 import jinja2
 
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.dialect_single import package_dialect
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.codegen.single_precision import LARGEST_SINGLE, MARGIN, PERIODS, with_margin
+from wmr_ctrl.codegen.single_precision import (
+    LARGEST_SINGLE,
+    MARGIN,
+    PERIODS,
+    package_dialect,
+    with_margin,
+)
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle

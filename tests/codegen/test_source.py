@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from wmr_ctrl.codegen import text_cache
+from wmr_ctrl.codegen import source
 from wmr_ctrl.codegen.dialect import LANES
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 
@@ -27,18 +27,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_kept_text_is_the_emitters(folder: Path) -> None:
-    assert text_cache.cached_definition(example()) == definition(example())
-    assert text_cache.cached_definition(example()) == definition(example())
-    assert text_cache.cached_definition(example(), LANES) == definition(example(), LANES)
+    assert source.cached_definition(example()) == definition(example())
+    assert source.cached_definition(example()) == definition(example())
+    assert source.cached_definition(example(), LANES) == definition(example(), LANES)
     assert len(list(folder.rglob("*.c"))) == 2
 
 
 def test_half_a_text_is_written_anew(folder: Path) -> None:
-    text_cache.cached_definition(example())
+    source.cached_definition(example())
     (path,) = folder.rglob("*.c")
     path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
 
-    assert text_cache.cached_definition(example()) == definition(example())
+    assert source.cached_definition(example()) == definition(example())
 
 
 def test_a_folder_that_cannot_be_written_does_not_matter(
@@ -46,19 +46,19 @@ def test_a_folder_that_cannot_be_written_does_not_matter(
 ) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
-    monkeypatch.setattr(text_cache, "cache_dir", lambda: blocked)
+    monkeypatch.setattr(source, "cache_dir", lambda: blocked)
 
-    assert text_cache.cached_definition(example()) == definition(example())
+    assert source.cached_definition(example()) == definition(example())
 
 
 SIMULATED = """
-from wmr_ctrl.codegen import cache, text_cache
+from wmr_ctrl.codegen import cache, source
 
 def refuse(*given, **named):
     raise AssertionError("the work of the first process is done again")
 
 if {again}:
-    text_cache.definition = refuse
+    source.definition = refuse
     cache._build = refuse
 
 from wmr_ctrl import simulate
