@@ -6,6 +6,7 @@ import csv
 
 from wmr_ctrl.campaign.rigid import AS_PRINTED, LIMITED, RigidComparison, RigidRow
 from wmr_ctrl.report.data_files import write_rigid
+from wmr_ctrl.report.page import report_environment
 from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
 
 
@@ -34,10 +35,13 @@ ROWS = RigidComparison(
 
 
 def test_the_sentences_are_those_of_the_rows():
-    fall, limited = rigid_section(ROWS, ()).findings
+    environment = report_environment()
+    shown = {"sections": {"rigid": {"title": "On tyres"}}, "picture": str}
+    page = environment.get_template("rigid.html.j2").render(rigid=rigid_section(ROWS, ()), **shown)
+    text = " ".join(page.split())
 
-    assert "MB falls over in 1 of 1 runs, first after 4.00 s" in fall
-    assert "a tread slides in 1 of 2 runs, a limit is broken in 1, ISE within 2.0 %" in limited
+    assert "MB falls over in 1 of 1 runs, first after 4.00 s." in text
+    assert "a tread slides in 1 of 2 runs, a limit is broken in 1, ISE within 2.0 %" in text
 
 
 def test_a_fall_has_no_ise_and_what_never_slips_no_time():

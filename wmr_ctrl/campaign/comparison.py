@@ -7,10 +7,10 @@ torque for 10 ms, the other for 100 ms.  The seeds were not used to choose anyth
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from types import MappingProxyType
-from typing import TypeAlias
 
 import numpy as np
 
@@ -248,49 +248,13 @@ class GuardComparison:
         wanted = (base, factor, law, guard)
         return tuple(r for r in self.rows if _place(r.case) == wanted)
 
-    def median(
-        self, figure: ComparedFigure, base: str, factor: str, law: str, guard: bool
-    ) -> float | None:
-        """Median of a figure over the runs that have it; None if none has."""
-        return median(figure(row) for row in self.of(base, factor, law, guard))
+    def median(self, figure: str, base: str, factor: str, law: str, guard: bool) -> float | None:
+        """Median of a `ComparedRun`'s figure over the runs that have it; None if none has."""
+        return median(map(attrgetter(figure), self.of(base, factor, law, guard)))
 
     def guarded(self, guard: bool = True) -> Iterator[ComparedRun]:
         """Runs with the guard, or without it, that were not refused."""
         return (r for r in self.rows if r.case.guard is guard and r.outcome != REFUSED)
-
-
-ComparedFigure: TypeAlias = Callable[[ComparedRun], float | None]
-"""One number of a row."""
-
-
-def position_rms_of(row: ComparedRun) -> float | None:
-    """RMS of the distance from the reference after the change of parameters [m]."""
-    return row.position_rms
-
-
-def position_max_of(row: ComparedRun) -> float | None:
-    """Largest distance from the reference then [m]."""
-    return row.position_max
-
-
-def ise_of(row: ComparedRun) -> float | None:
-    """ISE over the whole run [m2 s + rad2 s]."""
-    return row.ise
-
-
-def e1_before_of(row: ComparedRun) -> float | None:
-    """Mean |e1| before the change of parameters [m]."""
-    return row.e1_before
-
-
-def e1_after_of(row: ComparedRun) -> float | None:
-    """Mean |e1| after the change of parameters [m]."""
-    return row.e1_after
-
-
-def tau_peak_of(row: ComparedRun) -> float | None:
-    """Largest wheel torque [N m]."""
-    return row.tau_peak
 
 
 def median(values: Iterable[float | None]) -> float | None:

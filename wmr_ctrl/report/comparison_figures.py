@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from wmr_ctrl.campaign.comparison import AFTER, BASE, BASES, REFUSED, GuardComparison, ise_of, swept
+from wmr_ctrl.campaign.comparison import AFTER, BASE, BASES, REFUSED, GuardComparison, swept
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -188,7 +188,7 @@ def _draw_torque(figure: Figure, rows: GuardComparison) -> None:
 def _lines(axes: Axes, rows: GuardComparison, points: Points, guard: bool) -> None:
     for law in rows.laws:
         seen = look(law)
-        places = [(x, rows.median(ise_of, b, f, law, guard)) for x, b, f in points]
+        places = [(x, rows.median("ise", b, f, law, guard)) for x, b, f in points]
         there = [(x, y) for x, y in places if y is not None]
         if not there:
             continue

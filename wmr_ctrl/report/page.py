@@ -9,18 +9,21 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from jinja2 import Environment
+from jinja2.runtime import LoopContext
+
 from wmr_ctrl.campaign import BARRIER_LAWS, STUDIES, Campaign, FigureTable
 from wmr_ctrl.proofs.ledger import Entry, load
 from wmr_ctrl.report.claims import RULE, Verdict
-from wmr_ctrl.report.comparison_text import GuardSection
 from wmr_ctrl.report.data_files import CITATION
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guarantee_figures import STRESS
+from wmr_ctrl.report.guard_section import GuardSection
 from wmr_ctrl.report.measure_figures import HIDDEN
 from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.reproduction import Reproduction
 from wmr_ctrl.report.rigid_section import RigidSection
-from wmr_ctrl.report.style import shown
+from wmr_ctrl.report.style import ABSENT, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
 from wmr_ctrl.report.web import page_environment, picture
 from wmr_ctrl.results import atomic_write
@@ -112,11 +115,18 @@ class LedgerSection:
 
 def write_page(path: Path, page: Page) -> None:
     """Render the page into one file, whole or not at all."""
-    environment = page_environment()
-    environment.filters.update(shown=shown, sign=_SIGNS.__getitem__, slug=_slug)
-    text = environment.get_template("report.html.j2").render(_content(page))
+    text = report_environment().get_template("report.html.j2").render(_content(page))
     with atomic_write(path, text=True) as file:
         file.write(text)
+
+
+def report_environment() -> Environment:
+    """The templates with the report's filters."""
+    environment = page_environment()
+    environment.filters.update(
+        shown=shown, thousandths=_thousandths, comma=_comma, sign=_SIGNS.__getitem__, slug=_slug
+    )
+    return environment
 
 
 def load_readings() -> list[dict[str, object]]:
@@ -231,3 +241,12 @@ def _is_panel(name: str, number: int) -> bool:
 
 def _slug(verdict: Verdict) -> str:
     return _SLUGS.get(verdict, "stand-in")
+
+
+def _thousandths(value: float | None) -> str:
+    return ABSENT if value is None else shown(1e3 * value, 2)
+
+
+def _comma(loop: LoopContext) -> str:
+    """What follows an item of a list within a sentence."""
+    return "" if loop.last else " and " if loop.revindex == 2 else ", "

@@ -21,7 +21,7 @@ from wmr_ctrl.campaign.rigid import (
 )
 from wmr_ctrl.campaign.rigid_claims import rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
-from wmr_ctrl.report.style import ABSENT, INK, MUTED, look, shown
+from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.scenario import Scenario, loads_scenario
@@ -32,61 +32,57 @@ RIGID_FIGURES = ("rigid_fall", "rigid_film")
 
 @dataclass(frozen=True, slots=True)
 class RigidSection:
-    """All that the section's template shows."""
+    """All that the section's template shows; ``findings`` by case."""
 
-    seeds: str
-    findings: tuple[str, ...]
+    seeds: Sequence[int]
+    findings: Sequence[tuple[str, Sequence[RigidFinding]]]
     claims: TextTable
     table: TextTable
     drawings: Sequence[Drawing]
 
 
+@dataclass(frozen=True, slots=True)
+class RigidFinding:
+    """What a law did on the rigid body: how many of its runs fell, slid and broke a limit.
+
+    ``first_fall`` [s]; ``apart``: largest distance of a seed's ISE from the plane model's, a share.
+    """
+
+    law: str
+    runs: int
+    fell: int
+    first_fall: float | None
+    slid: int
+    broke: int
+    apart: float | None
+
+
 def rigid_section(rows: RigidComparison, drawings: Sequence[Drawing]) -> RigidSection:
-    """Sentences, the table and the figures."""
+    """Numbers of the sentences, the table and the figures."""
     seeds = sorted({row.seed for row in rows.rows})
-    return RigidSection(
-        ", ".join(map(str, seeds)),
-        rigid_findings(rows),
-        _claims(rows),
-        _table(rows),
-        tuple(drawings),
+    cases = ((case.name, _findings(rows, case.name, case.laws)) for case in RIGID_CASES)
+    findings = tuple((name, laws) for name, laws in cases if laws)
+    return RigidSection(seeds, findings, _claims(rows), _table(rows), tuple(drawings))
+
+
+def _findings(rows: RigidComparison, case: str, laws: Sequence[str]) -> list[RigidFinding]:
+    pairs = {law: [rows.of(case, law, plant) for plant in PLANTS] for law in laws}
+    return [_finding(law, *pair) for law, pair in pairs.items() if all(pair)]
+
+
+def _finding(law: str, plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> RigidFinding:
+    falls = [row.tipped for row in body if row.tipped is not None]
+    both = ((p.ise, b.ise) for p, b in zip(plane, body, strict=True))
+    ratios = [abs(tyres / flat - 1) for flat, tyres in both if flat and tyres]
+    return RigidFinding(
+        headed(law),
+        len(body),
+        len(falls),
+        min(falls, default=None),
+        sum(row.slipped is not None for row in body),
+        sum(row.ratio > 1 for row in body),
+        max(ratios, default=None),
     )
-
-
-def rigid_findings(rows: RigidComparison) -> tuple[str, ...]:
-    """What the rows show, a sentence for each case that was run."""
-    return tuple(text for case in RIGID_CASES for text in _finding(rows, case.name, case.laws))
-
-
-def _finding(rows: RigidComparison, case: str, laws: Sequence[str]) -> list[str]:
-    parts = [text for law in laws if (text := _of_law(rows, case, law))]
-    return [f"{case[0].upper()}{case[1:]}: {'; '.join(parts)}."] if parts else []
-
-
-def _of_law(rows: RigidComparison, case: str, law: str) -> str:
-    plane, body = (rows.of(case, law, plant) for plant in PLANTS)
-    if not plane or not body:
-        return ""
-    name, fallen = headed(law), _times(row.tipped for row in body)
-    if fallen:
-        count = f"{len(fallen)} of {len(body)} runs"
-        return f"{name} falls over in {count}, first after {shown(min(fallen))} s"
-    slid = _times(row.slipped for row in body)
-    grip = "no tread slides" if not slid else f"a tread slides in {len(slid)} of {len(body)} runs"
-    broken = sum(1 for row in body if row.ratio > 1)
-    limits = "the limits are kept" if not broken else f"a limit is broken in {broken}"
-    return f"{name}: {grip}, {limits}, ISE {_apart(plane, body)} of the plane model’s"
-
-
-def _times(values: Iterable[float | None]) -> list[float]:
-    return [value for value in values if value is not None]
-
-
-def _apart(plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> str:
-    """The largest distance of the two ISE of a seed, as a share."""
-    pairs = zip(plane, body, strict=True)
-    ratios = [abs(b.ise / p.ise - 1) for p, b in pairs if p.ise and b.ise]
-    return f"within {shown(100 * max(ratios), 2)} %" if ratios else ABSENT
 
 
 def _claims(rows: RigidComparison) -> TextTable:

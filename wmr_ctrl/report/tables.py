@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from wmr_ctrl.campaign import FigureTable, Spread, figure_named
 from wmr_ctrl.campaign.comparison import (
     AFTER,
     BEFORE,
     REFUSED,
-    ComparedFigure,
     ComparedRun,
     GuardComparison,
-    e1_after_of,
-    e1_before_of,
-    ise_of,
     median,
     overrides_of,
-    position_max_of,
-    position_rms_of,
-    tau_peak_of,
 )
 from wmr_ctrl.report.claims import PAPER_TIMES, STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
@@ -216,21 +210,21 @@ _E1 = "mean |e₁| over {:g}–{:g} s [mm]"
 class _ComparedColumn:
     """A figure of the comparison; ``before``: it is told only where a change at 40 s follows."""
 
-    figure: ComparedFigure
+    figure: str
     label: str
     factor: float = 1.0
     before: bool = False
 
 
 _COMPARED = (
-    _ComparedColumn(position_rms_of, _AWAY.format("RMS", *AFTER), 1e3),
-    _ComparedColumn(position_max_of, _AWAY.format("largest", *AFTER), 1e3),
-    _ComparedColumn(e1_after_of, _E1.format(*AFTER), 1e3),
+    _ComparedColumn("position_rms", _AWAY.format("RMS", *AFTER), 1e3),
+    _ComparedColumn("position_max", _AWAY.format("largest", *AFTER), 1e3),
+    _ComparedColumn("e1_after", _E1.format(*AFTER), 1e3),
     _ComparedColumn(
-        e1_before_of, f"{_E1.format(*BEFORE)}, before the change of parameters", 1e3, before=True
+        "e1_before", f"{_E1.format(*BEFORE)}, before the change of parameters", 1e3, before=True
     ),
-    _ComparedColumn(ise_of, "ISE over the whole run [m² s + rad² s]"),
-    _ComparedColumn(tau_peak_of, "peak wheel torque [N m]"),
+    _ComparedColumn("ise", "ISE over the whole run [m² s + rad² s]"),
+    _ComparedColumn("tau_peak", "peak wheel torque [N m]"),
 )
 
 
@@ -248,7 +242,7 @@ def comparison_tables(rows: GuardComparison, base: str) -> tuple[TextTable, ...]
 
 def _median_table(rows: GuardComparison, base: str, column: _ComparedColumn) -> TextTable:
     def value(runs: Sequence[ComparedRun]) -> float | None:
-        return median(column.figure(row) for row in runs)
+        return median(map(attrgetter(column.figure), runs))
 
     def cell(runs: Sequence[ComparedRun]) -> str:
         middle = value(runs)

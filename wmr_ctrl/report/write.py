@@ -10,7 +10,6 @@ from pathlib import Path
 from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.report.comparison_figures import comparison_figures
-from wmr_ctrl.report.comparison_text import guard_section
 from wmr_ctrl.report.data_files import (
     write_claims,
     write_comparison,
@@ -20,6 +19,7 @@ from wmr_ctrl.report.data_files import (
 )
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guarantee_figures import guarantee_figures
+from wmr_ctrl.report.guard_section import guard_section
 from wmr_ctrl.report.measure_figures import measure_figures
 from wmr_ctrl.report.page import Page, load_readings, write_page
 from wmr_ctrl.report.paper_figures import paper_figure

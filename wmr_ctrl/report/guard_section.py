@@ -1,0 +1,224 @@
+"""The numbers of the section past the paper; its words are in templates/ours.html.j2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias, TypeVar
+
+from wmr_ctrl.campaign.comparison import (
+    BASE,
+    BASES,
+    FAR_START,
+    OUTSIDE,
+    PUSHED,
+    REFUSED,
+    SCENARIO,
+    ComparedRun,
+    GuardComparison,
+    median,
+    overrides_of,
+)
+from wmr_ctrl.report.drawing import Drawing
+from wmr_ctrl.report.guard_price_table import price_table
+from wmr_ctrl.report.style import look
+from wmr_ctrl.report.tables import TextTable, comparison_tables
+from wmr_ctrl.results import Outcome
+from wmr_ctrl.scenario import load_scenario
+
+ALWAYS = 0.25
+"""Share of samples in clip from which on it is the guard, not the law, that steers."""
+SPINS = 100.0
+"""A guarded run with this many times the base case's ISE does not follow its reference."""
+NOTICED = 1.1
+"""Growth of the distance from which on it is mentioned."""
+
+T = TypeVar("T")
+Numbers: TypeAlias = dict[str, object]
+Cells: TypeAlias = list[tuple[str, float | None, float | None]]
+"""A law's label, and a figure with and without the guard."""
+
+
+@dataclass(frozen=True, slots=True)
+class GuardSection:
+    """All that the section's template shows; ``tables`` by base, no ``price`` without its rows.
+
+    ``findings`` and ``shortfalls``: numbers by sentence; None or nothing where no row has them.
+    """
+
+    runs: int
+    seeds: Sequence[int]
+    findings: Numbers
+    shortfalls: Numbers
+    price: TextTable | None
+    tables: Mapping[str, tuple[TextTable, ...]]
+    drawings: Sequence[Drawing]
+
+
+def guard_section(rows: GuardComparison, drawings: Sequence[Drawing]) -> GuardSection:
+    """Numbers of the sentences, tables and figures."""
+    priced = tuple(
+        (base, factor)
+        for factor in (BASE, PUSHED)
+        for base in rows.bases
+        if factor in rows.factors(base)
+    )
+    return GuardSection(
+        runs=len(rows.rows),
+        seeds=rows.seeds,
+        findings=findings(rows),
+        shortfalls=shortfalls(rows),
+        price=price_table(rows, priced) if priced else None,
+        tables={base: comparison_tables(rows, base) for base in rows.bases},
+        drawings=drawings,
+    )
+
+
+def findings(rows: GuardComparison) -> Numbers:
+    """What the guard and the law do."""
+    outside = _both(rows, lambda row: row.case.factor == OUTSIDE)
+    return {
+        "inside": _both(rows, lambda row: row.case.factor != OUTSIDE),
+        "bounds_left": sum(row.outcome == Outcome.BOUNDS_LEFT for row in rows.guarded()),
+        "outside": outside and {**outside, "start": start_ratio(OUTSIDE)},
+        "after": _by_base(rows, lambda base: _cells(rows, base, BASE, "position_rms")),
+        "steers": _by_base(rows, lambda base: _steered(rows, base)),
+    }
+
+
+def shortfalls(rows: GuardComparison) -> Numbers:
+    """Where guard and law fall short."""
+    return {
+        "wind_up": _by_base(rows, lambda base: _wound_up(rows, base)),
+        "spins": _by_base(rows, lambda base: _spinning(rows, base)),
+        "refused": _refused(rows),
+        "prox": _by_base(rows, lambda base: _broken_by_prox(rows, base)),
+        "price": _by_base(rows, lambda base: _price(rows, base)),
+    }
+
+
+def _by_base(rows: GuardComparison, of: Callable[[str], T]) -> list[tuple[str, T]]:
+    """What there is of each base."""
+    return [(base, numbers) for base in rows.bases if (numbers := of(base))]
+
+
+def _both(rows: GuardComparison, chosen: Callable[[ComparedRun], bool]) -> Numbers | None:
+    """Runs, broken ones, largest |v|/limit and most steps outside, with and without the guard."""
+    pair = {
+        name: [row for row in rows.guarded(guard) if chosen(row)]
+        for name, guard in (("held", True), ("free", False))
+    }
+    if not all(pair.values()):
+        return None
+    return {
+        name: {
+            "runs": len(runs),
+            "broken": _broken(runs),
+            "fastest": _fastest(runs),
+            "steps": max(row.violations for row in runs),
+        }
+        for name, runs in pair.items()
+    }
+
+
+def _steered(rows: GuardComparison, base: str) -> list[tuple[str, float]]:
+    shares = (
+        (
+            look(law).label,
+            median(max(r.clipped) for r in rows.of(base, BASE, law, True) if r.clipped),
+        )
+        for law in rows.laws
+    )
+    return [(label, share) for label, share in shares if share and share > ALWAYS]
+
+
+def _wound_up(rows: GuardComparison, base: str) -> Numbers | None:
+    ise = {law: rows.median("ise", base, FAR_START, law, True) for law in rows.laws}
+    smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
+    if smc is None or not others:
+        return None
+    share = median(r.clipped[0] for r in rows.of(base, FAR_START, "smc", True) if r.clipped)
+    return {
+        "ise": smc,
+        "least": min(others),
+        "most": max(others),
+        "left": rows.median("e1_after", base, FAR_START, "smc", True),
+        "share": share,
+    }
+
+
+def _spinning(rows: GuardComparison, base: str) -> Numbers | None:
+    lost: list[tuple[str, float]] = []
+    steady: list[tuple[str, float]] = []
+    for law in rows.laws:
+        there, usual = (rows.median("ise", base, f, law, True) for f in (PUSHED, BASE))
+        if there is not None and usual is not None:
+            (lost if there > SPINS * usual else steady).append((look(law).label, there))
+    return {"lost": lost, "steady": steady} if lost else None
+
+
+def _refused(rows: GuardComparison) -> Numbers | None:
+    refused = [row for row in rows.rows if row.outcome == REFUSED]
+    if not refused:
+        return None
+    cases = tuple(dict.fromkeys(row.case.factor for row in refused))
+    alone = [r for r in rows.guarded(False) if r.case.factor in cases]
+    return {
+        "cases": cases,
+        "runs": len(refused),
+        "words": refused[0].refusal,
+        "alone": len(alone),
+        "broken": _broken(alone),
+    }
+
+
+def _broken_by_prox(rows: GuardComparison, base: str) -> list[Numbers]:
+    cases = ((f, rows.of(base, f, "prox", False)) for f in rows.factors(base) if f != OUTSIDE)
+    return [
+        {"factor": f, "broken": _broken(runs), "runs": len(runs), "fastest": _fastest(runs)}
+        for f, runs in cases
+        if _broken(runs)
+    ]
+
+
+def _price(rows: GuardComparison, base: str) -> dict[str, Cells]:
+    far = _grown(_cells(rows, base, FAR_START, "ise"), 0.0)
+    worse = _grown(_cells(rows, base, BASE, "position_rms"), NOTICED)
+    return {"far": far, "worse": worse} if far or worse else {}
+
+
+def _cells(rows: GuardComparison, base: str, factor: str, figure: str) -> Cells:
+    """A figure of each law that was run so."""
+    return [
+        (
+            look(law).label,
+            rows.median(figure, base, factor, law, True),
+            rows.median(figure, base, factor, law, False),
+        )
+        for law in rows.laws
+        if rows.of(base, factor, law, True)
+    ]
+
+
+def _grown(cells: Cells, least: float) -> Cells:
+    """Those in which the guard makes the figure at least so many times as large."""
+    return [
+        (label, held, free)
+        for label, held, free in cells
+        if held is not None and free is not None and held >= least * free
+    ]
+
+
+def _broken(runs: Iterable[ComparedRun]) -> int:
+    return sum(1 for row in runs if row.broke)
+
+
+def _fastest(runs: Iterable[ComparedRun]) -> float | None:
+    return max((max(row.speed) for row in runs if row.speed), default=None)
+
+
+def start_ratio(factor: str) -> float:
+    """Largest |v|/limit at the start of a case."""
+    scenario = load_scenario(SCENARIO, overrides_of(next(iter(BASES)), factor))
+    pairs = zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
+    return max(abs(v) / limit for v, limit in pairs)
