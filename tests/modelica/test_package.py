@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.modelica import modelica_package
+from wmr_ctrl.modelica.package import folded
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.references.registry import REFERENCES
 
@@ -73,11 +75,66 @@ def test_parts_may_be_replaced_by_imports(text, simulated):
     """Another block takes the place of an FMU's class: ports are all that is asked of it."""
     part = "Imported.ControllerFmu controller"
     assert text.count(part) == 1
-    own = text.replace(part, f"{part}(redeclare block Fmu = Laws.smc)")
+    own = text.replace(part, f"{part}(redeclare block Fmu = Laws.Smc)")
     mine = simulated(own, loop("imported"), 0.5)
     smc, first = (simulated(text, loop(law), 0.5) for law in ("smc", "imported"))
     assert max(largest_differences(mine, smc).values()) < 1e-9
     assert max(largest_differences(mine, first).values()) > 0.1
+
+
+def test_a_disturbance_may_be_given(text, simulated):
+    """A constant thrust is the native push for as long as the robot does not turn back."""
+    model = """
+block Push
+  extends WheeledRobot.Interfaces.Disturbance;
+equation
+  noise_right = 0.0;
+  noise_left = 0.0;
+  thrust = 20.0;
+  moment = 0.0;
+end Push;
+model Pushed
+  extends WheeledRobot.Examples.Loop(
+    redeclare WheeledRobot.Laws.Pid controller, redeclare Push disturbance);
+end Pushed;
+"""
+    found = simulated(text + model, "Pushed", 1.0)
+    finer = {"clock.duration": 1.0, "clock.plant": 1e-4}
+    alone = simulate(NOMINAL, "pid", overrides=finer)
+    native = simulate(NOMINAL, "pid", overrides={**finer, "disturbance.push": [20.0, 0.0]})
+    forward = int(np.argmax(native["v1"] < 0)) or native.rows
+    assert forward > 20
+    for name in SHOWN[:5]:
+        assert np.abs(found[name] - native[name])[:forward].max() < 1e3 * EXACT, name
+    assert np.abs(native["v1"] - alone["v1"])[:forward].max() > 0.01
+
+
+@pytest.mark.parametrize("name", ['a "quoted" one', "two\nlines", "back\\slash", "a\\", "</html>"])
+def test_a_name_cannot_end_a_string(text, name):
+    """Only what is said of the scenario differs, and a parser reads it."""
+    parser = pytest.importorskip("pymoca.parser", reason="NOT RUN: pymoca is not there")
+    scenario = replace(load_scenario(NOMINAL), name=name)
+    named = modelica_package(scenario)
+    ours, theirs = (re.sub(r'"(?:\\.|[^"\\])*"', '""', item) for item in (text, named))
+    assert ours == theirs
+    assert len(text.split("\n")) == len(named.split("\n"))
+    tail = named[named.index("  package Imported") :]
+    assert parser.parse("package WheeledRobot\n" + tail) is not None
+    with pytest.raises(SyntaxError):
+        parser.parse("package WheeledRobot\n" + tail.replace("the scenario ", 'the scenario "'))
+
+
+def test_lines_are_short_and_break_outside_of_strings(text):
+    assert max(map(len, text.split("\n"))) <= 100
+    long = 'x = "a b" + f({1.0, 2.0}, "' + "c d " * 40 + '");'
+    assert " ".join(line.strip() for line in folded("  " + long)) == long
+    assert all(line.startswith("  ") for line in folded("  " + long))
+
+
+def test_what_is_sampled_has_fixed_start_values(text):
+    held = re.findall(r"discrete Real \w+\[\d+\]\s*\(([^;]*)\);", text)
+    assert len(held) >= 2 * len(LAWS) - 1
+    assert all("start =" in item and "each fixed = true" in item for item in held)
 
 
 def test_functions_that_modelica_lacks(text, simulated):

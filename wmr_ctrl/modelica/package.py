@@ -25,6 +25,16 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.plant import plant
 from wmr_ctrl.model.system import Output, Port, System, stack
+from wmr_ctrl.modelica.diagram import (
+    LOOP,
+    LOOP_EXTENT,
+    WITHIN,
+    places_of_parts,
+    shown_places,
+    wires_of_loop,
+    wires_within,
+)
+from wmr_ctrl.modelica.icons import ICONS, label
 from wmr_ctrl.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import atomic_write
 from wmr_ctrl.scenario import Change, Scenario
@@ -36,6 +46,10 @@ CLOCK = "clock.control"
 RESULT = "y"
 """Name of a function's one result."""
 _TEMPLATES = Path(__file__).parent
+_WIDTH = 100
+"""Characters of a line of code, but where one word or string is longer."""
+_WORD = re.compile(r'(?:"(?:\\.|[^"\\])*"|[^\s"]|")+')
+_ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 
 @dataclass(frozen=True)
@@ -48,7 +62,7 @@ class Member:
     @property
     def name(self) -> str:
         """The signal's name as an identifier: ``gains.mb.rho`` as gains_mb_rho."""
-        return re.sub(r"\W+", "_", self.signal.name).strip("_")
+        return re.sub(r"\W+", "_", self.signal.name, flags=re.ASCII).strip("_")
 
     @property
     def size(self) -> str:
@@ -72,8 +86,8 @@ class Member:
 
     @property
     def meaning(self) -> str:
-        """Comment, without what would end it."""
-        return self.signal.meaning.replace("\\", "/").replace('"', "'")
+        """Comment: the signal's meaning."""
+        return self.signal.meaning
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -88,12 +102,34 @@ def members(items: Iterable[Port | Output]) -> list[Member]:
     return [Member(p.signal, p.value if isinstance(p, Port) else ()) for p in items]
 
 
+def _names(listed: Iterable[Member]) -> list[str]:
+    return [member.name for member in listed]
+
+
 def vector(numbers: Iterable[float]) -> str:
     """An array constructor."""
     listed = list(numbers)
     if len(listed) > 8 and len(set(listed)) == 1:
         return f"fill({literal(listed[0])}, {len(listed)})"
     return "{" + ", ".join(map(literal, listed)) + "}"
+
+
+def quoted(text: str) -> str:
+    """A text as it stands between the quotation marks of a string."""
+    return "".join(_ESCAPES.get(c, c if c.isprintable() else " ") for c in text)
+
+
+def folded(line: str) -> list[str]:
+    """A line of code as several where it is too long, broken at spaces outside of strings."""
+    if len(line) <= _WIDTH:
+        return [line]
+    indent = line[: len(line) - len(line.lstrip())]
+    lines = [indent]
+    for word in _WORD.findall(line):
+        if len(lines[-1]) + len(word) >= _WIDTH and lines[-1].strip():
+            lines.append(indent + "  ")
+        lines[-1] += word if lines[-1].isspace() or not lines[-1] else f" {word}"
+    return lines
 
 
 def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
@@ -123,25 +159,35 @@ def modelica_package(scenario: Scenario) -> str:
     controllers = [controller(setup) for setup in setups]
     clock = Member(*scenario.number(CLOCK))
     robot, desired = plant(scenario), members(reference(scenario).outputs)
+    inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
+    ports = places_of_parts(*map(_names, (
+        desired, inputs, outputs, members(robot.inputs), members(robot.outputs)
+    )))  # fmt: skip
     engine = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
-    return engine.get_template("package.mo.j2").render(
+    engine.filters["quoted"] = quoted
+    text = engine.get_template("package.mo.j2").render(
         version=__version__,
         scenario=scenario,
         clock=clock,
         noise=_noise(setups[0]),
         experiment=_experiment(scenario),
-        imported=list(_imported(controllers[0], desired, robot)),
         reference=_reference(scenario),
-        controller={
-            "inputs": members(controllers[0].inputs),
-            "outputs": members(controllers[0].outputs),
-        },
+        controller={"inputs": inputs, "outputs": outputs},
         plant=_plant(scenario, robot),
         laws=[_law(system, clock) for system in controllers],
+        icons=ICONS,
+        label=label,
+        ports=ports,
+        sites=LOOP,
+        within=WITHIN,
+        extent=LOOP_EXTENT,
+        wires=wires_of_loop(ports),
+        imported={name: wires_within(ports[name]) for name in ("reference", "controller", "plant")},
     )
+    return "\n".join(line for long in text.split("\n") for line in folded(long))
 
 
 def _noise(setup: Setup) -> str:
@@ -162,19 +208,9 @@ def _refuse_more(scenario: Scenario, missed: list[str]) -> None:
 def _experiment(scenario: Scenario) -> str:
     clock = scenario.clock
     return (
-        f"annotation(experiment(StartTime = 0, StopTime = {clock.duration!r}, "
-        f"Interval = {clock.control!r}, Tolerance = 1e-8));"
+        f"experiment(StartTime = 0, StopTime = {clock.duration!r}, "
+        f"Interval = {clock.control!r}, Tolerance = 1e-8)"
     )
-
-
-def _imported(
-    controller: System, reference_outputs: list[Member], robot: System
-) -> Iterable[tuple[str, str, list[Member], list[Member]]]:
-    """Name, default class, inputs and outputs of each part that an FMU may be."""
-    yield "Reference", "WheeledRobot.Reference", [], reference_outputs
-    law = f"Laws.{controller.name}"
-    yield "Controller", law, members(controller.inputs), members(controller.outputs)
-    yield "Plant", "WheeledRobot.Plant", members(robot.inputs), members(robot.outputs)
 
 
 def _step(system: System) -> Kernel:
@@ -207,12 +243,14 @@ def _law(system: System, clock: Member) -> Mapping[str, object]:
     shown = [item for item in members(system.diagnostics) if item.signal.name not in taken]
     return {
         "name": system.name,
+        "class_name": system.name[:1].upper() + system.name[1:],
         "title": system.title,
         "parameters": [clock, *(item for item in parameters if item.name != clock.name)],
         "memory": vector(memory) if memory else "",
         "count": len(memory),
         "call": f"({', '.join(arguments)})",
         "diagnostics": shown,
+        "ports": shown_places(_names(shown)),
         "assignments": list(_shown(system, len(memory))),
         **_function(system),
     }

@@ -1,0 +1,176 @@
+"""The package as a drawing: read from its text, as a tool with diagrams would."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.laws import LAWS
+
+NUMBER = r"-?\d+(?:\.\d+)?"
+PAIR = rf"\{{({NUMBER}),({NUMBER})\}}"
+PLACED = (
+    rf"Placement\(transformation\(extent=\{{{PAIR},{PAIR}\}},"
+    rf"\s*origin={PAIR}(?:,\s*rotation=({NUMBER}))?"
+)
+PARTS = ("reference", "controller", "plant", "disturbance")
+LEADS_IN = {(-1, 0): 0.0, (1, 0): 180.0, (0, 1): -90.0, (0, -1): 90.0}
+"""By the edge that a port stands on, its turn if it leads in [deg]."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A placed port or part: half its size, its middle, its turn."""
+
+    kind: str
+    half: float
+    middle: np.ndarray
+    turn: float = 0.0
+
+    def at(self, port: Drawn) -> np.ndarray:
+        """Middle of a port of this part, in the diagram."""
+        return self.middle + self.half / 100 * port.middle
+
+
+def classes(text: str, kind: str, name: str) -> str:
+    return re.search(
+        rf"^( *)(?:partial )?{kind} {name}\s.*?^\1end {name};", text, flags=re.S | re.M
+    )[0]
+
+
+def placed(body: str, declared: str) -> dict[str, Drawn]:
+    """Declarations of a kind by name, each with its placement."""
+    found = {}
+    for start in re.finditer(rf"^ *{declared}", body, flags=re.M):
+        statement = body[start.start() :].partition(";\n")[0]
+        drawn = re.search(PLACED, statement)
+        assert drawn, statement
+        numbers = [float(number or 0) for number in drawn.groups()]
+        assert numbers[:2] == [-numbers[2], -numbers[3]]
+        found[start[2]] = Drawn(start[1], numbers[2], np.array(numbers[4:6]), numbers[6])
+    return found
+
+
+def ports(text: str, part: str) -> dict[str, Drawn]:
+    body = classes(text, "block", part.capitalize())
+    found = placed(body, r"(RealInput|RealOutput) (\w+)")
+    return {name: port for name, port in found.items() if port.half == 10}
+
+
+def lines(body: str) -> dict[tuple[str, str], np.ndarray]:
+    pattern = rf"connect\(([\w.]+), ([\w.]+)\)\s*annotation\(Line\(points=\{{((?:{PAIR},?)+)\}}"
+    return {
+        (match[1], match[2]): np.array(re.findall(PAIR, match[3]), float)
+        for match in re.finditer(pattern, body)
+    }
+
+
+def loop_parts(text: str, model: str) -> dict[str, Drawn]:
+    declared = r"(?:replaceable )?([\w.]+) (reference|controller|plant|disturbance) "
+    return placed(classes(text, "model", model), declared)
+
+
+def crosses(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two polylines of level and upright pieces share a point."""
+    boxes = [[np.sort(piece, axis=0) for piece in pairwise(each)] for each in (one, other)]
+    boxes = [[(np.min(p, axis=0), np.max(p, axis=0)) for p in each] for each in boxes]
+    return any(
+        bool((low <= other_high).all() and (other_low <= high).all())
+        for low, high in boxes[0]
+        for other_low, other_high in boxes[1]
+    )
+
+
+def test_every_port_leads_over_an_edge_and_none_covers_another(text):
+    interfaces = text.partition("end Interfaces;")[0]
+    for part in PARTS:
+        found = ports(interfaces, part)
+        assert len(found) == {"reference": 7, "controller": 14, "plant": 12, "disturbance": 4}[part]
+        for port in found.values():
+            edge = tuple(int(np.sign(x)) if abs(x) == 110 else 0 for x in port.middle)
+            wanted = LEADS_IN[edge] + 180.0 * (port.kind == "RealOutput")
+            assert (port.turn - wanted) % 360 == 0
+            assert np.abs(port.middle).min() <= 90
+        for one, other in combinations(found.values(), 2):
+            assert np.abs(one.middle - other.middle).max() > 20
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_a_law_shows_stands_beside_its_inputs_and_torques(text, law):
+    body = classes(text, "block", law.capitalize())
+    own = placed(body, r"Interfaces\.(RealInput|RealOutput) (\w+)")
+    assert len(own) == body.count("Interfaces.Real") >= 5
+    others = ports(text.partition("end Interfaces;")[0], "controller").values()
+    for port in own.values():
+        assert (port.middle[1], port.turn) == (110, LEADS_IN[0, 1] + 180)
+        assert all(np.abs(port.middle - other.middle).max() > 20 for other in others)
+    for one, other in combinations(own.values(), 2):
+        assert np.abs(one.middle - other.middle).max() > 20
+
+
+@pytest.mark.parametrize("model", ["Loop", "Loop_imported"])
+def test_the_loop_is_a_diagram(text, model):
+    """Parts stand apart, lines run from port to port, none through a part or another line."""
+    parts, interfaces = loop_parts(text, model), text.partition("end Interfaces;")[0]
+    assert tuple(parts) == PARTS
+    for one, other in combinations(parts.values(), 2):
+        assert np.abs(one.middle - other.middle).max() > one.half + other.half
+    body = classes(text, "model", model)
+    drawn = lines(body)
+    assert len(drawn) == body.count("connect(") == 7 + 2 + 4 + 5
+    for ends, points in drawn.items():
+        for end, point in zip(ends, (points[0], points[-1]), strict=True):
+            part, name = end.split(".")
+            assert np.allclose(parts[part].at(ports(interfaces, part)[name]), point)
+        assert (np.diff(points, axis=0) == 0).any(axis=1).all()
+        for part in parts.values():
+            frame = part.middle + part.half * np.array(
+                [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]]
+            )
+            assert not crosses(points, frame)
+    for one, other in combinations(drawn.values(), 2):
+        assert not crosses(one, other)
+    corners = re.search(rf"coordinateSystem\(extent=\{{{PAIR},{PAIR}\}}", body).groups()
+    low, high = np.array(corners, float).reshape(2, 2)
+    everything = np.vstack(
+        [*drawn.values(), *(p.middle + s * p.half for p in parts.values() for s in (-1, 1))]
+    )
+    assert (everything > low).all()
+    assert (everything < high).all()
+
+
+@pytest.mark.parametrize("part", PARTS[:3])
+def test_a_block_around_an_fmu_is_a_diagram(text, part):
+    body = classes(text, "block", f"{part.capitalize()}Fmu")
+    (fmu,) = placed(body, r"(Fmu) (fmu)").values()
+    outer = ports(text.partition("end Interfaces;")[0], part)
+    drawn = lines(body)
+    assert len(drawn) == body.count("connect(") == len(outer)
+    for ends, points in drawn.items():
+        for end, point in zip(ends, points, strict=True):
+            within, _, name = end.rpartition(".")
+            place = fmu.at(outer[name]) if within else outer[name].middle
+            assert np.allclose(place, point)
+
+
+def test_every_class_that_is_drawn_has_an_icon(text):
+    drawn = re.findall(r"^ *(?:partial )?(block|package) (\w+) ", text, flags=re.M)
+    assert ("package", "WheeledRobot") in drawn
+    for kind, name in drawn:
+        body = classes(text, kind, name)
+        inherits = re.search(r"extends Interfaces\.\w+", body)
+        assert "Icon(graphics={" in body or inherits, name
+    for name in ("RealInput", "RealOutput"):
+        assert re.search(rf"connector {name} = [^;]*?annotation\(Icon\(graphics=", text)
+
+
+def test_classes_are_capitalised(text):
+    names = re.findall(r"^ *(?:partial )?(?:block|package|model|connector) (\w+)", text, flags=re.M)
+    assert len(names) > 20
+    assert all(name[0].isupper() for name in names)
+    for law in LAWS:
+        assert f"extends Loop(redeclare Laws.{law.capitalize()} controller);" in text
