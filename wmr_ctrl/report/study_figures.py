@@ -6,7 +6,9 @@ import csv
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
+from textwrap import fill, shorten
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.study_plan import SHARES
 from wmr_ctrl.campaign.study_sample import SOBOL, library
+from wmr_ctrl.campaign.study_store import counted_reasons
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, with_unit
@@ -26,6 +29,10 @@ PlainPlan: TypeAlias = Mapping[str, Any]
 PREFERRED = ("position_rms", "ise_total")
 MOST_VALUES = 12
 BINS = 8
+ROWS = 4
+"""Points of a grid whose Sobol indices stand in one picture."""
+CAUSE = 160
+"""Characters of a guard's reason that a picture has room for."""
 KEPT = "#1F77C9"
 
 
@@ -33,12 +40,15 @@ KEPT = "#1F77C9"
 class StudyTable:
     """What is drawn of a study: its plan in plain values, and the columns of its table.
 
-    ``numbers`` has an array a column of numbers (NaN: none), ``group`` law and guard of each run.
+    ``numbers`` has an array a column of numbers (NaN: none), ``group`` law and guard of each run,
+    ``ended`` its outcome, ``refusal`` the guard's reason where it refused.
     """
 
     plan: PlainPlan
     numbers: Mapping[str, Floats]
     group: NDArray[np.str_]
+    ended: NDArray[np.str_]
+    refusal: NDArray[np.str_]
     units: Mapping[str, str]
 
     @property
@@ -56,6 +66,27 @@ class StudyTable:
         """The figure that is drawn: how well it tracked, else the first of the plan."""
         names = self.plan["figures"]
         return next((name for name in PREFERRED if name in names), names[0])
+
+    @property
+    def point(self) -> NDArray[np.intp]:
+        """Place of each run's values among the points of grid and sample."""
+        of_point = len(self.plan["laws"]) * len(self.plan["guard"]) * self.plan["seeds"]["count"]
+        return self.numbers["index"].astype(np.intp) // of_point
+
+    def missing(self, mask: NDArray[np.bool_]) -> str:
+        """Why runs have no value of the drawn figure, with their number; "" where all have one."""
+        without = mask & ~np.isfinite(self.numbers[self.figure])
+        count, total = int(without.sum()), int(mask.sum())
+        if not count:
+            return ""
+        reasons = counted_reasons(self.refusal[without].tolist())
+        if not reasons:
+            listed = ", ".join(sorted(set(self.ended[without].tolist())))
+            return f"{count} of {total} runs have no value of {self.figure}: {listed}"
+        (reason, first), *others = reasons.items()
+        more = f", {count - first} for other reasons" if others or first < count else ""
+        cause = shorten(reason.removeprefix("guard: ").partition(", but ")[0], CAUSE)
+        return f"{count} of {total} runs have no value: the guard refused {first} ({cause}){more}"
 
 
 def plot_study(folder: str | Path) -> list[Path]:
@@ -85,13 +116,15 @@ def _read(folder: Path) -> StudyTable:
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "columns.csv").open(encoding="utf-8", newline="") as file:
             units = {row["name"]: row["unit"] for row in csv.DictReader(file)}
-        wanted = [*_keys(plan), *plan["figures"]]
+        wanted = ["index", *_keys(plan), *plan["figures"]]
         with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
             reader = csv.reader(file)
             places = {name: place for place, name in enumerate(next(reader))}
             lists: dict[str, list[float]] = {name: [] for name in wanted}
-            group = []
+            group, ended, refusal = [], [], []
             for row in reader:
+                ended.append(row[places["outcome"]])
+                refusal.append(row[places["refusal"]])
                 guarded = ", guarded" if row[places["guard"]] == "true" else ""
                 group.append(row[places["law"]] + guarded)
                 for name, values in lists.items():
@@ -101,7 +134,8 @@ def _read(folder: Path) -> StudyTable:
     if not group:
         raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
     numbers = {name: np.array(values) for name, values in lists.items()}
-    return StudyTable(plan, numbers, np.array(group), units)
+    texts = (np.array(column) for column in (group, ended, refusal))
+    return StudyTable(plan, numbers, *texts, units)
 
 
 def _unfinished(folder: Path, error: Exception) -> str:
@@ -129,6 +163,8 @@ def _number(cell: str) -> float:
 def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
     """Name and figure of each picture that the study has something for."""
     yield "spread", _by_group(table)
+    if not np.isfinite(table.numbers[table.figure]).any():
+        return
     if table.keys:
         yield "factors", _by_factor(table)
     if len(table.keys) >= 2:
@@ -136,7 +172,10 @@ def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
         if "violated" in table.plan["figures"]:
             yield "limit-kept", _maps(table, "violated")
     if table.plan["sample"] and table.plan["sample"]["method"] == SOBOL:
-        yield "sobol", _indices(table)
+        rows = len(list(product(*table.plan["grid"].values())))
+        for page, first in enumerate(range(0, rows, ROWS), 1):
+            name = "sobol" if page == 1 else f"sobol-{page}"
+            yield name, _indices(table, range(first, min(first + ROWS, rows)))
 
 
 def _label(table: StudyTable, name: str) -> str:
@@ -150,7 +189,8 @@ def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
 
 def _by_group(table: StudyTable) -> Figure:
     """A violin for each law and guard."""
-    figure = Figure(figsize=(1.6 + 0.9 * len(table.groups), 3.0), layout="constrained")
+    wide = max(4.2, 1.6 + 0.9 * len(table.groups))
+    figure = Figure(figsize=(wide, 3.2), layout="constrained")
     axes = figure.add_subplot()
     for place, group in enumerate(table.groups):
         values = _values(table, table.group == group)
@@ -166,8 +206,23 @@ def _by_group(table: StudyTable) -> Figure:
             axes.plot(place, middle, "o", ms=4, color="white", mec="black", mew=0.7)
     axes.set_xticks(range(len(table.groups)), [_short(group) for group in table.groups])
     axes.set_ylabel(_label(table, table.figure))
-    axes.set_title(f"All runs: median, quartiles, density ({len(table.group)} runs)")
+    axes.set_xlim(-0.6, len(table.groups) - 0.4)
+    figure.suptitle(f"{len(table.group)} runs: median, quartiles, density", fontsize="medium")
+    why = table.missing(np.ones(len(table.group), dtype=bool))
+    if why:
+        said = fill(why, int(14 * wide))
+        if np.isfinite(table.numbers[table.figure]).any():
+            axes.set_title(said, color=MUTED, fontsize="small", fontweight="normal")
+        else:
+            axes.set_yticks([])
+            _say(axes, said)
     return figure
+
+
+def _say(axes: Axes, text: str) -> None:
+    """A text in the place of what cannot be drawn."""
+    axes.text(0.5, 0.5, text, ha="center", va="center", color=MUTED, fontsize="small",
+              transform=axes.transAxes)  # fmt: skip
 
 
 def _short(group: str) -> str:
@@ -197,10 +252,14 @@ def _by_factor(table: StudyTable) -> Figure:
             axes.plot([], [], "s", color=colour, alpha=0.3 if "guarded" in group else 0.7,
                       label=_short(group).replace("\n", ", "))  # fmt: skip
         axes.set_xticks(range(len(centres)), [f"{centre:.3g}" for centre in centres])
+        axes.set_xlim(-0.6, len(centres) - 0.4)
         axes.set_xlabel(_label(table, keys[row]))
         axes.set_ylabel(_label(table, table.figure))
         if row == 0 and count > 1:
             axes.legend(ncols=4, loc="lower left", bbox_to_anchor=(0, 1.0))
+    why = table.missing(np.ones(len(table.group), dtype=bool))
+    if why:
+        figure.suptitle(fill(why, 100), color=MUTED, fontsize="small")
     return figure
 
 
@@ -286,49 +345,51 @@ def _map(
     return image
 
 
-def _indices(table: StudyTable) -> Figure:
-    """First and total Sobol indices of the figure with 95 % intervals, by law and guard.
+def _indices(table: StudyTable, rows: range) -> Figure:
+    """First and total Sobol indices of the figure with 95 % intervals.
 
-    The mean over the seeds stands for each point; where a point has none, nothing is drawn.
+    A row for each of the grid's ``rows``, a column for each law and guard.  The mean over the seeds
+    stands for each point; where a run has no value, the place says why.
     """
+    grid, ranges = table.plan["grid"], table.plan["sample"]["ranges"]
+    combinations = list(product(*grid.values()))
+    wide = len(table.groups)
+    size = (1.0 + 2.6 * wide, 0.3 + 2.8 * len(rows))
+    figure = Figure(figsize=size, layout="constrained")
+    for row, line in zip(rows, figure.subplots(len(rows), wide, squeeze=False), strict=True):
+        at = zip(grid, combinations[row], strict=True)
+        where = "".join(f"\n{key} = {json.dumps(value)}" for key, value in at)
+        for group, axes in zip(table.groups, line, strict=True):
+            axes.set_title(_short(group).replace("\n", ", ") + where)
+            axes.set_xticks(np.arange(len(ranges)), list(ranges), rotation=20, ha="right")
+            _bars(table, axes, (table.group == group) & (table.point // _points(table) == row))
+    return figure
+
+
+def _points(table: StudyTable) -> int:
+    """Points of the sample that Sobol indices need."""
+    sample = table.plan["sample"]
+    return int(sample["n"] * (len(sample["ranges"]) + 2))
+
+
+def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
+    """Indices over the runs of a mask, or why there are none."""
+    values, places = table.numbers[table.figure][mask], table.point[mask] % _points(table)
+    why = table.missing(mask)
+    if why or np.ptp(values) == 0:
+        axes.set_yticks([])
+        _say(axes, fill(why or f"{table.figure} is the same in all runs: nothing to explain", 34))
+        return
     analyze: Any = library("SALib.analyze.sobol", "study")
     ranges = table.plan["sample"]["ranges"]
     problem = {
         "num_vars": len(ranges), "names": list(ranges),
         "bounds": [list(pair) for pair in ranges.values()],
     }  # fmt: skip
-    wide = len(table.groups)
-    figure = Figure(figsize=(1.0 + 2.4 * wide, 3.0), layout="constrained")
-    for place, axes in enumerate(np.ravel(figure.subplots(1, wide, squeeze=False))):
-        group = table.groups[place]
-        means = _point_means(table, table.group == group)
-        axes.set_title(_short(group).replace("\n", ", "))
-        if not np.isfinite(means).all() or np.ptp(means) == 0:
-            axes.text(0.5, 0.5, "not defined:\nruns without the figure", ha="center", va="center",
-                      color=MUTED, transform=axes.transAxes)  # fmt: skip
-            continue
-        indices = analyze.analyze(problem, means, calc_second_order=False, seed=0)
-        at = np.arange(len(ranges))
-        for shift, key, label, colour in (
-            (-0.18, "S1", "first", KEPT),
-            (0.18, "ST", "total", MUTED),
-        ):
-            axes.bar(at + shift, indices[key], 0.34, yerr=indices[f"{key}_conf"], label=label,
-                     color=colour, capsize=2, error_kw={"lw": 0.8})  # fmt: skip
-        axes.set_xticks(at, list(ranges), rotation=20, ha="right")
-        axes.set_ylabel(f"Sobol index of {table.figure}")
-        axes.legend()
-    return figure
-
-
-def _point_means(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
-    """Mean of the figure at each point of the sample, in the plan's order.
-
-    Points of a group stand together, in order, each with all of its seeds.
-    """
-    values = table.numbers[table.figure][mask]
-    sample = table.plan["sample"]
-    points = sample["n"] * (len(sample["ranges"]) + 2)
-    if values.size % points or values.size != points * table.plan["seeds"]["count"]:
-        return np.full(1, np.nan)
-    return np.asarray(values.reshape(points, -1).mean(axis=1))
+    means = np.bincount(places, values) / np.bincount(places)
+    indices = analyze.analyze(problem, means, calc_second_order=False, seed=0)
+    for shift, key, label, colour in ((-0.18, "S1", "first", KEPT), (0.18, "ST", "total", MUTED)):
+        axes.bar(np.arange(len(ranges)) + shift, indices[key], 0.34, label=label, color=colour,
+                 yerr=indices[f"{key}_conf"], capsize=2, error_kw={"lw": 0.8})  # fmt: skip
+    axes.set_ylabel(f"Sobol index of {table.figure}")
+    axes.legend()

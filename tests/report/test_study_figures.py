@@ -1,0 +1,89 @@
+"""Pictures of studies: indices at each point of the grid, and why a value is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.campaign.study_plan import plan_of
+from wmr_ctrl.report.study_figures import StudyTable, _drawings
+
+PLAN = {
+    "laws": ["mb", "prox"],
+    "guard": [True],
+    "seeds": 2,
+    "figures": ["position_rms"],
+    "grid": {"clock.control": [0.005, 0.01]},
+    "sample": {"method": "sobol", "n": 64, "robot.mu": [0.0, 1.0], "robot.m": [40, 60]},
+}
+WHEELS = "guard: the wheels cannot hold the robot: {:g} > 2 is needed, but 1 > 2. It holds from 3."
+
+
+def table_of(value, refused=None, **changes):
+    """The table of a plan whose figure is ``value(row)``; ``refused(row)``: rows without one."""
+    plan = plan_of({**PLAN, **changes})
+    cells = [(index, *plan.values(index // plan.seeds)) for index in range(plan.runs)]
+    rows = [dict(zip(("index", *plan.keys), cell, strict=True)) for cell in cells]
+    for row in rows:
+        row["law"] = plan.case(row["index"] // plan.seeds).law
+    without = np.array([bool(refused and refused(row)) for row in rows])
+    numbers = {key: np.array([float(row[key]) for row in rows]) for key in ("index", *plan.keys)}
+    shown = np.where(without, np.nan, [value(row) for row in rows])
+    told = [
+        WHEELS.format(row["robot.m"]) if no else "" for row, no in zip(rows, without, strict=True)
+    ]
+    return StudyTable(
+        plan.described(), {**numbers, "position_rms": shown},
+        np.array([f"{row['law']}, guarded" for row in rows]),
+        np.where(without, "refused", "completed"), np.array(told), {},
+    )  # fmt: skip
+
+
+def drawn(table):
+    return dict(_drawings(table))
+
+
+def heights(axes):
+    return [bar.get_height() for bar in axes.patches]
+
+
+def test_indices_are_those_of_each_point_of_the_grid():
+    """At 5 ms only mu matters, at 10 ms only m, each whole."""
+    pytest.importorskip("SALib")
+    table = table_of(lambda r: r["robot.mu"] if r["clock.control"] < 0.007 else r["robot.m"] / 60)
+    axes = drawn(table)["sobol"].axes
+    titles = [ax.get_title() for ax in axes]
+
+    assert len(axes) == 4
+    assert ["0.005" in title for title in titles] == [True, True, False, False]
+    for ax, whole in zip(axes, [[1, 0, 1, 0]] * 2 + [[0, 1, 0, 1]] * 2, strict=True):
+        assert heights(ax) == pytest.approx(whole, abs=0.1)
+
+
+def test_many_points_of_a_grid_stand_in_several_pictures():
+    pytest.importorskip("SALib")
+    radii = [0.05 + 0.01 * k for k in range(9)]
+    names = drawn(table_of(lambda r: r["robot.mu"], grid={"robot.r": radii}, laws=["mb"]))
+
+    assert [name for name in names if "sobol" in name] == ["sobol", "sobol-2", "sobol-3"]
+
+
+def test_what_has_no_indices_says_why():
+    pytest.importorskip("SALib")
+    table = table_of(lambda r: 1.0, lambda r: r["law"] == "prox" and r["robot.m"] > 55)
+    constant, refused = drawn(table)["sobol"].axes[:2]
+
+    assert "the same in all runs" in constant.texts[0].get_text().replace("\n", " ")
+    said = refused.texts[0].get_text().replace("\n", " ")
+    assert "runs have no value: the guard refused" in said
+    assert "(the wheels cannot hold the robot: ... > 2 is needed)" in said
+
+
+def test_a_study_without_any_value_is_one_picture_of_the_reason():
+    sample = {"method": "uniform", "n": 5, "robot.mu": [0.0, 1.0], "robot.m": [40, 60]}
+    figures = drawn(table_of(lambda r: 1.0, lambda r: True, sample=sample))
+    (axes,) = figures["spread"].axes
+
+    assert list(figures) == ["spread"]
+    said = axes.texts[0].get_text().replace("\n", " ")
+    assert said.startswith("40 of 40 runs have no value: the guard refused 40 (the wheels")
