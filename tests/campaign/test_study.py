@@ -414,6 +414,27 @@ def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="no signal to a whole group on Windows")
+def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
+    """A terminal's Ctrl-C goes to the workers too."""
+    pytest.importorskip("distributed")
+    (tmp_path / "plan.toml").write_text('laws = ["mb"]\nseeds = 100000\nchunk = 20\n')
+    command = [sys.executable, "-m", "wmr_ctrl", "study", "plan.toml", "--out", "s"]
+    process = subprocess.Popen(
+        [*command, "--executor", "dask", "--jobs", "2"], cwd=tmp_path, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    )  # fmt: skip
+    while process.poll() is None and not list((tmp_path / "s").glob("chunks/0*.npz")):
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    told, _ = process.communicate(timeout=100)
+
+    assert process.returncode == 130, told
+    assert "the same command goes on from there" in told
+    assert "Traceback" not in told
+
+
+@pytest.mark.slow
 def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
     """Started by their commands; one of two workers is killed on the way."""
     pytest.importorskip("distributed")

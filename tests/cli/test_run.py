@@ -148,6 +148,15 @@ def test_missing_film_maker_is_told_before_the_run(short_run, monkeypatch, tmp_p
     assert found.stderr == "error: no ffmpeg. Install it, or choose .gif.\n"
 
 
+def test_several_laws_are_a_study(wmr):
+    found = wmr("run", "far-start", "--law", "prox,mb")
+    told = " ".join(found.stderr.split())
+
+    assert found.exit_code == 2
+    assert "'prox,mb' names 2 laws" in told
+    assert 'laws = ["prox", "mb"] in PLAN.toml' in told
+
+
 @pytest.mark.parametrize(
     ("options", "guard"), [((), False), (("--guard",), True), (("--no-guard",), False)]
 )

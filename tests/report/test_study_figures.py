@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.report.study_figures import StudyTable, _drawings
+from wmr_ctrl.report.study_figures import _drawings
+from wmr_ctrl.report.study_table import StudyTable
 
 PLAN = {
     "laws": ["mb", "prox"],

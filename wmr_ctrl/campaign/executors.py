@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import logging
+import os
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any, ParamSpec, TypeVar
 
 from wmr_ctrl.campaign.engine import Prepare
@@ -81,14 +85,32 @@ def _local(jobs: int | None) -> Iterator[Executor]:
     """Processes of this machine, without Dask's looks at what they do 100 times a second."""
     distributed: Any = library("distributed", "cluster")
     configured: Any = library("dask.config", "cluster")
-    with (
-        configured.set(QUIET),
-        distributed.LocalCluster(
-            n_workers=jobs or cores(), threads_per_worker=1, processes=True, dashboard_address=None
-        ) as cluster,
-        _client(distributed, cluster, DASK) as client,
-    ):
-        yield client.get_executor(pure=False, retries=RETRIES)
+    with configured.set(QUIET):
+        with _deaf_to_interrupts():
+            cluster = distributed.LocalCluster(
+                n_workers=jobs or cores(), threads_per_worker=1, processes=True,
+                dashboard_address=None, silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+        with cluster, _client(distributed, cluster, DASK) as client:
+            yield client.get_executor(pure=False, retries=RETRIES)
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """What is started here hears no Ctrl-C; it comes to this process, once it is started.
+
+    A terminal sends it to all processes at once, and the workers would end with tracebacks of
+    their own before they are closed.  Windows has no such mask.
+    """
+    if os.name == "nt":
+        yield
+        return
+    resource_tracker.ensure_running()  # which would clear the mask when the first process starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from wmr_ctrl.cli.options import (
+    LawName,
     Seed,
     debug_option,
     examples,
@@ -29,6 +30,7 @@ from wmr_ctrl.cli.run import check_outputs, show, write_run
 @scenario_argument
 @click.option(
     "--law",
+    type=LawName(),
     metavar="NAME",
     help="Control law; see `wmr-ctrl laws`.  [default: the controller's if it is ours, else nn]",
 )

@@ -6,6 +6,7 @@ import click
 
 from wmr_ctrl.cli.console import print_json, say
 from wmr_ctrl.cli.options import (
+    LawName,
     check_folder,
     debug_option,
     json_option,
@@ -18,7 +19,9 @@ from wmr_ctrl.cli.progress import Progress
 
 @click.command(short_help="Poles, margins and the largest stable sample time.")
 @scenario_argument
-@click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@click.option(
+    "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
+)
 @set_option
 @click.option(
     "--plot",

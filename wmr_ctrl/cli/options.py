@@ -65,6 +65,25 @@ class Seed(click.ParamType):
         return seed
 
 
+class LawName(click.ParamType):
+    """The name of one law; which there are is checked where it is used."""
+
+    name = "law"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The name, or an error for a list of names."""
+        names = value.split(",")
+        if len(names) > 1:
+            listed = ", ".join(f'"{name.strip()}"' for name in names)
+            self.fail(
+                f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl check` without "
+                f"--law speaks of all laws; runs of several are a study: laws = [{listed}] in "
+                "PLAN.toml, and `wmr-ctrl study PLAN.toml --out DIR`.",
+                param, ctx,
+            )  # fmt: skip
+        return value
+
+
 def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:
     """The option ``--json`` with its own help text."""
     return click.option("--json", "as_json", is_flag=True, help=text)

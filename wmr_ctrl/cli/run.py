@@ -8,6 +8,7 @@ import click
 
 from wmr_ctrl.cli.console import print_json, say
 from wmr_ctrl.cli.options import (
+    LawName,
     Seed,
     check_output,
     debug_option,
@@ -45,7 +46,9 @@ film_option = click.option(
     ),
 )
 @scenario_argument
-@click.option("--law", default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@click.option(
+    "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
+)
 @guard_option
 @click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
 @click.option(

@@ -10,6 +10,7 @@ import click
 from wmr_ctrl.cli.console import print_json, say
 from wmr_ctrl.cli.failures import resumable
 from wmr_ctrl.cli.options import (
+    LawName,
     check_output,
     debug_option,
     examples,
@@ -48,7 +49,9 @@ class SeedRange(click.ParamType):
     ),
 )
 @click.argument("scenario")
-@click.option("--law", required=True, metavar="NAME", help="Control law; see `wmr-ctrl laws`.")
+@click.option(
+    "--law", type=LawName(), required=True, metavar="NAME", help="Control law; see `wmr-ctrl laws`."
+)
 @click.option("--out", required=True, metavar="FILE", help="Scenario with the gains found: .toml.")
 @click.option(
     "--seeds", type=SeedRange(), default="1:4", metavar="A:B", help="Trained on: A to B-1."

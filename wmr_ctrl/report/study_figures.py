@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
-from textwrap import fill, shorten
-from typing import Any, TypeAlias
+from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,75 +16,16 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.study_plan import SHARES
 from wmr_ctrl.campaign.study_sample import SOBOL, library
-from wmr_ctrl.campaign.study_store import counted_reasons
-from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.report.drawing import save_figure
+from wmr_ctrl.report.study_table import StudyTable, read_study
 from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, with_unit
 
 Floats = NDArray[np.float64]
-PlainPlan: TypeAlias = Mapping[str, Any]
-"""A plan in plain values, as study.json has it."""
-PREFERRED = ("position_rms", "ise_total")
 MOST_VALUES = 12
 BINS = 8
 ROWS = 4
 """Points of a grid whose Sobol indices stand in one picture."""
-CAUSE = 160
-"""Characters of a guard's reason that a picture has room for."""
 KEPT = "#1F77C9"
-
-
-@dataclass(frozen=True)
-class StudyTable:
-    """What is drawn of a study: its plan in plain values, and the columns of its table.
-
-    ``numbers`` has an array a column of numbers (NaN: none), ``group`` law and guard of each run,
-    ``ended`` its outcome, ``refusal`` the guard's reason where it refused.
-    """
-
-    plan: PlainPlan
-    numbers: Mapping[str, Floats]
-    group: NDArray[np.str_]
-    ended: NDArray[np.str_]
-    refusal: NDArray[np.str_]
-    units: Mapping[str, str]
-
-    @property
-    def keys(self) -> list[str]:
-        """Fields with numbers that differ from run to run."""
-        return [key for key in _keys(self.plan) if np.unique(self.numbers[key]).size > 1]
-
-    @property
-    def groups(self) -> list[str]:
-        """Law and guard, in the plan's order."""
-        return list(dict.fromkeys(self.group.tolist()))
-
-    @property
-    def figure(self) -> str:
-        """The figure that is drawn: how well it tracked, else the first of the plan."""
-        names = self.plan["figures"]
-        return next((name for name in PREFERRED if name in names), names[0])
-
-    @property
-    def point(self) -> NDArray[np.intp]:
-        """Place of each run's values among the points of grid and sample."""
-        of_point = len(self.plan["laws"]) * len(self.plan["guard"]) * self.plan["seeds"]["count"]
-        return self.numbers["index"].astype(np.intp) // of_point
-
-    def missing(self, mask: NDArray[np.bool_]) -> str:
-        """Why runs have no value of the drawn figure, with their number; "" where all have one."""
-        without = mask & ~np.isfinite(self.numbers[self.figure])
-        count, total = int(without.sum()), int(mask.sum())
-        if not count:
-            return ""
-        reasons = counted_reasons(self.refusal[without].tolist())
-        if not reasons:
-            listed = ", ".join(sorted(set(self.ended[without].tolist())))
-            return f"{count} of {total} runs have no value of {self.figure}: {listed}"
-        (reason, first), *others = reasons.items()
-        more = f", {count - first} for other reasons" if others or first < count else ""
-        cause = shorten(reason.removeprefix("guard: ").partition(", but ")[0], CAUSE)
-        return f"{count} of {total} runs have no value: the guard refused {first} ({cause}){more}"
 
 
 def plot_study(folder: str | Path) -> list[Path]:
@@ -95,7 +34,7 @@ def plot_study(folder: str | Path) -> list[Path]:
     Raises ResultFileError for a folder without a finished study, MissingExtraError for Sobol
     indices without SALib.
     """
-    table = _read(Path(folder))
+    table = read_study(Path(folder))
     written = []
     with house_style():
         for name, figure in _drawings(table):
@@ -104,60 +43,6 @@ def plot_study(folder: str | Path) -> list[Path]:
                 save_figure(figure, path)
                 written.append(path)
     return written
-
-
-def _keys(plan: Mapping[str, Any]) -> list[str]:
-    sample = plan["sample"] or {"ranges": {}}
-    return [*plan["grid"], *sample["ranges"]]
-
-
-def _read(folder: Path) -> StudyTable:
-    try:
-        plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
-        with (folder / "columns.csv").open(encoding="utf-8", newline="") as file:
-            units = {row["name"]: row["unit"] for row in csv.DictReader(file)}
-        wanted = ["index", *_keys(plan), *plan["figures"]]
-        with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
-            reader = csv.reader(file)
-            places = {name: place for place, name in enumerate(next(reader))}
-            lists: dict[str, list[float]] = {name: [] for name in wanted}
-            group, ended, refusal = [], [], []
-            for row in reader:
-                ended.append(row[places["outcome"]])
-                refusal.append(row[places["refusal"]])
-                guarded = ", guarded" if row[places["guard"]] == "true" else ""
-                group.append(row[places["law"]] + guarded)
-                for name, values in lists.items():
-                    values.append(_number(row[places[name]]))
-    except (OSError, KeyError, ValueError, StopIteration) as error:
-        raise ResultFileError(_unfinished(folder, error)) from error
-    if not group:
-        raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
-    numbers = {name: np.array(values) for name, values in lists.items()}
-    texts = (np.array(column) for column in (group, ended, refusal))
-    return StudyTable(plan, numbers, *texts, units)
-
-
-def _unfinished(folder: Path, error: Exception) -> str:
-    """Why the folder cannot be drawn, and what to do."""
-    if not folder.exists():
-        why = f"there is no folder {str(folder)!r}."
-    elif isinstance(error, OSError) and error.filename:
-        reason = "is missing" if isinstance(error, FileNotFoundError) else "cannot be read"
-        why = f"{str(folder)!r} holds no finished study: {Path(error.filename).name} {reason}."
-    else:
-        why = f"{str(folder)!r} holds no finished study: its files are damaged or not a study's."
-    return (
-        f"{why} Name the folder that `wmr-ctrl study PLAN.toml --out DIR` wrote, once the study "
-        "has run to its end."
-    )
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return {"true": 1.0, "false": 0.0}.get(cell, np.nan)
 
 
 def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
