@@ -106,8 +106,8 @@ def read_study(folder: Path) -> StudyTable:
     if not group:
         raise ResultFileError(f"{str(folder)!r}: the study's table has no row.")
     numbers = {name: np.array(values) for name, values in lists.items()}
-    texts = (np.array(column) for column in (group, ended, refusal))
-    return StudyTable(plan, numbers, *texts, units)
+    group_of, ended_as, refused = (np.array(column) for column in (group, ended, refusal))
+    return StudyTable(plan, numbers, group_of, ended_as, refused, units)
 
 
 def _unfinished(folder: Path, error: Exception) -> str:
