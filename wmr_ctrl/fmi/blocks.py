@@ -16,8 +16,8 @@ from wmr_ctrl.codegen.block import (
     reference_block,
 )
 from wmr_ctrl.codegen.kernels import sizes_of
+from wmr_ctrl.control.ranges import clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.fmi.bounds import clock_of, ranges_of
 from wmr_ctrl.fmi.model import Dependency, FmuModel, places_of_limits
 from wmr_ctrl.fmi.variables import (
     TIME,

@@ -9,9 +9,9 @@ from wmr_ctrl.codegen.build import delay_steps_of, numbers_of
 from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
 from wmr_ctrl.control.loop import LoopGraphs
+from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
-from wmr_ctrl.fmi.bounds import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.fmi.model import FmuModel, places_of_limits
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from wmr_ctrl.fmi.bounds import Range
+from wmr_ctrl.control.ranges import Range
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.signals import LARGEST, Signal
 

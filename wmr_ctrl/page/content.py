@@ -10,9 +10,9 @@ from typing import Any
 from wmr_ctrl import __version__
 from wmr_ctrl.codegen.build import numbers_of, phases_of
 from wmr_ctrl.compiled import elements
+from wmr_ctrl.control.ranges import fields_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import quantities
-from wmr_ctrl.fmi.bounds import fields_of
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
