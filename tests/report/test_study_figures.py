@@ -1,4 +1,4 @@
-"""Pictures of studies: indices at each point of the grid, and why a value is missing."""
+"""Pictures of studies: indices at each point of the grid, missing values, values of any size."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.campaign.study_plan import plan_of
-from wmr_ctrl.report.study_figures import _drawings
+from wmr_ctrl.report.study_figures import _bins, _by_group, _drawings, _maps
 from wmr_ctrl.report.study_table import StudyTable
 
 PLAN = {
@@ -88,3 +88,55 @@ def test_a_study_without_any_value_is_one_picture_of_the_reason():
     assert list(figures) == ["spread"]
     said = axes.texts[0].get_text().replace("\n", " ")
     assert said.startswith("40 of 40 runs have no value: the guard refused 40 (the wheels")
+
+
+def simple(values, laws=("mb",), unit="m"):
+    """Runs with these figures, for each law the same, over a mass and a friction."""
+    rng, whole = np.random.default_rng(1), np.tile(values, len(laws))
+    numbers = {
+        "position_rms": whole,
+        "robot.m": rng.uniform(25.3, 88.0, whole.size),
+        "robot.mu": np.repeat([0.1, 0.2], whole.size // 2),
+    }
+    plan = {"figures": ["position_rms"], "grid": {"robot.mu": [], "robot.m": []}, "sample": None}
+    none = np.full(whole.size, "")
+    units = {"position_rms": unit}
+    return StudyTable(plan, numbers, np.repeat(laws, len(values)), none, none, units)
+
+
+@pytest.mark.parametrize(("outlier", "said"), [(0.011, ""), (40.0, "1 runs are above the view")])
+def test_outliers_are_counted_where_they_would_crush_the_rest(outlier, said):
+    axes = _by_group(simple(np.append(np.linspace(0.010, 0.012, 99), outlier))).axes[0]
+
+    assert axes.get_ylabel() == "position_rms [mm]"
+    assert axes.get_ylim()[1] < 40
+    assert axes.get_xlabel().startswith(said)
+    assert bool(axes.get_xlabel()) == bool(said)
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "label"), [(1, "m", "m"), (0.01, "m", "mm"), (0.01, "N.m", "N m")]
+)
+def test_small_lengths_are_drawn_in_mm(size, unit, label):
+    axes = _by_group(simple(size * np.linspace(1, 2, 10), unit=unit)).axes[0]
+
+    assert axes.get_ylabel() == f"position_rms [{label}]"
+
+
+def test_bins_have_round_edges_and_all_values():
+    values = simple(np.ones(100)).numbers["robot.m"]
+    bins = _bins(values)
+    edges = np.array(bins.labels, dtype=float)
+
+    assert edges.tolist() == [20, 30, 40, 50, 60, 70, 80, 90]
+    assert (edges[bins.places] <= values).all()
+    assert (values <= edges[bins.places + 1]).all()
+    assert bins.ticks.tolist() == [k - 0.5 for k in range(8)]
+
+
+@pytest.mark.parametrize(("laws", "empty"), [("abcd", 0), ("abc", 0), ("abcdef", 0), ("abcde", 1)])
+def test_panels_leave_as_few_places_empty_as_can_be(laws, empty):
+    figure = _maps(simple(np.linspace(0.1, 0.2, 20), tuple(laws)), "position_rms")
+    shown = [axes.axison for axes in figure.axes[:-1]]
+
+    assert shown.count(False) == empty

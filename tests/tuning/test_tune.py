@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -14,7 +15,7 @@ from wmr_ctrl.errors import ArgumentError, MissingExtraError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import tunable
+from wmr_ctrl.tuning import TrialFigures, tunable
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
@@ -112,6 +113,23 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
     assert done.exit_code == 2
     assert told in " ".join(done.stderr.split())
     assert not list(tmp_path.iterdir())
+
+
+def test_figures_that_became_worse_are_told(once):
+    before = TrialFigures("circle", 1.0, 0.18, 0.5, (0.9, 1.0), 0)
+    better = replace(before, position_rms=0.15, torque_change_rms=0.52)
+    worse = replace(before, reference="lemniscate", position_rms=0.2, max_abs_v=(0.95, 1.6), lost=1)
+    tuning = replace(once, before=(before, before), after=(better, worse))
+
+    assert [(item.reference, item.figure, item.after) for item in tuning.worse] == [
+        ("lemniscate", "position_rms", 0.2),
+        ("lemniscate", "max_abs_v[2]", 1.6),
+        ("lemniscate", "lost", 1),
+    ]
+    assert [item["figure"] for item in tuning.to_json()["worse"]] == [
+        item.figure for item in tuning.worse
+    ]
+    assert replace(once, after=once.before).worse == ()
 
 
 def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):

@@ -42,9 +42,10 @@ def linearize(
 
     if plot:
         check_folder(plot, "--plot")
-    with Progress(f"{law}, linearised", measured=False):
-        report = report_linear(load(scenario, assignments), law)
-        paths = report.plots(plot) if plot else ()
+    with Progress(f"{law}, linearised") as progress:
+        report = report_linear(load(scenario, assignments), law, progress)
+        progress.start(1, "pictures")
+        paths = report.plots(plot, progress) if plot else ()
     if as_json:
         print_json(report.to_json())
     else:

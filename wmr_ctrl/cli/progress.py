@@ -9,8 +9,8 @@ from typing import Any, Protocol, Self
 
 import click
 
-INTERVAL = 10.0
-"""Seconds between two lines where stderr is no terminal; shorter jobs say nothing."""
+FIRST, INTERVAL = 3.0, 10.0
+"""Seconds until the first line and between two where stderr is no terminal."""
 
 
 class Display(Protocol):
@@ -102,10 +102,10 @@ class Bar:
 
 
 class Lines:
-    """A line every ten seconds: for logs."""
+    """A line after three seconds, then one every ten: for logs."""
 
     def __init__(self) -> None:
-        self._last = time.monotonic()
+        self._next = time.monotonic() + FIRST
 
     def phase(self, text: str, measured: bool) -> None:
         """Remember what is going on and since when."""
@@ -114,8 +114,8 @@ class Lines:
     def share(self, share: float) -> None:
         """Say so if the last line is long enough ago."""
         now = time.monotonic()
-        if now - self._last >= INTERVAL and share > 0:
-            self._last = now
+        if now >= self._next and 0 < share < 1:
+            self._next = now + INTERVAL
             left = (now - self._begin) * (1 - share) / share
             click.echo(f"{self._text}: {100 * share:.0f} %, about {left:.0f} s left", err=True)
 

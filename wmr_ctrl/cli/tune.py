@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.console import print_json, say, wrapped
 from wmr_ctrl.cli.failures import resumable
 from wmr_ctrl.cli.options import (
     LawName,
@@ -137,10 +137,23 @@ def _text(better: Tuning) -> str:
         worst = [max(v / u for v, u in zip(item.max_abs_v, limits, strict=True))
                  for item in (old, new)]  # fmt: skip
         lost = f"  {new.lost} runs ended early" if new.lost else ""
+        names = (item.figure for item in better.worse
+                 if (item.reference, item.mass) == (new.reference, new.mass))  # fmt: skip
+        if worse := ", ".join(names):
+            lost += f"  worse: {worse}"
         lines.append(
             f"{old.reference:<14}{old.mass:>6g}"
             f"{1e3 * old.position_rms:>14.3g}{1e3 * new.position_rms:>9.3g}"
             f"{old.torque_change_rms:>16.3g}{new.torque_change_rms:>9.3g}"
             f"{worst[0]:>12.3f}{worst[1]:>8.3f}{lost}"
         )
+    if better.worse:
+        lines += ["", wrapped(_WORSE)]
     return "\n".join(lines)
+
+
+_WORSE = (
+    "Figures of the test are worse than before, in the rows that say so. Take these gains only if "
+    "the robot does not drive like that; or tune on that reference, or raise --weight where it is "
+    "the torque."
+)

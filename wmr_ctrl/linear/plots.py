@@ -33,8 +33,13 @@ Panels: TypeAlias = "np.ndarray[tuple[int, int], np.dtype[np.object_]]"
 """The axes of a figure, by row and column."""
 
 
-def draw(report: LinearReport, folder: Path) -> list[Path]:
-    """Write the figures as PNG into ``folder``, which is made; returns their paths."""
+def draw(
+    report: LinearReport, folder: Path, progress: Callable[[float], None] | None = None
+) -> list[Path]:
+    """Write the figures as PNG into ``folder``, which is made; returns their paths.
+
+    ``progress`` is called with the share that is done.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     parts: dict[str, tuple[Callable[[LinearReport, Panels], None], int, int]] = {
         "poles": (_poles, 1, 1),
@@ -51,6 +56,8 @@ def draw(report: LinearReport, folder: Path) -> list[Path]:
         path = folder / f"{report.scenario.name}-{report.law}-{name}.png"
         figure.savefig(path, dpi=160)
         paths.append(path)
+        if progress:
+            progress(len(paths) / len(parts))
     return paths
 
 
@@ -118,7 +125,7 @@ def _bode(report: LinearReport, panels: Panels) -> None:
         _note_margins(angle, report, axis)
         _finish(size)
         _finish(angle, legend=False)
-    panels[0, 0].set_ylabel("size [dB]")
+    panels[0, 0].set_ylabel("magnitude [dB]")
     panels[1, 0].set_ylabel("phase [deg]")
 
 
@@ -133,12 +140,12 @@ def _note_margins(axes: Axes, report: LinearReport, axis: int) -> None:
     """The margins of the sampled loop, in words."""
     item = report.sampled_margins[axis]
     if item is None:
-        text = "sampled loop: unstable"
+        text = "sampled: unstable"
     else:
         gain = "any" if item.gain is None else f"{item.gain:.3g}"
         phase = "any" if item.phase is None else f"{item.phase:.3g} deg"
-        text = f"margins, sampled:\ngain up to {gain}, phase {phase}"
-    axes.text(0.03, 0.05, text, transform=axes.transAxes, size=7.5, color=MUTED)
+        text = f"sampled: gain up to {gain}, phase {phase}"
+    axes.set_title(text, size=7.5, color=MUTED)
 
 
 def _nyquist(report: LinearReport, panels: Panels) -> None:

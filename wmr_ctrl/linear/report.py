@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +31,10 @@ from wmr_ctrl.linear.sampled import (
 )
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
+
+T = TypeVar("T")
+Progress: TypeAlias = Callable[[float], None]
+"""Is called with the share of a job that is done."""
 
 AXES = (0, 1)
 _MARGIN_NAMES = tuple(field.name for field in fields(Margins))
@@ -129,20 +135,41 @@ class LinearReport:
         parts = (_head, _poles, _times, _margins, _errors, _warnings)
         return "\n".join(line for part in parts for line in part(self))
 
-    def plots(self, folder: str | Path) -> list[Path]:
+    def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:
         """Draw poles, sample times, Bode, Nyquist and the barrier's pull into ``folder``."""
         from wmr_ctrl.linear.plots import draw
 
-        return draw(self, Path(folder))
+        return draw(self, Path(folder), progress)
 
 
-def report_linear(scenario: Scenario, law: str) -> LinearReport:
-    """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError."""
+class _Steps:
+    """Hands values on, and tells which share of so many there have been."""
+
+    def __init__(self, progress: Progress | None, count: int) -> None:
+        self._progress, self._count, self._done = progress, count, 0
+
+    def __call__(self, value: T) -> T:
+        self._done += 1
+        if self._progress:
+            self._progress(min(1.0, self._done / self._count))
+        return value
+
+
+SLOW_PARTS = 8
+"""Parts of a report that take their time."""
+
+
+def report_linear(scenario: Scenario, law: str, progress: Progress | None = None) -> LinearReport:
+    """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError.
+
+    ``progress`` is called with the share that is done.
+    """
+    step = _Steps(progress, SLOW_PARTS)
     scenario = with_kinematics(scenario, LAWS[law])
     at, period = on_reference(scenario, law), scenario.clock.control
     rest, loop = learned_point(scenario, law), law_loop(scenario, law)
     behind, outer = late(scenario), loop.traits.auxiliary
-    sampled = [margins_at(scenario, law, axis, at, period) for axis in AXES]
+    sampled = step([margins_at(scenario, law, axis, at, period) for axis in AXES])
     return LinearReport(
         scenario=scenario,
         law=law,
@@ -150,18 +177,18 @@ def report_linear(scenario: Scenario, law: str) -> LinearReport:
         late=behind,
         kinematic_poles=kinematic_poles(scenario) if outer else None,
         saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
-        poles=_poles_at(scenario, law, at),
+        poles=step(_poles_at(scenario, law, at)),
         adaptive_poles=_adaptive_poles(scenario, law, rest),
         spectral_radius=radius_of(scenario, law, at)(period),
-        max_sample_time=largest_period(loop),
-        max_delay=largest_stable_delay(loop),
-        mass_range=stable_masses(loop),
-        max_sample_time_kink=kink_periods(scenario, law),
-        max_sample_time_adaptive=_learning_period(scenario, law, rest),
+        max_sample_time=step(largest_period(loop)),
+        max_delay=step(largest_stable_delay(loop)),
+        mass_range=step(stable_masses(loop)),
+        max_sample_time_kink=step(kink_periods(scenario, law)),
+        max_sample_time_adaptive=step(_learning_period(scenario, law, rest)),
         one_step_safe_time=one_step_period(scenario, law),
         margins=sampled if behind else [margins_at(scenario, law, axis, at) for axis in AXES],
         sampled_margins=sampled,
-        model_errors=model_errors(scenario, law),
+        model_errors=step(model_errors(scenario, law)),
         warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
 

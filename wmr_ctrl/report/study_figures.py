@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from textwrap import fill
@@ -12,17 +13,20 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.study_plan import SHARES
 from wmr_ctrl.campaign.study_sample import SOBOL, library
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.study_table import StudyTable, read_study
-from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, with_unit
+from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, shown, unit_text, with_unit
 
 Floats = NDArray[np.float64]
 MOST_VALUES = 12
 BINS = 8
+REACH = 5.0
+"""Quartile distances above the upper quartile up to which a violin is drawn."""
 ROWS = 4
 """Points of a grid whose Sobol indices stand in one picture."""
 KEPT = "#1F77C9"
@@ -64,21 +68,32 @@ def _drawings(table: StudyTable) -> Iterator[tuple[str, Figure]]:
 
 
 def _label(table: StudyTable, name: str) -> str:
-    return with_unit(name, table.units.get(name, ""))
+    return with_unit(name, table.scale(name)[1])
 
 
 def _values(table: StudyTable, mask: NDArray[np.bool_]) -> Floats:
-    values = table.numbers[table.figure][mask]
+    """The figure of some runs as it is drawn, where it is finite."""
+    values = table.numbers[table.figure][mask] * table.scale(table.figure)[0]
     return values[np.isfinite(values)]
 
 
+def _highest(values: Floats) -> float:
+    """Up to where a violin is drawn: outliers beyond would crush it."""
+    if not values.size:
+        return -np.inf
+    low, high = np.quantile(values, (0.25, 0.75))
+    return float(min(values.max(), high + REACH * (high - low)))
+
+
 def _by_group(table: StudyTable) -> Figure:
-    """A violin for each law and guard."""
+    """A violin for each law and guard; runs far above are counted, not drawn."""
     wide = max(4.2, 1.6 + 0.9 * len(table.groups))
     figure = Figure(figsize=(wide, 3.2), layout="constrained")
     axes = figure.add_subplot()
-    for place, group in enumerate(table.groups):
-        values = _values(table, table.group == group)
+    everything = {group: _values(table, table.group == group) for group in table.groups}
+    top = max(map(_highest, everything.values()))
+    for place, (group, whole) in enumerate(everything.items()):
+        values = whole[whole <= top]
         if values.size > 1 and np.ptp(values) > 0:
             parts = axes.violinplot(values, [place], widths=0.8, showextrema=False)
             bodies: Any = parts["bodies"]
@@ -86,13 +101,18 @@ def _by_group(table: StudyTable) -> Figure:
                 body.set_facecolor(look(group.split(",")[0]).colour)
                 body.set_alpha(0.35)
         if values.size:
-            low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
+            low, middle, high = np.quantile(whole, (0.25, 0.5, 0.75))
             axes.vlines(place, low, high, color=look(group.split(",")[0]).colour, lw=3)
             axes.plot(place, middle, "o", ms=4, color="white", mec="black", mew=0.7)
     axes.set_xticks(range(len(table.groups)), [_short(group) for group in table.groups])
     axes.set_ylabel(_label(table, table.figure))
     axes.set_xlim(-0.6, len(table.groups) - 0.4)
     figure.suptitle(f"{len(table.group)} runs: median, quartiles, density", fontsize="medium")
+    above = sum(int((values > top).sum()) for values in everything.values())
+    if above:
+        most = max(values.max() for values in everything.values() if values.size)
+        unit = unit_text(table.scale(table.figure)[1])
+        axes.set_xlabel(f"{above} runs are above the view, up to {shown(most)} {unit}".rstrip())
     why = table.missing(np.ones(len(table.group), dtype=bool))
     if why:
         said = fill(why, int(14 * wide))
@@ -120,14 +140,15 @@ def _by_factor(table: StudyTable) -> Figure:
     keys = table.keys
     figure = Figure(figsize=(7.2, 2.6 * len(keys)), layout="constrained")
     for row, axes in enumerate(np.ravel(figure.subplots(len(keys), 1, squeeze=False))):
-        centres, bins = _bins(table.numbers[keys[row]])
+        bins = _bins(table.numbers[keys[row]])
         count = len(table.groups)
         for k, group in enumerate(table.groups):
             inside = [
-                _values(table, (table.group == group) & (bins == b)) for b in range(len(centres))
+                _values(table, (table.group == group) & (bins.places == b))
+                for b in range(bins.count)
             ]
             colour = look(group.split(",")[0]).colour
-            places = np.arange(len(centres)) + (k + 0.5) / count * 0.8 - 0.4
+            places = np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4
             axes.boxplot(
                 inside, positions=places, widths=0.7 / count, showfliers=False, manage_ticks=False,
                 patch_artist=True, medianprops={"color": "black"},
@@ -136,8 +157,8 @@ def _by_factor(table: StudyTable) -> Figure:
             )  # fmt: skip
             axes.plot([], [], "s", color=colour, alpha=0.3 if "guarded" in group else 0.7,
                       label=_short(group).replace("\n", ", "))  # fmt: skip
-        axes.set_xticks(range(len(centres)), [f"{centre:.3g}" for centre in centres])
-        axes.set_xlim(-0.6, len(centres) - 0.4)
+        axes.set_xticks(bins.ticks, bins.labels)
+        axes.set_xlim(-0.6, bins.count - 0.4)
         axes.set_xlabel(_label(table, keys[row]))
         axes.set_ylabel(_label(table, table.figure))
         if row == 0 and count > 1:
@@ -148,21 +169,38 @@ def _by_factor(table: StudyTable) -> Figure:
     return figure
 
 
-def _bins(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Centres and the bin of each value: the values themselves where they are few."""
+@dataclass(frozen=True)
+class Bins:
+    """Into what the values of a key are sorted: the bin of each, and ticks at places and labels.
+
+    Bin b is drawn around b: a tick at b is that of a single value, one at b - 1/2 a bin's edge.
+    """
+
+    count: int
+    places: NDArray[np.intp]
+    ticks: Floats
+    labels: list[str]
+
+
+def _bins(values: Floats) -> Bins:
+    """The values themselves where they are few, else bins between round numbers."""
     known, places = np.unique(values, return_inverse=True)
     if known.size <= MOST_VALUES:
-        return known, places
-    edges = np.quantile(values, np.linspace(0, 1, BINS + 1))
-    places = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, BINS - 1)
-    return (edges[:-1] + edges[1:]) / 2, places
+        labels = [f"{value:.3g}" for value in known]
+        return Bins(len(known), places, np.arange(float(len(known))), labels)
+    edges = MaxNLocator(BINS, steps=[1, 2, 5, 10]).tick_values(known[0], known[-1])
+    places = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    ticks = np.arange(float(len(edges))) - 0.5
+    return Bins(len(edges) - 1, places, ticks, [f"{edge:g}" for edge in edges])
 
 
 def _maps(table: StudyTable, name: str) -> Figure:
     """The median of a figure over the first two keys, or the share of a figure of 0 and 1."""
     first, second = table.keys[:2]
     groups = table.groups
-    wide = min(3, len(groups))
+    wide = len(groups)
+    if wide > 3:
+        wide = min((3, 2), key=lambda columns: -len(groups) % columns)
     high = -(-len(groups) // wide)
     figure = Figure(figsize=(1.2 + 2.6 * wide, 0.5 + 2.4 * high), layout="constrained")
     grid = [_bins(table.numbers[key]) for key in (first, second)]
@@ -192,16 +230,16 @@ def _ends(finite: Floats) -> tuple[float, float]:
 def _cells(
     table: StudyTable,
     name: str,
-    grid: list[tuple[Floats, NDArray[np.intp]]],
+    grid: list[Bins],
     mask: NDArray[np.bool_],
 ) -> Floats:
     """The median (of shares the mean) in each bin of two keys; NaN where there is no run."""
-    (columns, across), (rows, up) = grid
-    cells = np.full((len(rows), len(columns)), np.nan)
-    values = table.numbers[name]
-    for i in range(len(rows)):
-        for j in range(len(columns)):
-            inside = values[mask & (across == j) & (up == i)]
+    across, up = grid
+    cells = np.full((up.count, across.count), np.nan)
+    values = table.numbers[name] * table.scale(name)[0]
+    for i in range(up.count):
+        for j in range(across.count):
+            inside = values[mask & (across.places == j) & (up.places == i)]
             inside = inside[np.isfinite(inside)]
             if inside.size:
                 cells[i, j] = inside.mean() if name in SHARES else np.median(inside)
@@ -211,7 +249,7 @@ def _cells(
 def _map(
     axes: Axes,
     cells: Floats,
-    grid: list[tuple[Floats, NDArray[np.intp]]],
+    grid: list[Bins],
     ends: tuple[float, float],
     name: str,
 ) -> Any:
@@ -220,10 +258,9 @@ def _map(
     image = axes.imshow(
         cells, origin="lower", aspect="auto", cmap=colours, vmin=ends[0], vmax=ends[1]
     )
-    for ticks, (centres, _) in zip((axes.set_xticks, axes.set_yticks), grid, strict=True):
-        step = -(-len(centres) // 6)
-        places = range(0, len(centres), step)
-        ticks(list(places), [f"{centres[k]:.3g}" for k in places])
+    for ticks, bins in zip((axes.set_xticks, axes.set_yticks), grid, strict=True):
+        step = -(-len(bins.ticks) // 6)
+        ticks(bins.ticks[::step], bins.labels[::step])
     whole = name == "violated" and np.isfinite(cells).all() and min(cells.shape) > 1
     if whole and cells.min() < 0.5 < cells.max():
         axes.contour(cells, [0.5], colors=LIMIT, linewidths=1.0)

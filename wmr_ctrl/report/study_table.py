@@ -20,6 +20,8 @@ Floats = NDArray[np.float64]
 PlainPlan: TypeAlias = Mapping[str, Any]
 """A plan in plain values, as study.json has it."""
 PREFERRED = ("position_rms", "ise_total")
+SMALL = 0.1
+"""Lengths are drawn in mm where their median is below this [m]."""
 CAUSE = 160
 """Characters of a guard's reason that a picture has room for."""
 
@@ -48,6 +50,13 @@ class StudyTable:
     def groups(self) -> list[str]:
         """Law and guard, in the plan's order."""
         return list(dict.fromkeys(self.group.tolist()))
+
+    def scale(self, name: str) -> tuple[float, str]:
+        """By what a column is multiplied to be drawn, and its unit then: small lengths in mm."""
+        unit, values = self.units.get(name, ""), self.numbers[name]
+        finite = values[np.isfinite(values)]
+        small = unit == "m" and finite.size and abs(np.median(finite)) < SMALL
+        return (1e3, "mm") if small else (1.0, unit)
 
     @property
     def figure(self) -> str:

@@ -34,6 +34,7 @@ from wmr_ctrl.scenario.toml_write import to_toml
 from wmr_ctrl.sim.finish import checked_seeds
 from wmr_ctrl.sim.many import RunTable, run_many
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
+from wmr_ctrl.tuning.trial import TrialFigures, WorseFigure
 
 Progress = Callable[[float], None]
 
@@ -103,22 +104,6 @@ class TuningPlan:
 
 
 @dataclass(frozen=True)
-class TrialFigures:
-    """Medians over the test seeds on one reference, for one ratio of true to believed mass.
-
-    ``position_rms`` [m] and ``torque_change_rms`` [N m] as in a run; ``max_abs_v`` [m/s, rad/s] and
-    ``lost``, runs that ended early, are the worst and the number of all.
-    """
-
-    reference: str
-    mass: float
-    position_rms: float
-    torque_change_rms: float
-    max_abs_v: tuple[float, float]
-    lost: int
-
-
-@dataclass(frozen=True)
 class Tuning:
     """The scenario with the gains that were found, and both sides of the comparison."""
 
@@ -129,6 +114,15 @@ class Tuning:
     before: tuple[TrialFigures, ...]
     after: tuple[TrialFigures, ...]
     out: Path
+
+    @property
+    def worse(self) -> tuple[WorseFigure, ...]:
+        """Figures of the test that are worse after than before, in the order of the table."""
+        return tuple(
+            WorseFigure(new.reference, new.mass, *figure)
+            for old, new in zip(self.before, self.after, strict=True)
+            for figure in new.worse_than(old, self.scenario.limits.v_u1)
+        )
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -142,6 +136,7 @@ class Tuning:
             "gains": {key: list(value) for key, value in self.gains.items()},
             "before": [asdict(item) for item in self.before],
             "after": [asdict(item) for item in self.after],
+            "worse": [asdict(item) for item in self.worse],
         }  # fmt: skip
 
 
