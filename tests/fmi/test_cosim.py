@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -10,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
 from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_MAP
 from wmr_ctrl.api import simulate
+from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
@@ -23,7 +26,7 @@ from wmr_ctrl.fmi.cosim.parts import UNITS
 from wmr_ctrl.fmi.cosim.slave import FmuError
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
-from wmr_ctrl.results import ise, summary
+from wmr_ctrl.results import ise, load_run, summary
 from wmr_ctrl.scenario import load_scenario, override
 
 NOMINAL = load_scenario("paper-simulation-nominal")
@@ -78,7 +81,6 @@ def test_foreign_plant_with_other_names_units_and_sampling(foreign, mapped):
 def test_foreign_controller_drives_our_plant(foreign, mapped):
     run = cosimulate(
         SHORT,
-        "pid",
         controller=foreign("TheirController", CONTROLLER),
         map_file=mapped(CONTROLLER_MAP),
     )
@@ -98,6 +100,21 @@ def test_an_fmu_that_fails_is_named(foreign, mapped):
     assert run.outcome == "failed"
     assert re.search(r"TheirFailure\.fmu.*plant.*t = 0\.5", run.explanation)
     assert 49 <= run.rows <= 51
+
+
+@pytest.mark.parametrize("more", [(), ("--json",)])
+def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path, more):
+    plant, saved = foreign("TheirFailure", FAILING), tmp_path / "run.npz"
+    given = ("--plant", str(plant), "--map", str(mapped(PLANT_MAP)), "--out", str(saved))
+    short = ("paper-simulation-no-switch", "--set", "clock.duration=1.0", "--law", "pid")
+    done = CliRunner().invoke(root, ["cosim", *short, *given, *more], env={"COLUMNS": "999"})
+
+    assert done.exit_code == 3
+    said = f"the FMU {plant} (plant) failed at t = 0.5 s in doStep."
+    assert f"error: {said}" in " ".join(done.stderr.split())
+    assert load_run(saved).outcome == "failed"
+    assert not more or json.loads(done.stdout)["outcome"] == "failed"
+    assert more or said in " ".join(done.stdout.split())
 
 
 def test_divergence_is_an_outcome():

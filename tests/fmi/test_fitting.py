@@ -22,7 +22,6 @@ THEIRS = ("TheirController", CONTROLLER)
 @pytest.mark.parametrize(
     "changes",
     [
-        {"guard.enabled": True},
         {"gains.nn.regressor": "q"},
         {"gains.nn.barrier": "smooth"},
         {"actuator.lag": 0.02},
@@ -41,25 +40,20 @@ def test_another_law_is_refused(exported):
 
 def test_a_foreign_fmu_needs_a_map(foreign):  # noqa: F811
     with pytest.raises(ArgumentError, match="map"):
-        cosimulate(SHORT, "pid", controller=foreign(*THEIRS))
+        cosimulate(SHORT, controller=foreign(*THEIRS))
 
 
-def test_a_guard_that_a_foreign_controller_lacks_is_refused(foreign, mapped):  # noqa: F811
-    with pytest.raises(ArgumentError, match=r"guard\.enabled"):
-        cosimulate(
-            override(SHORT, {"guard.enabled": True}),
-            "pid",
-            controller=foreign(*THEIRS),
-            map_file=mapped(CONTROLLER_MAP),
-        )
+def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):  # noqa: F811
+    given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
+    with pytest.raises(ArgumentError, match=r"'pid' says nothing of the controller .*Leave"):
+        cosimulate(SHORT, "pid", **given)
 
 
 def test_drives_limit_a_foreign_controller(foreign, mapped):  # noqa: F811
     limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
-    run = cosimulate(limited, "pid", controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
+    run = cosimulate(limited, controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
     free = cosimulate(
         override(limited, {"actuator.tau_max": float("inf")}),
-        "pid",
         controller=foreign(*THEIRS),
         map_file=mapped(CONTROLLER_MAP),
     )

@@ -16,7 +16,7 @@ from wmr_ctrl.cli.options import (
     set_option,
 )
 from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.cli.run import check_outputs, show, write_run
+from wmr_ctrl.cli.run import check_outputs, end, show, write_run
 
 
 @click.command(
@@ -24,6 +24,7 @@ from wmr_ctrl.cli.run import check_outputs, show, write_run
     epilog=examples(
         "wmr-ctrl cosim paper-simulation --law nn",
         "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
+        "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
         "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
     ),
 )
@@ -32,7 +33,8 @@ from wmr_ctrl.cli.run import check_outputs, show, write_run
     "--law",
     type=LawName(),
     metavar="NAME",
-    help="Control law; see `wmr-ctrl laws`.  [default: the controller's if it is ours, else nn]",
+    help="Control law; see `wmr-ctrl laws`; not beside somebody else's controller.  [default: the "
+    "controller's if it is ours, else nn]",
 )
 @guard_option
 @click.option("--plant", metavar="FILE.fmu", help="Plant in place of ours.")
@@ -72,8 +74,10 @@ def cosim(
 ) -> None:
     """Run reference, controller and plant as FMUs, and print how it went.
 
-    SCENARIO is the name of a preset or a TOML file. An FMU that fails ends the run; the message
-    names it and the time.
+    SCENARIO is the name of a preset or a TOML file. With --guard the velocity guard stands behind
+    --controller, whoever made it. An FMU that fails on the way ends the run: the message names it,
+    the time and the call, and the exit code is 3; what was simulated until then is printed and
+    saved as usual.
     """
     from wmr_ctrl import api
 
@@ -86,3 +90,4 @@ def cosim(
         )  # fmt: skip
     write_run(run, out, plot, None)
     show(run, as_json)
+    end(run)

@@ -12,7 +12,7 @@ import click
 from wmr_ctrl.cli.console import say
 from wmr_ctrl.errors import WmrError
 
-DIFFERENCE, WRONG_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 70, 130, 141
+DIFFERENCE, WRONG_INPUT, FMU_FAILED, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 70, 130, 141
 
 
 @contextmanager

@@ -46,7 +46,7 @@ Exit codes:
   0    done
   1    `reproduce` or `prove` found other verdicts, `compare` a difference
   2    wrong input, explained in one paragraph on stderr
-  3    `prove` lacks a proving package
+  3    `prove` lacks a proving package; in `cosim` an FMU failed on the way
   70   a fault of wmr-ctrl itself
   130  interrupted
 """

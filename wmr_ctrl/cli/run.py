@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wmr_ctrl.cli.console import print_json, say
+from wmr_ctrl.cli.failures import FMU_FAILED
 from wmr_ctrl.cli.options import (
     LawName,
     Seed,
@@ -100,6 +101,7 @@ def run(
     finished = _simulated(case, law, seed, engine, plant)
     write_run(finished, out, plot, animate, film)
     show(finished, as_json)
+    end(finished)
 
 
 def check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
@@ -164,6 +166,13 @@ def write_run(
         with Progress("film") as progress:
             film_run(run, film, progress)
         say("wrote", film)
+
+
+def end(run: Run) -> None:
+    """Exit with the code of a failure, and the reason, where an FMU ended the run."""
+    if run.monitor.failure:
+        say("error", run.monitor.failure)
+        raise click.exceptions.Exit(FMU_FAILED)
 
 
 def show(run: Run, as_json: bool) -> None:

@@ -25,7 +25,7 @@ def summary_text(run: Run) -> str:
 
 def _parts(run: Run) -> Iterator[str]:
     """The FMUs of a run that coupled some."""
-    for name in ("reference", "controller", "plant"):
+    for name in ("reference", "controller", "guard", "plant"):
         label = run.provenance.get(f"fmu_{name}")
         if label:
             yield wrapped(f"{name}: {label}", hang="  ")

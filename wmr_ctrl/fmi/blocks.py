@@ -17,7 +17,7 @@ from wmr_ctrl.codegen.block import (
 )
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.ranges import clock_of, ranges_of
-from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fmi.model import Dependency, FmuModel, places_of_limits
 from wmr_ctrl.fmi.variables import (
     TIME,
@@ -49,12 +49,9 @@ def law_model(setup: Setup) -> FmuModel:
     return _model(law.name, f"Control law: {law.title}", setup.scenario, law_block(setup))
 
 
-def guard_model(scenario: Scenario) -> FmuModel:
-    """The velocity guard behind any law: asked force in, torques out.
-
-    Its numbers must be possible, be it switched on in the scenario or not.
-    """
-    return _model("guard", "Velocity guard", scenario, guard_block(settle(scenario, None)))
+def guard_model(setup: Setup) -> FmuModel:
+    """The velocity guard behind any law: asked force in, torques out."""
+    return _model("guard", "Velocity guard", setup.scenario, guard_block(setup))
 
 
 def reference_model(scenario: Scenario) -> FmuModel:

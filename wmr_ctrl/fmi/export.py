@@ -112,7 +112,7 @@ def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     if what == "reference":
         return reference_model(scenario)
     if what == "guard":
-        return guard_model(scenario)
+        return guard_model(settle(scenario, None))
     if what == "closed-loop":
         return closed_loop_model(settle(scenario, law))
     if what in LAWS:

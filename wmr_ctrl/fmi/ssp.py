@@ -200,7 +200,7 @@ def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Set
 
 def _outputs(name: str, file: FmuFile, part: PartMap, robot: Robot) -> list[MapRow]:
     if name == "controller":
-        return controller_outputs(file, part)
+        return controller_outputs(file, part, robot)
     return plant_outputs(file, part, robot)
 
 

@@ -33,7 +33,7 @@ PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
 """What it repeats of the numbers that a guard counts on."""
-COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_plant")
+COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_guard", "fmu_plant")
 """Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
 
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
-from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import law_graph
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fmi.blocks import law_model
 from wmr_ctrl.fmi.cosim.parts import STATE, Part
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.provenance import GRAPH
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.effect import Effect, EffectRole
 
 DISTURBANCE = EffectRole.DISTURBANCE
@@ -43,9 +46,7 @@ def check_structure(path: str | Path, model: FmuModel) -> None:
     An FMU of ours carries the graph that it was made from; numbers are set before a run, but
     guard, drives and options of a law are part of the graph.
     """
-    with zipfile.ZipFile(path) as archive:
-        names = archive.namelist()
-        graph = archive.read(GRAPH).decode() if GRAPH in names else ""
+    graph = _graph_in(path)
     if not graph:
         raise ArgumentError(
             f"the FMU {path} is not one of ours. Give a map of its names and units (--map "
@@ -59,13 +60,31 @@ def check_structure(path: str | Path, model: FmuModel) -> None:
         )
 
 
-def check_parts(setup: Setup, plant: Part, controller: Part) -> None:
-    """Raise ArgumentError where a foreign part leaves out a part of the scenario."""
-    if controller.foreign and setup.scenario.guard.enabled:
+def unguarded(path: str | Path, setup: Setup) -> Setup | None:
+    """The setup of a controller of ours that was made without the guard that ``setup`` has.
+
+    None where it has that guard, or is another one's.  Raises ArgumentError for a law that
+    remembers what it commanded, since a guard elsewhere changes that behind its back.
+    """
+    bare = settle(override(setup.scenario, {"guard.enabled": False}), setup.name)
+    if _graph_in(path) != law_model(bare).graph:
+        return None
+    if remembered(law_graph(bare)):
         raise ArgumentError(
-            "guard.enabled is true, but the guard is part of our controllers and not in "
-            f"{controller.slave.path}. Set guard.enabled = false."
+            f"{path} has no guard in it, and {setup.name} counts on the torque that it commanded "
+            "itself. Export it with the guard in it (guard.enabled = true), or leave it out."
         )
+    return bare
+
+
+def _graph_in(path: str | Path) -> str:
+    """The graph that an FMU of ours was made from; empty for another's."""
+    with zipfile.ZipFile(path) as archive:
+        return archive.read(GRAPH).decode() if GRAPH in archive.namelist() else ""
+
+
+def check_parts(setup: Setup, plant: Part) -> None:
+    """Raise ArgumentError where a foreign plant leaves out a part of the scenario."""
     reach = {item: _needed(item, setup.scenario) for item in setup.with_role(DISTURBANCE)}
     lost = [item for item, asked in reach.items() if not all(plant.uses & names for names in asked)]
     if lost:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from wmr_ctrl.fmi.cosim.guarded import GuardedController
 from wmr_ctrl.fmi.cosim.outside import Measurement, Outside
 from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, limited_torque, ready
 from wmr_ctrl.scenario import Change, Scenario
@@ -27,7 +28,7 @@ class Parts:
     """What a master steps."""
 
     reference: Part
-    controller: Part
+    controller: Part | GuardedController
     plant: Part
     change: Callable[[Change], None]
 

@@ -17,6 +17,8 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import (
     BODY_FORCE,
+    FORCE,
+    GUARD_DIAGNOSTICS,
     PATH,
     PLANT_STATE,
     REFERENCE,
@@ -24,6 +26,7 @@ from wmr_ctrl.signals import (
     TAU_APPLIED,
     TORQUE,
     TORQUE_NOISE,
+    VELOCITY,
     Signal,
 )
 
@@ -37,13 +40,18 @@ UNITS = {
     **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
     **{s.name: s.unit for s in (PATH, SKID)},
     **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
+    **dict(zip(FORCE.elements, FORCE.units, strict=True)),
     "psi": "rad",
     "w_right": "rad/s",
     "w_left": "rad/s",
 }
-"""Ours, with the ready ones: psi, the wheels' speeds, and torques with the disturbance in them."""
+"""Ours, with the ready ones: psi, the wheels' speeds, torques with the disturbance in them, and the
+force (thrust, moment) in the place of both torques."""
 READY = ("psi", "w_right", "w_left")
+GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
+"""What a guard is shown."""
 DRIVEN = (*TORQUES, *NOISES, *PUSHED, "torque_right", "torque_left")
+_INSTEAD = {"plant": READY, "controller": FORCE.elements}
 SEEN = (*DESIRED, *STATE, *APPLIED, *READY)
 
 
@@ -82,8 +90,13 @@ class Part:
             self._write(self._inward(values))
 
     def read(self) -> Sequence[float]:
-        """Our quantities from the outputs."""
-        return self._read() if self._same else self._outward(self._read())
+        """Our quantities from the outputs; raises FmuError where a foreign one is no number."""
+        values = self._read() if self._same else self._outward(self._read())
+        if self.foreign and not all(map(math.isfinite, values)):
+            pairs = zip(self.targets, values, strict=True)
+            lost = (f"{name} = {value}" for name, value in pairs if not math.isfinite(value))
+            raise self.slave.failure(f"its outputs, which give {', '.join(lost)}")
+        return values
 
     def step(self, t: float, h: float) -> None:
         """One step, or several of the FMU's own size."""
@@ -105,25 +118,40 @@ def reference_part(slave: Slave) -> Part:
     return Part(slave, [], identity(DESIRED), ())
 
 
-def controller_part(slave: Slave, part: PartMap | None, diagnostics: Sequence[str]) -> Part:
-    """Ours, by its own names, or one with a map; the diagnostics are read where they exist."""
+def controller_part(
+    slave: Slave,
+    part: PartMap | None,
+    robot: Robot,
+    diagnostics: Sequence[str],
+    asked: Sequence[str] = TORQUES,
+) -> Part:
+    """Ours, by its own names, or one with a map; the diagnostics are read where they exist.
+
+    ``asked``: what it gives, the torques of both wheels or, for a guard, the force.
+    """
     if part is None:
         known = [
             name
             for name in SEEN
             if name in slave.variables and slave.variables[name].causality == "input"
         ]
-        outputs = (*TORQUES, *(name for name in diagnostics if name in slave.variables))
+        outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
         _need(slave, outputs[:2])
         return Part(slave, identity(known), identity(outputs), SEEN)
     return Part(
         slave,
         input_rows(part.inputs, UNITS, slave.unit, "controller"),
-        controller_outputs(slave, part),
+        controller_outputs(slave, part, robot, asked),
         SEEN,
         part.step,
         foreign=True,
     )
+
+
+def guard_part(slave: Slave) -> Part:
+    """Our guard FMU."""
+    shown = (*TORQUES, *(name for item in GUARD_DIAGNOSTICS for name in item.elements))
+    return Part(slave, identity(GUARDED), identity(shown), GUARDED)
 
 
 def plant_part(
@@ -148,11 +176,27 @@ def plant_part(
     )
 
 
-def controller_outputs(file: FmuFile, part: PartMap) -> list[MapRow]:
-    """Rows that give the torques from a foreign controller's outputs."""
+def controller_outputs(
+    file: FmuFile, part: PartMap, robot: Robot, asked: Sequence[str] = TORQUES
+) -> list[MapRow]:
+    """Rows that give what is ``asked``, torques or the force, from a foreign controller's outputs.
+
+    Each follows from the other: thrust and moment are those of the torques at robot.r and robot.l.
+    """
     rows = output_rows(part.outputs, UNITS, file.unit, "controller")
-    _complete(rows, TORQUES, "controller")
-    return _sorted(rows, TORQUES)
+    by_target = {row.target: row for row in rows}
+    given = TORQUES if FORCE.elements[0] not in by_target else FORCE.elements
+    _complete(rows, given, "controller")
+    first, second = (by_target[name] for name in given)
+    if tuple(asked) == tuple(given):
+        return [first, second]
+    r, half_track = robot.r, robot.l
+    if given == TORQUES:
+        sums, differences = (1 / r, 1 / r), (half_track / r, -half_track / r)
+    else:
+        sums, differences = (r / 2, r / 2 / half_track), (r / 2, -r / 2 / half_track)
+    shares = zip(asked, (sums, differences), strict=True)
+    return [_combined(name, {first: a, second: b}) for name, (a, b) in shares]
 
 
 def plant_outputs(
@@ -233,7 +277,7 @@ def _complete(rows: Sequence[MapRow], wanted: Sequence[str], part: str) -> None:
     if missing:
         raise ArgumentError(
             f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
-            f"or for the ready names {', '.join(READY)} that they follow from."
+            f"or for the ready names {', '.join(_INSTEAD[part])} that they follow from."
         )
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -13,8 +14,15 @@ import numpy as np
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.cosim.fitting import check_parts, check_start, check_structure, law_within
+from wmr_ctrl.fmi.blocks import guard_model, parallel
+from wmr_ctrl.fmi.cosim.fitting import (
+    check_parts,
+    check_start,
+    check_structure,
+    law_within,
+    unguarded,
+)
+from wmr_ctrl.fmi.cosim.guarded import GuardedController
 from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
 from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
 from wmr_ctrl.fmi.cosim.outside import Outside
@@ -23,6 +31,7 @@ from wmr_ctrl.fmi.cosim.parts import (
     TORQUES,
     Part,
     controller_part,
+    guard_part,
     plant_part,
     reference_part,
 )
@@ -32,14 +41,72 @@ from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws.sample import own_diagnostics
-from wmr_ctrl.model.system import System
 from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Change, Scenario
-from wmr_ctrl.signals import LOG_HEAD, PSI, TRACKING_ERROR, Signal
+from wmr_ctrl.signals import (
+    DIAGNOSTICS,
+    FORCE,
+    GUARD_DIAGNOSTICS,
+    LOG_HEAD,
+    PSI,
+    TRACKING_ERROR,
+    Signal,
+)
 from wmr_ctrl.sim.finish import checked_seeds, finished
 
 CHANGEABLE = ("m", "I", "mu")
+STAND_IN = "nn"
+"""The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Who plays which part.
+
+    ``setup`` stands around all parts; ``own`` is what our controller or guard is built for;
+    ``bare`` is ``setup`` without guard, where that is a part behind a controller of ours.
+    ``foreign``: the controller is somebody else's; ``files``: those that are given; ``maps``: those
+    of foreign parts; ``at_once``: all parts step at once.
+    """
+
+    setup: Setup
+    own: Setup
+    bare: Setup | None
+    foreign: bool
+    files: Mapping[str, str | Path | None]
+    maps: Mapping[str, PartMap]
+    at_once: bool
+
+    @property
+    def guarded(self) -> bool:
+        """Whether the guard is a part of its own."""
+        return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parts, each an FMU."""
+        guard = ("guard",) if self.guarded else ()
+        return ("reference", "controller", *guard, "plant")
+
+    @property
+    def diagnostics(self) -> tuple[Signal, ...]:
+        """What the controller publishes beside what all laws do."""
+        if self.foreign:
+            return GUARD_DIAGNOSTICS
+        return own_diagnostics(watched_controller(self.own))
+
+    def model(self, name: str) -> FmuModel:
+        """The model of ours for a part; a guard steps right behind its controller."""
+        if name == "guard":
+            return guard_model(self.own)
+        setup = self.bare or self.own
+        model = model_of(setup.name if name == "controller" else name, setup.name, setup.scenario)
+        return parallel(model) if self.at_once else model
+
+    def controlled_by(self, slave: Slave) -> str:
+        """What the run's law is called."""
+        return slave.description.modelName if self.foreign else self.setup.name
 
 
 def cosimulate(
@@ -60,9 +127,12 @@ def cosimulate(
     Parameters
     ----------
     law
-        The control law; None: that of ``controller`` where it is one of ours, else "nn".
+        The control law; None: that of ``controller`` where it is one of ours, else "nn".  Refused
+        beside somebody else's controller.
     plant, controller
-        FMU files to use in place of those that are exported from ``scenario`` and ``law``.
+        FMU files to use in place of those that are exported from ``scenario`` and ``law``.  With
+        guard.enabled the guard stands behind somebody else's controller as a further FMU, and
+        behind one of ours that was exported without it.
     map_file
         TOML map of the names and units of FMUs that are not ours; see ``cosim.mapping``.
     master
@@ -88,79 +158,90 @@ def cosimulate(
             "out."
         )
     checked_seeds([seed])
-    setup = settle(scenario_given(scenario), law or law_within(controller) or "nn")
-    own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
-    maps = load_map(map_file) if map_file is not None else {}
+    files = {"controller": controller, "plant": plant}
+    cast = _cast(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
     with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
-        files = {"reference": None, "controller": controller, "plant": plant}
-        slaves = _slaves(own, files, fmi, Path(folder), at_once=master == "jacobi")
+        slaves = _slaves(cast, fmi, Path(folder))
         try:
-            return _run(setup, own, slaves, maps, master, seed, progress)
+            return _run(cast, slaves, master, seed, progress)
         finally:
             for slave in slaves.values():
                 slave.end()
 
 
-def _slaves(
-    setup: Setup,
-    files: dict[str, str | Path | None],
-    fmi: int,
-    folder: Path,
+def _cast(
+    scenario: str | Path | Scenario,
+    law: str | None,
+    files: Mapping[str, str | Path | None],
+    map_file: str | Path | None,
+    delay_known: bool,
     *,
     at_once: bool,
-) -> dict[str, Slave]:
+) -> Cast:
+    controller = files["controller"]
+    maps = load_map(map_file) if map_file is not None else {}
+    within = law_within(controller)
+    theirs = controller is not None and within is None
+    if theirs and law is not None:
+        raise ArgumentError(
+            f"law = {law!r} says nothing of the controller {controller}, which is somebody else's "
+            "and brings a law of its own. Leave the law out."
+        )
+    setup = settle(scenario_given(scenario), law or within or STAND_IN)
+    own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
+    foreign = theirs or "controller" in maps
+    bare = None
+    if controller is not None and not foreign and setup.scenario.guard.enabled:
+        bare = unguarded(controller, setup)
+    return Cast(setup, own, bare, foreign, files, maps, at_once)
+
+
+def _slaves(cast: Cast, fmi: int, folder: Path) -> dict[str, Slave]:
     slaves: dict[str, Slave] = {}
-    for name, given in files.items():
+    for name in cast.names:
+        given = cast.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            model = _model(setup, name, at_once=at_once)
-            write_fmu(model, fmi, targets_of("host"), path, result=False)
+            write_fmu(cast.model(name), fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
 
 
-def _model(setup: Setup, name: str, *, at_once: bool) -> FmuModel:
-    what = setup.name if name == "controller" else name
-    model = model_of(what, setup.name, setup.scenario)
-    return parallel(model) if at_once else model
-
-
 def _run(
-    setup: Setup,
-    own: Setup,
-    slaves: dict[str, Slave],
-    maps: dict[str, PartMap],
-    master: str,
-    seed: int,
-    progress: Progress | None,
+    cast: Cast, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
 ) -> Run:
-    """``own`` is what the controller is built for, ``setup`` what stands around it."""
-    scenario, system = setup.scenario, watched_controller(own)
-    further = [name for item in system.diagnostics for name in item.signal.elements]
-    outside = Outside(setup, seed)
+    scenario, maps = cast.setup.scenario, cast.maps
+    outside = Outside(cast.setup, seed)
     parts = Parts(
         reference_part(slaves["reference"]),
-        controller_part(slaves["controller"], maps.get("controller"), further),
+        _controller(cast, slaves),
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    check_parts(setup, parts.plant, parts.controller)
+    check_parts(cast.setup, parts.plant)
     for name, slave in slaves.items():
-        ours = None if name in maps else _model(own, name, at_once=master == "jacobi")
-        starts = maps[name].start if ours is None else _starts(ours, slave)
+        starts = maps[name].start if name in maps else _starts(cast.model(name), slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
-    facts |= {"delay": "known to the controller"} if own is not setup else {}
-    controlled = slaves["controller"].description.modelName if "controller" in maps else setup.name
-
+    facts |= {"delay": "known to the controller"} if cast.own is not cast.setup else {}
     failure = ""
     try:
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
-    return _result(own, controlled, system, loop, parts.controller, seed, facts, failure)
+    return _result(cast, cast.controlled_by(slaves["controller"]), loop, seed, facts, failure)
+
+
+def _controller(cast: Cast, slaves: Mapping[str, Slave]) -> Part | GuardedController:
+    """The controller, with the guard behind it where that is a part of its own."""
+    names = [name for item in (*DIAGNOSTICS, *cast.diagnostics) for name in item.elements]
+    given, robot = cast.maps.get("controller"), cast.setup.scenario.robot
+    if not cast.guarded:
+        return controller_part(slaves["controller"], given, robot, names)
+    asking = controller_part(slaves["controller"], given, robot, names, FORCE.elements)
+    return GuardedController(asking, guard_part(slaves["guard"]))
 
 
 def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
@@ -199,22 +280,14 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
 
 
 def _result(
-    setup: Setup,
-    law: str,
-    system: System,
-    loop: Master,
-    part: Part,
-    seed: int,
-    facts: dict[str, str],
-    failure: str,
+    cast: Cast, law: str, loop: Master, seed: int, facts: dict[str, str], failure: str
 ) -> Run:
-    effects = loop.outside.columns
-    signals = (*LOG_HEAD, *own_diagnostics(system), *effects)
+    effects, controller = loop.outside.columns, loop.parts.controller
+    signals = (*LOG_HEAD, *cast.diagnostics, *effects)
     named = tuple(name for item in effects for name in item.elements)
-    table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *part.targets[2:]))
+    table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *controller.targets[2:]))
     logged = (signals, _columns(signals, table), loop.outside.monitor(failure))
-    scenario = loop.scenario
-    return finished(scenario, law, seed, "fmu", logged, facts, setup.assumptions)
+    return finished(loop.scenario, law, seed, "fmu", logged, facts, cast.own.assumptions)
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:

@@ -162,7 +162,7 @@ class Slave(FmuFile):
 
         def read() -> list[float]:
             if get(instance, refs, count, buffer, *length) > _WARNING:
-                raise self._failure("reading its outputs")
+                raise self.failure("reading its outputs")
             return buffer[:]
 
         return read if count else list
@@ -176,7 +176,7 @@ class Slave(FmuFile):
         def write(values: Sequence[float]) -> None:
             buffer[:] = values
             if put(instance, refs, count, buffer, *length) > _WARNING:
-                raise self._failure("setting its inputs")
+                raise self.failure("setting its inputs")
 
         return write if count else _nothing
 
@@ -195,20 +195,21 @@ class Slave(FmuFile):
         if self.version == 3:
             self._step3(t, h)
         elif self._fmu.dll.fmi2DoStep(self._fmu.component, t, h, 1) > _WARNING:
-            raise self._failure("doStep")
+            raise self.failure("doStep")
 
     def _step3(self, t: float, h: float) -> None:
         call, answers = self._fmu.dll.fmi3DoStep, self._answers
         if call(self._fmu.component, t, h, True, *answers) > _WARNING:
-            raise self._failure("doStep")
+            raise self.failure("doStep")
         if self._flags[1].value or self._flags[2].value:
-            raise self._failure("doStep, which it ended early")
+            raise self.failure("doStep, which it ended early")
 
-    def _failure(self, what: str, error: Exception | None = None) -> FmuError:
+    def failure(self, what: str, error: Exception | None = None) -> FmuError:
+        """What to raise where it fails in ``what``: a sentence with file, part and time."""
         reason = str(error) if error is not None else "; ".join(self.messages[-1:])
+        cause = f"{': ' if reason else ''}{reason.strip()}".rstrip(".")
         return FmuError(
-            f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}"
-            f"{': ' if reason else ''}{reason}"
+            f"the FMU {self.path} ({self.name}) failed at t = {self.time:.9g} s in {what}{cause}."
         )
 
     def end(self) -> None:
@@ -232,7 +233,7 @@ class _Telling:
     def __exit__(self, kind: Any, error: Exception | None, _trace: Any) -> None:
         """Rename what FMPy raised."""
         if error is not None and not isinstance(error, WmrError):
-            raise self.slave._failure(self.what, error) from error
+            raise self.slave.failure(self.what, error) from error
 
 
 def _nothing(values: Sequence[float]) -> None:
