@@ -59,7 +59,8 @@ class Part:
     """An FMU with the maps of its inputs and outputs.
 
     ``write`` takes the values of ``sources``; ``read`` gives those of ``targets``; ``uses`` are the
-    sources that the inputs are made of; ``foreign``: somebody else's, described by a map.
+    sources that the inputs are made of; ``foreign``: somebody else's, described by a map;
+    ``strict``: what is read must be finite.
     """
 
     def __init__(
@@ -71,9 +72,10 @@ class Part:
         step: float | None = None,
         *,
         foreign: bool = False,
+        strict: bool = False,
     ) -> None:
         self.slave, self.targets, self.step_size = slave, tuple(row.target for row in outputs), step
-        self.foreign = foreign
+        self.foreign, self._strict = foreign, strict
         theirs = list(dict.fromkeys(name for row in outputs for name, _ in row.terms))
         self.uses = frozenset(name for row in inputs for name, _ in row.terms)
         self.wants_ready = not self.uses.isdisjoint(READY)
@@ -90,9 +92,9 @@ class Part:
             self._write(self._inward(values))
 
     def read(self) -> Sequence[float]:
-        """Our quantities from the outputs; raises FmuError where a foreign one is no number."""
+        """Our quantities from the outputs; raises FmuError where one must be finite and is not."""
         values = self._read() if self._same else self._outward(self._read())
-        if self.foreign and not all(map(math.isfinite, values)):
+        if self._strict and not all(map(math.isfinite, values)):
             pairs = zip(self.targets, values, strict=True)
             lost = (f"{name} = {value}" for name, value in pairs if not math.isfinite(value))
             raise self.slave.failure(f"its outputs, which give {', '.join(lost)}")
@@ -145,6 +147,7 @@ def controller_part(
         SEEN,
         part.step,
         foreign=True,
+        strict=True,
     )
 
 
