@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
+from dataclasses import replace
+from operator import ne
 from pathlib import Path
 
 import pytest
 
-from tests.matrix import headed, turns
+from tests.matrix import headed, quick, turns
 from wmr_ctrl.api import export_fmu
-from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.codegen.package import c_name, package_files, packaged
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import load_scenario, override
@@ -19,6 +23,12 @@ from wmr_ctrl.simulink import kit_files
 
 HERE = Path(__file__).parent
 SCENARIO = load_scenario("paper-simulation")
+SAFE = load_scenario("safe-simulation")
+OTHER = {
+    "limits.v_u1": [1.1, 1.7], "limits.v_u2": [0.7, 1.2], "actuator.tau_max": 30.0,
+    "robot.r": 0.11, "robot.l": 0.27, "model.m": 55.0, "model.I": 6.0,
+    "guard.mass_margin": 0.2, "gains.kinematics.k": [8.0, 4.0, 3.5],
+}  # fmt: skip
 STRICT = ("-Wall", "-Wextra", "-Werror", "-O1", "-ffp-contract=off")
 
 
@@ -29,11 +39,42 @@ def tool(name):
     return found
 
 
-def written(folder, law, scenario=SCENARIO):
+def written(folder, law, scenario=SCENARIO, asked=None):
+    """The kit, and vectors and a dialog of the scenario ``asked`` or of its own."""
     for name, text in kit_files(law, scenario).items():
         (folder / name).write_text(text, encoding="utf-8")
-    vectors = package_files(law, scenario)["vectors.h"]
+    asked = asked or scenario
+    vectors = package_files(law, asked)["vectors.h"]
     (folder / "vectors.h").write_text(vectors, encoding="utf-8")
+    values = [port.value for port in tuned(law, asked)]
+    numbers = ", ".join(repr(value) for port in values for value in port).replace("inf", "HUGE_VAL")
+    sizes = ", ".join(str(len(port)) for port in values)
+    (folder / "dialog.h").write_text(
+        f"#define MOCK_DIALOG {len(values)}\n"
+        f"static const real_T mock_dialog[] = {{{numbers}}};\n"
+        f"static const size_t mock_sizes[] = {{{sizes}}};\n",
+        encoding="utf-8",
+    )
+
+
+def tuned(law, scenario):
+    """The law's parameters, but for its period."""
+    ports = packaged(settle(scenario, law)).params
+    return [port for port in ports if port.signal.name != "clock.control"]
+
+
+def played(folder, law, language=("gcc", "-std=c99"), *options, ends=0):
+    """What a play of the S-function prints, in lines, if it ends with that status."""
+    sources = [f"sfun_wmr_{law}.c", f"wmr_{law}.c"]
+    compiler, dialect = language
+    command = [tool(compiler), dialect, *STRICT, *options, f"-I{HERE / 'mock'}", "-I.", *sources]
+    made = subprocess.run(
+        [*command, "-o", "play", "-lm"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr[-2000:]
+    done = subprocess.run([folder / "play"], capture_output=True, text=True, check=False)
+    assert done.returncode == ends, (done.returncode, done.stdout)
+    return done.stdout.splitlines()
 
 
 @pytest.mark.parametrize(
@@ -41,20 +82,59 @@ def written(folder, law, scenario=SCENARIO):
     turns(headed("prox", LAWS), (("gcc", "-std=c99"), ("g++", "-xc++"))),
 )
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, language):
-    """Memory moves in mdlUpdate alone; what is not finite ends the simulation by an error."""
+    """Memory moves in mdlUpdate alone, and a run may be saved; no finite input ends in an error."""
     written(tmp_path, law)
-    sources = [f"sfun_wmr_{law}.c", f"wmr_{law}.c"]
-    command = [tool(language[0]), language[1], *STRICT, f"-I{HERE / 'mock'}", "-I.", *sources]
-    made = subprocess.run(
-        [*command, "-o", "play", "-lm"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert made.returncode == 0, made.stderr[-2000:]
-    done = subprocess.run([tmp_path / "play"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
-    period, worst, count = map(float, done.stdout.split())
+    first, *rest = played(tmp_path, law, language)
+    period, worst, count = map(float, first.split())
     assert period == SCENARIO.clock.control
     assert worst < 1e-12
-    assert count > 20
+    assert count == 72
+    assert rest[:2] == ["memory 1 1", "next 0 1"]
+
+
+@pytest.mark.parametrize("guarded", [False, True])
+@pytest.mark.parametrize("law", quick(LAWS, "nn"))
+def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guarded):
+    """Limits, gains, model and guard of a new scenario in a kit of the old: the new vectors."""
+    base = override(SAFE, {"guard.enabled": guarded})
+    other = override(base, OTHER)
+    before, after = ([port.value for port in tuned(law, each)] for each in (base, other))
+    assert sum(map(ne, before, after)) >= 4
+    for name, asked, kit in (("new", other, other), ("tuned", other, base)):
+        folder = tmp_path / name
+        folder.mkdir()
+        written(folder, law, kit, asked)
+        assert float(played(folder, law)[0].split()[1]) < 1e-12
+    (tmp_path / "teeth").mkdir()
+    written(tmp_path / "teeth", law, base)
+    vectors = package_files(law, other)["vectors.h"]
+    (tmp_path / "teeth" / "vectors.h").write_text(vectors, encoding="utf-8")
+    assert float(played(tmp_path / "teeth", law)[0].split()[1]) > 1e-3
+
+
+def test_the_dialog_refuses_by_name(tmp_path):
+    """Not a number, one number too many, a text: each with the name; the right one is taken."""
+    written(tmp_path, "mb", SAFE)
+    lines = played(tmp_path, "mb", ("gcc", "-std=c99"), "-DMOCK_OLD")[3:]
+    ports = tuned("mb", SAFE)
+    assert len(lines) == 4 * len(ports)
+    for port, group in zip(ports, zip(*[iter(lines)] * 4, strict=True), strict=True):
+        assert all(line.startswith(f"{c_name(port.signal)}: ") for line in group[:3])
+        assert group[3] == "taken"
+    assert "limits_v_u2: 2 numbers, at least 1e-12." in lines
+
+
+def test_limits_in_the_wrong_order_are_refused(tmp_path):
+    written(tmp_path, "mb", SAFE)
+    dialog = tmp_path / "dialog.h"
+    ports = tuned("mb", SAFE)
+    at = sum(p.signal.size for p in ports[: [p.signal.name for p in ports].index("limits.v_u2")])
+    head, numbers, tail = re.split(r"\{(.*?)\}", dialog.read_text(encoding="utf-8"), maxsplit=1)
+    values = numbers.split(", ")
+    values[at] = "5.0"
+    dialog.write_text(f"{head}{{{', '.join(values)}}}{tail}", encoding="utf-8")
+    (told,) = played(tmp_path, "mb", ends=5)
+    assert told == "limits_v_u2: below limits_v_u1 in each of the two numbers."
 
 
 @pytest.mark.parametrize("controller", ["sfunction", "fmu"])
@@ -73,14 +153,60 @@ def test_the_script_wires_ports_of_one_name(tmp_path, controller):
     zero = ("noise_right", "noise_left", "thrust", "moment")
     wanted |= {f"no_{name}/1 plant/{k}" for k, name in enumerate(zero, start=3)}
     lines = done.stdout.split("\n")[:-1]
-    assert sorted(lines) == sorted(wanted)
+    fields = [line.split() for line in lines if line.startswith("FIELD")]
+    given = [line.split(None, 2) for line in lines if line.startswith("PARAMETERS")]
+    assert sorted(line for line in lines if "/" in line) == sorted(wanted)
+    ports = tuned("nn", SCENARIO) if controller == "sfunction" else []
+    assert [item[1] for item in fields] == [c_name(port.signal) for port in ports]
+    for field, port in zip(fields, ports, strict=True):
+        assert tuple(map(float, field[2:])) == port.value
+    names = ", ".join(c_name(port.signal) for port in ports)
+    assert given == ([["PARAMETERS", "sfun_wmr_nn", names]] if ports else [])
+
+
+@pytest.mark.parametrize("law", ["mb", "nn"])
+def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
+    """Its constants and memory have the header's fields, its wires the step's arguments."""
+    written(tmp_path, law)
+    done = subprocess.run(
+        [tool("octave-cli"), "-qf", "--eval", f"addpath('{HERE / 'stubs'}'); wmr_ccaller('m')"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.split("\n")[:-1]
+    header = (tmp_path / f"wmr_{law}.h").read_text(encoding="utf-8")
+    for name in ("parameters", "state"):
+        body = re.search(rf"typedef struct \{{([^}}]*)\}} wmr_{law}_{name};", header)[1]
+        found = re.findall(r"wmr_real (\w+)(?:\[(\d+)\])?;", body)
+        fields = " ".join(f"{field}:{size or 1}" for field, size in found)
+        assert f"WORKSPACE {'memory' if name == 'state' else name} {fields}" in lines
+    order = re.search(rf"int wmr_{law}_step\((.*?)\);", header, flags=re.S)[1]
+    assert re.findall(r"\*(\w+)", order) == ["parameters", "state", "inputs", "outputs"]
+    asked = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
+    wanted = {f"{name}/1 inputs/{k}" for k, name in enumerate(asked, start=1)}
+    wanted |= {"parameters/1 law/1", "memory/1 law/2", "inputs/1 law/3", "law/1 refused/1"}
+    wanted |= {"law/2 memory/1", "law/3 torques/1"}
+    wanted |= {"torques/1 tau_right/1", "torques/2 tau_left/1"}
+    assert {line for line in lines if "/" in line} == wanted
+
+
+@pytest.mark.parametrize("name", ["a 'quoted' one", "two\nend", "two\r*/ int x;", 'a "b" c'])
+def test_a_name_ends_neither_comment_nor_text(name):
+    """The scenario's name stands in comments alone, and on one line of each."""
+    plain, named = (kit_files("mb", replace(SCENARIO, name=each)) for each in ("wmr", name))
+    for file in ("sfun_wmr_mb.c", "wmr_block.m", "wmr_loop.m", "wmr_ccaller.m", "README.md"):
+        assert len(named[file].splitlines()) == len(plain[file].splitlines())
+        for one, other in zip(plain[file].splitlines(), named[file].splitlines(), strict=True):
+            assert one == other or one.startswith("%") or file == "README.md"
+    assert named["sfun_wmr_mb.c"] == plain["sfun_wmr_mb.c"]
 
 
 def test_the_kit_is_written_and_says_what_was_tried(tmp_path):
     paths = export_fmu("simulink", law="mb", scenario=SCENARIO, out=tmp_path / "kit")
     names = {path.name for path in paths}
     assert names == {
-        "sfun_wmr_mb.c", "wmr_loop.m", "README.md", "wmr_mb.c", "wmr_mb.h", "arithmetic.h",
+        "sfun_wmr_mb.c", "wmr_block.m", "wmr_loop.m", "wmr_ccaller.m", "README.md",
+        "wmr_mb.c", "wmr_mb.h", "arithmetic.h",
     }  # fmt: skip
     assert "not tried" in (tmp_path / "kit" / "README.md").read_text(encoding="utf-8")
 

@@ -1,29 +1,41 @@
-"""The Simulink kit of a law: a level-2 C S-function on its C package, a script, a page.
+"""The Simulink kit of a law: a level-2 C S-function on its C package, scripts, a page.
 
-The S-function adds nothing to the law: it copies ports into the package's structs, calls the step
-and copies the torques out.  What Simulink's own header gives it is a few macros; the tests run it
-against a header of ours that mimics those.
+The S-function adds nothing to the law: it copies ports and the parameters of its dialog into the
+package's structs, calls the step and copies the torques out.  What Simulink's own header gives it
+is a few macros; the tests run it against a header of ours that mimics those.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
 from wmr_ctrl.codegen.package import c_name, package_files, packaged
+from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import beyond_noise, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.system import Port
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.signals import LARGEST, REFERENCE
 
 _TEMPLATES = Path(__file__).parent
 _SOURCES = ("wmr_{law}.h", "wmr_{law}.c", "arithmetic.h")
 """Files of the package that the S-function is compiled with."""
+_RENDERED = {
+    "sfun_wmr_{law}.c": "sfun.c.j2",
+    "wmr_block.m": "wmr_block.m.j2",
+    "wmr_loop.m": "wmr_loop.m.j2",
+    "wmr_ccaller.m": "wmr_ccaller.m.j2",
+    "README.md": "README.md.j2",
+}
+CLOCK = "clock.control"
+"""The one parameter that is fixed: the S-function's sample time."""
 
 
 def export_simulink(*, law: str = "nn", scenario: Scenario, out: str | Path = ".") -> list[Path]:
@@ -36,7 +48,7 @@ def export_simulink(*, law: str = "nn", scenario: Scenario, out: str | Path = ".
 
 
 def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
-    """File name to text: S-function, its sources, the script, the page.
+    """File name to text: S-function, its sources, the scripts, the page.
 
     Raises ArgumentError for effects that a loop of reference, law and plant would miss, and
     ScenarioError or UnknownNameError as building the law does.
@@ -55,15 +67,17 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
         loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
-    named = {f"sfun_wmr_{law}.c": "sfun.c.j2", "wmr_loop.m": "wmr_loop.m.j2",
-             "README.md": "README.md.j2"}  # fmt: skip
+    engine.filters |= {"comment": _comment, "quoted": _quoted, "number": _c_number}
+    named = {name.format(law=law): source for name, source in _RENDERED.items()}
     files = {name: engine.get_template(source).render(context) for name, source in named.items()}
     return files | {name: sources[name] for name in (item.format(law=law) for item in _SOURCES)}
 
 
 def _context(law: str, scenario: Scenario) -> Mapping[str, Any]:
     system, robot = packaged(settle(scenario, law)), plant(scenario)
-    outputs = [item.signal for item in robot.outputs]
+    tuned = [port for port in system.params if port.signal.name != CLOCK]
+    ranges = ranges_of(scenario, (port.signal.name for port in tuned))
+    names = {port.signal.name for port in tuned}
     return {
         "law": law,
         "title": system.title,
@@ -74,7 +88,55 @@ def _context(law: str, scenario: Scenario) -> Mapping[str, Any]:
                    for p in system.inputs],
         "outputs": [{"name": c_name(o.signal), "size": o.signal.size, "unit": o.signal.unit}
                     for o in system.outputs],
+        "parameters": [_parameter(port, ranges.get(port.signal.name)) for port in tuned],
+        "ordered": {"limits.v_u1", "limits.v_u2"} <= names,
+        "memory": [{"name": c_name(p.signal), "value": _matlab(p.value)} for p in system.state]
+                  or [{"name": "nothing", "value": "0"}],
         "reference": [signal.name for signal in REFERENCE],
         "robot_inputs": [port.signal.name for port in robot.inputs],
-        "robot_outputs": [signal.name for signal in outputs],
+        "robot_outputs": [item.signal.name for item in robot.outputs],
     }  # fmt: skip
+
+
+def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, Any]:
+    """One parameter of the S-function: its values, and what each of them may be."""
+    signal = port.signal
+    low, high = (_unlimited(end) for end in known or (-LARGEST, LARGEST))
+    numbers = "a number" if signal.size == 1 else f"{signal.size} numbers"
+    ends = [f"at least {low:g}"] * (low > -math.inf) + [f"at most {high:g}"] * (high < math.inf)
+    return {
+        "name": c_name(signal),
+        "size": signal.size,
+        "unit": signal.unit,
+        "value": _matlab(port.value),
+        "prompt": f"{signal.name} [{signal.unit}]: {signal.meaning}",
+        "low": low,
+        "high": high,
+        "wanted": ", ".join([numbers, *ends]),
+    }
+
+
+def _unlimited(end: float) -> float:
+    return math.copysign(math.inf, end) if abs(end) >= LARGEST else end
+
+
+def _matlab(values: Iterable[float]) -> str:
+    """Numbers as MATLAB writes them: one, or a column as a struct of C has it."""
+    shown = [repr(float(value)).replace("inf", "Inf") for value in values]
+    return shown[0] if len(shown) == 1 else f"[{'; '.join(shown)}]"
+
+
+def _c_number(value: float) -> str:
+    if math.isinf(value):
+        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
+    return repr(float(value))
+
+
+def _comment(text: str) -> str:
+    """A text that ends neither a line nor a comment."""
+    return "".join(c if c.isprintable() else " " for c in text).replace("*/", "* /")
+
+
+def _quoted(text: str) -> str:
+    """A text as it stands in a character vector of MATLAB."""
+    return _comment(text).replace("'", "''")

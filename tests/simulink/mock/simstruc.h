@@ -9,15 +9,34 @@
 typedef double real_T;
 typedef int int_T;
 
-#define MOCK_PORTS 32
+#define MOCK_PORTS 64
 #define MOCK_NUMBERS 512
 #define SS_DOUBLE 0
 #define SS_OPTION_EXCEPTION_FREE_CODE 1
+#define SS_OPTION_WORKS_WITH_CODE_REUSE 2
+#define SS_DWORK_USED_AS_DWORK 0
+#define SS_DWORK_USED_AS_DSTATE 1
+#define USE_DEFAULT_SIM_STATE 1
+#define USE_DEFAULT_OPERATING_POINT 1
 
 typedef struct {
-    int_T parameters, given, inputs, outputs, works, times, options;
+    const real_T *numbers;
+    size_t count;
+    int complex, text;
+} mxArray;
+
+#define mxIsDouble(a) (!(a)->text)
+#define mxIsComplex(a) ((a)->complex)
+#define mxIsSparse(a) ((void)(a), 0)
+#define mxGetNumberOfElements(a) ((a)->count)
+#define mxGetPr(a) ((a)->numbers)
+
+typedef struct {
+    int_T parameters, given, inputs, outputs, works, times, options, compliance;
     int_T input_width[MOCK_PORTS], output_width[MOCK_PORTS], feeds[MOCK_PORTS];
-    int_T work_width[MOCK_PORTS];
+    int_T work_width[MOCK_PORTS], work_use[MOCK_PORTS], tunable[MOCK_PORTS];
+    const char *work_name[MOCK_PORTS];
+    mxArray parameter[MOCK_PORTS];
     real_T input[MOCK_PORTS][16], output[MOCK_PORTS][16], work[MOCK_PORTS][MOCK_NUMBERS];
     real_T period, offset;
     const char *error;
@@ -26,6 +45,8 @@ typedef struct {
 #define ssSetNumSFcnParams(S, n) ((S)->parameters = (n))
 #define ssGetNumSFcnParams(S) ((S)->parameters)
 #define ssGetSFcnParamsCount(S) ((S)->given)
+#define ssGetSFcnParam(S, i) (&(S)->parameter[i])
+#define ssSetSFcnParamTunable(S, i, yes) ((S)->tunable[i] = (yes))
 #define ssSetNumContStates(S, n) ((void)(n))
 #define ssSetNumDiscStates(S, n) ((void)(n))
 #define ssSetNumInputPorts(S, n) ((n) <= MOCK_PORTS && ((S)->inputs = (n), 1))
@@ -38,6 +59,13 @@ typedef struct {
 #define ssSetNumDWork(S, n) ((S)->works = (n))
 #define ssSetDWorkWidth(S, i, n) ((S)->work_width[i] = (n))
 #define ssSetDWorkDataType(S, i, type) ((void)(type))
+#define ssSetDWorkName(S, i, name) ((S)->work_name[i] = (name))
+#define ssSetDWorkUsageType(S, i, use) ((S)->work_use[i] = (use))
+#ifdef MOCK_OLD
+#define ssSetSimStateCompliance(S, how) ((S)->compliance = (how))
+#else
+#define ssSetOperatingPointCompliance(S, how) ((S)->compliance = (how))
+#endif
 #define ssSetOptions(S, flags) ((S)->options = (flags))
 #define ssSetSampleTime(S, i, period_) ((S)->period = (period_))
 #define ssSetOffsetTime(S, i, offset_) ((S)->offset = (offset_))
@@ -45,5 +73,6 @@ typedef struct {
 #define ssGetInputPortSignal(S, i) ((const void *)(S)->input[i])
 #define ssGetOutputPortSignal(S, i) ((void *)(S)->output[i])
 #define ssSetErrorStatus(S, text) ((S)->error = (text))
+#define ssGetErrorStatus(S) ((S)->error)
 
 #endif

@@ -1,4 +1,4 @@
 function save_system(model)
-lines = note('').lines;
-printf('%s\n', lines{:});
+taken = note('');
+printf('%s\n', taken.lines{:}, taken.fields{:});
 end
