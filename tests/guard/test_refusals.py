@@ -10,7 +10,9 @@ from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.refusals import settled_guard
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.effect import Bound
 
 ON = {"guard.enabled": True}
 
@@ -59,6 +61,53 @@ def test_the_remedy_of_the_message_is_accepted() -> None:
             scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None
         )
     )
+
+
+def reads_the_limit(share: float):
+    """The bound of drives that push with a share of what the wheels can give."""
+    return lambda scenario: Bound(
+        dbar=(60.0 + share * 2 * scenario.actuator.tau_max / scenario.robot.r, 15.0)
+    )
+
+
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.9])
+def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share) -> None:
+    def settled(limit: float):
+        scenario = scenario_of("far-start", {"actuator.tau_max": limit})
+        return settled_guard(scenario, bound(scenario), limit, bound)
+
+    bound = reads_the_limit(share)
+    with pytest.raises(ScenarioError) as refused:
+        settled(1.0)
+    (said,) = re.findall(r"tau_max >= (\S+) N m", str(refused.value))
+
+    assert float(said) == pytest.approx(6.0 / (1.0 - share), rel=2e-3)
+    assert settled(float(said)).dbar[0] >= 60.0
+    with pytest.raises(ScenarioError, match="cannot hold the robot"):
+        settled(0.998 * float(said))
+
+
+@pytest.mark.parametrize("share", [0.97, 1.0, 2.0])
+def test_a_torque_limit_is_not_proposed_where_none_is_enough(share) -> None:
+    """At 0.97 there is one that the wheels need, and dbar is too large for the period there."""
+    bound, scenario = reads_the_limit(share), scenario_of("far-start", {"actuator.tau_max": 4.0})
+
+    with pytest.raises(ScenarioError, match=r"No tau_max is enough: .* with tau_max") as told:
+        settled_guard(scenario, bound(scenario), 4.0, bound)
+    assert "tau_max >=" not in str(told.value)
+
+
+def test_wheels_of_another_size_are_counted_in_the_torque_that_is_enough() -> None:
+    """What they push with is a share of tau_max: settle finds the limit that counts it."""
+    changed = {**ON, "wheels.radius": [0.05, -0.05], "disturbance.truncate": 3.0}
+    with pytest.raises(ScenarioError) as refused:
+        settle(scenario_of("far-start", {**changed, "actuator.tau_max": 2.0}), "mb")
+    (said,) = re.findall(r"tau_max >= (\S+) N m", str(refused.value))
+
+    enough = settle(scenario_of("far-start", {**changed, "actuator.tau_max": float(said)}), "mb")
+    assert enough.guard.dbar[0] > 60.0
+    with pytest.raises(ScenarioError, match="cannot hold the robot"):
+        settle(scenario_of("far-start", {**changed, "actuator.tau_max": 0.998 * float(said)}), "mb")
 
 
 def test_defaults_follow_from_the_scenario() -> None:

@@ -7,7 +7,7 @@ itself.  Numbers keep their scenario keys, so a graph's parameters can be filled
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
@@ -177,9 +177,12 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     present = tuple(item for item in known if item.present(scenario))
     if scenario.guard.enabled or chosen is None:
         _check_bounds(present)
-    numbers_of = settled_guard if scenario.guard.enabled or chosen is None else stated_guard
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
-    guard = numbers_of(scenario, bound, limit)
+    guard = (
+        settled_guard(scenario, bound, limit, partial(bound_of, present=present))
+        if scenario.guard.enabled or chosen is None
+        else stated_guard(scenario, bound, limit)
+    )
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import (
     AXES,
     ROUNDING,
     UNITS,
+    Pair,
     Stated,
     aim,
     lateness_time,
@@ -17,21 +22,28 @@ from wmr_ctrl.guard.bounds import (
     stated_guard,
 )
 from wmr_ctrl.guard.lateness import GRID
-from wmr_ctrl.scenario import Guard, Scenario
+from wmr_ctrl.scenario import Guard, Scenario, override
 from wmr_ctrl.world.effect import Bound
 
+BoundOf: TypeAlias = Callable[[Scenario], Bound]
+DOUBLINGS, HALVINGS = 20, 40
+"""How far, and how closely, a torque limit is searched that is enough."""
 
-def settled_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
+
+def settled_guard(
+    scenario: Scenario, bound: Bound, tau_max: float, bound_of: BoundOf | None = None
+) -> Stated:
     """The scenario's guard with every number in it, for wheels with ``tau_max`` [N m].
 
-    ``bound`` is what the effects add up to.  Raises ScenarioError where no force keeps the limit,
-    with inequality, numbers and remedy.
+    ``bound`` is what the effects add up to, ``bound_of`` what they would with other numbers, by
+    default the same.  Raises ScenarioError where no force keeps the limit, with inequality,
+    numbers and remedy.
     """
     complete = stated_guard(scenario, bound, tau_max)
     Guard.relate(complete)
     _check_times(scenario, complete)
     _check(scenario, complete)
-    _check_brake(scenario, complete, tau_max)
+    _check_brake(scenario, complete, tau_max, bound_of or (lambda _: bound))
     return complete
 
 
@@ -155,11 +167,27 @@ def _faster(alpha: float, period: float) -> str:
     return f"from clock.control <= {1.0 / alpha:.4g} s on (alpha = 1/T)"
 
 
-def _check_brake(scenario: Scenario, guard: Stated, tau_max: float) -> None:
+def _check_brake(scenario: Scenario, guard: Stated, tau_max: float, bound_of: BoundOf) -> None:
     robot, brake = scenario.robot, pair_of(guard.brake)
-    most = 2.0 * tau_max / robot.r
-    _check_wheels("dbar", [max(net(guard, i), 0.0) for i in AXES], most, robot.r, robot.l, tau_max)
-    _check_wheels("brake", list(brake), most, robot.r, robot.l, tau_max)
+
+    def pushed(limit: float) -> float:
+        """What the wheels must hold against with another limit, which effects may read [N].
+
+        inf where the guard would be refused for another reason then.
+        """
+        other = override(scenario, {"actuator.tau_max": limit})
+        numbers = stated_guard(other, bound_of(other), limit)
+        try:
+            _check(other, numbers)
+        except ScenarioError:
+            return math.inf
+        return sum(_pushed(numbers, robot.l))
+
+    if not _holds(sum(_pushed(guard, robot.l)), tau_max, robot.r):
+        _refuse_wheels(scenario, "dbar", _pushed(guard, robot.l), tau_max, pushed)
+    braked = (brake[0], brake[1] / robot.l)
+    if not _holds(sum(braked), tau_max, robot.r):
+        _refuse_wheels(scenario, "brake", braked, tau_max, lambda _: sum(braked))
     for i in AXES:
         if brake[i] < net(guard, i):
             raise ScenarioError(
@@ -169,15 +197,57 @@ def _check_brake(scenario: Scenario, guard: Stated, tau_max: float) -> None:
             )
 
 
-def _check_wheels(
-    name: str, pair: list[float], most: float, r: float, half_track: float, tau_max: float
+def _pushed(guard: Stated, half_track: float) -> Pair:
+    """dbar - f_min of both axes as forces at the wheels [N]; nothing where friction is larger."""
+    return max(net(guard, 0), 0.0), max(net(guard, 1), 0.0) / half_track
+
+
+def _holds(force: float, tau_max: float, r: float) -> bool:
+    return force <= 2.0 * tau_max / r * (1.0 + 1e-12)
+
+
+def _refuse_wheels(
+    scenario: Scenario,
+    name: str,
+    pair: Pair,
+    tau_max: float,
+    needed: Callable[[float], float],
 ) -> None:
-    need = pair[0] + pair[1] / half_track
-    if need <= most * (1.0 + 1e-12):
-        return
+    robot, need, most = scenario.robot, sum(pair), 2.0 * tau_max / scenario.robot.r
+    enough = _enough(needed, need * robot.r / 2, robot.r)
+    larger = (
+        "No tau_max is enough: what effects of the scenario add to it grows with tau_max, too. It "
+        "holds"
+        if enough is None
+        else f"It holds from tau_max >= {enough:.6g} N m on (now {tau_max:g}), or"
+    )
     raise ScenarioError(
         f"guard: the wheels cannot hold the robot at both limits: {name}[1] + {name}[2]/l <= "
-        f"2 tau_max/r is needed, but {pair[0]:g} + {pair[1]:g}/{half_track:g} = {need:g} > "
-        f"{most:g} N. It holds from tau_max >= {need * r / 2:.4g} N m on (now {tau_max:g}), or "
-        f"with guard.{name} scaled by {most / need:.3g}."
+        f"2 tau_max/r is needed, but {pair[0]:g} + {pair[1] * robot.l:g}/{robot.l:g} = {need:g} > "
+        f"{most:g} N. {larger} with guard.{name} scaled by {most / need:.3g}."
     )
+
+
+def _enough(needed: Callable[[float], float], least: float, r: float) -> float | None:
+    """The torque limit [N m], at least ``least``, from which on the wheels hold; None for none.
+
+    ``needed``: the force [N] to hold against at a limit.  It may grow with the limit, so the limit
+    is tried: doubled until it is enough, then halved in between; four digits, rounded up.
+    """
+    low = high = _four_digits_up(least)
+    for _ in range(DOUBLINGS):
+        if _holds(needed(high), high, r):
+            break
+        low, high = high, 2.0 * high
+    else:
+        return None
+    for _ in range(HALVINGS if low < high else 0):
+        middle = (low + high) / 2.0
+        low, high = (low, middle) if _holds(needed(middle), middle, r) else (middle, high)
+    return _four_digits_up(high)
+
+
+def _four_digits_up(value: float) -> float:
+    """The next number of four digits that is not smaller."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 3)
+    return float(f"{math.ceil(value / step - 1e-9) * step:.4g}")
