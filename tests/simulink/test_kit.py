@@ -166,7 +166,7 @@ def test_the_script_wires_ports_of_one_name(tmp_path, controller):
 
 @pytest.mark.parametrize("law", ["mb", "nn"])
 def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
-    """Its constants and memory have the header's fields, its wires the step's arguments."""
+    """Constants and memory have the header's fields and the law's numbers, wires its arguments."""
     written(tmp_path, law)
     done = subprocess.run(
         [tool("octave-cli"), "-qf", "--eval", f"addpath('{HERE / 'stubs'}'); wmr_ccaller('m')"],
@@ -175,11 +175,18 @@ def test_the_c_caller_has_the_structs_of_the_package(tmp_path, law):
     assert done.returncode == 0, done.stderr
     lines = done.stdout.split("\n")[:-1]
     header = (tmp_path / f"wmr_{law}.h").read_text(encoding="utf-8")
-    for name in ("parameters", "state"):
+    system = packaged(settle(SCENARIO, law))
+    for name, ports in (("parameters", system.params), ("state", system.state)):
         body = re.search(rf"typedef struct \{{([^}}]*)\}} wmr_{law}_{name};", header)[1]
         found = re.findall(r"wmr_real (\w+)(?:\[(\d+)\])?;", body)
-        fields = " ".join(f"{field}:{size or 1}" for field, size in found)
-        assert f"WORKSPACE {'memory' if name == 'state' else name} {fields}" in lines
+        key = "memory" if name == "state" else name
+        (line,) = (line for line in lines if line.startswith(f"WORKSPACE {key} "))
+        fields = [field.split(":") for field in line.split()[2:]]
+        assert [(field, len(values)) for field, *values in fields] == [
+            (field, int(size or 1)) for field, size in found
+        ]
+        for (_, *values), port in zip(fields, ports, strict=bool(ports)):
+            assert tuple(map(float, values)) == port.value
     order = re.search(rf"int wmr_{law}_step\((.*?)\);", header, flags=re.S)[1]
     assert re.findall(r"\*(\w+)", order) == ["parameters", "state", "inputs", "outputs"]
     asked = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
