@@ -42,6 +42,23 @@ def test_the_bootstrap_is_near_the_normal_interval_and_repeats():
     assert (high - low) / 2 == pytest.approx(1.96 * values.std() / math.sqrt(4000), rel=0.1)
 
 
+@pytest.mark.parametrize("share", [True, False])
+def test_more_looks_need_a_narrower_interval(share):
+    """Each of J looks takes confidence 1 - (1 - c)/J: what one look accepts, ten do not."""
+    values = (np.arange(200) % 4 == 0).astype(float)
+    figure, key = ("violated", "position_rms")[not share], 3
+    widths = []
+    for confidence in (0.95, 0.995):
+        rule = StopRule(figure=figure, half_width=1.0, share=share)
+        low, high = rule.bounds(values, confidence, key)
+        widths.append((high - low) / 2)
+    between = StopRule(figure=figure, half_width=sum(widths) / 2, share=share)
+
+    assert widths[0] < 0.9 * widths[1]
+    assert between.reached(values, 1, key)
+    assert not between.reached(values, 10, key)
+
+
 def test_a_rule_that_stops_early_still_covers_as_often_as_it_says():
     """At most 5 % of the studies may end with an interval that misses the share."""
     rule = StopRule(figure="violated", half_width=0.12, first=16, share=True)

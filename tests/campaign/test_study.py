@@ -92,6 +92,15 @@ def test_a_latin_hypercube_has_one_point_in_each_stratum():
         assert sorted(np.floor((column - low) * 20).astype(int)) == list(range(20))
 
 
+def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
+    """Uniform within: mean 1/2, standard deviation 1/sqrt(12), each to five standard errors."""
+    sample = plan_of({**PLAN, "sample": {"n": 400, "robot.mu": [0.0, 1.0]}}).sample
+    within = sample.points[:, 0] * 400 % 1.0
+
+    assert within.mean() == pytest.approx(0.5, abs=5 / math.sqrt(12 * 400))
+    assert within.std() == pytest.approx(1 / math.sqrt(12), abs=5 / math.sqrt(180 * 400) * 1.8)
+
+
 @pytest.mark.parametrize(
     ("changes", "error", "words"),
     [

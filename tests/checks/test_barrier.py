@@ -59,6 +59,14 @@ def test_stress_cases_that_break_the_model_based_law_are_foreseen(told, scenario
     assert f"cannot hold |v1| below 1 m/s {when}" in warning.sentence
 
 
+@pytest.mark.parametrize("start", [[1.3, 0.0], [0.0, 2.0], [1.3, 2.0]])
+def test_what_starts_outside_on_an_axis_is_not_said_to_be_pushed_through(told, start):
+    outside = {"initial.velocity": start}
+    warnings = told("mb", outside, scenario="far-start-friction-overestimated", key=MODEL)
+
+    assert not any("cannot hold" in item.sentence for item in warnings)
+
+
 @pytest.mark.parametrize("law", ["mb", "nn"])
 @pytest.mark.parametrize("scenario", ["far-start", "paper-experiment", "paper-simulation-nominal"])
 def test_exact_models_are_not_objected_to(told, law, scenario):

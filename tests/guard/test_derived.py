@@ -8,9 +8,10 @@ from dataclasses import replace
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import early_speed
+from wmr_ctrl.guard.bounds import early_speed, reach, stated_guard, unbeatable_speed
 from wmr_ctrl.guard.counted import MODEL, STATED, counted
 from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.effect import Bound
 
 ON = {"guard.enabled": True}
 
@@ -56,6 +57,60 @@ def test_friction_above_the_push_makes_nothing_faster_before_the_first_command()
     held = replace(guard, f_min=(80.0, 5.0))
 
     assert early_speed(held) == (0.0, pytest.approx(0.02 * 10.0 / guard.M_min[1]))
+
+
+LATE = Bound(dbar=(20.0, 3.0), nbar=(0.05, 0.08), mass=(3.0, 0.2), age=(0.004, 0.002),
+             window=(0.02, 0.01), delay=0.012, jitter=0.004, lag=(0.01, 0.03))  # fmt: skip
+
+
+def late(**changed: object):
+    """Scenario and numbers of a guard with everything that an effect can add."""
+    scenario = load_scenario("far-start", {**ON, **changed})
+    return scenario, stated_guard(scenario, LATE, math.inf)
+
+
+@pytest.mark.parametrize("i", [0, 1])
+def test_what_effects_add_to_a_mass_widens_what_is_counted(i) -> None:
+    """By as much on both sides, and nothing where a mass is stated."""
+    scenario, guard = late()
+    alone = stated_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
+    _, stated = late(**{"guard.M_min": [40.0, 4.0], "guard.M_max": [60.0, 6.5]})
+
+    assert guard.M_min[i] == pytest.approx(alone.M_min[i] - LATE.mass[i])
+    assert guard.M_max[i] == pytest.approx(alone.M_max[i] + LATE.mass[i])
+    assert (stated.M_min, stated.M_max) == ((40.0, 4.0), (60.0, 6.5))
+
+
+@pytest.mark.parametrize("i", [0, 1])
+def test_the_speed_that_no_guard_beats_counts_each_part(i) -> None:
+    """v_u1 - nbar - (friction + dbar) (T + age + delay)/M_min, worked out here by hand."""
+    scenario, guard = late()
+    best, friction = unbeatable_speed(scenario, guard, (39.0, 2.0)), (39.0, 2.0)
+    limit, mass = (1.0, 1.5)[i], (0.9 * 50.0 - 3.0, 0.9 * 5.4 - 0.2)[i]
+    time = 0.01 + LATE.age[i] + 0.012
+
+    lost = LATE.nbar[i] + (friction[i] + LATE.dbar[i]) * time / mass
+    assert best[i] == pytest.approx(limit - lost, rel=1e-9)
+
+
+@pytest.mark.parametrize("i", [0, 1])
+def test_before_the_first_command_acts_a_push_has_delay_and_lag(i) -> None:
+    _, guard = late()
+
+    assert early_speed(guard)[i] == pytest.approx((0.012 + 0.03) * LATE.dbar[i] / guard.M_min[i])
+
+
+def test_where_drives_vary_the_mixed_time_caps_what_brakes() -> None:
+    """M_min (v_u1 - 2 nbar)/mixed, with so much error that it is the smaller of the two."""
+    noisy = replace(LATE, nbar=(0.49, 0.735))
+    scenario, still = late()
+    guard = stated_guard(scenario, noisy, math.inf)
+    for i, limit in enumerate((1.0, 1.5)):
+        mixed = LATE.age[i] + LATE.window[i] / 2 + 0.012 + 0.03
+        capped = guard.M_min[i] * (limit - 2 * noisy.nbar[i]) / mixed
+
+        assert reach(scenario, guard, i) == pytest.approx(capped, rel=1e-9)
+        assert reach(scenario, guard, i) < 0.5 * reach(scenario, still, i)
 
 
 def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:

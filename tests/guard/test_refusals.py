@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
@@ -61,6 +62,30 @@ def test_the_remedy_of_the_message_is_accepted() -> None:
             scenario_of("paper-simulation", {**ON, **length, "guard.dbar": [3000.0, 15.0]}), None
         )
     )
+
+
+@pytest.mark.parametrize("beyond", [1.0, 1.1])
+def test_a_command_may_take_over_one_period_late_and_no_later(beyond) -> None:
+    """J <= T, at the edge too."""
+    scenario = load_scenario("far-start", ON)
+    bound = Bound(delay=0.03, jitter=0.01 * beyond)
+    if beyond == 1.0:
+        assert settled_guard(scenario, bound, math.inf).jitter == pytest.approx(0.01)
+        return
+    with pytest.raises(ScenarioError, match=r"varies by 0\.011 s, more than clock\.control"):
+        settled_guard(scenario, bound, math.inf)
+
+
+@pytest.mark.parametrize("late", [{"age": (0.01, 0.0)}, {"window": (0.01, 0.0)}])
+def test_a_moving_start_needs_a_velocity_that_is_not_late(late) -> None:
+    """On that axis: the other may be late."""
+    moving, turning = (
+        load_scenario("far-start", {**ON, "initial.velocity": start})
+        for start in ([0.5, 0], [0, 1])
+    )
+    with pytest.raises(ScenarioError, match=r"initial\.velocity\[1\] = 0\.5.*Start at rest"):
+        settled_guard(moving, Bound(**late), math.inf)
+    assert settled_guard(turning, Bound(**late), math.inf)
 
 
 def reads_the_limit(share: float):

@@ -10,7 +10,7 @@ import pytest
 
 from tests import oracle
 from tests.matrix import turns
-from wmr_ctrl.api import simulate
+from wmr_ctrl.api import simulate, simulate_many
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
@@ -146,3 +146,16 @@ def test_no_preset_of_the_paper_is_refused_for_what_it_states(law: str) -> None:
     assert run.rows == 100
     assert not run["feasible"].any()
     assert not run["clip_active"].any()
+
+
+@pytest.mark.parametrize("law", ["pid", "mb", "prox"])
+def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law: str) -> None:
+    """d_least is the push to a few units in the last place, above it in some sample."""
+    push = [60.0, 15.0]
+    changed = {**OFF, **PUSHED, "disturbance.push": push, "guard.dbar": push}
+    run = simulate("paper-simulation-no-switch", law, overrides=changed)
+    table = simulate_many("paper-simulation-no-switch", law, [0], [changed])
+
+    assert (run["d_least"].max(axis=0) > push).any()
+    assert run.monitor.bounds_left is None
+    assert np.isnan(table["bounds_left"]).all()
