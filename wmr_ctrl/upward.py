@@ -16,6 +16,8 @@ HOMES = {
     "animate_run": "wmr_ctrl.report.animate",
     "film_run": "wmr_ctrl.engines",
     "gains_by_law": "wmr_ctrl.control.setup",
+    "outlook_of": "wmr_ctrl.checks.outlook",
+    "needed_by": "wmr_ctrl.checks.outlook",
 }
 """Each function, and the module that it is found in."""
 

@@ -121,7 +121,8 @@ def test_check_as_json(wmr):
         (w["key"], "mb", f"{w['sentence']} [{w['equation']}]") for w in law["warnings"]
     ]
     assert law["largest_stable_period"] == pytest.approx(0.061, rel=1e-2)
-    assert {"key", "sentence", "equation"} == set(law["warnings"][0])
+    assert {"key", "sentence", "equation", "objects"} == set(law["warnings"][0])
+    assert document["verdict"] == {"mb": "objected"}
     assert "reference" in {warning["key"] for warning in law["warnings"]}
 
 

@@ -14,9 +14,10 @@ from wmr_ctrl.results import load_run, summary
 module = import_module("wmr_ctrl.cli.run")
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "outcome", "ise",
-        "position_rms", "position_max", "tracked", "arrival", "guard_share",
+        "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",
         "usable_speed", "reference_speed",
-        "torque_change_rms", "max_abs_v", "violations", "rigid", "d_least", "dbar", "tau_peak",
+        "torque_change_rms", "torque_needed_rms", "saturated_share", "max_abs_v", "violations",
+        "rigid", "d_least", "dbar", "tau_peak",
         "tau_rms", "e_rms", "remarks", "provenance"]  # fmt: skip
 
 

@@ -29,6 +29,7 @@ CASES = [
     (LOST, "non-finite"),
     (FALLEN, "tipped"),
     (SPUN, "slipped"),
+    (Monitor((1.7, 1.2), 12, (0.0125, 1), rigid=RigidMonitor(None, 0.003, 4.0)), "limit-violated"),
 ]
 
 

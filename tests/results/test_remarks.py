@@ -151,7 +151,7 @@ def test_nor_is_the_answer_to_noise_at_100_ms(law: str) -> None:
 
 def test_a_cycle_has_its_frequency_and_swing(make_run: MakeRun) -> None:
     t = 0.01 * np.arange(800)
-    wave = 3.0 + np.sin(2 * np.pi * 5.0 * t)
+    wave = 1.0 + np.sin(2 * np.pi * 5.0 * t)
     found = oscillation(make_run(duration=8.0, tau_right=wave, tau_left=wave))
 
     assert found is not None

@@ -21,7 +21,7 @@ from wmr_ctrl.campaign.figures import figure_named
 from wmr_ctrl.campaign.study_plan import SHARES
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, column_of, monitor
+from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, column_of, monitor, tracked
 from wmr_ctrl.sim.ready import Ready
 
 REFUSED = "refused"
@@ -107,12 +107,12 @@ def _sums(ready: Runs, jobs: int | None) -> Columns:
     figures = run_tasks([Task(loop, seed) for loop, seed in ready], jobs=jobs)
     guarded = np.array([loop.scenario.guard.enabled for loop, _ in ready])
     figures["guard_share"][~guarded] = 0.0
-    allowed = np.array([loop.settings.tolerance for loop, _ in ready], dtype=float)
     outcome = [
         outcome_of(monitor({name: figures[name][k] for name in SHAPES}), bool(guarded[k])).value
         for k in range(len(ready))
     ]
-    return _columns(figures, figures["position_rms"][:, 1] <= allowed, np.array(outcome))
+    judged = tracked(figures, [loop.settings for loop, _ in ready])
+    return _columns(figures, judged, np.array(outcome))
 
 
 def _columns(

@@ -18,6 +18,7 @@ from wmr_ctrl.checks.grip import reference_torque as reference_torque
 from wmr_ctrl.checks.guard_price import guard_price
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.network import network
+from wmr_ctrl.checks.noise_gain import noise_gain
 from wmr_ctrl.checks.preconditions import drives, noise, preconditions, start
 from wmr_ctrl.checks.sample_time import Stability as Stability
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
@@ -37,6 +38,7 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     network,
     drives,
     noise,
+    noise_gain,
     guard_price,
     contradicted,
     coarse_step,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import casadi as ca
@@ -139,13 +140,18 @@ def _wrong(loop: Loop, offset: float, phase: Phase) -> Warning:
         f"Friction is {forces[0]:.3g} N {_from(phase)} where {loop.law} believes {forces[1]:.3g} N"
         f"{exact}. Expect {_consequence(loop, offset)} from then on; nn adapts instead.",
         f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
+        objects=_way(loop, offset) > loop.scenario.metrics.tolerance,
     )
+
+
+def _way(loop: Loop, offset: float) -> float:
+    """How far [m] a steady error of v1 [m/s] leaves the robot off; no end without Eq. (7)."""
+    return abs(offset) / loop.setup.kinematics.k[0] if loop.traits.auxiliary else math.inf
 
 
 def _consequence(loop: Loop, offset: float) -> str:
     """Where the robot drives with a steady error of v1 [m/s], which Eq. (7) turns into a way."""
     if not loop.traits.auxiliary:
         return f"a speed that is off by {abs(offset):.2g} m/s"
-    ahead = -offset / loop.setup.kinematics.k[0]
-    side = "behind" if ahead > 0 else "ahead of"
-    return f"the robot about {abs(ahead):.2g} m {side} the reference"
+    side = "behind" if offset < 0 else "ahead of"
+    return f"the robot about {_way(loop, offset):.2g} m {side} the reference"

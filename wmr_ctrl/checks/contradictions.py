@@ -72,4 +72,5 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
                 f"N m a wheel while the guard acts, more than {bound:.3g} N m. Choose guard.alpha "
                 f"= {calm:.2g} 1/s or less, which costs usable speed, or measure better.",
                 "guard, docs/guarantee.md",
+                objects=False,
             )

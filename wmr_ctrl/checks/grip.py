@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cache
 
-import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE
-from wmr_ctrl.world.friction import drag, phases
+from wmr_ctrl.world.demand import needed_torque
 from wmr_ctrl.world.grip import Grip, grip
 from wmr_ctrl.world.references import sample
 
@@ -43,22 +40,9 @@ def first_torques(setup: Setup) -> tuple[float, float]:
 
 def reference_torque(scenario: Scenario) -> float:
     """Largest wheel torque [N m] with which the plane model stays on the reference."""
-    robot, inertia, largest = scenario.robot, scenario.robot.I, 0.0
-    rows = sample(scenario, np.linspace(0.0, scenario.clock.duration, _INSTANTS))
-    for phase, change in zip(phases(scenario), (None, *scenario.changes), strict=True):
-        inertia = inertia if change is None or change.I is None else change.I
-        ahead, turning = drag(robot, phase, rows[:, 3:5].T)
-        force = np.stack((phase.m * rows[:, 5] + ahead, inertia * rows[:, 6] + turning))
-        torque = np.asarray(_wheels()(ca.DM([robot.r, robot.l]), ca.DM(force)))
-        largest = max(largest, float(np.abs(torque).max()))
-    return largest
-
-
-@cache
-def _wheels() -> ca.Function:
-    """From (r, l) [m] and force (2, N) [N, N m] to wheel torques (2, N) [N m]."""
-    p, force = ca.SX.sym("p", 2), ca.SX.sym("force", 2)
-    return ca.Function("wheels", [p, force], [force_to_wheel(p[0], p[1], force)])
+    times = np.linspace(0.0, scenario.clock.duration, _INSTANTS)
+    rows = sample(scenario, times)
+    return float(np.abs(needed_torque(scenario, times, rows[:, 3:5], rows[:, 5:7])).max())
 
 
 def grip_warnings(setup: Setup) -> tuple[Warning, ...]:

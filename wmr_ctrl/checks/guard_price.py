@@ -39,9 +39,12 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
 
 
 def _void(void: str) -> Warning:
-    """An effect that breaks an assumption: ``void`` begins with the key at fault."""
+    """An effect that breaks an assumption: ``void`` begins with the key at fault.
+
+    Runs tell it by a remark of its own, and nothing goes wrong for it.
+    """
     key, _, _ = void.partition(" ")
-    return Warning(key, f"{void} {REMEDIES.get(key, OTHER_REMEDY)}", PLACE)
+    return Warning(key, f"{void} {REMEDIES.get(key, OTHER_REMEDY)}", PLACE, objects=False)
 
 
 def _early_start(loop: Loop) -> Iterator[Warning]:
@@ -58,6 +61,7 @@ def _early_start(loop: Loop) -> Iterator[Warning]:
                 f"beyond {u1:g}. Start below {u1 - gained[i]:.4g} {unit} for a guarantee from the "
                 "first instant.",
                 PLACE,
+                objects=False,
             )
 
 

@@ -78,6 +78,7 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
             f"gains.kinematics.k[2] = {k2:g} is below 1, which the {proof} that the error of the "
             "path vanishes asks for: raise it.",
             "Eq. (42)",
+            objects=False,
         )
 
 
@@ -138,6 +139,7 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
         f"v1_d of the reference {what}: {asking} for v1_d > 0 and no convergence is promised "
         f"otherwise. {remedy}",
         _basis(loop),
+        objects=slowest < -STANDSTILL,
     )
 
 
@@ -189,6 +191,7 @@ def _late(loop: Loop) -> Warning:
         f"actuator.delay = {loop.scenario.actuator.delay:g} s is a whole control period or more; "
         f"{cost}. {promise}Lower the gains, or shorten both clock.control and the delay.",
         f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
+        objects=bool(loop.traits.theorem),
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from wmr_ctrl.checks.lateness import Lateness
 from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
+from wmr_ctrl.checks.remedies import gains_that_fit
 from wmr_ctrl.checks.sampled_plant import linear_plant, sampled_plant
 from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
 from wmr_ctrl.checks.supremum import MARGIN, RATIO, RTOL, SHORTEST, bisect, supremum
@@ -38,9 +39,7 @@ MOST_UNDER_WAY = 40
 MASSES, NEAR = 20.0, (0.6, 1.6)
 """Ratios of true to believed mass: how far they are tried, and what a law is asked to stand."""
 
-POINTS = 9
-INSIDE = 0.99
-MOST_STEPS = 500
+POINTS, INSIDE, MOST_STEPS = 9, 0.99, 500
 
 
 def sample_time(loop: Loop) -> Iterator[Warning]:
@@ -75,7 +74,8 @@ def _linear(loop: Loop) -> Iterator[Warning]:
         yield Warning(
             PERIOD,
             f"{loop.law} is unstable around the reference with {late}these gains at "
-            f"clock.control = {period:g} s{others if least < period else ''}: lower {lower}.",
+            f"clock.control = {period:g} s{others if least < period else ''}: lower {lower}"
+            f"{gains_that_fit(loop)}.",
             f"{loop.equations}, linearised",
         )
     elif period >= limit:
@@ -84,7 +84,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
             PERIOD,
             f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
             f"{loop.law} is stable around the reference with {late}these gains{_delayed(loop)}: "
-            f"choose {choice}, or lower the gains.",
+            f"choose {choice}, or lower the gains{gains_that_fit(loop)}.",
             f"{loop.equations}, linearised and sampled",
         )
     else:
@@ -107,7 +107,7 @@ def _mass(loop: Loop) -> Iterator[Warning]:
         f"{loop.law} is stable around the reference while the robot's mass and inertia are "
         f"{masses[0]:.3g} to {masses[1]:.3g} times the believed ones, at clock.control = "
         f"{loop.scenario.clock.control:g} s; outside of that it cycles. Gains for {NEAR[0]:g} to "
-        f"{NEAR[1]:g} are lower, or found by wmr-ctrl tune.",
+        f"{NEAR[1]:g} are lower{gains_that_fit(loop)}.",
         f"{loop.equations}, linearised and sampled",
     )
 

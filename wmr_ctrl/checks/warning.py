@@ -16,11 +16,14 @@ class Warning:
 
     ``key`` is the scenario's key (or ``law``) that the remedy starts from; ``equation`` names the
     place that the statement rests on: one of the paper, such as ``"Eq. (9)"``, or a limit.
+    ``objects``: whether something is expected to go wrong; if not, a promise is only narrower than
+    it might be, and a run that shows no fault needs no change.
     """
 
     key: str
     sentence: str
     equation: str
+    objects: bool = True
 
     def __str__(self) -> str:
         """The sentence, then the place that it rests on."""

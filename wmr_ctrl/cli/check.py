@@ -101,6 +101,7 @@ def _document(
         for law, warnings in warned.items()
     }
     from wmr_ctrl.checks import reference_torque
+    from wmr_ctrl.checks.outlook import verdict
     from wmr_ctrl.world.grip import grip
 
     return {
@@ -110,6 +111,7 @@ def _document(
         "warnings": [*_merged(warned), *_inherited_warning(taken)],
         "inherited": {item.key: item.value for item in taken},
         "nominal": {law: _nominal(run) for law, run in runs.items()},
+        "verdict": {law: verdict(theory, runs.get(law)) for law, theory in warned.items()},
         "min_period": {law: limits.shortest for law, limits in stable.items()},
         "max_period": {law: limits.period for law, limits in stable.items()},
         "max_delay": {law: limits.delay for law, limits in stable.items()},
@@ -146,7 +148,7 @@ def _nominal(run: Run) -> dict[str, Any]:
     from wmr_ctrl.results import summary
 
     figures = summary(run)
-    keys = ("position_rms", "tracked", "arrival", "guard_share", "outcome", "remarks")
+    keys = ("position_rms", "tracking", "tracked", "arrival", "guard_share", "outcome", "remarks")
     return {key: figures[key] for key in keys}
 
 
@@ -183,17 +185,23 @@ def _goal(scenario: Scenario, arrival: float) -> str:
 
 def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
     """What is said of one law: theory's objections, then what its run showed."""
-    seen = [f"{item.key}: {item.text}" for item in run.remarks] if run else []
+    said = (item for item in run.remarks if item.key != "objected") if run else ()
+    seen = [f"{item.key}: {item.text}" for item in said]
     lines = [_item(text) for text in (*warnings, *seen)] or ["  - no objection"]
     return [*lines, _item(_sight(run))] if run else lines
 
 
 def _sight(run: Run) -> str:
     """What one run showed, in a sentence."""
-    from wmr_ctrl.results import arrival, guard_share, percent, position_rms, tracked
+    from wmr_ctrl.results import arrival, driving, guard_share, percent, tracked, tracking
 
-    late, shares = position_rms(run)["last_quarter"], guard_share(run)
-    away = "it ended early" if late is None else f"{late:.3g} m RMS from its place at the end"
+    parts, shares = tracking(run), guard_share(run)
+    away = " and ".join(
+        f"{part['position_rms']:.3g} m RMS from its place in the {place}"
+        for place, part in zip((driving(run), "end"), parts.values(), strict=True)
+        if part is not None and part["position_rms"] is not None
+    )
+    away = away or "it ended early"
     verdict = "tracked" if tracked(run) else "not tracked"
     held = ""
     if run.guard and shares is not None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
-from wmr_ctrl.results import Remark, RigidMonitor, Run, percent, speeds, summary
+from wmr_ctrl.results import Remark, RigidMonitor, Run, driving, percent, speeds, summary
 
 MISSING = "- (not reached)"
 Row = tuple[str, str, str]
@@ -52,7 +52,10 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
     change = _number(figures["torque_change_rms"], "N m")
-    yield "wheel torque, change", change, "RMS a sample, last half"
+    yield "wheel torque, change", change, "RMS a sample"
+    yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), "RMS, the motion's"
+    if figures["saturated_share"] is not None:
+        yield "wheel torque at its limit", percent(figures["saturated_share"]), "of the samples"
     if run.monitor.rigid is not None:
         yield from _rigid(run.monitor.rigid)
 
@@ -92,12 +95,14 @@ def _rigid(seen: RigidMonitor) -> Iterator[Row]:
 
 def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     """The headline: how far the robot was from where it should have been."""
-    rms, tolerance = figures["position_rms"], run.settings.tolerance
-    yield "position error, RMS", _number(rms["all"], "m"), "whole run"
-    verdict = "" if tolerance is None else f", tolerance {tolerance:g} m: "
-    verdict += {None: "", True: "tracked", False: "NOT TRACKED"}[figures["tracked"]]
-    yield "position error, RMS", _number(rms["last_quarter"], "m"), f"last quarter{verdict}"
-    yield "position error, largest", _number(figures["position_max"], "m"), "last quarter"
+    parts, tolerance = figures["tracking"], run.settings.tolerance
+    yield "position error, RMS", _number(figures["position_rms"]["all"], "m"), "whole run"
+    windows = {"drive": driving(run), "end": "after arrival"}
+    for part, when in windows.items():
+        if parts[part] is not None:
+            verdict = _verdict(parts[part]["position_rms"], tolerance)
+            yield "position error, RMS", _number(parts[part]["position_rms"], "m"), when + verdict
+            yield "position error, largest", _number(parts[part]["position_max"], "m"), when
     if figures["arrival"]:
         robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
         stays = "" if tolerance is None else f"stays within {tolerance:g} m; "
@@ -106,6 +111,14 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
             _number(robot, "s"),
             f"{stays}the desired motion: {desired:.4g} s",
         )
+
+
+def _verdict(rms: float | None, tolerance: float | None) -> str:
+    """Whether a part of the run was tracked, behind the name of the part."""
+    if tolerance is None:
+        return ""
+    word = "tracked" if rms is not None and rms <= tolerance else "NOT TRACKED"
+    return f", tolerance {tolerance:g} m: {word}"
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

@@ -176,10 +176,16 @@ def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Radius and half track [m], and the force 2 tau_max/r [N] that the wheels give at most."""
-    r, half_track, limit = p.take("robot.r"), p.take("robot.l"), p.take("actuator.tau_max")
+    r, half_track = p.take("robot.r"), p.take("robot.l")
+    return r, half_track, 2 * wheel_limit(setup, p) / r
+
+
+def wheel_limit(setup: Setup, p: Parameters) -> ca.SX:
+    """Torque limit of each wheel [N m]: the drives', or the law's own where it is smaller."""
+    limit = p.take("actuator.tau_max")
     if isinstance(setup.gains, TorqueLimited):
         limit = ca.fmin(limit, p.take(f"gains.{setup.name}.tau_max"))
-    return r, half_track, 2 * limit / r
+    return limit
 
 
 def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:

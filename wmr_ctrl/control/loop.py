@@ -15,7 +15,7 @@ from typing import Any, cast
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.controller import watched_controller, wheel_limit
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.wiring import (
     Named,
@@ -31,6 +31,7 @@ from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import Port, System, port, stack, values
 from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.results.assumptions import admitted, stopping_force
+from wmr_ctrl.results.tracking import AT_LIMIT
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DISTURBING,
@@ -47,12 +48,14 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
+from wmr_ctrl.world.demand import KEYS, demanded
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.references.evaluate import reference
 
-SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples")
+SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
 """Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same
-of the torque less the previous sample's, 1."""
+of the torque less the previous sample's, 1, torque^2 of what the desired motion needs, 1 where a
+wheel is at its limit."""
 WINDOW = (*SUMS, "farthest")
 """What each window keeps: the sums, and the largest of their first, dx^2 + dy^2 [m2]."""
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
@@ -195,7 +198,13 @@ class LoopGraphs(Graphs):
         sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
         squares = _squared(torque), _squared(torque - self._torque_before())
         beyond = [least[axis] > most[axis] for axis in (0, 1)]
-        return ca.vertcat(*sums, *squares, 1, peak, known["clip_active"], least, *beyond)
+        needed = demanded(
+            ca.vertcat(*map(p.take, KEYS)),
+            *(self.sample.column(part) for part in (REFERENCE[3:5], REFERENCE[5:])),
+        )
+        at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
+        summed = (*sums, *squares, 1, _squared(needed), at_limit)
+        return ca.vertcat(*summed, peak, known["clip_active"], least, *beyond)
 
     def _torque_before(self) -> ca.SX:
         """Torques (2,) [N m] that were commanded at the previous sample, 0 before the first."""

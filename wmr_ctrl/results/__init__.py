@@ -27,11 +27,15 @@ from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import PLANTS, Settings
 from wmr_ctrl.results.tracking import (
     arrival,
+    driving,
     guard_share,
     position_max,
     position_rms,
+    saturated_share,
     torque_change_rms,
+    torque_needed_rms,
     tracked,
+    tracking,
 )
 from wmr_ctrl.results.windows import covered, span, window
 from wmr_ctrl.results.wording import percent, speeds
@@ -63,6 +67,7 @@ __all__ = [
     "compare",
     "covered",
     "distance",
+    "driving",
     "e_rms",
     "first_beyond",
     "guard_share",
@@ -79,6 +84,7 @@ __all__ = [
     "remarks_on",
     "rises",
     "runs_equal",
+    "saturated_share",
     "save_run",
     "settling_time",
     "span",
@@ -87,7 +93,9 @@ __all__ = [
     "tau_peak",
     "tau_rms",
     "torque_change_rms",
+    "torque_needed_rms",
     "tracked",
+    "tracking",
     "weight_norm",
     "window",
     "write_all",

@@ -17,9 +17,12 @@ from wmr_ctrl.results.tracking import (
     guard_share,
     position_max,
     position_rms,
+    saturated_share,
     torque_change_rms,
+    torque_needed_rms,
     torques,
     tracked,
+    tracking,
 )
 from wmr_ctrl.results.windows import span, window
 
@@ -104,12 +107,15 @@ def summary(run: Run) -> dict[str, object]:
         "ise": ise(run),
         "position_rms": position_rms(run),
         "position_max": position_max(run),
+        "tracking": tracking(run),
         "tracked": tracked(run),
         "arrival": arrival(run),
         "guard_share": guard_share(run),
         "usable_speed": run.settings.usable,
         "reference_speed": run.settings.asked,
         "torque_change_rms": torque_change_rms(run),
+        "torque_needed_rms": torque_needed_rms(run),
+        "saturated_share": saturated_share(run),
         "max_abs_v": run.monitor.max_abs_v,
         "violations": run.monitor.violations,
         "rigid": None if run.monitor.rigid is None else asdict(run.monitor.rigid),

@@ -1,9 +1,13 @@
-"""Whether the wheel torques swing in a cycle of their own, told from the answer to noise.
+"""Whether a run swings in a cycle of its own, told from the answer to noise.
 
 A loop that answers noise spreads its torques over many frequencies, and what a reference asks for
 is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line
 and keeps it up.  The end of a start's transient, and a few periods of noise, do one of these at
 most: they are none, and where a window is too short to tell, nothing is told.
+
+Fast cycles are looked for in the wheel torques, in step or against each other.  A slow line of
+torque may be what a slope or a gust needs; a slow cycle is one of the velocities about the desired
+ones, whatever its frequency.
 """
 
 from __future__ import annotations
@@ -14,66 +18,94 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.tracking import last_half, rows_of, torques
+from wmr_ctrl.results.tracking import rows_of, torques, working
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import FloatArray, Run
 
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""
-SHARP, SHORT_LINE, SHORT_SWING = 20, 0.75, 0.9
+SHARP, SHORT_LINE = 20, 0.75
 """With fewer periods than the first, a line takes in much of its surroundings, and so the noise:
-more of the power has to be there, and a larger swing."""
+more of the power has to be there."""
 PERIODS = 4
 """Fewest periods in the window: less may be what a start leaves behind."""
 KEPT = 2 / 3
 """A quarter of the window swings at least by this share of any quarter before: nothing decays."""
-SWING = 0.5
+SWING = 0.9
 """Peak to peak swing in that line, as a share of the torques' RMS, from which it counts."""
 LEAST = 1e-3
 """The same in N m: less is nothing that a drive could show."""
 SLOWEST, SAMPLES = 0.5, 8
-"""A cycle is faster than this [Hz], or shorter than so many samples."""
+"""A cycle of torque is faster than this [Hz], or shorter than so many samples."""
+SWAY = 0.3
+"""Peak to peak swing of a velocity about the desired one, as a share of its limit, that counts."""
 FEWEST = 32
 """Samples from which a line can be told from noise."""
+TORQUE, SPEEDS = ("torque", "N m"), (("v1", "m/s"), ("omega", "rad/s"))
 
 
 @dataclass(frozen=True)
 class Oscillation:
-    """A swing of the wheel torques: peak to peak [N m] and frequency [Hz]."""
+    """A swing of the torques or of a velocity: peak to peak [unit] and frequency [Hz].
+
+    ``quantity``: "torque" (of a wheel), "v1" or "omega" (less the desired one).
+    """
 
     swing: float
     frequency: float
+    quantity: str = TORQUE[0]
+    unit: str = TORQUE[1]
 
 
 def oscillation(run: Run) -> Oscillation | None:
-    """The cycle of the last half's wheel torques, in step or against each other; None if none."""
-    rows = rows_of(run, last_half(run.settings))
+    """The largest cycle of the wheel torques, else of a velocity, while `working`; None if none."""
+    rows = rows_of(run, working(run.settings))
     if rows is None or rows.stop - rows.start < FEWEST:
         return None
-    torque = torques(run)[rows]
-    if not np.isfinite(torque).all():
-        return None
-    right, left = torque.T
-    level, duration = float(np.sqrt(np.mean(torque**2))), len(torque) * run.settings.control
-    lines = [_line(part, run.settings.control) for part in ((right + left) / 2, (right - left) / 2)]
-    strong = [item for item in lines if item is not None and _is_strong(item, level, duration)]
+    strong = [*_torque_cycles(run, rows)] or [*_velocity_cycles(run, rows)]
     return max(strong, key=lambda item: item.swing, default=None)
 
 
-def _is_strong(item: Oscillation, level: float, duration: float) -> bool:
-    """Whether a line swings by enough of the torques' RMS ``level`` over the window."""
-    needed = SWING if item.frequency * duration > SHARP - 0.5 else SHORT_SWING
-    return item.swing > max(needed * level, LEAST)
+def _torque_cycles(run: Run, rows: slice) -> list[Oscillation]:
+    torque = torques(run)[rows]
+    if not np.isfinite(torque).all():
+        return []
+    right, left = torque.T
+    level, period = float(np.sqrt(np.mean(torque**2))), run.settings.control
+    fast = min(SLOWEST, 1 / (SAMPLES * period))
+    lines = [_line(part, period, fast) for part in ((right + left) / 2, (right - left) / 2)]
+    least = max(SWING * level, LEAST)
+    return [item for item in lines if item is not None and item.swing > least]
 
 
-def _line(torque: FloatArray, period: float) -> Oscillation | None:
-    """The strongest line of a torque without its trend, where it holds enough of the power."""
-    k, shape = np.arange(len(torque)), np.hanning(len(torque))
-    swinging = torque - np.polyval(np.polyfit(k, torque, 1), k)
-    power = 2 * np.abs(np.fft.rfft(swinging * shape)) ** 2 / np.sum(shape**2) / len(torque)
-    frequency = np.fft.rfftfreq(len(torque), period)
-    power[frequency < min(SLOWEST, 1 / (SAMPLES * period))] = 0.0
+def _velocity_cycles(run: Run, rows: slice) -> list[Oscillation]:
+    swings = []
+    for (name, unit), desired, limit in zip(
+        SPEEDS, ("v1_d", "v2_d"), run.settings.v_u1, strict=True
+    ):
+        off = (run[name] - run[desired])[rows]
+        line = _line(off, run.settings.control, 0.0) if np.isfinite(off).all() else None
+        if line is not None and line.swing > SWAY * limit:
+            swings.append(Oscillation(line.swing, line.frequency, name, unit))
+    return swings
+
+
+def fast_swing_rms(signal: FloatArray, period: float) -> float:
+    """RMS over rows and columns of what in a signal (N, n) is faster than `SLOWEST` [its unit]."""
+    power = np.abs(np.fft.rfft(signal, axis=0)) ** 2
+    power[np.fft.rfftfreq(len(signal), period) < SLOWEST] = 0.0
+    power[1 : len(power) - (len(signal) % 2 == 0)] *= 2.0  # both halves of the spectrum
+    return float(np.sqrt(np.sum(power) / len(signal) ** 2 / signal.shape[1]))
+
+
+def _line(signal: FloatArray, period: float, slowest: float) -> Oscillation | None:
+    """The strongest line from ``slowest`` [Hz] on of a signal without its trend, if it is one."""
+    k, shape = np.arange(len(signal)), np.hanning(len(signal))
+    swinging = signal - np.polyval(np.polyfit(k, signal, 1), k)
+    power = 2 * np.abs(np.fft.rfft(swinging * shape)) ** 2 / np.sum(shape**2) / len(signal)
+    frequency = np.fft.rfftfreq(len(signal), period)
+    power[frequency < slowest] = 0.0
     peak = int(power.argmax())
     wide = max(3, peak // 10)
     band = slice(max(0, peak - wide), peak + wide + 1)
@@ -81,7 +113,7 @@ def _line(torque: FloatArray, period: float) -> Oscillation | None:
     needed = LINE if peak >= SHARP else SHORT_LINE
     if total == 0 or line < needed * total or peak < PERIODS or _falls(swinging, band):
         return None
-    swing = min(2 * math.sqrt(2 * line), float(np.ptp(torque)))  # a square wave's line is longer
+    swing = min(2 * math.sqrt(2 * line), float(np.ptp(signal)))  # a square wave's line is longer
     return Oscillation(swing, float(frequency[peak]))
 
 

@@ -1,4 +1,7 @@
-"""Remarks: what a user has to know of a finished run, each with a key, numbers and a remedy."""
+"""Remarks: what a user has to know of a finished run, each with a key, numbers and a remedy.
+
+Thresholds and why: docs/verdicts.md, whose labelled runs hold them to account.
+"""
 
 from __future__ import annotations
 
@@ -9,29 +12,50 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmr_ctrl.results.monitor import RigidMonitor
-from wmr_ctrl.results.oscillation import oscillation
+from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.tracking import (
     arrival,
+    at_rest,
+    change_rms,
+    drive,
+    driving,
     guard_share,
-    last_quarter,
-    position_max,
-    position_rms,
+    rows_of,
+    saturated_share,
+    torque_needed_rms,
+    torques,
     tracked,
+    tracking,
+    velocity_sway,
+    working,
 )
 from wmr_ctrl.results.wording import percent
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
 
-HELD_BACK = 0.1
-"""Share of the last quarter's samples from which the guard holds a run back."""
+HELD_BACK = 0.2
+"""Share of the drive's samples from which the guard holds a run back."""
+SATURATED = 0.2
+"""Share of the samples with a wheel at its torque limit from which drives are too weak."""
+CHATTER, OF_LIMIT = 1.0, 0.1
+"""Swing or change from sample to sample of torque that is too much: more than this multiple of the
+torque that the motion needs and of that which pushes the wheels, and than this share of the limit.
+"""
+SWAY = 0.2
+"""RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 
 SHORT = {
     "not-tracked": "it did not track",
     "goal-not-reached": "it did not reach its goal",
-    "oscillates": "its torques oscillate",
+    "too-fast": "it was asked to exceed its limits",
+    "oscillates": "it oscillates",
+    "chatter": "its torques chatter",
+    "saturated": "its wheels are at their torque limit",
     "guard-holds-back": "the guard holds it back",
+    "exact-pose": "its pose was exact",
+    "objected": "theory objects",
     "assumption-void": "an assumption of the guarantee is void",
 }
 """Remarks in a few words, by key; the other keys are what the outcome says."""
@@ -82,17 +106,34 @@ def _slipped(seen: RigidMonitor) -> str:
 def _not_tracked(run: Run) -> Iterator[Remark]:
     if tracked(run) is not False:
         return
-    late, most, allowed = position_rms(run)["last_quarter"], position_max(run), run.settings
-    if late is None or most is None:
-        yield Remark("not-tracked", "The run ended before its last quarter was over.")
+    parts = [
+        f"in the {place} {part['position_rms']:.3g} m RMS and at most {part['position_max']:.3g} m"
+        for place, part in zip((driving(run), "end"), tracking(run).values(), strict=True)
+        if part is not None and part["position_rms"] is not None
+    ]
+    if not parts:
+        yield Remark("not-tracked", "The run ended before what is judged of it was over.")
         return
     yield Remark(
         "not-tracked",
-        f"Over the last quarter the robot was {late:.3g} m RMS and at most {most:.3g} m from its "
-        f"desired position; metrics.tolerance is {allowed.tolerance:g} m. See the other remarks "
-        "and `wmr-ctrl check` for the cause, choose another law or gains, ask for a slower "
-        "reference, or raise the tolerance if that is good enough.",
+        f"The robot was {' and '.join(parts)} from its desired position; metrics.tolerance is "
+        f"{run.settings.tolerance:g} m. See the other remarks and `wmr-ctrl check` for the cause, "
+        "choose another law or gains, ask for a slower reference, or raise the tolerance if that "
+        "is good enough.",
     )
+
+
+def _too_fast(run: Run) -> Iterator[Remark]:
+    for name, unit, limit in zip(
+        ("v1_d", "v2_d"), ("m/s", "rad/s"), run.settings.v_u1, strict=True
+    ):
+        asked = float(np.max(np.abs(run[name]), initial=0.0))
+        if asked > limit:
+            yield Remark(
+                "too-fast",
+                f"The desired motion reaches |{name}| = {asked:.4g} {unit}, above the limit of "
+                f"{limit:g} {unit}: no law may follow it. Ask for a slower reference.",
+            )
 
 
 def _not_arrived(run: Run) -> Iterator[Remark]:
@@ -118,22 +159,85 @@ def _not_arrived(run: Run) -> Iterator[Remark]:
 def _oscillates(run: Run) -> Iterator[Remark]:
     cycle = oscillation(run)
     if cycle is not None:
+        what = "The wheel torques swing" if cycle.unit == "N m" else f"{cycle.quantity} swings"
         yield Remark(
             "oscillates",
-            f"The wheel torques swing by {cycle.swing:.3g} N m peak to peak at "
-            f"{cycle.frequency:.3g} Hz, {1 / cycle.frequency / run.settings.control:.3g} samples a "
-            "period: a limit cycle, or a loop that is close to one. Lower the law's gains, or "
-            "shorten clock.control and the drives' delay.",
+            f"{what} by {cycle.swing:.3g} {cycle.unit} peak to peak at {cycle.frequency:.3g} Hz, "
+            f"{1 / cycle.frequency / run.settings.control:.3g} samples a period: a limit cycle, or "
+            f"a loop that is close to one. {CALMER}",
+        )
+        return
+    shares = velocity_sway(run) or (0.0, 0.0)
+    for name, share in zip(("v1", "omega"), shares, strict=True):
+        if share > SWAY:
+            yield Remark(
+                "oscillates",
+                f"{name} sways about the desired one by {percent(share)} of its limit RMS, more "
+                f"than {percent(SWAY)}: this is no steady drive. {CALMER}",
+            )
+            return
+
+
+CALMER = "Lower the law's gains, or shorten clock.control and the drives' delay."
+
+
+def _chatters(run: Run) -> Iterator[Remark]:
+    needed, outlook, torque = torque_needed_rms(run), run.outlook, torques(run)
+    if needed is None or run.needed is None or outlook is None:
+        return
+    limit = outlook.tau_max if np.isfinite(outlook.tau_max) else 0.0
+    pushed = float(np.sqrt(np.mean(run["noise_right"] ** 2 + run["noise_left"] ** 2) / 2))
+    allowed = max(CHATTER * needed, CHATTER * pushed, OF_LIMIT * limit)
+    windows = (rows_of(run, part(run.settings)) for part in (working, at_rest))
+    judged = [rows for rows in windows if rows is not None]
+    extra, period = torque - run.needed, run.settings.control
+    change = max((change_rms(torque, rows) for rows in judged), default=0.0)
+    swing = max((fast_swing_rms(extra[rows], period) for rows in judged), default=0.0)
+    if max(change, swing) > allowed:
+        yield Remark(
+            "chatter",
+            f"The wheel torques change by {change:.3g} N m RMS from sample to sample and swing by "
+            f"{swing:.3g} N m RMS, where the desired motion needs {needed:.3g} N m RMS in all: "
+            "noise and gains drive them, not the motion. Lower the law's gains, or measure better "
+            "(finer encoders, a longer encoder.window or sensor.velocity_window).",
         )
 
 
+def _saturated(run: Run) -> Iterator[Remark]:
+    share, outlook = saturated_share(run), run.outlook
+    if share is not None and outlook is not None and share > SATURATED:
+        yield Remark(
+            "saturated",
+            f"A wheel is at its torque limit of {outlook.tau_max:.4g} N m in {percent(share)} of "
+            "the samples: what the law asks for is not what drives. Lower the law's gains, raise "
+            "actuator.tau_max, or ask for a slower or smoother reference.",
+        )
+
+
+def _exact_pose(run: Run) -> Iterator[Remark]:
+    if run.outlook is not None and run.outlook.exact_pose:
+        yield Remark(
+            "exact-pose",
+            "The encoders give velocities alone, and the law was shown the true pose at every "
+            "sample: position errors of this run are smaller than a robot's can be. State its pose "
+            "sensor: sensor.pose_noise, pose_period, pose_delay.",
+        )
+
+
+def _objected(run: Run) -> Iterator[Remark]:
+    objections = run.outlook.objections if run.outlook is not None else ()
+    if objections:
+        said = " ".join(map(str, objections))
+        yield Remark("objected", f"`wmr-ctrl check` objects, whatever this run showed: {said}")
+
+
 def _held_back(run: Run) -> Iterator[Remark]:
-    shares = guard_share(run, last_quarter(run.settings))
+    shares = guard_share(run, drive(run.settings))
     if shares is not None and max(shares) >= HELD_BACK:
         thrust, moment = map(percent, shares)
         yield Remark(
             "guard-holds-back",
-            f"Over the last quarter the guard changed the thrust in {thrust} and the moment in "
+            f"In the {driving(run)} the guard changed the thrust in {thrust} and the moment in "
             f"{moment} of the samples: the law asks for more than the limits, less what the guard "
             "keeps back, admit. Ask for a slower reference, shorten clock.control, or state a "
             "smaller guard.dbar or a larger guard.M_min if they are true.",
@@ -149,7 +253,12 @@ _PARTS: tuple[Callable[[Run], Iterator[Remark]], ...] = (
     _outcome,
     _not_tracked,
     _not_arrived,
+    _too_fast,
     _oscillates,
+    _chatters,
+    _saturated,
     _held_back,
+    _exact_pose,
     _void,
+    _objected,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from wmr_ctrl.checks.outlook import Outlook
     from wmr_ctrl.results.remarks import Remark
 
 __all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
@@ -168,9 +170,25 @@ class Run:
             "its graph."
         )
 
-    @property
+    @cached_property
+    def outlook(self) -> Outlook | None:
+        """What is known of the law on the scenario without a run, its objections among it.
+
+        None where scenario or law are not known here.
+        """
+        return cast("Outlook | None", upward("outlook_of")(self))
+
+    @cached_property
+    def needed(self) -> FloatArray | None:
+        """Wheel torques [N m] that the desired motion needs, (N, 2); None as `outlook`."""
+        return cast("FloatArray | None", upward("needed_by")(self))
+
+    @cached_property
     def remarks(self) -> tuple[Remark, ...]:
-        """What there is to say against the run, with keys and remedies; empty if all is well."""
+        """What there is to say against the run, with keys and remedies; empty if all is well.
+
+        What `wmr-ctrl check` objects to is part of it, looked up once for scenario and law.
+        """
         from wmr_ctrl.results.remarks import remarks_on  # it reads Runs, and so stands above
 
         return remarks_on(self)
@@ -181,8 +199,11 @@ class Run:
 
         if self.outcome is not Outcome.COMPLETED:
             return ""
-        remarks = self.remarks
-        return f" But {in_short(remarks)}." if remarks else " Nothing needs to be done."
+        if self.remarks:
+            return f" But {in_short(self.remarks)}."
+        if self.outlook is None:
+            return " Its log shows no fault; law or scenario are not known here to be checked."
+        return " Nothing needs to be done."
 
     def _lost_reference(self) -> float | None:
         """Time [s] of the first row whose reference is not finite; None where all are."""

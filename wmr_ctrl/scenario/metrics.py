@@ -22,6 +22,6 @@ class Metrics(Section, key="metrics"):
     tolerance: float = quantity(
         0.05,
         unit="m",
-        doc="RMS of the position error over the last quarter that counts as tracked",
+        doc="RMS of the position error, in the drive and at the end, that counts as tracked",
         above=0,
     )

@@ -122,7 +122,7 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
 def _structure(task: Task) -> tuple[object, ...]:
     """What the lanes of one batch have in common."""
     compiled, scenario = task.loop.compiled, task.loop.scenario
-    windows = (task.loop.settings.split, task.loop.settings.rms_from)
+    windows = tuple(windows_of(task.loop.settings))
     alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
     return (*alike, scenario.clock, compiled.delay_steps, windows)
 

@@ -12,26 +12,31 @@ from numpy.typing import NDArray
 from wmr_ctrl.results import Monitor, Settings
 from wmr_ctrl.results.metrics import E_RMS_WINDOWS
 from wmr_ctrl.results.monitor import STOP_REASONS
-from wmr_ctrl.results.tracking import last_half, last_quarter
+from wmr_ctrl.results.tracking import at_rest, drive, last_quarter, working
 from wmr_ctrl.sim.memory import Memory
 from wmr_ctrl.sim.ready import Ready
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Figures = dict[str, NDArray[np.float64]]
 
 SHAPES: Mapping[str, tuple[int, ...]] = {
     "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
     "e_rms": (len(E_RMS_WINDOWS), 3), "max_abs_v": (2,), "violations": (),
     "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
-    "samples": (), "tau_peak": (), "tau_rms": (), "torque_change_rms": (), "position_rms": (2,),
-    "position_max": (), "final_state": (5,), "d_least": (2,), "bounds_left": (), "bounds_axis": (),
-    "guard_share": (2,),
+    "samples": (), "tau_peak": (), "tau_rms": (), "torque_change_rms": (), "torque_needed_rms": (),
+    "saturated_share": (), "position_rms": (2,), "position_max": (), "tracking_drive": (2,),
+    "tracking_end": (2,), "final_state": (5,), "d_least": (2,), "bounds_left": (),
+    "bounds_axis": (), "guard_share": (2,),
 }  # fmt: skip
 """Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
 window of `E_RMS_WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
-into STOP_REASONS); ``samples`` made; torques [N m]; ``position_rms`` over all and over the last
-quarter, ``position_max`` over the last quarter [m]; ``final_state`` x, y [m], theta [rad],
+into STOP_REASONS); ``samples`` made; torques [N m], their change and what the motion needs as in
+`results.tracking`; ``saturated_share`` of the samples with a wheel at its limit;
+``position_rms`` over all and over the last quarter, ``position_max`` over the last quarter [m];
+``tracking_drive`` and ``tracking_end``, RMS and largest distance [m]; ``final_state`` x, y [m],
+theta [rad],
 v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
 the first motion that a guard's bounds do not admit; ``guard_share``, share of samples in which the
 guard acted.  NaN where there was no such event or the run ended before its window
@@ -65,6 +70,16 @@ def _column(name: str, unit: str, meaning: str) -> FigureColumn:
     return FigureColumn(name, unit, meaning, name)
 
 
+def _tracking(part: str, when: str) -> tuple[FigureColumn, FigureColumn]:
+    """RMS and largest distance in a part of the run."""
+    first, second = (
+        FigureColumn(f"tracking_{part}_{short}", "m", f"{meaning} distance {when}",
+                     f"tracking_{part}", (place,))
+        for place, (short, meaning) in enumerate((("rms", "RMS"), ("max", "largest")))
+    )  # fmt: skip
+    return first, second
+
+
 _MIXED = "m2.s + rad2.s"
 COLUMNS: tuple[FigureColumn, ...] = (
     _column("violations", "1", "plant steps beyond a velocity limit"),
@@ -73,6 +88,8 @@ COLUMNS: tuple[FigureColumn, ...] = (
     FigureColumn("position_rms_last_quarter", "m", "RMS distance over the last quarter",
                  "position_rms", (1,)),
     _column("position_max", "m", "largest distance over the last quarter"),
+    *_tracking("drive", "while driving"),
+    *_tracking("end", "after arrival"),
     _column("ise_total", _MIXED, "ISE over the whole run"),
     _column("ise_before", _MIXED, "ISE before the split"),
     _column("ise_after", _MIXED, "ISE from the split on"),
@@ -82,6 +99,8 @@ COLUMNS: tuple[FigureColumn, ...] = (
     _column("tau_peak", "N.m", "largest commanded wheel torque"),
     _column("tau_rms", "N.m", "RMS of the wheel torques"),
     _column("torque_change_rms", "N.m", "RMS change of the torques from sample to sample"),
+    _column("torque_needed_rms", "N.m", "RMS of the torques that the desired motion needs"),
+    _column("saturated_share", "1", "share of samples with a wheel at its torque limit"),
     *_pair("guard_share", ("1", "1"), "share of samples in which the guard changed the force"),
     *_pair("d_least", ("N", "N.m"), "largest least disturbance"),
     _column("bounds_left", "s", "first motion that contradicts the guard's bounds"),
@@ -129,11 +148,18 @@ class Runnable(Protocol):
 
 
 def windows_of(settings: Settings) -> list[tuple[int, int]]:
-    """Sample windows: all, before and after the split, torque, last quarter and half, errors."""
+    """Sample windows: all, before and after the split, torque; last quarter, working; the drive
+    and the end; errors.
+    """
     end, split = settings.samples, settings.index(settings.split)
     errors = [(settings.index(a), settings.index(b)) for a, b in E_RMS_WINDOWS]
-    late = (settings.index(settings.rms_from), end), last_quarter(settings), last_half(settings)
-    return [(0, end), (0, split), (split, end), *late, *errors]
+    late = (settings.index(settings.rms_from), end), last_quarter(settings), working(settings)
+    parts = drive(settings), at_rest(settings)
+    return [(0, end), (0, split), (split, end), *late, *parts, *errors]
+
+
+DRIVE, END, ERRORS = 6, 7, 8
+"""Places of these windows, of the errors' the first."""
 
 
 def empty_figures(count: int) -> Figures:
@@ -147,6 +173,14 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
     columns = _from_findings(memory, settings) | _from_sums(memory, settings)
     for name, values in columns.items():
         figures[name][list(places)] = values
+
+
+def tracked(figures: Mapping[str, NDArray[np.float64]], settings: Sequence[Settings]) -> Flags:
+    """Whether each run tracked, as `results.tracking.tracked` has it."""
+    allowed = np.array([item.tolerance for item in settings], dtype=float)
+    stops = np.array([first < end for first, end in map(at_rest, settings)])
+    drives, ends = (figures[f"tracking_{part}"][:, 0] <= allowed for part in ("drive", "end"))
+    return np.asarray(drives & (ends | ~stops))
 
 
 def monitors(memory: Memory, runs: Sequence[Runnable]) -> list[Monitor]:
@@ -203,23 +237,32 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
 
 
 def _from_sums(memory: Memory, settings: Settings) -> Figures:
-    windows, sums = windows_of(settings), memory.sums
-    full = np.array([covered(w, settings, memory) for w in windows])
-    both = np.where(full, sums[:, 0] + sums[:, 1], np.nan) * settings.control
-    position = np.where(full[0], sums[0, 0], np.nan) * settings.control
-    with np.errstate(divide="ignore", invalid="ignore"):
-        counts = np.where(full, sums[:, 7], np.nan)
-        mean = sums / counts[:, None]
+    full = np.array([covered(w, settings, memory) for w in windows_of(settings)])
+    both = np.where(full, memory.sum("position") + memory.sum("angle"), np.nan) * settings.control
+    position = np.where(full[0], memory.sum("position")[0], np.nan) * settings.control
+    farthest = np.sqrt(np.where(full, memory.sum("farthest"), np.nan))
+
+    def mean(name: str) -> Floats:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(memory.sum(name) / np.where(full, memory.sum("samples"), np.nan))
+
+    rms = np.sqrt(mean("position"))
+    farthest = np.where(np.isnan(rms), np.nan, farthest)
+    errors = [mean(f"e{axis}")[ERRORS:] for axis in (1, 2, 3)]
     return {
         "ise_total": both[0],
         "ise_before": both[1],
         "ise_after": both[2],
         "ise_position": position,
-        "tau_rms": np.sqrt(mean[3, 5] / 2),
-        "torque_change_rms": np.sqrt(mean[5, 6] / 2),
-        "position_rms": np.sqrt(mean[[0, 4], 0].T),
-        "position_max": np.sqrt(np.where(full[4], sums[4, 8], np.nan)),
-        "e_rms": np.sqrt(np.moveaxis(mean[6:, 2:5], 2, 0)),
+        "tau_rms": np.sqrt(mean("torque")[3] / 2),
+        "torque_change_rms": np.sqrt(mean("change")[5] / 2),
+        "torque_needed_rms": np.sqrt(mean("needed")[5] / 2),
+        "saturated_share": mean("saturated")[5],
+        "position_rms": rms[[0, 4]].T,
+        "position_max": farthest[4],
+        "tracking_drive": np.stack((rms[DRIVE], farthest[DRIVE]), axis=1),
+        "tracking_end": np.stack((rms[END], farthest[END]), axis=1),
+        "e_rms": np.sqrt(np.stack(errors, axis=2).swapaxes(0, 1)),
     }
 
 

@@ -15,7 +15,15 @@ from wmr_ctrl.results.frames import table_frame
 from wmr_ctrl.results.html import figure, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
-from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, Figures, column_of, monitor
+from wmr_ctrl.sim.figures import (
+    COLUMNS,
+    RIGID_COLUMNS,
+    SHAPES,
+    Figures,
+    column_of,
+    monitor,
+    tracked,
+)
 from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
@@ -31,7 +39,7 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
     Names and units are those of `sim.figures.SHAPES`, on the rigid body those of `RIGID_COLUMNS`
-    too; ``outcome`` (str), ``seed`` and ``tracked`` (bool, the last quarter's position_rms against
+    too; ``outcome`` (str), ``seed`` and ``tracked`` (bool, RMS of drive and end against
     metrics.tolerance) besides.  A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
     """
 
@@ -108,12 +116,11 @@ def run_many(
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
     figures = run_tasks(tasks, jobs=jobs, progress=later(progress))
     outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
-    allowed = np.array([task.loop.settings.tolerance for task in tasks], dtype=float)
     figures["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
     further = {
         "outcome": np.array(outcomes),
         "seed": np.array(seeds),
-        "tracked": figures["position_rms"][:, 1] <= allowed,
+        "tracked": tracked(figures, [task.loop.settings for task in tasks]),
     }
     return RunTable({**figures, **further})
 

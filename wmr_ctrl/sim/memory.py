@@ -177,6 +177,10 @@ class Memory:
         sums: Floats = self.arrays["sums"][:, :, : self.count]  # type: ignore[assignment]
         return sums
 
+    def sum(self, name: str) -> Floats:
+        """One of the sums over all windows, (windows, runs)."""
+        return self.sums[:, self.layout.sums.index(name)]
+
     def logged(self, lane: int) -> Floats:
         """Rows of one run's log."""
         return self.logs[lane][: int(self.row("samples")[lane])]

@@ -12,9 +12,12 @@ from wmr_ctrl.results import (
     ise,
     position_max,
     position_rms,
+    saturated_share,
     tau_peak,
     tau_rms,
     torque_change_rms,
+    torque_needed_rms,
+    tracking,
 )
 from wmr_ctrl.results.metrics import E_RMS_WINDOWS
 from wmr_ctrl.results.monitor import STOP_REASONS, Event
@@ -46,10 +49,17 @@ def _of_log(run: Run) -> dict[str, object]:
         "tau_peak": tau_peak(run),
         "tau_rms": tau_rms(run),
         "torque_change_rms": torque_change_rms(run),
+        "torque_needed_rms": torque_needed_rms(run),
+        "saturated_share": saturated_share(run),
+        **{f"tracking_{part}": _pair(seen) for part, seen in tracking(run).items()},
         "position_rms": [position["all"], position["last_quarter"]],
         "position_max": position_max(run),
         "guard_share": guard_share(run),
     }
+
+
+def _pair(seen: dict[str, float | None] | None) -> list[float]:
+    return [np.nan if value is None else value for value in (seen or dict.fromkeys("ab")).values()]
 
 
 def _of_monitor(run: Run) -> dict[str, object]:

@@ -1,0 +1,52 @@
+"""The labelled runs: the same numbers are the same runs, and the rule and the remarks agree."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.verdicts import REPORTED_ON, Judged, faults, judged, table, trial
+from wmr_ctrl.api import scenario_of, simulate
+
+
+def shares(rows: list[Judged]) -> tuple[float, float]:
+    """Of the bad those without a remark, of the good those with one on how the run went."""
+    bad, good = [row for row in rows if row.faults], [row for row in rows if not row.faults]
+    return (
+        sum(not row.keys for row in bad) / len(bad),
+        sum(row.seen for row in good) / len(good),
+    )
+
+
+def test_a_number_is_a_run() -> None:
+    assert trial(5) == trial(5) != trial(6)
+
+
+def test_the_rule_finds_nothing_wrong_with_a_good_run() -> None:
+    case = scenario_of("safe-simulation", {"changes": []})
+
+    assert list(faults(simulate(case, "kanayama"), case)) == []
+
+
+@pytest.mark.parametrize("changed", [
+    {"clock.control": 0.1, "actuator.delay": 0.05}, {"actuator.tau_max": 1.0},
+    {"sensor.velocity_noise": [0.1, 0.1]}, {"metrics.tolerance": 1e-5},
+])  # fmt: skip
+def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
+    case = scenario_of("paper-simulation-no-switch", changed)
+
+    assert list(faults(simulate(case, "prox"), case))
+
+
+def test_some_runs_are_judged_as_the_rule_has_it() -> None:
+    rows = list(judged(REPORTED_ON, 12))
+
+    assert all(bool(row.keys) >= bool(row.faults) for row in rows)
+    assert "missed: bad" in table(rows)
+
+
+@pytest.mark.slow
+def test_misses_and_false_alarms_are_few() -> None:
+    misses, alarms = shares(list(judged(REPORTED_ON, 300)))
+
+    assert misses <= 0.02
+    assert alarms <= 0.05

@@ -1,0 +1,204 @@
+"""Verdicts: what a run is told for, on synthetic logs and on scenarios that theory knows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import scenario_of, simulate, simulate_many
+from wmr_ctrl.checks.outlook import CheckVerdict, outlook, verdict
+from wmr_ctrl.results import (
+    Run,
+    oscillation,
+    saturated_share,
+    torque_needed_rms,
+    tracked,
+    tracking,
+)
+from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms
+
+MakeRun = Callable[..., Run]
+PATH = {
+    "reference.kind": "waypoints",
+    "reference.points": [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0]],
+    "reference.tolerance": 0.2,
+    "initial.pose": [0.0, -0.1, -1.5708],
+    "changes": [],
+}
+SLOW_CYCLE = {
+    "changes": [],
+    "robot.m": 208.0,
+    "robot.I": 22.5,
+    "clock.control": 0.005,
+    "actuator.lag": 0.024,
+    "sensor.velocity_noise": [0.014, 0.06],
+}
+
+
+def keys(run: Run) -> set[str]:
+    return {item.key for item in run.remarks}
+
+
+def arriving(make_run: MakeRun, duration: float, x: object) -> Run:
+    """Rests at the goal from 4 s on; metrics.tolerance is 5 cm."""
+    run = make_run(duration=duration, control=0.1, x=x)
+    return replace(run, settings=replace(run.settings, arrival=4.0, tolerance=0.05))
+
+
+@pytest.mark.parametrize("duration", [4.0, 5.0, 8.0, 80.0, 800.0])
+def test_a_longer_rest_hides_no_error_of_the_drive(make_run: MakeRun, duration: float) -> None:
+    t = 0.1 * np.arange(round(10 * duration))
+    run = arriving(make_run, duration, np.where(t < 4.0, 0.06, 0.0))
+
+    assert tracking(run)["drive"] == pytest.approx({"position_rms": 0.06, "position_max": 0.06})
+    assert tracked(run) is False
+    assert "not-tracked" in keys(run)
+
+
+def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -> None:
+    t = 0.1 * np.arange(80)
+    parted = np.select([t < 1.0, t < 4.0], [0.3, 0.01], 0.07)
+    early, late = arriving(make_run, 8.0, np.minimum(parted, 0.3)), arriving(make_run, 8.0, parted)
+
+    assert tracking(late)["end"] == pytest.approx({"position_rms": 0.07, "position_max": 0.07})
+    assert tracked(late) is False
+    assert tracking(early)["drive"] == pytest.approx({"position_rms": 0.01, "position_max": 0.01})
+    assert tracking(make_run())["end"] is None
+    near = np.where(t < 1.0, 0.3, 0.01)
+    assert tracked(arriving(make_run, 8.0, near)) is True
+
+
+@pytest.mark.parametrize("duration", [30.0, 60.0])
+def test_tables_have_drive_and_end_of_runs(duration: float) -> None:
+    case = {**PATH, "clock.duration": duration}
+    table = simulate_many("safe-simulation", "prox", range(2), case)
+    for seed in range(2):
+        run = simulate("safe-simulation", "prox", seed=seed, overrides=case)
+        for part, seen in tracking(run).items():
+            assert table[f"tracking_{part}"][seed] == pytest.approx(list(seen.values()), rel=1e-6)
+        assert table["tracked"][seed] == tracked(run)
+        assert table["torque_needed_rms"][seed] == pytest.approx(torque_needed_rms(run), rel=1e-6)
+        assert table["saturated_share"][seed] == pytest.approx(saturated_share(run), abs=1e-3)
+
+
+def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
+    """mu m g r/2 at constant speed; 20 % more from the mass on that is added later."""
+    line = {"reference.kind": "line", "changes": [{"t": 5.0, "m": 60.0}], "clock.duration": 10.0}
+    run = simulate("paper-simulation", "kanayama", overrides=line)
+    robot = scenario_of("paper-simulation").robot
+    torque = robot.mu * robot.m * robot.g * robot.r / 2
+
+    assert run.needed is not None
+    assert run.needed[0] == pytest.approx([torque, torque], rel=1e-6)
+    assert run.needed[-1] == pytest.approx([1.2 * torque, 1.2 * torque], rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [0, 7101])
+def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
+    run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
+    (text,) = (item.text for item in run.remarks if item.key == "objected")
+
+    assert "prox.guide gives gains.kinematics.k = [5, 81, 3.6]" in text
+    assert "Nothing needs to be done" not in run.explanation
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("preset", "law", "changed"), [
+    ("safe-simulation", "prox", {"clock.control": 0.1}),
+    ("safe-experiment", "nn", {"clock.control": 0.005, "encoder.counts": 1024}),
+    ("safe-simulation", "pid", SLOW_CYCLE),
+])  # fmt: skip
+def test_a_verdict_does_not_hang_on_the_seed(preset: str, law: str, changed: dict) -> None:
+    runs = [simulate(preset, law, seed=seed, overrides=changed) for seed in range(30)]
+
+    assert all("objected" in keys(run) for run in runs)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cycles_below_half_a_hertz_are_told(seed: int) -> None:
+    run = simulate("safe-simulation", "pid", seed=seed, overrides=SLOW_CYCLE)
+
+    assert {"oscillates", "objected"} <= keys(run)
+
+
+@pytest.mark.parametrize(("frequency", "swing", "told"), [
+    (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
+])  # fmt: skip
+def test_a_velocity_that_cycles_is_told_by_its_swing(
+    make_run: MakeRun, frequency: float, swing: float, told: bool
+) -> None:
+    """Peak to peak about the desired one, of a limit of 1.5 rad/s; 40 s are looked at."""
+    t = 0.01 * np.arange(8000)
+    run = make_run(duration=80.0, omega=swing / 2 * np.sin(2 * np.pi * frequency * t))
+    found = oscillation(run)
+
+    assert (found is not None) is told
+    if found is not None:
+        assert (found.quantity, found.unit) == ("omega", "rad/s")
+        assert found.frequency == pytest.approx(frequency, rel=0.05)
+
+
+@pytest.mark.parametrize(("share", "told"), [(KEPT - 0.1, False), (KEPT + 0.1, True)])
+def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(
+    make_run: MakeRun, share: float, told: bool
+) -> None:
+    """A wave of 5 Hz whose last quarter has that share of the amplitude before."""
+    t = 0.01 * np.arange(1600)
+    wave = np.sin(10 * np.pi * t) * np.where(t < 14.0, 1.0, share)
+
+    assert (KEPT, oscillation(make_run(duration=16.0, tau_right=wave)) is not None) == (2 / 3, told)
+
+
+def test_what_is_faster_than_half_a_hertz_swings() -> None:
+    t = 0.01 * np.arange(4000)
+    slow, fast = (np.sin(2 * np.pi * f * SLOWEST * t) for f in (0.5, 4.0))
+    signal = np.stack((slow + 3 * fast, 3 * fast), axis=1)
+
+    assert fast_swing_rms(signal, 0.01) == pytest.approx(3 / np.sqrt(2))
+
+
+def test_encoders_beside_the_true_pose_are_told() -> None:
+    counted = {"encoder.counts": 8192.0, "clock.duration": 20.0}
+    for noise, told in ((0.0, True), (0.01, False)):
+        overrides = {**counted, "sensor.pose_noise": noise}
+        assert ("exact-pose" in keys(simulate("safe-simulation", "kanayama", overrides=overrides))
+                ) is told  # fmt: skip
+
+
+def test_weak_drives_are_told() -> None:
+    weak = {"actuator.tau_max": 0.9, "clock.duration": 20.0}
+    run = simulate("paper-simulation-no-switch", "kanayama", overrides=weak)
+
+    assert saturated_share(run) > 0.2
+    assert "saturated" in keys(run)
+
+
+def test_noise_through_gains_is_objected_and_seen() -> None:
+    noisy = {"sensor.velocity_noise": [0.1, 0.1], "clock.duration": 20.0}
+    calm, loud = (outlook(scenario_of("safe-simulation", case), "pid") for case in ({}, noisy))
+    run = simulate("safe-simulation", "pid", overrides=noisy)
+
+    assert calm.objections == ()
+    assert [item.key for item in loud.objections] == ["gains.pid"]
+    assert {"chatter", "objected"} <= keys(run)
+
+
+def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run: MakeRun) -> None:
+    run = make_run(labels={"law": "theirs"})
+
+    assert run.outlook is None
+    assert "Nothing needs to be done" not in run.explanation
+
+
+@pytest.mark.parametrize(("preset", "law", "word"), [
+    ("safe-simulation", "kanayama", CheckVerdict.HOLDS),
+    ("safe-simulation", "nn", CheckVerdict.OBJECTED),
+    ("safe-simulation", "mb", CheckVerdict.IN_PART),
+])  # fmt: skip
+def test_a_law_is_judged_in_a_word(preset: str, law: str, word: CheckVerdict) -> None:
+    seen = outlook(scenario_of(preset), law)
+
+    assert verdict(seen.warnings, simulate(preset, law)) is word

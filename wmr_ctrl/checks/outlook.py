@@ -1,0 +1,124 @@
+"""What is known of a run without looking at it: objections, the torque that its motion needs.
+
+A run's verdict rests on it beside the log: it is not well where `wmr-ctrl check` would object, and
+whether torques are large or restless is judged by what the motion needs.  Judged once for each
+scenario, law and plant, when a run's remarks are first asked for; making runs costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wmr_ctrl.checks import grip_warnings, warnings_for
+from wmr_ctrl.checks.grip import PLACE as GRIP
+from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import WmrError
+from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.scenario import Scenario, loads_scenario
+from wmr_ctrl.world.demand import needed_torque
+from wmr_ctrl.world.encoder import Encoder
+from wmr_ctrl.world.pose_delay import PoseDelay
+from wmr_ctrl.world.pose_sensor import PoseSensor
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results import FloatArray, Run
+
+
+TEXT = "scenario_toml"
+"""Where a run's provenance keeps its scenario."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What is known of a law on a scenario before it runs.
+
+    ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
+    ``exact_pose``: whether the pose is perfect while velocities come from encoders.
+    """
+
+    tau_max: float
+    warnings: tuple[Warning, ...]
+    exact_pose: bool
+
+    @property
+    def objections(self) -> tuple[Warning, ...]:
+        """Warnings by which something is expected to go wrong."""
+        return tuple(item for item in self.warnings if item.objects)
+
+
+def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
+    """The Outlook of a law on a scenario and a plant; raises what `settle` raises."""
+    setup = settle(scenario, law)
+    grip = grip_warnings(setup) if plant == "mujoco" else ()
+    counts = scenario.section(Encoder).counts
+    late = scenario.section(PoseDelay).pose_delay > 0
+    exact = counts is not None and scenario.section(PoseSensor).perfect and not late
+    return Outlook(setup.tau_max, (*warnings_for(setup), *grip), exact)
+
+
+def outlook_of(run: Run) -> Outlook | None:
+    """The Outlook of a run; None where its scenario or law is not known here."""
+    if run.law not in LAWS or _scenario_of(run) is None:
+        return None
+    return _outlook(run.provenance[TEXT], run.law, run.settings.plant_kind)
+
+
+def needed_by(run: Run) -> FloatArray | None:
+    """Wheel torques (rows, 2) [N m] that the desired motion needs; None as `outlook_of`."""
+    scenario = _scenario_of(run)
+    if scenario is None:
+        return None
+    desired, rates = (
+        np.stack([run[name] for name in names], axis=1)
+        for names in (("v1_d", "v2_d"), ("v1_d_dot", "v2_d_dot"))
+    )
+    return needed_torque(scenario, run.time, desired, rates)
+
+
+def _scenario_of(run: Run) -> Scenario | None:
+    """The scenario of a run; None where it was not kept, or has parts that are not installed."""
+    try:
+        return _scenario(run.provenance[TEXT]) if TEXT in run.provenance else None
+    except WmrError:
+        return None
+
+
+@lru_cache(maxsize=64)
+def _scenario(text: str) -> Scenario:
+    return loads_scenario(text)
+
+
+@lru_cache(maxsize=256)
+def _outlook(text: str, law: str, plant: str) -> Outlook:
+    return outlook(_scenario(text), law, plant)
+
+
+class CheckVerdict(StrEnum):
+    """What `check` says of a law in a word."""
+
+    HOLDS = "holds"
+    IN_PART = "holds-in-part"
+    OBJECTED = "objected"
+
+
+IN_PART = ("assumption-void", "exact-pose")
+"""Remarks that narrow what a run shows, and blame it for nothing."""
+
+
+def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
+    """Of what theory says and one run shows; ``objected`` where either finds a fault.
+
+    The grip of tyres, which the plane model does not have, is told and not part of it.
+    """
+    theory = [item for item in warnings if item.equation != GRIP]
+    keys = [item.key for item in run.remarks if item.key != "objected"] if run else []
+    if any(item.objects for item in theory) or any(key not in IN_PART for key in keys):
+        return CheckVerdict.OBJECTED
+    return CheckVerdict.IN_PART if theory or keys else CheckVerdict.HOLDS
