@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import Any
+from xml.etree import ElementTree
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -11,6 +12,10 @@ from sphinx.application import Sphinx
 
 DIGITS = re.compile(r"\\frac(\d)(\d)")
 """A half without braces, which docutils reads as a fraction of twelve."""
+MATHML = "http://www.w3.org/1998/Math/MathML"
+ElementTree.register_namespace("", MATHML)
+DOTS = "˙¨"
+"""Accents below whose letter docutils puts an index."""
 SPELT = {r"\dots": r"\ldots"}
 """Commands that docutils knows under another name."""
 
@@ -21,7 +26,21 @@ def mathml(text: str, *, block: bool = False) -> str:
         text = text.replace(name, known)
     text = DIGITS.sub(r"\\frac{\1}{\2}", text)
     bare = text.lstrip().startswith(("^", "_"))  # s$^2$: an index of nothing
-    return tex2mathml("{}" + text if bare else text, as_block=block)
+    return _indexed(tex2mathml("{}" + text if bare else text, as_block=block))
+
+
+def _indexed(text: str) -> str:
+    """MathML in which the index of a letter with dots stands beside it, not below."""
+    if not any(dot in text for dot in DOTS):
+        return text
+    tree = ElementTree.fromstring(text)
+    for both in tree.iter(f"{{{MATHML}}}munderover"):
+        letter, index, accent = both
+        if accent.text in DOTS:
+            dotted = ElementTree.Element(f"{{{MATHML}}}mover", {"accent": "true"})
+            dotted.extend((letter, accent))
+            both.tag, both[:] = f"{{{MATHML}}}msub", [dotted, index]
+    return ElementTree.tostring(tree, encoding="unicode")
 
 
 def _inline(translator: Any, node: nodes.Element) -> None:

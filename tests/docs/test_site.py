@@ -55,6 +55,15 @@ def test_every_part_is_asked_for_by_a_page(tables):
     assert set(re.findall(r"\{made-from\} ([\w-]+)", text)) == set(tables.TABLES)
 
 
+def test_indices_of_dotted_letters_stand_beside_them(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "_site"))
+    mathml = pytest.importorskip("mathml", reason="needs the extra docs").mathml
+    text = re.sub(r"\s+", "", mathml(r"\dot e_3 + \sum_i^n \dot\omega"))
+
+    assert "<msub><moveraccent=\"true\"><mi>e</mi>" in text
+    assert "<munderover>" not in re.sub(r"<munderover>(<[^>]*>)*∑", "", text)
+
+
 @pytest.mark.slow
 def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_path):
     pytest.importorskip("sphinx", reason="needs the extra docs")
