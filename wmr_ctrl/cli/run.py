@@ -90,7 +90,7 @@ def run(
     SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What theory says
     against the run is printed on stderr before it. A run that breaks the velocity limit or
     diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and
-    the outcome says so.
+    the outcome says so. A file that is named for a result is replaced, once the new one is whole.
     """
     check_outputs(out, plot, animate)
     if film:
