@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 LANGUAGES = {
     "gcc-c99": ("gcc", "-std=c99", *STRICT),
     "gcc-c11": ("gcc", "-std=c11", *STRICT),

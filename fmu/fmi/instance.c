@@ -76,7 +76,7 @@ wmr_instance *wmr_create(const char *name, wmr_interface interface)
         return NULL;
     }
     s->magic = ALIVE;
-    s->state.interface = interface;
+    s->state.interface = (int32_t)interface;
     strncpy(s->name, name ? name : "", sizeof s->name - 1);
     start_values(&s->state);
     kind_restore(s);
@@ -132,24 +132,27 @@ static int finite_from(const wmr_instance *s, size_t first)
     return 1;
 }
 
-/* Whether each limit of the velocity lies above the place where the barrier begins. */
-static int limits_fit(const wmr_instance *s)
+/* Two parameters that are not in order; NULL where all are. */
+static const wmr_order *contradiction(const wmr_instance *s)
 {
-#ifdef WMR_AT_V_U2
-    const double *limit = s->state.values + WMR_AT_V_U1, *begin = s->state.values + WMR_AT_V_U2;
-    return begin[0] < limit[0] && begin[1] < limit[1];
-#else
-    (void)s;
-    return 1;
-#endif
+    for (int i = 0; i < WMR_ORDERS; ++i) {
+        const wmr_order *pair = &wmr_orders[i];
+        const double low = s->state.values[pair->low], high = s->state.values[pair->high];
+        if (pair->apart ? low >= high : low > high) {
+            return pair;
+        }
+    }
+    return NULL;
 }
 
 wmr_status wmr_leave_init(wmr_instance *s)
 {
-    if (!limits_fit(s)) {
-        return wmr_say(s, WMR_ERROR,
-                       "the parameters contradict one another: limits.v_u2 must be below "
-                       "limits.v_u1 in both elements, since the barrier acts between the two.");
+    const wmr_order *wrong = contradiction(s);
+    if (wrong) {
+        return wmr_say(s, WMR_ERROR, "the parameters contradict one another: %s = %g must %s %s = %g.",
+                       wmr_variables[wrong->low].name, s->state.values[wrong->low],
+                       wrong->apart ? "be below" : "not be above", wmr_variables[wrong->high].name,
+                       s->state.values[wrong->high]);
     }
     if (!kind_start(s)) {
         return wmr_say(s, WMR_ERROR,

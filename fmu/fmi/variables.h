@@ -28,4 +28,11 @@ typedef struct {
 
 extern const wmr_variable wmr_variables[WMR_ROWS];
 
+/* Rows of two parameters, the first below the second or, unless they must be apart, equal to it. */
+typedef struct {
+    int low, high, apart;
+} wmr_order;
+
+extern const wmr_order wmr_orders[WMR_ORDERS + 1];
+
 #endif

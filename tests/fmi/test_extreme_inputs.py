@@ -113,4 +113,19 @@ def test_a_barrier_without_room_is_refused_at_the_start(raw, what, version, axis
         assert one.setup() == OK
         assert one.leave() == status
         one.free()
-    assert sum("limits.v_u2 must be below limits.v_u1" in text for text in fmu.messages) >= 2
+    assert sum(f"{begin} = " in m and f"must be below {limit}" in m for m in fmu.messages) >= 2
+
+
+@pytest.mark.parametrize(("what", "version"), versioned((*NAMES, "guard", "closed-loop")))
+@pytest.mark.parametrize("axis", [1, 2])
+def test_masses_out_of_order_are_refused_at_the_start(raw, what, version, axis):
+    fmu = raw(what, version)
+    least, most = (f"guard.{name}[{axis}]" for name in ("M_min", "M_max"))
+    (height,) = fmu.new().get(most)
+    for low, status in ((1.01 * height, ERROR), (height, OK)):
+        one = fmu.new()
+        assert one.put({least: low}) == OK
+        assert one.setup() == OK
+        assert one.leave() == status
+        one.free()
+    assert any(f"{least} = " in m and f"must not be above {most}" in m for m in fmu.messages)

@@ -18,7 +18,7 @@ from wmr_ctrl.codegen.block import (
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.ranges import clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.fmi.model import Dependency, FmuModel, places_of_limits
+from wmr_ctrl.fmi.model import Dependency, FmuModel
 from wmr_ctrl.fmi.variables import (
     TIME,
     Variable,
@@ -86,7 +86,6 @@ def _model(
     layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
     parallel_row = [i for i, row in enumerate(rows) if row.name == PARALLEL.name]
     layout |= {"AT_PARALLEL": parallel_row[0]} if parallel_row else {}
-    layout |= places_of_limits(rows)
     return FmuModel(
         what,
         title,

@@ -12,7 +12,7 @@ from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
-from wmr_ctrl.fmi.model import FmuModel, places_of_limits
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, port, stack
@@ -163,7 +163,6 @@ def _layout(
         "AT_SEED": at["seed"],
         "AT_PERIOD": at["clock.control"],
         "AT_STEP": at["clock.plant"],
-        **places_of_limits(rows),
     }
 
 

@@ -71,12 +71,26 @@ class FmuModel:
         return next(i for i, item in enumerate(self.variables) if item.name == name)
 
 
-def places_of_limits(rows: Sequence[Variable]) -> dict[str, int]:
-    """Layout of the velocity limits and of where the barrier begins; empty without a barrier."""
-    at = {row.name: i for i, row in enumerate(rows)}
-    names = {"AT_V_U1": "limits.v_u1[1]", "AT_V_U2": "limits.v_u2[1]"}
-    known = all(name in at for name in names.values())
-    return {key: at[name] for key, name in names.items()} if known else {}
+ORDERS = {("limits.v_u2", "limits.v_u1"): True, ("guard.M_min", "guard.M_max"): False}
+"""Parameters of which the first must be below the second in each element, or (False) not above."""
+
+
+def orders(model: FmuModel) -> list[tuple[int, int, bool]]:
+    """Rows of parameters that initialisation keeps in order, and whether they must differ.
+
+    Where the model's own numbers are not in order, nothing acts on them.
+    """
+    at = {row.name: i for i, row in enumerate(model.variables) if row.parameter}
+    found = []
+    for (low, high), apart in ORDERS.items():
+        for first in (name for name in at if name.partition("[")[0] == low):
+            second = at.get(first.replace(low, high, 1))
+            if second is None:
+                continue
+            less, more = model.variables[at[first]].start, model.variables[second].start
+            if less < more or (less == more and not apart):
+                found.append((at[first], second, apart))
+    return found
 
 
 Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]

@@ -14,7 +14,7 @@ from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.plain import plain_sources
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import sources as kernel_sources
-from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel
+from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel, orders
 from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.variables import Variable
 
@@ -61,13 +61,17 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))
     }
     files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], HEADER)}
+    kept = orders(model)
     files["model.c"] = render(
-        "model.c", identifier=model.identifier, variables=_rows(model, arrays and version == 3)
+        "model.c",
+        identifier=model.identifier,
+        variables=_rows(model, arrays and version == 3),
+        orders=kept,
     )
     if model.tables:
         files["loop_tables.h"] = render("loop_tables.h", tables=_tables(model))
     token = _token(model, files)
-    layout = list(model.layout.items())
+    layout = [*model.layout.items(), ("ORDERS", len(kept))]
     files["model.h"] = render(
         "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
     )
