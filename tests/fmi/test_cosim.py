@@ -23,7 +23,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import compiled, input_rows, load_map, output_rows
 from wmr_ctrl.fmi.cosim.parts import UNITS
-from wmr_ctrl.fmi.cosim.slave import FmuError
+from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 from wmr_ctrl.results import ise, load_run, summary
@@ -328,6 +328,41 @@ def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
         output_rows(missing, UNITS, lambda _: None, "plant")
     with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
         input_rows({"theirs": row}, UNITS, lambda _: "furlong", "plant")
+
+
+UNSTATED = """
+[plant]
+{units}
+[plant.inputs]
+motorR = "torque_right"
+motorL = "torque_left"
+[plant.outputs]
+x = "px"
+y = "py"
+theta = "heading"
+v1 = "wheelR"
+omega = {omega}
+"""
+"""PythonFMU's FMUs state no units."""
+
+
+def test_units_that_are_not_stated_are_asked_for_by_the_row(foreign, mapped):
+    plant = foreign("TheirRobot", PLANT)
+    row = re.escape('motorR = { terms = { torque_right = 1.0 }, unit = "N.m" }')
+    with pytest.raises(ArgumentError, match=rf"such as: {row}; .*units = \"SI\" in \[plant\]"):
+        cosimulate(SHORT, "pid", plant=plant, map_file=mapped(UNSTATED.format(units="", omega="1")))
+
+
+def test_units_may_be_those_of_the_si(foreign, mapped):
+    """What a row states counts all the same."""
+    file = FmuFile(foreign("TheirRobot", PLANT), "plant")
+    text = UNSTATED.format(units='units = "SI"', omega='{ terms = { wheelL = 1.0 }, unit = "rpm" }')
+    part = load_map(mapped(text))["plant"]
+    rows = output_rows(part.outputs, UNITS, file.unit, "plant", si=part.si)
+    assert [row.plain for row in rows] == [True, True, True, True, False]
+    assert rows[-1].terms == (("wheelL", pytest.approx(np.pi / 30)),)
+    with pytest.raises(ArgumentError, match=r"plant\.units = 'mm' must be"):
+        load_map(mapped(text.replace('"SI"', '"mm"')))
 
 
 def test_units_are_what_the_fmu_defines():

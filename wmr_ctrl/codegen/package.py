@@ -63,13 +63,18 @@ class Field:
         return [(f"{self.name}[{k}]", value) for k, value in enumerate(self.values)]
 
 
-def package_files(law: str, scenario: Scenario, *, float32: bool = False) -> dict[str, str]:
+def package_files(
+    law: str, scenario: Scenario, *, float32: bool = False, counting: bool = True
+) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
+
+    ``counting``: where the scenario has encoders, it is given counts, not velocities.
 
     Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
     whose velocity needs more than counts.
     """
-    system = packaged(settle(scenario, law))
+    setup = settle(scenario, law)
+    system = packaged(setup) if counting else controller(setup)
     if float32 and scenario.guard.enabled:
         system = with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)

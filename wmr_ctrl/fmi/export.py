@@ -18,6 +18,7 @@ from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_m
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.package import write_archive
+from wmr_ctrl.fmi.plain_code import NOTE, plain_code
 from wmr_ctrl.fmi.provenance import (
     EXTRA,
     GRAPH,
@@ -129,12 +130,16 @@ def write_fmu(
     arrays: bool = True,
     result: bool = True,
 ) -> Path:
-    """Build and pack one file; ``result``: with a reference result, which takes a simulation.
+    """Build and pack one file; ``result``: with a reference result, which takes a simulation,
+    and of a law its plain C.
 
     Raises PartlyBuiltError, with the file written, where some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
-    files = {"modelDescription.xml": xml.description(model, sources, version, TOOL, arrays=arrays)}
+    code = dict(plain_code(model)) if result else {}
+    note = NOTE if code else ""
+    text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
+    files = {"modelDescription.xml": text, **code}
     files |= dict(_texts(model, sources, version))
     packed = {name: text.encode() for name, text in files.items()}
     built, failed = build_for(targets, sources, model.identifier)

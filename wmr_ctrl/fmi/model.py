@@ -81,7 +81,7 @@ def orders(model: FmuModel) -> list[tuple[int, int, bool]]:
     Where the model's own numbers are not in order, nothing acts on them.
     """
     at = {row.name: i for i, row in enumerate(model.variables) if row.parameter}
-    found = []
+    pairs = []
     for (low, high), apart in ORDERS.items():
         for first in (name for name in at if name.partition("[")[0] == low):
             second = at.get(first.replace(low, high, 1))
@@ -89,8 +89,8 @@ def orders(model: FmuModel) -> list[tuple[int, int, bool]]:
                 continue
             less, more = model.variables[at[first]].start, model.variables[second].start
             if less < more or (less == more and not apart):
-                found.append((at[first], second, apart))
-    return found
+                pairs.append((at[first], second, apart))
+    return pairs
 
 
 Unknown: TypeAlias = tuple[int, list[tuple[int, bool]] | None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.laws import LAWS
 
 _COMMON = (
     "All quantities are in SI units. theta is 0 along +Y and the robot drives along "
@@ -36,6 +37,12 @@ _KIND = {
 }
 
 
+_LAW = (
+    "The folder extra/org.wmr-ctrl/code holds the law in plain C; its interface.xml says how to "
+    "call it without FMI's functions.",
+)
+
+
 def notes_of(model: FmuModel) -> tuple[str, ...]:
     """Paragraphs of the documentation page."""
-    return (*_KIND[model.kind], *_COMMON)
+    return (*_KIND[model.kind], *(_LAW if model.what in LAWS else ()), *_COMMON)

@@ -182,7 +182,7 @@ def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Set
             "Set guard.enabled = false."
         )
     file, part = FmuFile(path, name), maps[name]
-    inputs = input_rows(part.inputs, UNITS, file.unit, name)
+    inputs = input_rows(part.inputs, UNITS, file.unit, name, si=part.si)
     outputs = _outputs(name, file, part, setup.scenario.robot)
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:

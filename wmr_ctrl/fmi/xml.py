@@ -38,11 +38,17 @@ _CAUSALITY = {
 
 
 def description(
-    model: FmuModel, sources: Sources, version: int, tool: str, *, arrays: bool = True
+    model: FmuModel,
+    sources: Sources,
+    version: int,
+    tool: str,
+    *,
+    arrays: bool = True,
+    note: str = "",
 ) -> str:
-    """Text of modelDescription.xml for FMI 2 or 3."""
+    """Text of modelDescription.xml for FMI 2 or 3; ``note``: what it says after the title."""
     arrays = arrays and version == 3
-    common = _common(model, sources, tool)
+    common = _common(model, sources, tool, note)
     if version == 2:
         listed = [_fmi2_variable(model, i, v) for i, v in enumerate(model.variables)]
         return render(
@@ -109,11 +115,11 @@ def documentation(model: FmuModel, tool: str) -> str:
     )
 
 
-def _common(model: FmuModel, sources: Sources, tool: str) -> dict[str, Any]:
+def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str, Any]:
     return {
         "identifier": model.identifier,
         "token": sources.token,
-        "title": model.title,
+        "title": model.title + note,
         "tool": tool,
         "version": tool.rpartition(" ")[2],
         "license": "BSD-3-Clause",

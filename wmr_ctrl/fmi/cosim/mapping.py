@@ -5,6 +5,7 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
 
     [plant]
     step = 0.002                       # their communication step, s
+    units = "SI"                       # of variables that state none; left out, each row states it
     [plant.inputs]
     motorR = "torque_right"
     [plant.outputs]
@@ -18,6 +19,8 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -32,7 +35,8 @@ UnitOf = Callable[[str], NamedUnit | str | None]
 Units = Callable[[str, str, str], NamedUnit]
 """From a name, the key of the row that needs it and a unit that would fit, to the name's unit."""
 _KEYS = {"terms", "offset", "unit", "coefficient_unit"}
-_SECTIONS = {"inputs", "outputs", "parameters", "start", "step"}
+_SECTIONS = {"inputs", "outputs", "parameters", "start", "step", "units"}
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 @dataclass(frozen=True)
@@ -51,13 +55,17 @@ class MapRow:
 
 @dataclass(frozen=True)
 class PartMap:
-    """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s]."""
+    """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s].
+
+    ``si``: variables without a unit are in the SI unit of what they are mapped to.
+    """
 
     inputs: Mapping[str, object]
     outputs: Mapping[str, object]
     parameters: Mapping[str, str]
     start: Mapping[str, float]
     step: float | None
+    si: bool = False
 
 
 def load_map(path: str | Path) -> dict[str, PartMap]:
@@ -78,22 +86,36 @@ def _part(part: str, table: object) -> PartMap:
     step = table.get("step")
     if step is not None and not (isinstance(step, int | float) and step > 0):
         raise ArgumentError(f"{part}.step = {step!r} must be a positive number of seconds.")
+    if table.get("units", "SI") != "SI":
+        raise ArgumentError(
+            f'{part}.units = {table["units"]!r} must be "SI", for variables of which the FMU gives '
+            "no unit. Others are stated in their rows."
+        )
     inputs, outputs, parameters, start = (
         table.get(name, {}) for name in ("inputs", "outputs", "parameters", "start")
     )
-    return PartMap(inputs, outputs, parameters, start, None if step is None else float(step))
+    seconds = None if step is None else float(step)
+    return PartMap(inputs, outputs, parameters, start, seconds, "units" in table)
 
 
 def input_rows(
-    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
+    raw: Mapping[str, object],
+    ours: Mapping[str, str],
+    theirs: UnitOf,
+    part: str,
+    *,
+    si: bool = False,
 ) -> list[MapRow]:
-    """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables."""
+    """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables.
+
+    ``si``: as in `PartMap`.
+    """
     return [
         _row(
             f"{part}.inputs.{name}",
             name,
             entry,
-            _Side(theirs, entry),
+            _Side(theirs, entry, si),
             _ours(ours),
             _first_unit(ours, entry),
         )
@@ -102,7 +124,12 @@ def input_rows(
 
 
 def output_rows(
-    raw: Mapping[str, object], ours: Mapping[str, str], theirs: UnitOf, part: str
+    raw: Mapping[str, object],
+    ours: Mapping[str, str],
+    theirs: UnitOf,
+    part: str,
+    *,
+    si: bool = False,
 ) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
     return [
@@ -111,7 +138,7 @@ def output_rows(
             name,
             entry,
             _ours(ours),
-            _Side(theirs, entry),
+            _Side(theirs, entry, si),
             ours.get(name, "1"),
         )
         for name, entry in raw.items()
@@ -150,15 +177,19 @@ def identity(names: Sequence[str]) -> list[MapRow]:
 class _Side:
     """Units of their variables: as the entry states them, else as their FMU declares them."""
 
-    def __init__(self, declared: UnitOf, entry: object) -> None:
-        self.declared = declared
+    def __init__(self, declared: UnitOf, entry: object, si: bool) -> None:
+        self.declared, self.entry, self.si = declared, entry, si
         self.stated = entry.get("unit") if isinstance(entry, dict) else None
 
     def __call__(self, name: str, key: str, fitting: str) -> NamedUnit:
-        unit = self.stated or self.declared(name)
-        hint = f'State it in the row: {{ terms = {{ ... }}, unit = "{fitting}" }}, say.'
+        unit = self.stated or self.declared(name) or (fitting if self.si else None)
+        hint = f"State it in the row, such as: {self._row(key, fitting)}"
         if unit is None:
-            raise ArgumentError(f"{key}: the FMU gives no unit for {name}. {hint}")
+            part = key.partition(".")[0]
+            raise ArgumentError(
+                f"{key}: the FMU gives no unit for {name}. {hint}; or, where all of its variables "
+                f'without a unit are in SI units, write units = "SI" in [{part}].'
+            )
         if isinstance(unit, NamedUnit):
             return unit
         try:
@@ -166,8 +197,20 @@ class _Side:
         except ArgumentError as error:
             raise ArgumentError(
                 f"{key}: {name} has the unit {unit!r}, which the FMU does not define, and {error} "
-                f"{hint}"
+                f"{hint}."
             ) from error
+
+    def _row(self, key: str, fitting: str) -> str:
+        """The row of a map with its unit stated, as TOML."""
+        target = key.split(".", 2)[-1]
+        terms = {self.entry: 1.0} if isinstance(self.entry, str) else _terms(self.entry)
+        listed = ", ".join(f"{_key(term)} = {share!r}" for term, share in terms.items())
+        return f'{_key(target)} = {{ terms = {{ {listed} }}, unit = "{fitting}" }}'
+
+
+def _key(name: str) -> str:
+    """A key as TOML spells it."""
+    return name if _BARE.fullmatch(name) else json.dumps(name)
 
 
 def _ours(units: Mapping[str, str]) -> Units:

@@ -142,7 +142,7 @@ def controller_part(
         return Part(slave, identity(known), identity(outputs), SEEN)
     return Part(
         slave,
-        input_rows(part.inputs, UNITS, slave.unit, "controller"),
+        input_rows(part.inputs, UNITS, slave.unit, "controller", si=part.si),
         controller_outputs(slave, part, robot, asked),
         SEEN,
         part.step,
@@ -171,7 +171,7 @@ def plant_part(
         return Part(slave, identity(inputs), identity(shown), DRIVEN)
     return Part(
         slave,
-        input_rows(part.inputs, UNITS, slave.unit, "plant"),
+        input_rows(part.inputs, UNITS, slave.unit, "plant", si=part.si),
         plant_outputs(slave, part, robot, rolling),
         DRIVEN,
         part.step,
@@ -186,7 +186,7 @@ def controller_outputs(
 
     Each follows from the other: thrust and moment are those of the torques at robot.r and robot.l.
     """
-    rows = output_rows(part.outputs, UNITS, file.unit, "controller")
+    rows = output_rows(part.outputs, UNITS, file.unit, "controller", si=part.si)
     by_target = {row.target: row for row in rows}
     given = TORQUES if FORCE.elements[0] not in by_target else FORCE.elements
     _complete(rows, given, "controller")
@@ -209,7 +209,7 @@ def plant_outputs(
 
     Raises ArgumentError where one is missing; without a row for the skid it is zero.
     """
-    rows = _without_ready(output_rows(part.outputs, UNITS, file.unit, "plant"), robot)
+    rows = _without_ready(output_rows(part.outputs, UNITS, file.unit, "plant", si=part.si), robot)
     _complete(rows, STATE, "plant")
     given = {row.target for row in rows}
     if rolling and PATH.name not in given:
