@@ -61,17 +61,17 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))
     }
     files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], HEADER)}
-    kept = orders(model)
+    pairs = orders(model)
     files["model.c"] = render(
         "model.c",
         identifier=model.identifier,
         variables=_rows(model, arrays and version == 3),
-        orders=kept,
+        orders=pairs,
     )
     if model.tables:
         files["loop_tables.h"] = render("loop_tables.h", tables=_tables(model))
     token = _token(model, files)
-    layout = [*model.layout.items(), ("ORDERS", len(kept))]
+    layout = [*model.layout.items(), ("ORDERS", len(pairs))]
     files["model.h"] = render(
         "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
     )
