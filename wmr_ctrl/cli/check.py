@@ -180,7 +180,8 @@ def _goal(scenario: Scenario, arrival: float) -> str:
     """When the desired motion arrives, and whether the run lasts so long."""
     lasts = scenario.clock.duration
     end = "" if arrival <= lasts else f", but the run ends at {lasts:g} s: lengthen clock.duration"
-    return wrapped(f"The desired motion comes to rest at its goal at t = {arrival:.4g} s{end}.")
+    late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
+    return wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}.")
 
 
 def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:

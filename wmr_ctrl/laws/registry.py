@@ -30,8 +30,7 @@ class LawRegistry(Mapping[str, Law]):
             return law
         if isinstance(name, str) and name in self.plugins:
             return _checked(name, load(self.plugins[name], GROUP))
-        several = "Only one is taken here; a study takes several." if "," in str(name) else ""
-        raise UnknownNameError("law", name, self, several)
+        raise UnknownNameError("law", name, self)
 
     def __iter__(self) -> Iterator[str]:
         """Names of all laws."""
