@@ -16,27 +16,19 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
+from wmr_ctrl import api_types as types
+from wmr_ctrl.campaign.engine import PhaseProgress
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.scenario.overrides import checked
 from wmr_ctrl.scenario.toml_io import naming_file
 from wmr_ctrl.sim.finish import checked_seeds, checked_starts, versions
 from wmr_ctrl.studies import rigid_comparison
 from wmr_ctrl.studies import study as study
 
 if TYPE_CHECKING:
-    from wmr_ctrl.api_types import (
-        BenchReport,
-        CosimulationOptions,
-        ExportOptions,
-        Measurements,
-        Overrides,
-        PageOptions,
-        Progress,
-    )
-    from wmr_ctrl.campaign import PhaseProgress
     from wmr_ctrl.linear import LinearReport
     from wmr_ctrl.proofs import Entry, Ledger
     from wmr_ctrl.report.reproduction import Facts, Verdicts
@@ -47,9 +39,10 @@ if TYPE_CHECKING:
 ENGINES = ("native", "numpy", "fmu")
 
 
+@checks_arguments
 def scenario_of(
     given: str | Path | Scenario,
-    overrides: Overrides | None = None,
+    overrides: types.Overrides | None = None,
     guard: bool | None = None,
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
@@ -64,7 +57,7 @@ def scenario_of(
     from wmr_ctrl.control.setup import check_name, check_scenario
 
     switch = {} if guard is None else {"guard.enabled": guard}
-    changed = {**checked(overrides), **switch}
+    changed = {**(overrides or {}), **switch}
     if isinstance(given, str):
         check_name(given)
     loaded = (
@@ -75,6 +68,7 @@ def scenario_of(
     return loaded
 
 
+@checks_arguments
 def simulate(
     scenario: str | Path | Scenario,
     law: str = "nn",
@@ -83,8 +77,8 @@ def simulate(
     engine: str = "native",
     plant: str = "ode",
     guard: bool | None = None,
-    overrides: Overrides | None = None,
-    progress: Progress | None = None,
+    overrides: types.Overrides | None = None,
+    progress: types.Progress | None = None,
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
 
@@ -121,6 +115,7 @@ def simulate(
     raise UnknownNameError("engine", engine, ENGINES)
 
 
+@checks_arguments
 def simulate_runs(
     scenario: str | Path | Scenario,
     law: str = "nn",
@@ -128,9 +123,9 @@ def simulate_runs(
     *,
     plant: str = "ode",
     guard: bool | None = None,
-    overrides: Overrides | None = None,
+    overrides: types.Overrides | None = None,
     jobs: int | None = None,
-    progress: Progress | None = None,
+    progress: types.Progress | None = None,
 ) -> list[Run]:
     """One whole Run per seed, several robots at a time on each core.
 
@@ -150,17 +145,18 @@ def simulate_runs(
     return runs_of(plant, scenario_of(scenario, overrides, guard), law, listed, jobs, progress)
 
 
+@checks_arguments
 def simulate_many(
     scenario: str | Path | Scenario,
     law: str = "nn",
     seeds: Iterable[int] = range(20),
-    overrides: Overrides | Sequence[Overrides] | None = None,
+    overrides: types.Overrides | Sequence[types.Overrides] | None = None,
     *,
     plant: str = "ode",
     guard: bool | None = None,
     starts: Iterable[Iterable[float]] | None = None,
     jobs: int | None = None,
-    progress: Progress | None = None,
+    progress: types.Progress | None = None,
 ) -> RunTable:
     """Figures of one run per seed as arrays, several robots at a time on each core.
 
@@ -185,6 +181,7 @@ def simulate_many(
     return table_of(plant, scenarios, law, listed, rows, jobs, progress)
 
 
+@checks_arguments
 def reproduce(
     out: str | Path = "reproduction",
     *,
@@ -247,7 +244,8 @@ def _facts(laws: Sequence[str], quick: bool) -> Facts:
     )
 
 
-def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
+@checks_arguments
+def export_fmu(what: str, **options: Unpack[types.ExportOptions]) -> list[Path]:
     """Write FMUs, or what else other tools read; returns the files' paths.
 
     Options as in `wmr_ctrl.fmi.export.export_fmu`: law, scenario, fmi, target, out.  ``what`` =
@@ -260,19 +258,21 @@ def export_fmu(what: str, **options: Unpack[ExportOptions]) -> list[Path]:
     return write_output(what, options)
 
 
+@checks_arguments
 def write_page(
     out: str | Path,
     scenario: str | Path | Scenario = "paper-simulation",
-    **options: Unpack[PageOptions],
+    **options: Unpack[types.PageOptions],
 ) -> Path:
     """Write one HTML file that runs the loop live; options of `wmr_ctrl.page.write_page`."""
     return import_module("wmr_ctrl.page").write_page(out, scenario_of(scenario), **options)
 
 
+@checks_arguments
 def cosimulate(
     scenario: str | Path | Scenario,
     law: str | None = None,
-    **options: Unpack[CosimulationOptions],
+    **options: Unpack[types.CosimulationOptions],
 ) -> Run:
     """Run reference, controller and plant as FMUs; options as in `wmr_ctrl.fmi.cosim`."""
     from wmr_ctrl.fmi.cosim import cosimulate as run_fmus
@@ -280,6 +280,7 @@ def cosimulate(
     return run_fmus(scenario, law, **options)
 
 
+@checks_arguments
 def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
     """Poles, margins and sampled-data limits: figures, ``table()`` and ``plots()``."""
     from wmr_ctrl.linear import report_linear
@@ -287,6 +288,7 @@ def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
     return report_linear(scenario_of(scenario), law)
 
 
+@checks_arguments
 def prove(
     only: Iterable[str] = (), progress: Callable[[float, Entry], None] | None = None
 ) -> Ledger:
@@ -296,15 +298,16 @@ def prove(
     return check_all(tuple(only), progress)
 
 
-def bench(progress: Progress | None = None) -> BenchReport:
+def bench(progress: types.Progress | None = None) -> types.BenchReport:
     """Measure the generated code against hand-written C, NumPy and CasADi; about a minute."""
     # In a checkout they lie beside wmr_ctrl, so whatever process imports the one finds the other.
     installed = find_spec("wmr_ctrl._benchmarks")
     module = import_module("wmr_ctrl._benchmarks.bench" if installed else "benchmarks.bench")
-    measured: Measurements = module.run_bench(progress)
+    measured: types.Measurements = module.run_bench(progress)
     return {**measured, "text": module.table(measured)}
 
 
+@checks_arguments
 def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") -> CompiledLaw:
     """The law's compiled controller, to be called sample by sample on arrays that stay in place.
 
@@ -327,7 +330,7 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
 def compile_loop(
     scenario: str | Path | Scenario,
     law: str,
-    overrides: Overrides | None = None,
+    overrides: types.Overrides | None = None,
     guard: bool | None = None,
 ) -> Ready:
     """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.

@@ -14,7 +14,7 @@ class ScenarioError(WmrError, ValueError):
     """A scenario's text, key, type or value is not usable; the message starts with the key path."""
 
 
-class UnknownNameError(WmrError, LookupError):
+class UnknownNameError(WmrError, KeyError):
     """A name (scenario, law, engine, gain, key) that is not known; the near ones are listed."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str], remedy: str = "") -> None:
@@ -22,7 +22,12 @@ class UnknownNameError(WmrError, LookupError):
         near = difflib.get_close_matches(str(name), options, n=3, cutoff=0.4)
         hint = f"near: {', '.join(near)}; " if near else ""
         tail = f" {remedy}" if remedy else ""
-        super().__init__(f"no {kind} is named {name!r} ({hint}known: {', '.join(options)}).{tail}")
+        named = repr(name)[:200]
+        super().__init__(f"no {kind} is named {named} ({hint}known: {', '.join(options)}).{tail}")
+
+    def __str__(self) -> str:
+        """The message; a KeyError by itself would show it in quotes."""
+        return Exception.__str__(self)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Between processes it travels as its message."""

@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmr_ctrl import __version__
+from wmr_ctrl.campaign.engine import PhaseProgress
+from wmr_ctrl.fields.arguments import checks_arguments
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from wmr_ctrl.campaign.engine import Overrides, PhaseProgress, Prepare
+    from wmr_ctrl.campaign.engine import Overrides, Prepare
     from wmr_ctrl.campaign.rigid import RigidComparison
     from wmr_ctrl.campaign.study_plan import StudyPlan
     from wmr_ctrl.campaign.study_rows import StudyChunk, TakeColumns
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.sim.ready import Ready
 
 
+@checks_arguments
 def study(
     plan: str | Path | Mapping[str, object] | StudyPlan,
     out: str | Path,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias, TypeVar
+from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
@@ -52,6 +52,7 @@ class Prepare(Protocol):
         """The loop; raises ScenarioError for what cannot be."""
 
 
+@runtime_checkable
 class PhaseProgress(Protocol):
     """Whatever shows progress; each phase of a job is one ``start``, many ``advance``, ``done``."""
 

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from wmr_ctrl.campaign.engine import Overrides, PlannedCase
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.problems import show
 
 PAPER_LAWS = ("pid", "smc", "mb", "nn")
 """The four laws of the paper's Sections V and VI, in its order."""
@@ -121,6 +122,8 @@ STUDIES = (
 )
 """What Sections V and VI need, their controls, the theorems as stated, and where they end."""
 
+MOST_SEEDS_EACH = 10_000
+
 
 def paper_plan(
     laws: Sequence[str] = PAPER_LAWS, seeds: int = 20, first_seed: int = 0
@@ -130,9 +133,10 @@ def paper_plan(
     The seeds are ``first_seed``, ``first_seed`` + 1, ...  Raises ArgumentError for fewer than one
     seed, a negative one, or a law given twice.
     """
-    if not isinstance(seeds, int) or seeds < 1 or first_seed < 0:
+    if not 1 <= seeds <= MOST_SEEDS_EACH or first_seed < 0:
         raise ArgumentError(
-            f"seeds = {seeds!r} from {first_seed!r} on: give at least one seed, from 0 up."
+            f"seeds = {show(seeds)} from {first_seed!r} on: give from 1 to {MOST_SEEDS_EACH} "
+            "seeds, from 0 up."
         )
     if len(set(laws)) != len(laws):
         raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")

@@ -22,6 +22,8 @@ from wmr_ctrl.campaign.intervals import StopRule
 from wmr_ctrl.campaign.study_sample import LATIN, SOBOL, UNIFORM, SamplePlan
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
+from wmr_ctrl.fields.limits import SEED_END
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
 from wmr_ctrl.scenario.scenario import sections
@@ -252,13 +254,16 @@ def _seeds(given: object) -> tuple[int, int]:
         if set(given) - {"first", "count"}:
             raise UnknownNameError("key of seeds", min(map(str, given)), ("first", "count"))
         first = _whole(given.get("first", 0), "seeds.first", 0)
-        return first, _whole(given.get("count", 20), "seeds.count", 1)
+        count = _whole(given.get("count", 20), "seeds.count", 1)
+        return first, _whole(first + count, "seeds.first + seeds.count", 1) - first
     return 0, _whole(given, "seeds", 1)
 
 
 def _whole(value: object, key: str, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**62:
-        raise ArgumentError(f"{key} = {value!r} must be a whole number from {least} up.")
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < SEED_END:
+        raise ArgumentError(
+            f"{key} = {show(value)} must be a whole number from {least} up, below {SEED_END}."
+        )
     return value
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.limits import SEED_END
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -60,8 +61,8 @@ class Seed(click.ParamType):
             seed = int(value)
         except ValueError:
             seed = -1
-        if not 0 <= seed < 2**63:
-            self.fail(f"{value!r} is not a whole number from 0 up to 2^63 - 1.", param, ctx)
+        if not 0 <= seed < SEED_END:
+            self.fail(f"{value!r} is not a whole number from 0 up, below {SEED_END}.", param, ctx)
         return seed
 
 

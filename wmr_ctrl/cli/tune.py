@@ -19,6 +19,7 @@ from wmr_ctrl.cli.options import (
     set_option,
 )
 from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.fields.limits import SEED_END
 
 if TYPE_CHECKING:
     from wmr_ctrl.tuning import Tuning
@@ -36,7 +37,7 @@ class SeedRange(click.ParamType):
         if isinstance(value, range):
             return value
         first, _, end = value.partition(":")
-        if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) < 2**63):
+        if not (first.isdecimal() and end.isdecimal() and int(first) < int(end) <= SEED_END):
             self.fail(f"{value!r} is not a range of seeds such as 1:4, which is 1, 2 and 3.")
         return range(int(first), int(end))
 

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterable, Mapping, Sequence
-from numbers import Real
+from numbers import Rational, Real
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
+
+DEEPEST = 3
+"""Arrays within arrays whose elements a message shows."""
+_REPR = reprlib.Repr()
+_REPR.maxother = 80
 
 
 class UnknownKeyError(ScenarioError, UnknownNameError):
@@ -27,8 +33,11 @@ def choices(name: str, known: Iterable[str]) -> str:
 
 
 def show(value: object) -> str:
-    """Return ``value`` as a TOML file would spell it, cut to a readable length."""
-    text = _spell(value)
+    """Return ``value`` as a TOML file would spell it, cut to a readable length.
+
+    It takes no longer for a value that is large, or deep by naming its parts many times over.
+    """
+    text = _spell(value, DEEPEST)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -37,7 +46,7 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else " " for c in text)
 
 
-def _spell(value: object) -> str:
+def _spell(value: object, depth: int) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -45,9 +54,10 @@ def _spell(value: object) -> str:
     if isinstance(value, int):
         return str(value) if abs(value) < 10**30 else "an integer beyond 1e30"
     if isinstance(value, Real):
-        return repr(float(value))
+        return _REPR.repr(value) if isinstance(value, Rational) else repr(float(value))
     if isinstance(value, Mapping):
         return "a table"
-    if isinstance(value, Sequence):
-        return "[" + ", ".join(_spell(item) for item in value[:8]) + "]"
-    return " ".join(repr(value).split())
+    if isinstance(value, Sequence) and not isinstance(value, bytes):
+        items = [_spell(item, depth - 1) for item in value[:8]] if depth else ["..."]
+        return "[" + ", ".join(items) + "]"
+    return " ".join(_REPR.repr(value).split())

@@ -13,7 +13,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.problems import UnknownKeyError, show
 from wmr_ctrl.fields.values import Quantity, Range, kind_of
 from wmr_ctrl.signals import Signal
@@ -36,6 +36,8 @@ def quantity(
     infinite: bool = False,
     size: int = 0,
     usual: tuple[float, float] | None = None,
+    multiple_of: str = "",
+    most: int = 0,
 ) -> Any:
     """Return a dataclass field whose metadata hold ``quantity``, ``unit``, ``doc``, ``bounds``.
 
@@ -45,11 +47,13 @@ def quantity(
     overrules this (``"points"`` is a list of pairs of any length); ``size`` makes a field that may
     be left out a vector.  Bounds hold for every element, in ``unit``; ``infinite`` admits inf.
     Beyond the sizes ``usual`` (left out: those of the unit) it is asked whether the unit is meant.
+    ``multiple_of`` is the key of a time, of which this one is a whole multiple: at most ``most``
+    times it, unless that is 0.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
     kind = kind or _kind(default)
-    what = Quantity(default, unit, doc, bounds, kind, elements, options, usual)
+    what = Quantity(default, unit, doc, bounds, kind, elements, options, usual, multiple_of, most)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
         return dataclasses.field(metadata=metadata)
@@ -124,18 +128,21 @@ def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
-    """Signal called ``path`` and value of a section's field ``name``; KeyError if not a number."""
-    what = dict(quantities(type(section)))[name]
+    """Signal called ``path`` and value of a section's field ``name``.
+
+    Raises UnknownNameError where it is no number.
+    """
     numbers = numbers_in(section, name)
+    what = dict(quantities(type(section)))[name]
     return Signal(path, what.unit, what.doc, len(numbers)), numbers
 
 
 def numbers_in(section: Section, name: str) -> tuple[float, ...]:
-    """Value of a section's field as numbers; KeyError where it is something else."""
-    value = getattr(section, name)
+    """Value of a section's field as numbers; UnknownNameError where it is something else."""
+    value = vars(section).get(name)
     numbers = value if isinstance(value, tuple) else (value,)
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in numbers):
-        raise KeyError(name)
+        raise UnknownNameError("number", key(section.KEY, name), dict(quantities(type(section))))
     return tuple(map(float, numbers))
 
 

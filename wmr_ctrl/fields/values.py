@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from numbers import Real
 from typing import Any
 
@@ -14,6 +15,8 @@ from wmr_ctrl.fields.units import USUAL, is_usual, meant, written
 
 LARGEST = 1e12
 """No finite quantity of a scenario may be larger in size: it would be a slip of units."""
+LONGEST = 1_000_000
+"""Elements of an array; a path has some thousand points."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,8 @@ class Quantity:
 
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
     that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
-    asked whether the unit is meant (None: that of the unit).
+    asked whether the unit is meant (None: that of the unit); ``multiple_of``
+    and ``most`` as in `quantity`.
     """
 
     default: Any
@@ -63,6 +67,8 @@ class Quantity:
     size: int = 0
     options: tuple[str, ...] = ()
     usual: tuple[float, float] | None = None
+    multiple_of: str = ""
+    most: int = 0
 
     def clean(self, value: object, path: str) -> Any:
         """Return ``value`` in the field's own type, or raise ScenarioError naming ``path``."""
@@ -165,11 +171,15 @@ class Quantity:
 
 
 def as_list(value: object) -> list[object] | None:
-    """Return an array-like value (list, tuple, NumPy array) as a list; ``None`` for others."""
+    """Return an array-like value (list, tuple, NumPy array) as a list; ``None`` for others.
+
+    One of more than `LONGEST` elements is none.
+    """
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
-        return list(value)
+        items = list(islice(value, LONGEST + 1))
+        return items if len(items) <= LONGEST else None
     return None
 
 
@@ -193,11 +203,25 @@ def multiple(value: float, period: float) -> int | None:
     return whole if abs(ratio - whole) <= 1e-9 * max(1, whole) else None
 
 
-def check_multiple(name: str, value: float, unit_name: str, unit: float) -> None:
-    """Raise ScenarioError unless ``value`` [s] is a whole multiple of ``unit`` [s]."""
+def check_multiple(name: str, value: float, unit_name: str, unit: float, most: int = 0) -> None:
+    """Raise ScenarioError unless ``value`` [s] is a whole multiple of ``unit`` [s].
+
+    ``most``: by how much at most, unless it is 0.
+    """
     if multiple(value, unit) is None:
         near = round(value / unit) * unit
         raise ScenarioError(
             f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
             f"nearest is {near:.9g} s."
+        )
+    if most:
+        check_count(name, value, unit_name, unit, most)
+
+
+def check_count(name: str, value: float, unit_name: str, unit: float, most: int) -> None:
+    """Raise ScenarioError where ``value`` [s] is more than ``most`` times ``unit`` [s]."""
+    if value > (most + 0.5) * unit:
+        raise ScenarioError(
+            f"{name} = {value!r} s is {value / unit:.3g} times {unit_name} = {unit!r} s; at most "
+            f"{most} are possible. Shorten {name} or lengthen {unit_name}."
         )

@@ -6,14 +6,14 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from wmr_ctrl.results import atomic_path
+from wmr_ctrl.results import atomic_path, make_folder
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def write_archive(path: Path, files: Mapping[str, bytes]) -> Path:
     """Write ``files`` (name inside the archive to content) to ``path``, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     with (
         atomic_path(path) as partial,
         zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive,

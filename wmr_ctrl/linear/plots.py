@@ -17,6 +17,7 @@ from wmr_ctrl.linear.margins import frequencies, open_loop
 from wmr_ctrl.linear.point import learned_point
 from wmr_ctrl.linear.pull import pull_curve
 from wmr_ctrl.linear.sampled import spectral_radius
+from wmr_ctrl.results import make_folder
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear.report import LinearReport
@@ -40,7 +41,7 @@ def draw(
 
     ``progress`` is called with the share that is done.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     parts: dict[str, tuple[Callable[[LinearReport, Panels], None], int, int]] = {
         "poles": (_poles, 1, 1),
         "sample-time": (_sample_time, 1, 1),

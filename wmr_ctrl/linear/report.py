@@ -16,6 +16,7 @@ from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.lateness import lost_poses, rare_poses, unknown_effects
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle, with_kinematics
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
@@ -135,6 +136,7 @@ class LinearReport:
         parts = (_head, _poles, _times, _margins, _errors, _warnings)
         return "\n".join(line for part in parts for line in part(self))
 
+    @checks_arguments
     def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:
         """Draw poles, sample times, Bode, Nyquist and the barrier's pull into ``folder``."""
         from wmr_ctrl.linear.plots import draw

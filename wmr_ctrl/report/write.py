@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,7 +24,7 @@ from wmr_ctrl.report.page import Page, load_readings, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.reproduction import Reproduction, Verdicts
 from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
-from wmr_ctrl.results import check_writable
+from wmr_ctrl.results import check_writable, make_folder
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"
@@ -44,7 +43,8 @@ def write_reproduction(
     """
     home, table = Path(folder), reproduction.campaign.table
     _check_laws(table.laws)
-    figures = _folder_at(home / "figures")
+    figures = home / "figures"
+    make_folder(figures)
     compared, rigid = reproduction.comparison, reproduction.rigid
     past = comparison_figures(compared) if compared.rows else ()
     fall = rigid_figures(rigid) if rigid.rows else ()
@@ -108,17 +108,6 @@ def _check_laws(laws: Sequence[str]) -> None:
             f"laws: {', '.join(missing)} is missing. The paper's claims are about "
             f"{', '.join(PAPER_LAWS)}; run these four, and others after them."
         )
-
-
-def _folder_at(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = os.strerror(error.errno or errno.EIO)
-        raise ResultFileError(
-            f"cannot make the folder {str(folder)!r}: {reason}. Choose another folder."
-        ) from error
-    return folder
 
 
 def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress) -> list[Path]:

@@ -15,7 +15,7 @@ from wmr_ctrl.results.diagnostics import (
     weight_norm,
 )
 from wmr_ctrl.results.facts import Fact
-from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable, write_all
+from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable, make_folder, write_all
 from wmr_ctrl.results.io import check_suffix, load_run, runs_equal, save_run
 from wmr_ctrl.results.metrics import e_rms, ise, ise_over, summary, tau_peak, tau_rms
 from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor, RigidMonitor
@@ -76,6 +76,7 @@ __all__ = [
     "json_safe",
     "largest_push",
     "load_run",
+    "make_folder",
     "oscillation",
     "outcome_of",
     "percent",

@@ -63,12 +63,20 @@ def atomic_write(
     return _opened(path, text)
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it, where they are not there.  Raises ResultFileError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _refusal(folder, error) from error
+
+
 def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
     """Write texts by name into a folder, made if need be, all or none; returns their paths.
 
-    Raises OSError if the folder cannot be made, ResultFileError for a file.
+    Raises ResultFileError.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     with ExitStack() as together:
         for name, text in files.items():
             file = together.enter_context(atomic_write(folder / name, text=True))
@@ -120,4 +128,4 @@ def _refusal(path: str | os.PathLike[str], error: OSError | ValueError) -> Resul
     number = getattr(error, "errno", None)
     reason = os.strerror(number) if number else str(error)
     remedy = _REMEDIES.get(number or 0, "Choose another path.")
-    return ResultFileError(f"cannot write {os.fspath(path)!r}: {reason}. {remedy}")
+    return ResultFileError(f"cannot write {os.fspath(path)[:200]!r}: {reason}. {remedy}")

@@ -28,6 +28,8 @@ def encode(run: Run) -> bytes:
 def decode(data: bytes) -> Run:
     """The run in an archive; bytes that are none raise whatever fits their fault."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        if sum(item.file_size for item in archive.infolist()) > len(data):
+            raise ValueError("it says to hold more than its own size, and runs are not compressed")
         metadata = parsed(archive.read(_METADATA))
         names = [signal.name for signal in signals_in(metadata)]
         columns = {name: _array(archive.read(f"{name}.npy")) for name in names}

@@ -9,6 +9,7 @@ import io
 
 import numpy as np
 
+from wmr_ctrl.fields.limits import may_unpack
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.metadata import metadata_text, parsed, run_from, signals_in
 from wmr_ctrl.results.run import Run
@@ -28,7 +29,11 @@ def encode(run: Run) -> bytes:
 
 def decode(data: bytes) -> Run:
     """The run in a file.  Raises MissingExtraError; bytes that hold none raise what fits."""
-    table = library("pyarrow.parquet").read_table(io.BytesIO(data))
+    file = library("pyarrow.parquet").ParquetFile(io.BytesIO(data))
+    numbers = file.metadata.num_rows * file.metadata.num_columns
+    if not may_unpack(len(data), np.dtype(float).itemsize * numbers):
+        raise ValueError(f"it says to hold {numbers} numbers, more than its size can be true of")
+    table = file.read()
     metadata = parsed((table.schema.metadata or {}).get(_METADATA, b"null"))
     columns = {}
     for signal in signals_in(metadata):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import format_csv, format_npz, format_parquet
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.metadata import metadata_text
@@ -26,6 +27,7 @@ _DECODERS: dict[str, Callable[[bytes], Run]] = {
 }
 
 
+@checks_arguments
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     """Write ``run`` to a .npz, .csv or .parquet file, whole or not at all.
 
@@ -37,6 +39,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
         file.write(data)
 
 
+@checks_arguments
 def load_run(path: str | os.PathLike[str]) -> Run:
     """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
 
@@ -56,6 +59,7 @@ def load_run(path: str | os.PathLike[str]) -> Run:
         ) from error
 
 
+@checks_arguments
 def runs_equal(run_a: Run, run_b: Run) -> bool:
     """Whether two runs are the same in every bit, description included.
 

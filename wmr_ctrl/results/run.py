@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.results.monitor import Monitor
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
@@ -20,8 +22,6 @@ from wmr_ctrl.signals import REFERENCE, TIME, Signal
 from wmr_ctrl.upward import upward
 
 if TYPE_CHECKING:
-    import os
-
     import pandas
     import xarray
     from matplotlib.figure import Figure
@@ -59,6 +59,7 @@ class Run:
     provenance: Mapping[str, str]
 
     def __post_init__(self) -> None:
+        check_fields(self)
         columns = {name: _frozen(values) for name, values in self.columns.items()}
         provenance = {str(key): str(value) for key, value in self.provenance.items()}
         self._set("columns", MappingProxyType(columns))
@@ -66,7 +67,7 @@ class Run:
         self._set("signals", tuple(self.signals))
         self._set("outcome", Outcome(self.outcome))
         self._set("seed", operator.index(self.seed))
-        _check_labels(self)
+        _check_outcome(self)
         _check_columns(self)
         _check_clock(self)
 
@@ -92,6 +93,7 @@ class Run:
 
         return run_html(self)
 
+    @checks_arguments
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the run to a .npz, .csv or .parquet file; `wmr_ctrl.load_run` reads it back.
 
@@ -99,6 +101,7 @@ class Run:
         """
         upward("save_run")(self, path)
 
+    @checks_arguments
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the run on one page; with ``path`` (.png, .svg or .pdf) write it there too.
 
@@ -107,6 +110,7 @@ class Run:
         """
         return cast("Figure", upward("plot_run")(self, path))
 
+    @checks_arguments
     def animate(self, path: str | os.PathLike[str]) -> None:
         """Film the robot on its path into a .gif, .mp4 or .html file.
 
@@ -115,6 +119,7 @@ class Run:
         """
         upward("animate_run")(self, path)
 
+    @checks_arguments
     def film(self, path: str | os.PathLike[str]) -> None:
         """Film a run on the rigid body in three dimensions, into a .gif or .mp4 file.
 
@@ -220,6 +225,7 @@ class Run:
     def __contains__(self, name: object) -> bool:
         return name in self.columns or any(name in signal.elements for signal in self.signals)
 
+    @checks_arguments
     def __getitem__(self, name: str) -> FloatArray:
         """A column, shape (N,) or (N, size), or one element of it, shape (N,), by its name.
 
@@ -230,6 +236,7 @@ class Run:
         owner = self._owner(name)
         return self.columns[owner.name][:, owner.elements.index(name)]
 
+    @checks_arguments
     def signal(self, name: str) -> Signal:
         """Name, unit, size and meaning of a column, or of one element of it (size 1).
 
@@ -258,12 +265,7 @@ def _frozen(values: object) -> FloatArray:
     return array
 
 
-def _check_labels(run: Run) -> None:
-    for name in ("scenario", "law", "engine"):
-        if not isinstance(getattr(run, name), str):
-            raise ArgumentError(f"run.{name} = {getattr(run, name)!r} must be a text.")
-    if not isinstance(run.guard, bool):
-        raise ArgumentError(f"run.guard = {run.guard!r} must be True or False.")
+def _check_outcome(run: Run) -> None:
     outcome = outcome_of(run.monitor, run.guard)
     if run.outcome != outcome:
         raise ArgumentError(

@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.scenario.merge import Raw, drop_unreached, with_defaults
 from wmr_ctrl.scenario.raw import from_dict, scenario_dict
@@ -23,6 +24,7 @@ Step = str | int
 _PART = re.compile(r"([A-Za-z0-9_-]+)((?:\[[0-9]{1,6}\])*)")
 
 
+@checks_arguments
 def override(scenario: Scenario, overrides: Mapping[str, object]) -> Scenario:
     """Return the scenario with the fields of ``overrides`` replaced, checked again.
 
@@ -30,17 +32,6 @@ def override(scenario: Scenario, overrides: Mapping[str, object]) -> Scenario:
     values.  Raises ScenarioError.
     """
     return from_dict(apply(scenario_dict(scenario), overrides), scenario.name)
-
-
-def checked(overrides: Mapping[str, object] | None) -> Mapping[str, object]:
-    """The overrides, none for None; raises ScenarioError unless they map texts to values."""
-    given = {} if overrides is None else overrides
-    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
-        raise ScenarioError(
-            f"overrides = {show(overrides)} must map keys to values, such as "
-            '{"clock.duration": 5.0}.'
-        )
-    return given
 
 
 def parse_assignments(texts: Iterable[str]) -> dict[str, str]:
@@ -81,10 +72,9 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     drops the changes that the run no longer reaches, unless changes are overridden too.  A
     relative ``reference.file`` is relative to the current directory.
     """
-    given = checked(overrides)
-    if not given:
+    if not overrides:
         return deepcopy(dict(raw))
-    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in given.items()}
+    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in overrides.items()}
     result = _with_kind(deepcopy(dict(raw)), values)
     result = with_defaults(result)
     for key, value in values.items():

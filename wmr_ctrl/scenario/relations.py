@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.fields.values import as_list
+from wmr_ctrl.fields.section import Section, quantities
+from wmr_ctrl.fields.values import as_list, check_multiple
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
@@ -46,6 +46,7 @@ def check_types(scenario: Scenario) -> None:
 def relate(scenario: Scenario) -> None:
     """Check changes against the run's end, and effects against the rest of the scenario."""
     _changes(scenario.changes, scenario.clock.duration)
+    _multiples(scenario)
     clock = scenario.clock
     for effect in EFFECTS:
         effect.relate(scenario)
@@ -62,6 +63,17 @@ def relate(scenario: Scenario) -> None:
             f"metrics.split = {split!r} s must be below clock.duration = {clock.duration!r} s: it "
             "splits the run in two. Leave it out to split at half the duration."
         )
+
+
+def _multiples(scenario: Scenario) -> None:
+    """Times that are a multiple of another time are one."""
+    for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
+        section = scenario.table(part)
+        for name, what in quantities(type(section)):
+            if what.multiple_of:
+                key, other = f"{part}.{name}", what.multiple_of
+                (value,), (unit,) = scenario.value(key), scenario.value(other)
+                check_multiple(key, value, other, unit, what.most)
 
 
 def _changes(changes: tuple[Change, ...], duration: float) -> None:

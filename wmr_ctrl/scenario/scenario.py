@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias, TypeVar, cast
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, number_of, numbers_in, quantities
@@ -169,6 +170,7 @@ class Scenario:
         assert kind is not None, "checked when the scenario was made"
         return kind
 
+    @checks_arguments
     def table(self, key: str) -> Section:
         """The section of the table ``key``, with its defaults where the scenario has none.
 
@@ -186,23 +188,26 @@ class Scenario:
             raise UnknownNameError("section", key, known)
         return known[key]()
 
+    @checks_arguments
     def section(self, cls: type[S]) -> S:
         """The section of class ``cls``, such as an effect's own.  Raises UnknownNameError."""
         part = self.table(cls.KEY)
         if not isinstance(part, cls):
-            raise TypeError(f"[{cls.KEY}] is a {type(part).__name__}, not a {cls.__name__}")
+            raise UnknownNameError("section", cls.__name__, sections())
         return part
 
+    @checks_arguments
     def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
         """Signal and value of the number at a key path, or of a parameter of the reference.
 
-        Raises KeyError for a key that names no number.
+        Raises UnknownNameError for a key that names no number.
         """
         section, _, name = key.partition(".")
         if not name:
             return self._of_reference(key)
         return number_of(self.table(section), name, key)
 
+    @checks_arguments
     def value(self, key: str) -> tuple[float, ...]:
         """Value of the number at a key path alone."""
         section, _, name = key.partition(".")
@@ -212,7 +217,8 @@ class Scenario:
         for signal, value in self.reference_kind.numbers(self.reference):
             if signal.name == name:
                 return signal, value
-        raise KeyError(name)
+        known = (signal.name for signal, _ in self.reference_kind.numbers(self.reference))
+        raise UnknownNameError("number of the reference", name, known)
 
 
 def field_rows(key: str, section: Section) -> Iterator[tuple[str, str, str, str]]:

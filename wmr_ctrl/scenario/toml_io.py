@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.files import decode, parse_toml, read_text
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.scenario.merge import Raw, merge
@@ -19,6 +20,7 @@ from wmr_ctrl.scenario.raw import from_dict
 from wmr_ctrl.scenario.scenario import Scenario
 
 
+@checks_arguments
 def load_scenario(
     name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
 ) -> Scenario:
@@ -31,11 +33,6 @@ def load_scenario(
     Raises UnknownNameError for a preset that does not exist, ScenarioError for anything that is
     wrong inside; the message starts with the file or the key.
     """
-    if not isinstance(name_or_path, str | os.PathLike):
-        raise ScenarioError(
-            f"scenario = {show(name_or_path)} must be the name of a preset, the path of a TOML "
-            "file or a Scenario."
-        )
     source = os.fspath(name_or_path)
     raw = _resolved(source, Path(), ())
     name = Path(source).stem if is_path(source) else source
@@ -59,6 +56,7 @@ def naming_file(source: object, overrides: Mapping[str, object]) -> Iterator[Non
         raise
 
 
+@checks_arguments
 def loads_scenario(
     text: str | bytes, name: str = "unnamed", folder: str | os.PathLike[str] = "."
 ) -> Scenario:

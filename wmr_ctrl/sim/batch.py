@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.limits import MOST_JOBS
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put, windows_of
 from wmr_ctrl.sim.memory import Memory, VectorSet, laid_out, vector_set
@@ -93,10 +95,11 @@ def run_logged(
 
 
 def check_jobs(jobs: int | None) -> None:
-    """Raise ArgumentError unless ``jobs`` is a number of threads, or None."""
-    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
+    """Raise ArgumentError unless ``jobs`` is a possible number of threads or processes, or None."""
+    if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise ArgumentError(
-            f"jobs = {jobs!r} must be a whole number from 1 up, or left out for one per core."
+            f"jobs = {show(jobs)} must be a whole number from 1 to {MOST_JOBS}, or left out "
+            "for one per core."
         )
 
 

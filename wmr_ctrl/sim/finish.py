@@ -8,12 +8,15 @@ import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 from typing import SupportsIndex
 
 import numpy as np
 
 from wmr_ctrl import __version__
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.limits import MOST_SEEDS, SEED_END
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import (
     Assumptions,
     Monitor,
@@ -93,14 +96,18 @@ def versions() -> dict[str, str]:
 
 
 def checked_seeds(seeds: Iterable[int]) -> list[int]:
-    """The seeds; raises ArgumentError unless each is a whole number from 0 up, below 2^63."""
-    if not isinstance(seeds, Iterable):
-        raise ArgumentError(f"seeds = {seeds!r} must be a list of seeds, such as range(20).")
-    listed = list(seeds)
+    """The seeds; raises ArgumentError unless they are `MOST_SEEDS` whole numbers below SEED_END."""
+    listed = list(islice(seeds, MOST_SEEDS + 1))
+    if len(listed) > MOST_SEEDS:
+        raise ArgumentError(f"there are more than {MOST_SEEDS} seeds. Give them in parts.")
+    if not listed:
+        raise ArgumentError("seeds: there must be at least one.")
     for seed in listed:
         whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
-        if not (whole and 0 <= operator.index(seed) < 2**63):
-            raise ArgumentError(f"seed = {seed!r} must be a whole number from 0 up.")
+        if not (whole and 0 <= operator.index(seed) < SEED_END):
+            raise ArgumentError(
+                f"seed = {show(seed)} must be a whole number from 0 up, below {SEED_END}."
+            )
     return listed
 
 

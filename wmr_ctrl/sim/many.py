@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Monitor, Run, outcome_of
 from wmr_ctrl.results.frames import table_frame
 from wmr_ctrl.results.html import figure, table_html
@@ -74,7 +75,10 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
         """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
         return table_frame(self.columns(), {column.name: column.unit for column in ALL_COLUMNS})
 
+    @checks_arguments
     def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name not in self.figures:
+            raise UnknownNameError("figure", name, self.figures)
         return self.figures[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -24,6 +24,8 @@ import numpy as np
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.engines import ready_batch
 from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, numbers_in
 from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
@@ -45,6 +47,7 @@ REFERENCES = ("lemniscate", "line")
 LOST, SEARCH = 10.0, 0.9
 """What a run that ended early counts [m]; share of the time that the search takes."""
 
+MOST_TRIALS = 100_000
 
 RunMany = Callable[[Sequence[Scenario], Sequence[int]], RunTable]
 """How runs are made: a row of figures for each scenario and its seed."""
@@ -75,8 +78,8 @@ class TuningPlan:
                 f"seeds: {shared[0]} is trained on and tested with, so the test would flatter. "
                 "Give ranges that have no seed in common."
             )
-        if self.trials < 1:
-            raise ArgumentError(f"trials = {self.trials} must be at least 1.")
+        if not 1 <= self.trials <= MOST_TRIALS:
+            raise ArgumentError(f"trials = {show(self.trials)} must be from 1 to {MOST_TRIALS}.")
         if not (self.weight >= 0 and math.isfinite(self.weight)):
             raise ArgumentError(f"weight = {self.weight} must be finite and not negative.")
         if not tunable(LAWS[self.law]):
@@ -146,6 +149,7 @@ def tunable(law: Law) -> tuple[str, ...]:
     return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
 
 
+@checks_arguments
 def tune(
     scenario: str | Path | Scenario,
     law: str,

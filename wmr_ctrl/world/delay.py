@@ -9,14 +9,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
+from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
+from wmr_ctrl.world.history import MOST_REMEMBERED
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
+
+MOST_QUEUED = 100_000
+"""Plant steps that a command may be under way."""
 
 
 class Delay(Section, key="actuator"):
@@ -29,6 +33,8 @@ class Delay(Section, key="actuator"):
         minimum=0,
         maximum=10,
         usual=(0, 2),
+        multiple_of="clock.plant",
+        most=MOST_QUEUED,
     )
     untold: float = quantity(
         0.0,
@@ -37,6 +43,8 @@ class Delay(Section, key="actuator"):
         minimum=0,
         usual=(0, 2),
         maximum=10,
+        multiple_of="clock.plant",
+        most=MOST_QUEUED,
     )
 
 
@@ -61,10 +69,9 @@ def acts(scenario: Scenario) -> bool:
 
 
 def check(scenario: Scenario) -> None:
-    """Both are multiples of the plant's step."""
-    late, step = scenario.section(Delay), scenario.clock.plant
-    check_multiple("actuator.delay", late.delay, "clock.plant", step)
-    check_multiple("actuator.untold", late.untold, "clock.plant", step)
+    """Not more commands are under way than an observer may keep."""
+    late, period = scenario.section(Delay).delay, scenario.clock.control
+    check_count("actuator.delay", late, "clock.control", period, MOST_REMEMBERED)
 
 
 def bound(scenario: Scenario) -> Bound:

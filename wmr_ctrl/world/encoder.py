@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import History, history
+from wmr_ctrl.world.history import MOST_REMEMBERED, History, history
 from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
 
 if TYPE_CHECKING:
@@ -49,6 +48,8 @@ class Encoder(Section, key="encoder"):
         unit="s",
         doc="time over which counts are differenced, a multiple of clock.control; 0: one period",
         minimum=0,
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
     )
     method: str = quantity(
         DIFFERENCE,
@@ -183,9 +184,8 @@ def acts(scenario: Scenario) -> bool:
 
 
 def check(scenario: Scenario) -> None:
-    """The window is a multiple of the control period, and nothing else averages the velocity."""
+    """Nothing else averages the velocity."""
     encoder = scenario.section(Encoder)
-    check_multiple("encoder.window", encoder.window, "clock.control", scenario.clock.control)
     mean = scenario.sensor.velocity_window
     if encoder.counts is not None and mean > 0:
         raise ScenarioError(

@@ -8,6 +8,9 @@ from wmr_ctrl.model.system import Port, port
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
 
+MOST_REMEMBERED = 500
+"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
+
 
 @dataclass(frozen=True)
 class History:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
 from wmr_ctrl.signals import STEP, TORQUE, Signal
@@ -35,6 +34,7 @@ class Jitter(Section, key="actuator"):
         doc="a command comes by up to this later than delay, a multiple of clock.plant",
         minimum=0,
         usual=(0, 2),
+        multiple_of="clock.plant",
     )
 
 
@@ -86,7 +86,7 @@ def acts(scenario: Scenario) -> bool:
 
 
 def check(scenario: Scenario) -> None:
-    """It is a multiple of the plant's step and at most one control period."""
+    """It is at most one control period."""
     jitter, clock = scenario.section(Jitter).jitter, scenario.clock
     if jitter > clock.control:
         raise ScenarioError(
@@ -94,7 +94,6 @@ def check(scenario: Scenario) -> None:
             "of two commands on their way the later would overtake the earlier, and only one can "
             f"wait. Lower it to {clock.control:g} s, or put what is sure into actuator.delay."
         )
-    check_multiple("actuator.jitter", jitter, "clock.plant", clock.plant)
 
 
 def bound(scenario: Scenario) -> Bound:

@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole
-from wmr_ctrl.world.history import history
+from wmr_ctrl.world.history import MOST_REMEMBERED, history
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -30,6 +29,8 @@ class PoseDelay(Section, key="sensor"):
         doc="age of a pose that comes, a multiple of clock.control",
         minimum=0,
         usual=(0, 5),
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
     )
 
 
@@ -58,12 +59,6 @@ def acts(scenario: Scenario) -> bool:
     return scenario.section(PoseDelay).pose_delay > 0
 
 
-def check(scenario: Scenario) -> None:
-    """It is a multiple of the control period."""
-    late = scenario.section(PoseDelay).pose_delay
-    check_multiple("sensor.pose_delay", late, "clock.control", scenario.clock.control)
-
-
 def bound(scenario: Scenario) -> Bound:
     """Nothing: the guard reads no pose."""
     return Bound()
@@ -77,6 +72,5 @@ POSE_DELAY = Effect(
     acts=acts,
     bound=bound,
     shape=("sensor.pose_delay", "clock.control"),
-    check=check,
     linear=True,
 )

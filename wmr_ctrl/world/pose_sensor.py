@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
@@ -32,7 +31,11 @@ class PoseSensor(Section, key="sensor"):
     """
 
     pose_period: float = quantity(
-        0.0, unit="s", doc="time between two poses; 0: one every control period", minimum=0
+        0.0,
+        unit="s",
+        doc="time between two poses; 0: one every control period",
+        minimum=0,
+        multiple_of="clock.control",
     )
     pose_noise: float = quantity(
         0.0,
@@ -122,12 +125,6 @@ def acts(scenario: Scenario) -> bool:
     return not scenario.section(PoseSensor).perfect
 
 
-def check(scenario: Scenario) -> None:
-    """The poses' period is a multiple of the control period."""
-    period = scenario.section(PoseSensor).pose_period
-    check_multiple("sensor.pose_period", period, "clock.control", scenario.clock.control)
-
-
 def bound(scenario: Scenario) -> Bound:
     """Nothing: the guard reads no pose."""
     return Bound()
@@ -141,6 +138,5 @@ POSE_SENSOR = Effect(
     acts=acts,
     bound=bound,
     always=True,
-    check=check,
     linear=True,
 )

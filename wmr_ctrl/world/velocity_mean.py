@@ -9,13 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.fields.values import check_multiple
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import history
+from wmr_ctrl.world.history import MOST_REMEMBERED, history
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -33,6 +32,8 @@ class VelocityMean(Section, key="sensor"):
         doc="time over which the velocity is averaged, a multiple of clock.control",
         minimum=0,
         usual=(0, 5),
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
     )
     velocity_age: float = quantity(
         0.0,
@@ -40,6 +41,8 @@ class VelocityMean(Section, key="sensor"):
         doc="how long ago that time ended, a multiple of clock.control",
         minimum=0,
         usual=(0, 5),
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
     )
 
 
@@ -78,13 +81,6 @@ def acts(scenario: Scenario) -> bool:
     return mean.velocity_window > 0 or mean.velocity_age > 0
 
 
-def check(scenario: Scenario) -> None:
-    """Both are multiples of the control period."""
-    mean, period = scenario.section(VelocityMean), scenario.clock.control
-    check_multiple("sensor.velocity_window", mean.velocity_window, "clock.control", period)
-    check_multiple("sensor.velocity_age", mean.velocity_age, "clock.control", period)
-
-
 def bound(scenario: Scenario) -> Bound:
     """Window and age themselves, and for a mean what rounding does to the way that was driven.
 
@@ -107,6 +103,5 @@ VELOCITY_MEAN = Effect(
     acts=acts,
     bound=bound,
     shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
-    check=check,
     linear=True,
 )

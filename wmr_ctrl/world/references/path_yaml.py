@@ -14,6 +14,7 @@ from typing import Any
 
 from wmr_ctrl.errors import MissingExtraError, ScenarioError
 from wmr_ctrl.fields.files import read_text
+from wmr_ctrl.fields.limits import MOST_NODES
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.world.references.csv_points import SAME, Point
 
@@ -46,11 +47,34 @@ def _document(text: str, place: str) -> object:
             f"{place}: YAML needs PyYAML, which is not installed: pip install pyyaml. Or give the "
             "points as CSV."
         ) from None
+    loader = yaml.SafeLoader(text)
     try:
-        return next(iter(yaml.safe_load_all(text)), None)
-    except (yaml.YAMLError, RecursionError) as problem:
-        detail = " ".join(str(problem).split())[:200]
+        node = loader.get_node() if loader.check_node() else None
+        if node is None:
+            return None
+        if _size(node, {}) > MOST_NODES:
+            raise ScenarioError(
+                f"{place} has more than {MOST_NODES} values, aliases written out. Save the path "
+                "without anchors and aliases, or as CSV."
+            )
+        return loader.construct_document(node)
+    except (yaml.YAMLError, RecursionError, ValueError) as problem:
+        if isinstance(problem, ScenarioError):
+            raise
+        detail = show(" ".join(str(problem).splitlines()[:1]))
         raise ScenarioError(f"{place} is not YAML ({detail}). Save it as YAML or CSV.") from None
+    finally:
+        loader.dispose()
+
+
+def _size(node: Any, known: dict[int, float]) -> float:
+    """Values in a node of YAML with every alias written out; infinite if it holds itself."""
+    if id(node) not in known:
+        known[id(node)] = math.inf
+        inner = node.value if isinstance(node.value, list) else []
+        parts = (part for item in inner for part in (item if isinstance(item, tuple) else (item,)))
+        known[id(node)] = 1 + sum(_size(part, known) for part in parts)
+    return known[id(node)]
 
 
 def _poses(document: object, place: str) -> Iterator[object]:
@@ -77,7 +101,10 @@ def _point(pose: object, place: str) -> Point:
 
 
 def _coordinate(value: object, place: str) -> float:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not math.isfinite(float(str(value))):
+    try:
+        number = math.nan if isinstance(value, bool | str) else float(value)  # type: ignore[arg-type]
+    except (TypeError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
         raise ScenarioError(f"{place} = {show(value)} is not a finite number. Give it in m.")
-    return float(str(value))
+    return number

@@ -1,0 +1,150 @@
+"""Whatever is handed to a public name or to a public value: a result, or one sentence about it."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.fields.arguments import hints_of
+
+SHORT = {"clock.duration": 0.05}
+SCENARIO, LAW = "paper-simulation", "pid"
+RUN = partial(wmr_ctrl.simulate, SCENARIO, LAW, overrides=SHORT)
+GOOD: dict[str, dict[str, object]] = {
+    "Run": {},
+    "Scenario": {},
+    "compile_law": {"law": LAW},
+    "cosimulate": {"scenario": SCENARIO, "law": "no law"},
+    "export_fmu": {"what": "guard", "out": "fmus"},
+    "linearize": {"scenario": "no scenario", "law": LAW},
+    "load_run": {"path": "run.npz"},
+    "load_scenario": {"name_or_path": SCENARIO},
+    "prove": {"only": ("no entry",)},
+    "reproduce": {"seeds": 0},
+    "simulate": {"scenario": SCENARIO, "law": LAW, "overrides": SHORT},
+    "simulate_many": {"scenario": SCENARIO, "law": LAW, "overrides": SHORT, "seeds": [1]},
+    "simulate_runs": {"scenario": SCENARIO, "law": LAW, "overrides": SHORT, "seeds": [1]},
+    "study": {"plan": {"scenario": SCENARIO, "laws": [LAW], "seeds": 1, "set": SHORT},
+              "out": "study"},
+    "tune": {"scenario": SCENARIO, "law": "mb", "out": "mine.toml", "trials": 0},
+    "write_page": {"out": "page.html", "scenario": "no scenario"},
+}  # fmt: skip
+"""Arguments of a short call; of what takes long, such as are refused when all types are right."""
+
+LONG = {("prove", "only"): {"no list", "no table", "array"}, ("reproduce", "quick"): {"True"}}
+"""What is no mistake and takes minutes: every entry of the ledger, every run of the paper."""
+
+
+class Unfit:
+    def __repr__(self) -> str:
+        raise RuntimeError("a value that cannot be shown")
+
+
+BAD = {
+    "None": None, "zero": 0, "minus one": -1, "a half": 0.5, "nan": float("nan"),
+    "inf": float("inf"), "2^70": 2**70, "2^10000": 2**10000, "True": True, "empty": "",
+    "a word": "word", "NUL": "a\0b", "surrogate": "\ud800", "a long text": "x" * 10_000,
+    "bytes": b"nn", "no list": [], "a list": [1, "a", None], "no table": {}, "a table": {1: 2},
+    "object": object(), "unfit": Unfit(), "array": np.ones(2), "an array of one": np.array(4),
+    "a class": Exception, "a function": lambda *args: None, "folder": Path("/"),
+    "NUL path": Path("\0"), "endless": range(2**62),
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Whatever is written by a call that succeeds lies here."""
+    monkeypatch.chdir(tmp_path)
+
+
+def refused_in_a_sentence(call: Callable[[], object]) -> bool:
+    """Whether a call is refused; a refusal is one of ours, with words that end."""
+    try:
+        call()
+    except WmrError as error:
+        text = str(error)
+    else:
+        return False
+    assert text.rstrip().endswith(".")
+    assert text.isprintable()
+    return True
+
+
+def test_every_public_name_is_walked():
+    assert set(GOOD) == set(wmr_ctrl.__all__)
+
+
+@pytest.mark.parametrize("name", [name for name in GOOD if GOOD[name]])
+def test_every_argument_of_a_public_function(name):
+    function, good = getattr(wmr_ctrl, name), GOOD[name]
+    refusals = [
+        refused_in_a_sentence(partial(function, **{**good, argument: value}))
+        for argument in hints_of(function)
+        for key, value in BAD.items()
+        if key not in LONG.get((name, argument), ())
+    ]
+
+    assert sum(refusals) > len(refusals) / 2
+
+
+@pytest.mark.parametrize("name", [name for name in GOOD if GOOD[name]])
+def test_missing_and_unknown_arguments(name):
+    function = getattr(wmr_ctrl, name)
+    needed = [
+        key for key, item in inspect.signature(function).parameters.items()
+        if item.default is item.empty and item.kind is not item.VAR_KEYWORD
+    ]  # fmt: skip
+    if needed:
+        with pytest.raises(ArgumentError, match=needed[0]):
+            function()
+    with pytest.raises(UnknownNameError, match="known: "):
+        function(**GOOD[name], no_such_argument=1)
+
+
+METHODS = [
+    (wmr_ctrl.Scenario, method) for method in ("table", "section", "number", "value")
+] + [
+    (RUN, method) for method in ("__getitem__", "signal", "save", "plot", "animate", "film")
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "method"), METHODS, ids=[method for _, method in METHODS])
+def test_every_argument_of_a_public_values_method(make, method):
+    call = getattr(make(), method)
+
+    accepted = [
+        key for key, value in BAD.items() if not refused_in_a_sentence(partial(call, value))
+    ]
+
+    assert accepted == (["None"] if method == "plot" else [])
+
+
+def test_every_field_of_a_run():
+    run = RUN()
+    fields = {name: getattr(run, name) for name in hints_of(wmr_ctrl.Run.__init__)}
+    refusals = [
+        refused_in_a_sentence(partial(wmr_ctrl.Run, **{**fields, name: value}))
+        for name in fields
+        for value in BAD.values()
+    ]
+
+    assert sum(refusals) > 0.8 * len(refusals)
+
+
+def test_every_field_of_a_scenario():
+    for name in hints_of(wmr_ctrl.Scenario.__init__):
+        for value in BAD.values():
+            refused_in_a_sentence(partial(wmr_ctrl.Scenario, **{name: value}))
+
+
+def test_columns_of_a_table_of_runs():
+    table = wmr_ctrl.simulate_many(SCENARIO, LAW, [1], SHORT)
+
+    assert all(refused_in_a_sentence(partial(table.__getitem__, value)) for value in BAD.values())
