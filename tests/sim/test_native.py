@@ -16,12 +16,8 @@ from tests.matrix import headed, quick, turns
 from tests.oracle import noise
 from wmr_ctrl.api import (
     compile_law,
-    cosimulate,
     export_fmu,
-    reproduce,
-    scenario_of,
     simulate,
-    simulate_many,
 )
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
