@@ -11,6 +11,8 @@ from pathlib import Path
 
 import platformdirs
 
+from wmr_ctrl.errors import CacheError
+
 log = logging.getLogger(__name__)
 
 VARIABLE = "WMR_CTRL_CACHE"
@@ -41,6 +43,7 @@ def _usable(wanted: str) -> Path:
     folder = Path(wanted).expanduser().absolute()
     problem = _why_not_writable(folder)
     if not problem:
+        _refuse_shared(folder)
         return folder
     substitute = _private_temporary_folder()
     log.warning(
@@ -57,11 +60,22 @@ def _usable(wanted: str) -> Path:
 def _why_not_writable(folder: Path) -> str:
     """Try it, since permission bits say little on network drives, in containers and for root."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if not folder.is_dir():
+            folder.mkdir(parents=True)
+            folder.chmod(folder.stat().st_mode & ~stat.S_IWOTH)  # whatever the umask
         os.rmdir(tempfile.mkdtemp(prefix="trial-", dir=folder))
     except OSError as error:
         return error.strerror or str(error)
     return ""
+
+
+def _refuse_shared(folder: Path) -> None:
+    """Raise CacheError where everybody may write: code is loaded from here."""
+    if os.name == "posix" and folder.stat().st_mode & stat.S_IWOTH:
+        raise CacheError(
+            f"the build cache {folder} may be written by everybody, and code is loaded from it. "
+            f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."
+        )
 
 
 def _private_temporary_folder() -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes as ct
 import hashlib
 import os
+import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +16,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
+from wmr_ctrl.fields.limits import may_unpack
 from wmr_ctrl.fmi.units import BASE, NamedUnit
 
 _WARNING = 1  # the highest status of a call that did what it should
@@ -36,6 +38,7 @@ class FmuFile:
         """Read the model description of ``path``."""
         self.name, self.path = name, os.fspath(path)
         try:
+            _check_size(self.path)
             self.description = read_model_description(self.path)
         except Exception as error:  # FMPy raises bare Exceptions
             raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
@@ -81,6 +84,17 @@ class FmuFile:
                 "used. Map another variable."
             )
         return variable
+
+
+def _check_size(path: str) -> None:
+    """Raise ArgumentError for an archive that says to be far larger than its file, unpacked."""
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(item.file_size for item in archive.infolist())
+    if not may_unpack(os.path.getsize(path), unpacked):
+        raise ArgumentError(
+            f"it is {unpacked / 1e6:.0f} MB unpacked, which its own size cannot be true of. Check "
+            "where it is from."
+        )
 
 
 class Slave(FmuFile):
