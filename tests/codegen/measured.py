@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
 import casadi as ca
@@ -20,9 +20,8 @@ import casadi as ca
 from tests.board.emulated import BOARDS, COMPILER, missing
 from tests.board.lockstep import lockstep
 from wmr_ctrl.codegen import footprint
-from wmr_ctrl.codegen.package import step_kernel, write_package
+from wmr_ctrl.codegen.package import packaged, step_kernel, write_package
 from wmr_ctrl.codegen.resources import fmu_dir
-from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -35,6 +34,8 @@ PACKAGES = tuple(
 )  # fmt: skip
 SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
 """By whether the guard is on."""
+ROBOTS = ("robot-10ms", "robot-100ms")
+"""Guarded scenarios with encoders and late drives, whose packages are compiled only."""
 NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"
 COPIES = tuple((law, float32) for law in ("mb", "nn") for float32 in (False, True))
@@ -51,9 +52,9 @@ class Sizes:
     stack: int
 
 
-def sizes(law: str, float32: bool, guarded: bool, folder: Path) -> Sizes:
+def sizes(law: str, float32: bool, preset: str, folder: Path) -> Sizes:
     """Sizes of a law's package, compiled for the board's processor."""
-    scenario = load_scenario(SCENARIOS[guarded])
+    scenario = load_scenario(preset)
     write_package(law, folder, scenario, float32=float32)
     command = [COMPILER, "-std=c99", "-O2", "-ffp-contract=off", *TARGET, "-fstack-usage", "-c",
                f"wmr_{law}.c"]  # fmt: skip
@@ -61,7 +62,7 @@ def sizes(law: str, float32: bool, guarded: bool, folder: Path) -> Sizes:
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
-    operations = step_kernel(controller(settle(scenario, law))).operations
+    operations = step_kernel(packaged(settle(scenario, law))).operations
     return Sizes(operations, int(text), int(data) + int(bss), stack)
 
 
@@ -72,13 +73,20 @@ def loop_scenario(guarded: bool) -> Scenario:
 
 def measure(law: str, float32: bool, guarded: bool, folder: Path) -> footprint.Footprint:
     """Footprint of a law's package."""
-    found = sizes(law, float32, guarded, folder / "sizes")
+    found = sizes(law, float32, SCENARIOS[guarded], folder / "sizes")
     loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
-    version = _output([COMPILER, "-dumpversion"], folder)[0]
-    return footprint.Footprint(
-        found.operations, found.code, found.data, found.stack, loop.stack, loop.instructions,
-        loop.most_instructions, f"gcc {version}",
-    )  # fmt: skip
+    board = (loop.stack, loop.instructions, loop.most_instructions)
+    return footprint.Footprint(*astuple(found), *board, _version(folder))
+
+
+def compiled(law: str, float32: bool, preset: str, folder: Path) -> footprint.Footprint:
+    """Footprint of a preset's package that no board has run."""
+    found = sizes(law, float32, preset, folder)
+    return footprint.Footprint(*astuple(found), None, None, None, _version(folder))
+
+
+def _version(folder: Path) -> str:
+    return f"gcc {_output([COMPILER, '-dumpversion'], folder)[0]}"
 
 
 def _output(command: list[str], folder: Path) -> list[str]:
@@ -100,8 +108,13 @@ def write_footprints() -> None:
     found = {}
     for law, float32, guarded in PACKAGES:
         with tempfile.TemporaryDirectory() as folder:
-            measured = measure(law, float32, guarded, Path(folder))
-        found[footprint.key(law, float32, guarded)] = asdict(measured)
+            each = [measure(law, float32, guarded, Path(folder))]
+            each += [
+                compiled(law, float32, preset, Path(folder) / preset)
+                for preset in (ROBOTS if guarded else ())
+            ]
+        by_form = {item.operations: asdict(item) for item in each}
+        found[footprint.key(law, float32, guarded)] = list(by_form.values())
     footprint.RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     footprint._record.cache_clear()
 

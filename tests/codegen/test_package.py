@@ -14,7 +14,7 @@ import pytest
 
 from tests.codegen import measured
 from tests.languages import LANGUAGES, compile_all
-from tests.matrix import headed, turns
+from tests.matrix import headed, quick, turns
 from wmr_ctrl.codegen.footprint import key, known_footprint
 from wmr_ctrl.codegen.package import package_files, write_package
 from wmr_ctrl.codegen.single_precision import MARGIN
@@ -107,7 +107,7 @@ def test_a_microcontroller_takes_it(law: str, float32: bool, guarded: bool, tmp_
 def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_path: Path) -> None:
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
-    found = measured.sizes(law, float32, guarded, tmp_path)
+    found = measured.sizes(law, float32, measured.SCENARIOS[guarded], tmp_path)
     told = known_footprint(law, float32, guarded, found.operations)
 
     assert told is not None
@@ -115,6 +115,24 @@ def test_documented_footprint_holds(law: str, float32: bool, guarded: bool, tmp_
     assert found.data == told.data == 0
     assert found.stack <= 1.1 * told.stack + 32
     assert f"{told.deepest} bytes" in (tmp_path / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("preset", measured.ROBOTS)
+@pytest.mark.parametrize("law", quick(NAMES, "prox"))
+def test_documented_footprint_of_a_robots_package_holds(
+    law: str, preset: str, tmp_path: Path
+) -> None:
+    needs(measured.COMPILER)
+    found = measured.sizes(law, False, preset, tmp_path)
+    told = known_footprint(law, False, True, found.operations)
+    readme = (tmp_path / "README.md").read_text(encoding="utf-8")
+
+    assert told is not None
+    assert found.code <= 1.1 * told.code
+    assert found.data == told.data == 0
+    assert found.stack <= 1.1 * told.stack + 32
+    assert f"at most {told.stack} bytes of stack" in readme
+    assert "instructions a sample" not in readme
 
 
 def test_another_kernel_does_not_borrow_a_footprint() -> None:

@@ -1,8 +1,8 @@
 """What a package takes of a Cortex-M4F: code, stack, instructions; measured, and recorded.
 
 The GNU Arm compiler tells size and frames; an emulated board tells instructions and the deepest
-stack of ten seconds of closed loop.  A record counts only for the kernel that it was made with,
-known by its number of operations: a scenario may ask for another one.
+stack of ten seconds of closed loop, where it has run the package.  A record counts only for the
+kernel that it was made with, known by its number of operations: a scenario may ask for another one.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ class Footprint:
 
     ``stack`` is the sum of the frames of the package's own functions, without libm's;
     ``deepest`` is what was in use on the board, libm and caller included.  ``instructions`` is the
-    median, ``most_instructions`` the slowest sample.
+    median, ``most_instructions`` the slowest sample.  None: it was not run there.
     """
 
     operations: int
     code: int
     data: int
     stack: int
-    deepest: int
-    instructions: int
-    most_instructions: int
+    deepest: int | None
+    instructions: int | None
+    most_instructions: int | None
     compiler: str
 
     def as_mapping(self) -> Mapping[str, Any]:
@@ -42,18 +42,18 @@ class Footprint:
 
 def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
     """The recorded footprint of a law's package, None where none was measured."""
-    found = _record().get(key(law, float32, guarded), {})
-    return Footprint(**found) if found.get("operations") == operations else None
+    listed = (Footprint(**item) for item in _record().get(key(law, float32, guarded), ()))
+    return next((item for item in listed if item.operations == operations), None)
 
 
 def key(law: str, float32: bool, guarded: bool = False) -> str:
-    """Name under which a package's footprint is recorded."""
+    """Name under which a package's footprints are recorded, one for each form of its kernel."""
     return f"{law}-{'float32' if float32 else 'double'}{'-guard' if guarded else ''}"
 
 
 @cache
-def _record() -> dict[str, Any]:
+def _record() -> dict[str, list[dict[str, Any]]]:
     if not RECORD.is_file():
         return {}
-    loaded: dict[str, Any] = json.loads(RECORD.read_text(encoding="utf-8"))
+    loaded: dict[str, list[dict[str, Any]]] = json.loads(RECORD.read_text(encoding="utf-8"))
     return loaded
