@@ -106,7 +106,7 @@ def faults(run: Run, scenario: Scenario) -> Iterator[str]:
     """What an engineer finds wrong with a run, read off its columns and its scenario's numbers.
 
     Windows: a motion without end is judged over its last half, its position over the last quarter;
-    a path that stops from a quarter of its way in time until it arrives, and afterwards.
+    a path that stops from half of its way in time until it arrives, and afterwards.
     """
     if run.monitor.violations or len(run.time) < run.settings.samples:
         yield "left the limit, or ended early"
@@ -115,7 +115,7 @@ def faults(run: Run, scenario: Scenario) -> Iterator[str]:
          "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "tau_right", "tau_left", "noise_right",
          "noise_left")}  # fmt: skip
     t, end, goal = c["t"], scenario.clock.duration, scenario.reference.arrival
-    drive = t >= end / 2 if goal is None else (t >= goal / 4) & (t < goal)
+    drive = t >= end / 2 if goal is None else (t >= goal / 2) & (t < goal)
     late = t >= 0.75 * end if goal is None else drive
     tau = np.stack((c["tau_right"], c["tau_left"]))
     away2 = (c["x"] - c["x_d"]) ** 2 + (c["y"] - c["y_d"]) ** 2

@@ -60,14 +60,14 @@ def test_a_longer_rest_hides_no_error_of_the_drive(make_run: MakeRun, duration: 
 
 def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run: MakeRun) -> None:
     t = 0.1 * np.arange(80)
-    parted = np.select([t < 1.0, t < 4.0], [0.3, 0.01], 0.07)
-    early, late = arriving(make_run, 8.0, np.minimum(parted, 0.3)), arriving(make_run, 8.0, parted)
+    parted = np.select([t < 2.0, t < 4.0], [0.3, 0.01], 0.07)
+    run = arriving(make_run, 8.0, parted)
 
-    assert tracking(late)["end"] == pytest.approx({"position_rms": 0.07, "position_max": 0.07})
-    assert tracked(late) is False
-    assert tracking(early)["drive"] == pytest.approx({"position_rms": 0.01, "position_max": 0.01})
+    assert tracking(run)["drive"] == pytest.approx({"position_rms": 0.01, "position_max": 0.01})
+    assert tracking(run)["end"] == pytest.approx({"position_rms": 0.07, "position_max": 0.07})
+    assert tracked(run) is False
     assert tracking(make_run())["end"] is None
-    near = np.where(t < 1.0, 0.3, 0.01)
+    near = np.where(t < 2.0, 0.3, 0.01)
     assert tracked(arriving(make_run, 8.0, near)) is True
 
 
@@ -99,7 +99,7 @@ def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
 @pytest.mark.parametrize("seed", [0, 7101])
 def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
     run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
-    (text,) = (item.text for item in run.remarks if item.key == "objected")
+    text = next(item.text for item in run.remarks if item.key == "objected")
 
     assert "prox.guide gives gains.kinematics.k = [5, 81, 3.6]" in text
     assert "Nothing needs to be done" not in run.explanation

@@ -21,6 +21,7 @@ from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.results import OBJECTED
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.world.demand import needed_torque
 from wmr_ctrl.world.encoder import Encoder
@@ -118,7 +119,7 @@ def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
     The grip of tyres, which the plane model does not have, is told and not part of it.
     """
     theory = [item for item in warnings if item.equation != GRIP]
-    keys = [item.key for item in run.remarks if item.key != "objected"] if run else []
+    keys = [item.key for item in run.remarks if item.key != OBJECTED] if run else []
     if any(item.objects for item in theory) or any(key not in IN_PART for key in keys):
         return CheckVerdict.OBJECTED
     return CheckVerdict.IN_PART if theory or keys else CheckVerdict.HOLDS

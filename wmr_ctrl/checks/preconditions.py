@@ -14,6 +14,8 @@ from wmr_ctrl.laws.law import WHOLE
 from wmr_ctrl.world.friction import largest_friction, phases
 from wmr_ctrl.world.references import reference_bounds
 
+REACHED = 4.0
+"""Standard deviations that noise passes about once in a run of 80 s at 10 ms, by either wheel."""
 STANDSTILL = 1e-9
 """Desired speed [m/s] that counts as none."""
 LIMIT = "limits.v_u1"
@@ -216,4 +218,5 @@ def _unguarded_noise(loop: Loop) -> Warning:
         f"back with at most {pull[axis]:.3g} {unit}. That the limit is kept is not certain: try "
         "several seeds, start nearer, or switch the guard on.",
         f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eqs. (4), (15)",
+        objects=bool(pull[axis] < min(truncate, REACHED) * push[axis]),
     )

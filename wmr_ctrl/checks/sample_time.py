@@ -36,8 +36,8 @@ SAFE = 0.5
 MOST_UNDER_WAY = 40
 """Commands that the shortest period that is tried leaves under way in a delay."""
 
-MASSES, NEAR = 20.0, (0.6, 1.6)
-"""Ratios of true to believed mass: how far they are tried, and what a law is asked to stand."""
+MASSES, NEAR, CLOSE = 20.0, (0.6, 1.6), (0.8, 1.25)
+"""Ratios of true to believed mass: tried; to be stood; and those that a load soon reaches."""
 
 POINTS, INSIDE, MOST_STEPS = 9, 0.99, 500
 
@@ -109,6 +109,7 @@ def _mass(loop: Loop) -> Iterator[Warning]:
         f"{loop.scenario.clock.control:g} s; outside of that it cycles. Gains for {NEAR[0]:g} to "
         f"{NEAR[1]:g} are lower{gains_that_fit(loop)}.",
         f"{loop.equations}, linearised and sampled",
+        objects=masses[0] > CLOSE[0] or masses[1] < CLOSE[1],
     )
 
 

@@ -186,7 +186,9 @@ def _goal(scenario: Scenario, arrival: float) -> str:
 
 def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
     """What is said of one law: theory's objections, then what its run showed."""
-    said = (item for item in run.remarks if item.key != "objected") if run else ()
+    from wmr_ctrl.results import OBJECTED
+
+    said = (item for item in run.remarks if item.key != OBJECTED) if run else ()
     seen = [f"{item.key}: {item.text}" for item in said]
     lines = [_item(text) for text in (*warnings, *seen)] or ["  - no objection"]
     return [*lines, _item(_sight(run))] if run else lines

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wmr_ctrl.cli.console import table, wrapped
-from wmr_ctrl.results import Remark, RigidMonitor, Run, driving, percent, speeds, summary
+from wmr_ctrl.results import OBJECTED, RigidMonitor, Run, driving, percent, speeds, summary
 
 MISSING = "- (not reached)"
 Row = tuple[str, str, str]
@@ -17,7 +17,7 @@ def summary_text(run: Run) -> str:
     guarded = ", guarded" if run.guard else ""
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
     head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"
-    remarks = [wrapped(f"- {item.key}: {item.text}", hang="  ") for item in _unsaid(run)]
+    remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
     head = "\n".join((head, *_parts(run)))
     said = "\n".join((wrapped(run.explanation), *remarks, *_counted(run)))
     return "\n\n".join((head, said, table(_rows(run, summary(run)))))
@@ -31,9 +31,14 @@ def _parts(run: Run) -> Iterator[str]:
             yield wrapped(f"{name}: {label}", hang="  ")
 
 
-def _unsaid(run: Run) -> Iterator[Remark]:
-    """Remarks that are not the outcome's own sentence."""
-    return (item for item in run.remarks if item.key != run.outcome.value)
+def _unsaid(run: Run) -> Iterator[str]:
+    """Remarks that are not the outcome's own sentence; objections by key, as `check` has them."""
+    for item in run.remarks:
+        if item.key not in (run.outcome.value, OBJECTED):
+            yield f"{item.key}: {item.text}"
+    keys = dict.fromkeys(item.key for item in run.outlook.objections) if run.outlook else ()
+    if keys:
+        yield f"{OBJECTED}: `wmr-ctrl check` objects to {', '.join(keys)}, and says why"
 
 
 def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:

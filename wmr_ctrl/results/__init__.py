@@ -22,7 +22,7 @@ from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor, RigidMonitor
 from wmr_ctrl.results.oscillation import Oscillation, oscillation
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.plain import json_safe
-from wmr_ctrl.results.remarks import Remark, remarks_on
+from wmr_ctrl.results.remarks import OBJECTED, Remark, remarks_on
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import PLANTS, Settings
 from wmr_ctrl.results.tracking import (
@@ -42,6 +42,7 @@ from wmr_ctrl.results.wording import percent, speeds
 
 __all__ = [
     "DIVERGENCE",
+    "OBJECTED",
     "PLANTS",
     "Assumptions",
     "ColumnDifference",

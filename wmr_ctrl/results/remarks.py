@@ -46,6 +46,8 @@ torque that the motion needs and of that which pushes the wheels, and than this 
 SWAY = 0.2
 """RMS of a velocity about the desired one, as a share of its limit, that is no steady drive."""
 
+OBJECTED = "objected"
+"""Key of what `wmr-ctrl check` objects to."""
 SHORT = {
     "not-tracked": "it did not track",
     "goal-not-reached": "it did not reach its goal",
@@ -55,7 +57,7 @@ SHORT = {
     "saturated": "its wheels are at their torque limit",
     "guard-holds-back": "the guard holds it back",
     "exact-pose": "its pose was exact",
-    "objected": "theory objects",
+    OBJECTED: "theory objects",
     "assumption-void": "an assumption of the guarantee is void",
 }
 """Remarks in a few words, by key; the other keys are what the outcome says."""
@@ -76,7 +78,7 @@ def remarks_on(run: Run) -> tuple[Remark, ...]:
 
 def in_short(remarks: tuple[Remark, ...]) -> str:
     """The remarks that no outcome tells, as "it did not track and its torques oscillate"."""
-    *head, last = (SHORT[item.key] for item in remarks if item.key in SHORT)
+    *head, last = dict.fromkeys(SHORT[item.key] for item in remarks if item.key in SHORT)
     return f"{', '.join(head)} and {last}" if head else last
 
 
@@ -225,10 +227,8 @@ def _exact_pose(run: Run) -> Iterator[Remark]:
 
 
 def _objected(run: Run) -> Iterator[Remark]:
-    objections = run.outlook.objections if run.outlook is not None else ()
-    if objections:
-        said = " ".join(map(str, objections))
-        yield Remark("objected", f"`wmr-ctrl check` objects, whatever this run showed: {said}")
+    for item in run.outlook.objections if run.outlook is not None else ():
+        yield Remark(OBJECTED, f"`wmr-ctrl check` objects, whatever this run showed: {item}")
 
 
 def _held_back(run: Run) -> Iterator[Remark]:

@@ -1,7 +1,7 @@
 """How well a run tracked and what that took: position, the guard's share, the torques.
 
-A path that stops is judged over its drive, less the first quarter in which the start fades, and
-over what follows its arrival; a motion that goes on for ever over the run's end.  So a longer run
+A path that stops is judged over its drive, less the first half in which the start fades, and over
+what follows its arrival; a motion that goes on for ever over the run's end.  So a longer run
 at rest hides no error of the drive.  A figure is None for a run that ended before its window did.
 """
 
@@ -29,12 +29,12 @@ def last_quarter(settings: Settings) -> tuple[int, int]:
 def drive(settings: Settings) -> tuple[int, int]:
     """Samples [first, end) in which driving is judged: the last quarter of a motion without end.
 
-    Of a path that stops, all from a quarter of the time until its arrival on.
+    Of a path that stops, all from half of the time until its arrival on.
     """
     if settings.arrival is None:
         return last_quarter(settings)
     goal = settings.index(settings.arrival)
-    return goal // 4, min(goal, settings.samples)
+    return goal // 2, min(goal, settings.samples)
 
 
 def driving(run: Run) -> str:
