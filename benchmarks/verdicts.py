@@ -117,6 +117,9 @@ def faults(run: Run, scenario: Scenario) -> Iterator[str]:
     t, end, goal = c["t"], scenario.clock.duration, scenario.reference.arrival
     drive = t >= end / 2 if goal is None else (t >= goal / 2) & (t < goal)
     late = t >= 0.75 * end if goal is None else drive
+    if not drive.any():
+        yield "not at its goal"
+        return
     tau = np.stack((c["tau_right"], c["tau_left"]))
     away2 = (c["x"] - c["x_d"]) ** 2 + (c["y"] - c["y_d"]) ** 2
     if np.sqrt(away2[late].mean()) > scenario.metrics.tolerance:
