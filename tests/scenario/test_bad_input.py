@@ -126,7 +126,7 @@ def test_error_names_the_key(text, message):
     ("content", "message"),
     [
         (b"\xff\xfe\x00", "is not UTF-8 text"),
-        (b"\x00\x01\x02", "is not valid TOML"),
+        (b"\x00\x01\x02", "is not text"),
         (b"#" * 1_000_001, "larger than 1 MB"),
     ],
 )

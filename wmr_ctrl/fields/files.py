@@ -37,11 +37,14 @@ def decode(data: bytes, what: str, largest: int = LARGEST_FILE) -> str:
     if len(data) > largest:
         raise ScenarioError(f"{what} is larger than {largest // 10**6} MB. Is it the right file?")
     try:
-        return data.decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise ScenarioError(
             f"{what} is not UTF-8 text (byte {problem.start + 1}). Save it as UTF-8."
         ) from None
+    if "\0" in text:
+        raise ScenarioError(f"{what} is not text: it has a byte 0. Is it the right file?")
+    return text
 
 
 def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, object]:
