@@ -19,14 +19,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import wmr_ctrl
-from wmr_ctrl.api import compile_loop
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
 from wmr_ctrl.guard.bounds import stated_guard, usable_speed
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
-from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.world.effect import Bound
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -236,7 +234,7 @@ def stress() -> Figure:
 def reported(name: str) -> Figure:
     """A figure of the report; all that it shows is of the first seed."""
     plan = paper_plan(PAPER_LAWS, 1)
-    campaign = run_campaign(run_each, compile_loop, plan)
+    campaign = run_campaign(plan)
     return next(item for item in all_drawings(campaign) if item.name == name).figure()
 
 

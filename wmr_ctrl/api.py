@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from wmr_ctrl import api_types as types
 from wmr_ctrl.campaign.engine import PhaseProgress
+from wmr_ctrl.campaign.study_run import study as study
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Run
@@ -25,8 +26,6 @@ from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.toml_io import naming_file
 from wmr_ctrl.sim.finish import checked_seeds, checked_starts, versions
-from wmr_ctrl.studies import rigid_comparison
-from wmr_ctrl.studies import study as study
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear import LinearReport
@@ -203,13 +202,12 @@ def reproduce(
     """
     from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, paper_plan, run_campaign
     from wmr_ctrl.campaign.comparison import GuardComparison, comparison_plan, run_comparison
-    from wmr_ctrl.campaign.rigid import RigidComparison
+    from wmr_ctrl.campaign.rigid import RIGID_SEEDS, RigidComparison, run_rigid_comparison
     from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all
     from wmr_ctrl.report.reproduction import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
     from wmr_ctrl.sim.batch import check_jobs
-    from wmr_ctrl.sim.many import run_each
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
     check_jobs(jobs)
@@ -217,13 +215,14 @@ def reproduce(
     if with_physics:
         mujoco()
     facts = _facts(PAPER_LAWS, quick)
-    campaign = run_campaign(run_each, compile_loop, plan, jobs, progress)
+    campaign = run_campaign(plan, jobs, progress)
     comparison = GuardComparison()
     if with_ours:
-        comparison = run_comparison(run_each, compile_loop, comparison_plan(), jobs, progress)
+        comparison = run_comparison(comparison_plan(), jobs, progress)
     rigid = RigidComparison()
     if with_physics:
-        rigid = rigid_comparison(quick, jobs, progress)
+        seeds_of_rigid = RIGID_SEEDS[: 1 if quick else None]
+        rigid = run_rigid_comparison(seeds_of_rigid, jobs=jobs, progress=progress)
     judged = judge_all(Evidence(campaign.table, facts.timings))
     whole = Reproduction(campaign, judged, facts, comparison, rigid)
     return write_reproduction(out, whole, progress)

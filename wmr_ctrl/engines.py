@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.codegen.build import build_batch, build_loop, build_plantless
 from wmr_ctrl.codegen.functions import loop_functions
@@ -20,9 +17,6 @@ from wmr_ctrl.sim.interpreted import run_interpreted
 from wmr_ctrl.sim.many import RunTable, run_each, run_many
 from wmr_ctrl.sim.native import run_native
 from wmr_ctrl.sim.ready import Ready
-
-if TYPE_CHECKING:
-    from wmr_ctrl.campaign import PhaseProgress
 
 Progress = Callable[[float], None]
 
@@ -94,18 +88,6 @@ def table_of(
     else:
         run, build = run_many, partial(ready_batch, law=law)
     return run(build, scenarios, seeds, starts=starts, jobs=jobs, progress=progress)
-
-
-def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
-    """Film a run on the rigid body in three dimensions; as `Run.film`."""
-    from wmr_ctrl.physics.film import moments_of
-    from wmr_ctrl.report.film import MOST_MOMENTS, check_film, write_moments
-    from wmr_ctrl.scenario import loads_scenario
-
-    check_film(path, run.settings.plant_kind)
-    loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
-    moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
-    write_moments(run, moments, path, progress)
 
 
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:

@@ -1,10 +1,11 @@
-"""What is written for other tools: FMUs, SSP package, Modelica package, Simulink kit."""
+"""What is written for other tools: FMUs, SSP package, Modelica package, Simulink kit; films."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from inspect import signature
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,8 @@ from wmr_ctrl.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
     from wmr_ctrl.api_types import ExportOptions
+    from wmr_ctrl.campaign import PhaseProgress
+    from wmr_ctrl.results import Run
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""
@@ -58,3 +61,16 @@ def _writer(what: str) -> Callable[..., list[Path]]:
 def _scenario(options: ExportOptions) -> Scenario:
     given = options.get("scenario", SCENARIO)
     return given if isinstance(given, Scenario) else load_scenario(given)
+
+
+def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
+    """Film a run on the rigid body in three dimensions; as `Run.film`."""
+    from wmr_ctrl.engines import ready_plantless
+    from wmr_ctrl.physics.film import moments_of
+    from wmr_ctrl.report.film import MOST_MOMENTS, check_film, write_moments
+    from wmr_ctrl.scenario import loads_scenario
+
+    check_film(path, run.settings.plant_kind)
+    loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
+    moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
+    write_moments(run, moments, path, progress)

@@ -14,7 +14,7 @@ HOMES = {
     "save_run": "wmr_ctrl.results.io",
     "plot_run": "wmr_ctrl.report.plot_run",
     "animate_run": "wmr_ctrl.report.animate",
-    "film_run": "wmr_ctrl.engines",
+    "film_run": "wmr_ctrl.outputs",
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.checks.outlook",
     "needed_by": "wmr_ctrl.checks.outlook",

@@ -25,11 +25,11 @@ ORDER = (
     {"checks"},
     {"sim"},
     {"proofs", "linear", "fmi", "modelica", "simulink", "physics"},
+    {"engines"},
     {"campaign"},
     {"report"},
     {"page"},
-    {"engines", "api_types", "outputs"},
-    {"studies"},
+    {"api_types", "outputs"},
     {"api"},
     {"tuning"},
     {"__init__"},
@@ -69,7 +69,6 @@ THIRD_PARTY = {
     "tuning": {"cma", "numpy"},
     "engines": set(),
     "outputs": set(),
-    "studies": set(),
     "__init__": set(),
     "__main__": set(),
 }
@@ -158,11 +157,11 @@ def test_only_the_api_joins_compiling_and_running():
     assert offenders(joins) == {}
 
 
-def test_runs_and_studies_are_handed_their_kernels():
+def test_runs_are_handed_their_kernels():
     graphs = {"model", "barrier", "laws", "guard", "control", "codegen", "checks"}
 
     def builds(module: Module) -> set[str]:
-        return layers_used(module) & graphs if module.layer in {"sim", "campaign"} else set()
+        return layers_used(module) & graphs if module.layer == "sim" else set()
 
     assert offenders(builds) == {}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.campaign.synthetic import in_turn, prepared, simulate
+from tests.campaign.synthetic import made_up, simulate
 from wmr_ctrl.campaign import Campaign, paper_plan, run_campaign
 from wmr_ctrl.results import Run
 
@@ -18,4 +18,5 @@ def fake_simulate() -> Callable[[str, str, int], Run]:
 
 @pytest.fixture(scope="session")
 def campaign() -> Campaign:
-    return run_campaign(in_turn, prepared(simulate), paper_plan(seeds=2), jobs=1)
+    with made_up():
+        return run_campaign(paper_plan(seeds=2), jobs=1)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign import Prepare
+from wmr_ctrl.campaign import PlannedCase
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.signals import Signal
 
@@ -69,9 +70,23 @@ def simulate(scenario: str, law: str, seed: int) -> Run:
     )
 
 
-def prepared(simulate: Callable[[str, str, int], Run]) -> Prepare:
-    """Loops that need no compiling: each a function of the seed."""
-    return lambda scenario, law, overrides=None, guard=None: partial(simulate, scenario, law)
+@contextmanager
+def made_up(
+    simulate: Callable[[str, str, int], Run] = simulate,
+    asked: Callable[[PlannedCase], object] = lambda case: None,
+) -> Iterator[None]:
+    """Within it campaigns need no compiling, ``asked`` hears of each loop: functions of a seed."""
+
+    def build(case: PlannedCase) -> Callable[[int], Run]:
+        asked(case)
+        return lambda seed: simulate(case.scenario, case.law, seed)
+
+    with (
+        patch("wmr_ctrl.campaign.engine.build_loop", build),
+        patch("wmr_ctrl.campaign.engine.run_each", in_turn),
+        patch("wmr_ctrl.physics.run.run_rigid_then", in_turn),
+    ):
+        yield
 
 
 def in_turn(

@@ -7,13 +7,14 @@ meet, with and without the guard. `wmr-ctrl reproduce` runs the whole plan.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
 
-from tests.campaign.synthetic import Watch, in_turn, simulate
-from wmr_ctrl.api import compile_loop
+from tests.campaign.synthetic import Watch, made_up
+from wmr_ctrl.campaign import PlannedCase
 from wmr_ctrl.campaign.comparison import (
     BASES,
     FACTORS,
@@ -21,14 +22,11 @@ from wmr_ctrl.campaign.comparison import (
     OUR_LAWS,
     ComparisonCase,
     GuardComparison,
-    Overrides,
     comparison_plan,
     run_comparison,
     swept,
 )
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.sim.many import run_each
-from wmr_ctrl.sim.ready import Ready
 
 pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 
@@ -59,11 +57,15 @@ def meets() -> tuple[ComparisonCase, ...]:
 TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
 
 
-def compile_short(scenario: str, law: str, overrides: Overrides, guard: bool) -> Ready:
-    """The loop of a case, for 10 s."""
-    changes = [change for change in overrides.get("changes", []) if change["t"] < 10.0]
-    shorter = {**overrides, "clock.duration": 10.0, "changes": changes}
-    return compile_loop(scenario, law, shorter, guard)
+def shortened(plan: Sequence[ComparisonCase]) -> list[ComparisonCase]:
+    """The same cases, for 10 s."""
+
+    def short(case: ComparisonCase) -> ComparisonCase:
+        changes = [change for change in case.overrides.get("changes", []) if change["t"] < 10.0]
+        shorter = {**case.overrides, "clock.duration": 10.0, "changes": changes}
+        return replace(case, overrides=shorter)
+
+    return list(map(short, plan))
 
 
 # -- the plan -----------------------------------------------------------------------------
@@ -102,7 +104,7 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
 )
 def comparison(request: pytest.FixtureRequest) -> GuardComparison:
     plan = DECISIVE if request.param == "decisive" else meets()
-    return run_comparison(run_each, compile_short, plan)
+    return run_comparison(shortened(plan))
 
 
 def test_guarded_runs_from_inside_keep_the_limits(comparison: GuardComparison) -> None:
@@ -136,7 +138,7 @@ def test_position_is_told_where_a_run_lasts_that_long(comparison: GuardCompariso
 
 def test_result_does_not_depend_on_the_number_of_threads(comparison: GuardComparison) -> None:
     few = [r.case for r in comparison.rows if r.case.law == "mb" and r.case.base == "10 ms"]
-    alone = run_comparison(run_each, compile_short, few, jobs=1)
+    alone = run_comparison(few, jobs=1)
 
     assert alone.rows == tuple(r for r in comparison.rows if r.case in few)
 
@@ -154,13 +156,14 @@ def test_share_in_clip_is_told_of_guarded_runs_alone(comparison: GuardComparison
 def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
     built, watch = Counter(), Watch()
 
-    def prepare(scenario: str, law: str, overrides: Overrides, guard: bool) -> Ready:
-        built[law, guard, overrides.get("actuator.tau_max")] += 1
-        if guard and overrides.get("actuator.tau_max") == 5.0:
+    def asked(case: PlannedCase) -> None:
+        weak = case.overrides.get("actuator.tau_max")
+        built[case.law, case.guard, weak] += 1
+        if case.guard and weak == 5.0:
             raise ScenarioError("too weak")
-        return lambda seed: simulate(scenario, law, seed)
 
-    rows = run_comparison(in_turn, prepare, TINY, 2, watch).rows
+    with made_up(asked=asked):
+        rows = run_comparison(TINY, 2, watch).rows
 
     assert [row.case for row in rows] == list(TINY)
     assert set(built.values()) == {1}
@@ -170,8 +173,8 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
 
 
 def test_unguarded_errors_are_not_swallowed() -> None:
-    def refusing(*_: object) -> Ready:
+    def refusing(_: PlannedCase) -> None:
         raise ScenarioError("no")
 
-    with pytest.raises(ScenarioError):
-        run_comparison(in_turn, refusing, [case for case in TINY if not case.guard][:1])
+    with made_up(asked=refusing), pytest.raises(ScenarioError):
+        run_comparison([case for case in TINY if not case.guard][:1])

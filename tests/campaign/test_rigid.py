@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from tests.campaign.synthetic import in_turn, prepared, simulate
+from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl.campaign.rigid import (
     LIMITED,
     RIGID_CASES,
@@ -40,8 +40,8 @@ def test_a_slope_is_as_steep_and_rises_the_same_way_on_both():
 
 
 def test_every_case_law_and_seed_is_run_on_both():
-    engines = dict.fromkeys(("ode", "mujoco"), (in_turn, prepared(simulate)))
-    done = run_rigid_comparison(engines, seeds=(4, 5))
+    with made_up_runs():
+        done = run_rigid_comparison(seeds=(4, 5))
     laws = sum(len(case.laws) for case in RIGID_CASES)
 
     assert len(done.rows) == 2 * 2 * laws

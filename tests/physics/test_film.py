@@ -11,8 +11,9 @@ from PIL import Image
 
 from tests.physics.test_run import SHORT
 from wmr_ctrl import simulate
-from wmr_ctrl.engines import film_run, ready_plantless
+from wmr_ctrl.engines import ready_plantless
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.outputs import film_run
 from wmr_ctrl.physics.film import HEIGHT, WIDTH, check_painter, moments_of, pictures
 from wmr_ctrl.scenario import load_scenario
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.campaign.conftest import campaign as campaign
 from tests.campaign.conftest import fake_simulate as fake_simulate
-from tests.campaign.synthetic import in_turn, simulate
+from tests.campaign.synthetic import made_up
 from wmr_ctrl.campaign.comparison import (
     ComparisonCase,
     GuardComparison,
@@ -24,12 +24,12 @@ def comparison_cases() -> tuple[ComparisonCase, ...]:
 
 @pytest.fixture(scope="session")
 def comparison(comparison_cases) -> GuardComparison:
-    def prepare(scenario, law, overrides, guard):
-        if guard and "actuator.tau_max" in overrides:
+    def asked(case):
+        if case.guard and "actuator.tau_max" in case.overrides:
             raise ScenarioError("too weak for the bounds")
-        return lambda seed: simulate(scenario, law, seed)
 
-    return run_comparison(in_turn, prepare, comparison_cases)
+    with made_up(asked=asked):
+        return run_comparison(comparison_cases)
 
 
 @pytest.fixture

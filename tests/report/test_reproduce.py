@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from click.testing import CliRunner
 
-from tests.campaign.synthetic import Watch, in_turn, prepared
+from tests.campaign.synthetic import Watch
+from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl import api
 from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
@@ -20,15 +21,15 @@ def never(*_args: object) -> None:
 def idle(monkeypatch):
     """Nothing may be compiled or run."""
     monkeypatch.setattr(api, "compile_law", never)
-    monkeypatch.setattr(api, "compile_loop", never)
+    monkeypatch.setattr("wmr_ctrl.campaign.engine.build_loop", never)
 
 
 @pytest.fixture
-def made_up(monkeypatch, fake_simulate):
+def made_up(monkeypatch):
     """Made-up runs in place of the engine."""
-    monkeypatch.setattr(api, "compile_loop", prepared(fake_simulate))
     monkeypatch.setattr(api, "_facts", lambda laws, quick: Facts())
-    monkeypatch.setattr("wmr_ctrl.sim.many.run_each", in_turn)
+    with made_up_runs():
+        yield
 
 
 @pytest.mark.usefixtures("idle")
@@ -74,12 +75,11 @@ def test_without_the_extra_the_rigid_body_is_refused_before_anything_runs(tmp_pa
 
 
 @pytest.mark.usefixtures("made_up")
-def test_a_campaign_that_fails_leaves_nothing(tmp_path, monkeypatch):
+def test_a_campaign_that_fails_leaves_nothing(tmp_path):
     def fail(scenario, law, seed):
         raise RuntimeError("no")
 
-    monkeypatch.setattr(api, "compile_loop", prepared(fail))
-    with pytest.raises(RuntimeError):
+    with made_up_runs(fail), pytest.raises(RuntimeError):
         api.reproduce(tmp_path / "new", seeds=1)
     assert not (tmp_path / "new").exists()
 

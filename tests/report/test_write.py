@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from tests.campaign.synthetic import Watch, in_turn, prepared
+from tests.campaign.synthetic import Watch, made_up
 from wmr_ctrl.campaign import paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report.claims import Evidence, Verdict, judge_all
@@ -231,10 +231,11 @@ def test_ours_csv_has_units_and_a_row_per_run(written, comparison_cases):
 
 
 def test_other_laws_stand_beside_the_papers_and_no_comparison_leaves_no_trace(
-    fake_simulate, few_pictures, tmp_path
+    few_pictures, tmp_path
 ):
     laws = ["pid", "smc", "mb", "nn", "ours"]
-    runs = run_campaign(in_turn, prepared(fake_simulate), paper_plan(laws, seeds=1))
+    with made_up():
+        runs = run_campaign(paper_plan(laws, seeds=1))
     verdicts = write_reproduction(tmp_path, reproduction(runs))
     page = verdicts.report.read_text(encoding="utf-8")
 
@@ -247,8 +248,9 @@ def test_other_laws_stand_beside_the_papers_and_no_comparison_leaves_no_trace(
     assert {name for name, size in sizes.items() if size > 1000} == few_pictures
 
 
-def test_runs_without_a_law_of_the_paper_are_refused(fake_simulate, tmp_path):
-    few = run_campaign(in_turn, prepared(fake_simulate), paper_plan(["mb", "nn"], seeds=1)[:2])
+def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
+    with made_up():
+        few = run_campaign(paper_plan(["mb", "nn"], seeds=1)[:2])
 
     with pytest.raises(ArgumentError, match="pid, smc"):
         write_reproduction(tmp_path / "new", Reproduction(few, ()))

@@ -1,12 +1,11 @@
 """Many runs: which ones, how they are run, and the table of plain numbers that they leave.
 
 One engine (`engine`) runs the paper's plan, the comparison past the paper (`comparison`: every law
-with and without the guard) and the studies of users (`study_plan`, `study_run`, `study_store`).  It
-is handed what simulates (:class:`Simulate`) and what compiles (:class:`Prepare`), so this layer
-knows nothing of laws, kernels or engines.
+with and without the guard) and the studies of users (`study_plan`, `study_run`, `study_store`).
+What compiles is imported within functions, so that a worker that only runs starts without CasADi.
 """
 
-from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Prepare, Silent, Simulate
+from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Silent
 from wmr_ctrl.campaign.figures import FIGURES, Figure, figure_named
 from wmr_ctrl.campaign.plan import (
     AS_STATED,
@@ -36,9 +35,7 @@ __all__ = [
     "PhaseProgress",
     "PlannedCase",
     "PlannedRun",
-    "Prepare",
     "Silent",
-    "Simulate",
     "Spread",
     "Study",
     "figure_named",

@@ -18,10 +18,8 @@ from wmr_ctrl.campaign.engine import (
     Overrides,
     PhaseProgress,
     PlannedCase,
-    Prepare,
     Refusal,
     Silent,
-    Simulate,
     run_cases,
 )
 from wmr_ctrl.results import Outcome, Run, distance, ise, tau_peak, window
@@ -268,8 +266,6 @@ def _place(case: ComparisonCase) -> tuple[str, str, str, bool]:
 
 
 def run_comparison(
-    simulate: Simulate,
-    prepare: Prepare,
     plan: Sequence[ComparisonCase],
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
@@ -287,7 +283,7 @@ def run_comparison(
     what = "the laws with and without the guard"
     texts = f"Compiling {what}", f"Running {what}"
     runs = [(case.planned, case.seed) for case in plan]
-    rows = run_cases(simulate, prepare, runs, row, jobs, progress or Silent(), texts)
+    rows = run_cases(runs, row, jobs, progress or Silent(), texts)
     return GuardComparison(
         tuple(
             ComparedRun(case, REFUSED, refusal=item.text) if isinstance(item, Refusal) else item

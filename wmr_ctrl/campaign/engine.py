@@ -6,12 +6,13 @@ The paper's sections, the comparison past the paper and every study of a user go
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.sim.ready import Ready
 
 Overrides: TypeAlias = Mapping[str, object]
@@ -23,13 +24,14 @@ T = TypeVar("T")
 class PlannedCase:
     """What all seeds share: scenario (a preset's name, or the thing itself), law, guard, changes.
 
-    ``guard`` None: as the scenario says.
+    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.
     """
 
     scenario: str | Scenario
     law: str
     guard: bool | None = None
     overrides: Overrides = field(default_factory=dict, hash=False)
+    plant: str = "ode"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +39,6 @@ class Refusal:
     """A guard's words where it cannot keep its limits under the bounds of a case."""
 
     text: str
-
-
-class Prepare(Protocol):
-    """Compiles the loop of a case, such as `wmr_ctrl.api.compile_loop`."""
-
-    def __call__(
-        self,
-        scenario: str | Scenario,
-        law: str,
-        overrides: Overrides | None = None,
-        guard: bool | None = None,
-    ) -> Ready:
-        """The loop; raises ScenarioError for what cannot be."""
 
 
 @runtime_checkable
@@ -79,60 +68,57 @@ class Silent:
         """Show nothing."""
 
 
-class Simulate(Protocol):
-    """Runs many loops at a time, such as `wmr_ctrl.sim.many.run_each`."""
+def build_loop(case: PlannedCase) -> Ready:
+    """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
+    from wmr_ctrl.engines import ready_batch, ready_plantless  # a worker that builds none is light
 
-    def __call__(
-        self,
-        runs: Sequence[tuple[Ready, int]],
-        then: Callable[[int, Run], T],
-        jobs: int | None = None,
-        progress: Callable[[float], None] | None = None,
-    ) -> list[T]:
-        """What ``then`` makes of place and Run of each (loop, seed), in their order."""
+    switch = {} if case.guard is None else {"guard.enabled": case.guard}
+    base = load_scenario(case.scenario) if isinstance(case.scenario, str) else case.scenario
+    changed = {**case.overrides, **switch}
+    build = ready_batch if case.plant == "ode" else ready_plantless
+    return build(override(base, changed) if changed else base, case.law)
 
 
-def prepared_cases(
-    prepare: Prepare, cases: Iterable[PlannedCase], progress: PhaseProgress, text: str
+def built_loops(
+    cases: Iterable[PlannedCase], progress: PhaseProgress, text: str
 ) -> list[Ready | Refusal]:
     """The loop of each case, in their order, each different one compiled once.
 
     A guard that refuses gives its Refusal; what cannot be without the guard either is raised.
     """
-    listed = list(cases)
     known: dict[str, Ready | Refusal] = {}
-    keys = [case_key(case) for case in listed]
-    different = dict(zip(keys, listed, strict=True))
+
+    def built(case: PlannedCase) -> Ready | Refusal:
+        key = case_key(case)
+        if key not in known:
+            try:
+                known[key] = build_loop(case)
+            except ScenarioError as error:
+                if not case.guard:
+                    raise
+                built(replace(case, guard=False))
+                known[key] = Refusal(str(error))
+        return known[key]
+
+    keyed = [(case_key(case), case) for case in cases]
+    different = dict(keyed)
     progress.start(len(different), text)
     try:
-        for key, case in different.items():
-            known[key] = _prepared(prepare, case)
+        for case in different.values():
+            built(case)
             progress.advance(1)
     finally:
         progress.done()
-    return [known[key] for key in keys]
+    return [known[key] for key, _ in keyed]
 
 
 def case_key(case: PlannedCase) -> str:
     """What tells one compiled loop from another."""
     source = case.scenario if isinstance(case.scenario, str) else hash(case.scenario)
-    return repr((source, case.law, case.guard, sorted(case.overrides.items())))
-
-
-def _prepared(prepare: Prepare, case: PlannedCase) -> Ready | Refusal:
-    try:
-        return prepare(case.scenario, case.law, case.overrides, case.guard)
-    except ScenarioError as error:
-        if not case.guard:
-            raise
-        refusal = Refusal(str(error))
-    prepare(case.scenario, case.law, case.overrides, False)
-    return refusal
+    return repr((source, case.law, case.guard, case.plant, sorted(case.overrides.items())))
 
 
 def run_cases(
-    simulate: Simulate,
-    prepare: Prepare,
     runs: Sequence[tuple[PlannedCase, int]],
     then: Callable[[int, Run], T],
     jobs: int | None,
@@ -141,42 +127,31 @@ def run_cases(
 ) -> list[T | Refusal]:
     """What ``then`` makes of place and Run of each (case, seed), in their order; or the Refusal.
 
-    Two phases of ``progress``, compiling and running, called ``texts``.  Nothing depends on
-    ``jobs``.
+    All are on the same plant.  Two phases of ``progress``, compiling and running, called ``texts``.
+    Nothing depends on ``jobs``.
     """
-    loops = prepared_cases(prepare, (case for case, _ in runs), progress, texts[0])
+    loops = built_loops((case for case, _ in runs), progress, texts[0])
     ready: list[tuple[Ready, int]] = []
     places: list[int] = []
     for place, (loop, (_, seed)) in enumerate(zip(loops, runs, strict=True)):
         if not isinstance(loop, Refusal):
             ready.append((loop, seed))
             places.append(place)
-    finished = _followed(
-        simulate, ready, lambda k, run: then(places[k], run), jobs, progress, texts[1]
-    )
-    results = iter(finished)
-    return [loop if isinstance(loop, Refusal) else next(results) for loop in loops]
+    run, done = run_each, 0
+    if runs and runs[0][0].plant == "mujoco":
+        from wmr_ctrl.physics.run import run_rigid_then
 
-
-def _followed(
-    simulate: Simulate,
-    runs: Sequence[tuple[Ready, int]],
-    then: Callable[[int, Run], T],
-    jobs: int | None,
-    progress: PhaseProgress,
-    text: str,
-) -> list[T]:
-    """What ``simulate`` gives, as a phase of ``progress`` that counts the runs."""
-    done = 0
+        run = run_rigid_then
 
     def advance_to(share: float) -> None:
         nonlocal done
-        count = round(share * len(runs)) - done
+        count = round(share * len(ready)) - done
         done += count
         progress.advance(count)
 
-    progress.start(len(runs), text)
+    progress.start(len(ready), texts[1])
     try:
-        return simulate(runs, then, jobs, advance_to)
+        results = iter(run(ready, lambda k, item: then(places[k], item), jobs, advance_to))
     finally:
         progress.done()
+    return [loop if isinstance(loop, Refusal) else next(results) for loop in loops]

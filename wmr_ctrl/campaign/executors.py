@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any, ParamSpec, TypeVar
 
-from wmr_ctrl.campaign.engine import Prepare
 from wmr_ctrl.campaign.study_rows import StudyChunk
 from wmr_ctrl.campaign.study_sample import library
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
@@ -40,12 +39,11 @@ def executor_named(
     jobs: int | None,
     facts: Callable[[], Facts],
     asked: Callable[[], Facts],
-    prepare: Prepare,
 ) -> Iterator[Executor | None]:
     """The executor of that name, closed at the end; None for threads of this process.
 
     ``facts`` gives this process's versions; ``asked`` is what each worker is asked to compare.
-    Processes of this machine use its libraries: they are sent loops by ``prepare``.
+    Processes of this machine use its libraries: they are sent loops.
     Raises UnknownNameError, MissingExtraError without distributed, ArgumentError for a scheduler
     that does not answer or a worker of another version.
     """
@@ -55,7 +53,7 @@ def executor_named(
         yield None
     elif name == DASK:
         with _local(jobs) as executor:
-            yield _SendsLoops(executor, prepare)
+            yield _SendsLoops(executor)
     elif name.startswith(SCHEME):
         distributed: Any = library("distributed", "cluster")
         with _client(distributed, f"tcp://{name.removeprefix(SCHEME)}", name) as client:
@@ -68,14 +66,13 @@ def executor_named(
 class _SendsLoops(Executor):
     """An executor whose workers get the loops of a chunk, and so need no graphs of their own."""
 
-    def __init__(self, executor: Executor, prepare: Prepare) -> None:
-        self._executor, self._prepare = executor, prepare
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Send a call with its chunk."""
         sent: list[Any] = [
-            item.with_loops(self._prepare) if isinstance(item, StudyChunk) else item
-            for item in args
+            item.with_loops() if isinstance(item, StudyChunk) else item for item in args
         ]
         return self._executor.submit(fn, *sent, **kwargs)
 

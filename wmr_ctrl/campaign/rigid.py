@@ -9,19 +9,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TypeAlias
 
 from wmr_ctrl.campaign.engine import (
     Overrides,
     PhaseProgress,
     PlannedCase,
-    Prepare,
     Refusal,
     Silent,
-    Simulate,
     run_cases,
 )
-from wmr_ctrl.results import Run, e_rms, ise
+from wmr_ctrl.results import PLANTS, Run, e_rms, ise
 
 EARLY, LATE = (30.0, 40.0), (70.0, 80.0)
 """Windows of the error before and long after the change of parameters [s]."""
@@ -49,7 +46,7 @@ class RigidCase:
     def planned(self, law: str, plant: str) -> PlannedCase:
         """What the seeds of a law share on a plant."""
         changes = {**self.changes, **self.own.get(plant, {})}
-        return PlannedCase(self.preset, law, self.guard, changes)
+        return PlannedCase(self.preset, law, self.guard, changes, plant)
 
 
 AS_PRINTED, LIMITED = "no torque limit, as printed", "torque limit 10 N m"
@@ -132,21 +129,19 @@ def rigid_row(case: str, plant: str, run: Run) -> RigidRow:
     )  # fmt: skip
 
 
-Engine: TypeAlias = tuple[Simulate, Prepare]
-"""What runs many loops, and what compiles one."""
-
-
 def run_rigid_comparison(
-    engines: Mapping[str, Engine],
     seeds: Sequence[int] = RIGID_SEEDS,
     cases: Sequence[RigidCase] = RIGID_CASES,
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
 ) -> RigidComparison:
-    """Every case, law and seed on each plant of ``engines``, each two phases of ``progress``."""
+    """Every case, law and seed on both plants, each two phases of ``progress``.
+
+    Raises MissingExtraError without the extra physics.
+    """
     rows: list[RigidRow] = []
     whole: dict[tuple[str, str, str], Run] = {}
-    for plant, (simulate, prepare) in engines.items():
+    for plant in PLANTS:
         plan = [(case, law, seed) for case in cases for law in case.laws for seed in seeds]
 
         def kept(place: int, run: Run, plan: Sequence[tuple[RigidCase, str, int]] = plan,
@@ -159,6 +154,6 @@ def run_rigid_comparison(
         name = "on tyres" if plant == "mujoco" else "on the plane model"
         texts = f"Compiling the laws {name}", f"Running the laws {name}"
         runs = [(case.planned(law, plant), seed) for case, law, seed in plan]
-        results = run_cases(simulate, prepare, runs, kept, jobs, progress or Silent(), texts)
+        results = run_cases(runs, kept, jobs, progress or Silent(), texts)
         rows += [row for row in results if not isinstance(row, Refusal)]
     return RigidComparison(tuple(rows), MappingProxyType(whole))

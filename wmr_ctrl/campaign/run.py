@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from wmr_ctrl.campaign.engine import PhaseProgress, Prepare, Refusal, Silent, Simulate, run_cases
+from wmr_ctrl.campaign.engine import PhaseProgress, Refusal, Silent, run_cases
 from wmr_ctrl.campaign.plan import PlannedRun
 from wmr_ctrl.campaign.table import FigureRow, FigureTable, row_of
 from wmr_ctrl.errors import ArgumentError
@@ -26,8 +26,6 @@ class Campaign:
 
 
 def run_campaign(
-    simulate: Simulate,
-    prepare: Prepare,
     plan: Sequence[PlannedRun],
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
@@ -52,7 +50,7 @@ def run_campaign(
     runs = [(task.case, task.seed) for task in plan]
     results = [
         item
-        for item in run_cases(simulate, prepare, runs, result, jobs, shown, texts)
+        for item in run_cases(runs, result, jobs, shown, texts)
         if not isinstance(item, Refusal)  # nobody switches a guard on here
     ]
     whole = {(row.scenario, row.law): run for row, run in results if run is not None}

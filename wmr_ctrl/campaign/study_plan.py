@@ -101,7 +101,7 @@ class StudyPlan:
         """The case of a cell."""
         law, guard = divmod(cell % (len(self.laws) * len(self.guards)), len(self.guards))
         changes = dict(zip(self.keys, self.values(cell), strict=True))
-        return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes)
+        return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes, self.plant)
 
     @cached_property
     def identity(self) -> str:

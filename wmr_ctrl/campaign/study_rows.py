@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import (
-    PlannedCase,
-    Prepare,
-    Refusal,
-    Silent,
-    Simulate,
-    prepared_cases,
-)
+from wmr_ctrl.campaign.engine import PlannedCase, Refusal, Silent, built_loops
 from wmr_ctrl.campaign.figures import figure_named
 from wmr_ctrl.campaign.study_plan import SHARES
 from wmr_ctrl.results import Run, outcome_of
 from wmr_ctrl.sim.batch import Task, run_tasks
 from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, column_of, monitor, tracked
+from wmr_ctrl.sim.many import run_each
 from wmr_ctrl.sim.ready import Ready
 
 REFUSED = "refused"
@@ -29,13 +23,6 @@ MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 Columns: TypeAlias = dict[str, np.ndarray]
 Runs: TypeAlias = Sequence[tuple[Ready, int]]
-TakeColumns: TypeAlias = Callable[[Runs, Sequence[str], int | None], Columns]
-"""``outcome`` and the figures of those names of some runs, on so many threads or processes."""
-RowsOnTyres: TypeAlias = Callable[
-    [Runs, Callable[[Run], list[float]], int | None],
-    list[tuple[dict[str, np.ndarray], list[float]]],
-]
-"""Such as `wmr_ctrl.physics.many.rigid_rows`."""
 
 
 @dataclass(frozen=True)
@@ -47,21 +34,23 @@ class StudyChunk:
 
     runs: tuple[tuple[PlannedCase, int], ...]
     figures: tuple[str, ...]
-    plant: str = "ode"
     loops: tuple[Ready | Refusal, ...] = ()
 
-    def with_loops(self, prepare: Prepare) -> StudyChunk:
+    def with_loops(self) -> StudyChunk:
         """The same with its loops; as it is where almost every run has a case of its own."""
         cases = [case for case, _ in self.runs]
         if len(set(map(id, cases))) > MOST_LOOPS:
             return self
-        return replace(self, loops=tuple(prepared_cases(prepare, cases, Silent(), "")))
+        return replace(self, loops=tuple(built_loops(cases, Silent(), "")))
 
 
-def chunk_rows(chunk: StudyChunk, prepare: Prepare, take: TakeColumns, jobs: int | None) -> Columns:
-    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none."""
+def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
+    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none.
+
+    On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
+    """
     cases = (case for case, _ in chunk.runs)
-    loops = chunk.loops or prepared_cases(prepare, cases, Silent(), "")
+    loops = chunk.loops or built_loops(cases, Silent(), "")
     places = [place for place, loop in enumerate(loops) if not isinstance(loop, Refusal)]
     seeds = [seed for _, seed in chunk.runs]
     ready = [
@@ -73,6 +62,7 @@ def chunk_rows(chunk: StudyChunk, prepare: Prepare, take: TakeColumns, jobs: int
     outcome = [REFUSED] * len(loops)
     refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
     if ready:
+        take = _take_in_lanes if chunk.runs[0][0].plant == "ode" else _take_on_tyres
         taken = take(ready, chunk.figures, jobs)
         for place, text in zip(places, taken["outcome"], strict=True):
             outcome[place] = str(text)
@@ -81,22 +71,20 @@ def chunk_rows(chunk: StudyChunk, prepare: Prepare, take: TakeColumns, jobs: int
     return {"outcome": np.array(outcome), "refusal": np.array(refusal), **rows}
 
 
-def take_in_lanes(
-    simulate: Simulate, ready: Runs, names: Sequence[str], jobs: int | None
-) -> Columns:
+def _take_in_lanes(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
     """On the plane model: figures that the loop adds up by itself; others by whole runs."""
     columns = _sums(ready, jobs)
     whole = [name for name in names if name not in columns]
-    return columns | (_logged(ready, whole, simulate, jobs) if whole else {})
+    return columns | (_logged(ready, whole, jobs) if whole else {})
 
 
-def take_on_tyres(
-    rows_of: RowsOnTyres, ready: Runs, names: Sequence[str], jobs: int | None
-) -> Columns:
+def _take_on_tyres(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
     """On the rigid body: all figures from whole runs, each made once."""
+    from wmr_ctrl.physics.many import rigid_rows
+
     summed = {*SHARES, *(column.name for column in (*COLUMNS, *RIGID_COLUMNS))}
     whole = [name for name in names if name not in summed]
-    pairs = rows_of(ready, partial(_figures_of, whole), jobs)
+    pairs = rigid_rows(ready, partial(_figures_of, whole), jobs)
     figures = {name: np.array([row[name] for row, _ in pairs]) for name in pairs[0][0]}
     further = dict(zip(whole, np.array([values for _, values in pairs]).T, strict=True))
     return _columns(figures, figures["tracked"], figures["outcome"]) | further
@@ -126,9 +114,9 @@ def _columns(
     return columns | {"outcome": outcome}
 
 
-def _logged(ready: Runs, names: Sequence[str], simulate: Simulate, jobs: int | None) -> Columns:
+def _logged(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
     """Figures that need a whole log, from runs made once more."""
-    table = np.array(simulate(ready, lambda _, run: _figures_of(names, run), jobs), dtype=float)
+    table = np.array(run_each(ready, lambda _, run: _figures_of(names, run), jobs), dtype=float)
     return dict(zip(names, table.T, strict=True))
 
 

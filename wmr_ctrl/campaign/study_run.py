@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import PhaseProgress, Silent
-from wmr_ctrl.campaign.study_plan import StudyPlan
-from wmr_ctrl.campaign.study_rows import StudyChunk
+from wmr_ctrl import __version__
+from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Silent, build_loop
+from wmr_ctrl.campaign.executors import executor_named
+from wmr_ctrl.campaign.study_plan import StudyPlan, load_plan, plan_of
+from wmr_ctrl.campaign.study_rows import StudyChunk, chunk_rows
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
 from wmr_ctrl.errors import WmrError
+from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.sim.batch import check_jobs
 
 IN_FLIGHT = 3
 """Chunks that wait at an executor for each that runs."""
@@ -51,6 +58,65 @@ class StudyOutcome:
         head = f"{self.runs} of {self.planned} planned runs{early}; the table: {self.table}"
         why = [f"{count} refused: {reason}" for reason, count in self.refused.items()]
         return "\n".join((head, *why))
+
+
+@checks_arguments
+def study(
+    plan: str | Path | Mapping[str, object] | StudyPlan,
+    out: str | Path,
+    *,
+    executor: str | Executor = "threads",
+    jobs: int | None = None,
+    progress: PhaseProgress | None = None,
+) -> StudyOutcome:
+    """Run a plan (a TOML file, its tables, or a StudyPlan) and write ``out``/table.csv.
+
+    ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
+    as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
+    The table has the same bytes for all of them, and however often the study was interrupted:
+    called again, it makes what is missing.  A plan with the plant "mujoco" has its runs made by
+    processes in the place of threads, and needs the extra physics.  Raises ArgumentError,
+    UnknownNameError, ScenarioError, ResultFileError, MissingExtraError or CompilerError; what is
+    finished stays.
+    """
+    check_jobs(jobs)
+    if isinstance(plan, str | Path):
+        plan = load_plan(plan)
+    chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
+    if chosen.plant == "mujoco":
+        _check_body(chosen.scenario)
+    facts = partial(study_facts, chosen.scenario, chosen.laws, chosen.plant)
+    with ThreadPoolExecutor(1) as beside:
+        known = beside.submit(facts)  # while processes start
+        with executor_named(executor, jobs, known.result, facts) as running:
+            made_by = known.result()
+            return run_study(chosen, Path(out), chunk_rows, made_by, running, jobs, progress)
+
+
+def _check_body(scenario: Scenario) -> None:
+    """Raise MissingExtraError, or ScenarioError for what no rigid body is."""
+    from wmr_ctrl.physics.description import description
+    from wmr_ctrl.physics.rigid import mujoco
+
+    mujoco()
+    description(scenario)
+
+
+def study_facts(scenario: Scenario, laws: tuple[str, ...], plant: str) -> dict[str, str]:
+    """What decides a result besides the plan: the version, and the code of the plan's laws.
+
+    The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
+    a kind of machine does so before its first chunk.
+    """
+    cases = (PlannedCase(scenario, law, False, plant=plant) for law in laws)
+    digests = [build_loop(case).compiled.digest for case in cases]
+    code = hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]
+    facts = {"version": __version__, "kernels": code}
+    if plant == "mujoco":
+        from wmr_ctrl.physics.rigid import mujoco
+
+        facts["mujoco"] = str(mujoco().__version__)
+    return facts
 
 
 def run_study(
@@ -154,7 +220,7 @@ def _chunk(plan: StudyPlan, block: Sequence[int]) -> StudyChunk:
     """The runs of some indices; those of a cell share their case."""
     cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
     runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
-    return StudyChunk(tuple(runs), plan.figures, plan.plant)
+    return StudyChunk(tuple(runs), plan.figures)
 
 
 def _sent(

@@ -161,7 +161,7 @@ def write_run(
             animate_run(run, animate, progress=progress)
         say("wrote", animate)
     if film:
-        from wmr_ctrl.engines import film_run
+        from wmr_ctrl.outputs import film_run
 
         with Progress("film") as progress:
             film_run(run, film, progress)
