@@ -230,7 +230,7 @@ def reproduce(
 
 def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
-    from wmr_ctrl.proofs.staleness import stale_entries
+    from wmr_ctrl.proofs.runner import stale_entries
     from wmr_ctrl.report.reproduction import Facts
     from wmr_ctrl.sim.compiled_law import ROUNDS, seconds_of
 

@@ -13,7 +13,7 @@ from functools import lru_cache
 from multiprocessing import get_context
 
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
+from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load, stale
 
 PROCESSES = 2
 LEAST_COST = 0.1
@@ -72,6 +72,14 @@ def hashes() -> dict[str, str]:
     from wmr_ctrl.proofs.claims import all_claims
 
     return {claim.id: graph_hash(claim) for claim in all_claims()}
+
+
+def stale_entries() -> list[str] | None:
+    """Ids whose graph has changed since the ledger was committed; None without the extras."""
+    try:
+        return stale(hashes(), load())
+    except ImportError:
+        return None
 
 
 def _matches(key: str, asked: str) -> bool:

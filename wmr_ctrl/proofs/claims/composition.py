@@ -17,8 +17,7 @@ from wmr_ctrl.proofs.claims.common import (
     BarrierAxis,
     LawGraph,
 )  # fmt: skip
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis
-from wmr_ctrl.proofs.claims.guard_late import LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis, LateAxis
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import target_cases
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols

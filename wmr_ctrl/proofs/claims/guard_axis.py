@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.guard.guard import Bounds, clipped
+from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
 PRESENT = "v y asked mass t"
+LATE = "delay ahead back arrived sent other periods since extra"
 
 
 @dataclass(frozen=True)
@@ -81,3 +83,116 @@ class GuardAxis:
         b = self.bounds
         start = ca.fmax(way * self["v"], b.f_speed)
         return start + self["t"] * ca.fmax(way * self.force + self.net + more, 0) / self["mass"]
+
+
+@dataclass(frozen=True)
+class LateAxis(GuardAxis):
+    """One axis behind a delay: any number of commands under way, by what they add up to.
+
+    ``arrived`` bounds v (or -v) at the instant at which the new command starts to act; ``place`` is
+    the axis among the two that a command has.
+    """
+
+    place: int = 0
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name."""
+        return symbols(f"{NUMBERS} {PRESENT} {LATE}", f"{NUMBERS} delay")
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """What the guard's graph reads."""
+        at_once = Bounds(**{name: self[name] for name in NUMBERS.split()})
+        return replace(at_once, delay=self["delay"])
+
+    @property
+    def coming(self) -> UnderWay:
+        """What is under way, as its two sums."""
+        return UnderWay(self["ahead"], self["back"])
+
+    @cached_property
+    def one(self) -> UnderWay:
+        """What is under way where it is a single command ``sent`` for some ``periods``."""
+        pair = [self["other"], self["other"]]
+        pair[self.place] = self["sent"]
+        return under_way([(ca.vertcat(*pair), self["periods"])], self.place, self.bounds)
+
+    @cached_property
+    def largest(self) -> ca.SX:
+        """What no command exceeds."""
+        return largest_force(self.bounds)
+
+    @property
+    def cuts(self) -> dict[str, ca.SX]:
+        """Caps that stand for any numbers with what `capped` says of them."""
+        return {"brakes": self.bounds.braking, "largest": self.largest}
+
+    @property
+    def force(self) -> ca.SX:
+        """What the guard lets through."""
+        return clipped(self["asked"], self["y"], self.bounds, self.coming)
+
+    @property
+    def hi(self) -> ca.SX:
+        """Largest safe force."""
+        return ceiling(self["y"], self.bounds, self.coming)
+
+    @property
+    def lo(self) -> ca.SX:
+        """Smallest safe force."""
+        return floor(self["y"], self.bounds, self.coming)
+
+    def sound(self, faster: float = 1) -> tuple[Relation, ...]:
+        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1: no word about dbar."""
+        b = self.bounds
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self["delay"])]
+        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
+        return (
+            *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
+            at_least(ca.SX(faster), b.alpha * b.period), at_least(b.u1, 2 * b.nbar),
+        )  # fmt: skip
+
+    def can_be_kept(self, pushed: float = 1) -> tuple[Relation, ...]:
+        """The theorem's hypotheses; a factor above 1 relaxes the first."""
+        b = self.bounds
+        need = 2 * self.net * (1 + b.alpha * self["delay"])
+        have = b.M_min * b.alpha * (b.u1 - b.f_speed)
+        return (*self.sound(), at_least(pushed * have, need), at_least(b.brake, self.net))
+
+    @property
+    def capped(self) -> tuple[Relation, ...]:
+        """What guard.delay.caps proves of the caps, but for their sum."""
+        b = self.bounds
+        return (
+            at_least(b.braking), at_least(b.braking, self.net), at_least(self.largest, b.braking),
+        )  # fmt: skip
+
+    def shared(self, more: float = 1) -> Relation:
+        """The caps' sum: both directions together keep what braking needs."""
+        b = self.bounds
+        late = self["delay"] * (self.largest + self.net) / b.M_min
+        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
+        return at_least(b.u1 - b.f_speed, late + more * needed)
+
+    def room(self, coming: UnderWay, more: float = 1) -> Relation:
+        """M_min alpha (u1 - f_speed - ahead - back) >= max(brakes + net, 0)."""
+        b = self.bounds
+        left = b.M_min * b.alpha * (more * (b.u1 - b.f_speed) - coming.ahead - coming.back)
+        return at_least(left, ca.fmax(b.braking + self.net, 0))
+
+    @property
+    def moving(self) -> tuple[Relation, ...]:
+        """ahead >= 0, back >= 0."""
+        return at_least(self["ahead"]), at_least(self["back"])
+
+    def arrives(self, way: int, more: ca.SX | float = 0) -> tuple[Relation, ...]:
+        """f_speed <= arrived <= max(way v, f_speed) + what is under way (+ more)."""
+        coming = self["ahead"] if way > 0 else self["back"]
+        most = ca.fmax(way * self["v"], self["f_speed"]) + coming + more
+        return at_least(most, self["arrived"]), at_least(self["arrived"], self["f_speed"])
+
+    def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+        """Comparison bound t after the new command has started to act."""
+        push = ca.fmax(way * self.force + self.net + more, 0)
+        return self["arrived"] + self["t"] * push / self["mass"]

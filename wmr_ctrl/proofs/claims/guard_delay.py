@@ -14,7 +14,7 @@ import casadi as ca
 from wmr_ctrl.guard.delay import under_way
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard_late import LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import LateAxis
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, symbols

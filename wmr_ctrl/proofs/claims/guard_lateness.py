@@ -11,7 +11,7 @@ from wmr_ctrl.guard.delay import Tails, UnderWay, under_way
 from wmr_ctrl.guard.guard import clipped, feasible
 from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard_late import LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import LateAxis
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, COUNTED, LatestAxis, rooms_of
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols

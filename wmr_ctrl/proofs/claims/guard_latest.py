@@ -13,8 +13,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import Bounds, room
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT
-from wmr_ctrl.proofs.claims.guard_late import LATE, LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import LATE, NUMBERS, PRESENT, LateAxis
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 SUMS = "ahead back rest_ahead rest_back"

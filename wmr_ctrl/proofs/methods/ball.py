@@ -9,8 +9,7 @@ from math import inf, nextafter
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
 from wmr_ctrl.proofs.methods.interval import Interval
 from wmr_ctrl.proofs.methods.interval_arithmetic import EmptyWayError, IntervalArithmetic
-from wmr_ctrl.proofs.methods.point import judge
-from wmr_ctrl.proofs.methods.refute import first_violation
+from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.spec import Ball
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths

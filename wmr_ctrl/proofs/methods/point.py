@@ -5,14 +5,16 @@ This is what a counterexample must survive: hypotheses certain, goal certainly v
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from fractions import Fraction
 from math import isqrt
 from typing import Any
 
 from flint import arb, ctx, fmpq
 
+from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
 from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
+from wmr_ctrl.proofs.methods.spec import Point, Refute, Table
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk
 
@@ -73,6 +75,44 @@ class PointArithmetic:
     def number(self, condition: bool) -> Fraction:
         """1 or 0."""
         return Fraction(int(condition))
+
+
+def decide_points(statement: Statement, method: Refute) -> Finding:
+    """REFUTED by the first point that keeps every hypothesis and breaks a goal."""
+    found = first_violation(statement, method.points)
+    if found is None:
+        return Finding(OPEN, {"points tried": len(method.points)})
+    return Finding(REFUTED, {"points tried": len(method.points)}, found)
+
+
+def first_violation(statement: Statement, points: Iterable[Point]) -> Point | None:
+    """The first exact counterexample among ``points``."""
+    for point in points:
+        given, goal = judge(statement, point)
+        if given and not goal:
+            return point
+    return None
+
+
+def decide_table(statement: Statement, method: Table) -> Finding:
+    """PROVED if it holds at every point, REFUTED by the first at which it certainly does not."""
+    points = method.points()
+    for point in points:
+        if certainly(statement, _as_balls(point)) or certainly(statement, _exact(point)):
+            continue
+        given, goal = judge(statement, _exact(point))
+        found = _exact(point) if given and not goal else None
+        return Finding(REFUTED if found else OPEN, {"points": len(points)}, found)
+    return Finding(PROVED, {"points": len(points)}, _exact(points[0]))
+
+
+def _as_balls(point: Point) -> Point:
+    """Coordinates that are doubles as exact balls, which is faster; the rest as they are."""
+    return {name: arb(v) if isinstance(v, float) else v for name, v in point.items()}
+
+
+def _exact(point: Point) -> Point:
+    return {name: Fraction(v) if isinstance(v, float) else v for name, v in point.items()}
 
 
 def evaluate(statement: Statement, point: Mapping[str, Any]) -> list[Any]:

@@ -14,9 +14,8 @@ import z3
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
 from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
 from wmr_ctrl.proofs.methods.domain import violations
-from wmr_ctrl.proofs.methods.point import judge
+from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
-from wmr_ctrl.proofs.methods.refute import first_violation
 from wmr_ctrl.proofs.methods.spec import Z3, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any, ClassVar
 
 from wmr_ctrl.proofs.case import Case
-from wmr_ctrl.proofs.finding import Finding
+from wmr_ctrl.proofs.finding import OPEN, REFUTED, Finding
 from wmr_ctrl.proofs.statement import Statement
 
 Point = Mapping[str, Any]
@@ -17,7 +17,7 @@ Point = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Method:
-    """Base: ``decide`` loads the engine when it is first needed."""
+    """Base: ``decide`` loads the engine, ``module.function``, when it is first needed."""
 
     ENGINE: ClassVar[str] = ""
     NAME: ClassVar[str] = ""
@@ -26,8 +26,9 @@ class Method:
 
     def decide(self, statement: Statement) -> Finding:
         """PROVED, REFUTED with an exact counterexample, or OPEN."""
-        module = import_module(f"wmr_ctrl.proofs.methods.{self.ENGINE}")
-        found: Finding = module.decide(statement, self)
+        module, _, function = self.ENGINE.partition(".")
+        engine = vars(import_module(f"wmr_ctrl.proofs.methods.{module}"))[function]
+        found: Finding = engine(statement, self)
         return found
 
 
@@ -40,7 +41,7 @@ class Ring(Method):
     stops at the first case that an exact point refutes.
     """
 
-    ENGINE: ClassVar[str] = "ring"
+    ENGINE: ClassVar[str] = "ring.decide"
     NAME: ClassVar[str] = "RING"
     TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
     NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
@@ -62,7 +63,7 @@ class Z3(Method):
     others: what closed it before.
     """
 
-    ENGINE: ClassVar[str] = "smt"
+    ENGINE: ClassVar[str] = "smt.decide"
     NAME: ClassVar[str] = "Z3"
     TRUSTED: ClassVar[tuple[str, ...]] = ("z3",)
     NEEDS: ClassVar[tuple[str, ...]] = ("z3", "flint")
@@ -81,7 +82,7 @@ class Ball(Method):
     ``cuts_at`` are coordinates where boxes are cut first; ``budget`` bounds the number of boxes.
     """
 
-    ENGINE: ClassVar[str] = "ball"
+    ENGINE: ClassVar[str] = "ball.decide"
     NAME: ClassVar[str] = "INTERVAL"
     TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
     NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
@@ -97,7 +98,7 @@ class Ball(Method):
 class Table(Method):
     """Every point of a finite table, doubles or rationals, each in exact or 300-bit arithmetic."""
 
-    ENGINE: ClassVar[str] = "table"
+    ENGINE: ClassVar[str] = "point.decide_table"
     NAME: ClassVar[str] = "POINT"
     TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
     NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
@@ -109,7 +110,7 @@ class Table(Method):
 class Refute(Method):
     """Nothing but exact points: REFUTED by one of them, else OPEN."""
 
-    ENGINE: ClassVar[str] = "refute"
+    ENGINE: ClassVar[str] = "point.decide_points"
     NAME: ClassVar[str] = "POINT"
     TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
     NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
@@ -121,11 +122,23 @@ class Refute(Method):
 class Both(Method):
     """Two methods that must agree; with ``all_refute`` also on a refutation."""
 
-    ENGINE: ClassVar[str] = "both"
-
     first: Method = Ring()
     second: Method = Z3()
     all_refute: bool = False
+
+    def decide(self, statement: Statement) -> Finding:
+        """Their common verdict, with the evidence of both; what they do not agree on is OPEN.
+
+        A counterexample of either refutes, unless both have to find one.
+        """
+        first, second = self.first.decide(statement), self.second.decide(statement)
+        evidence = {**first.evidence, **second.evidence}
+        if first.verdict == second.verdict:
+            return Finding(first.verdict, evidence, first.point)
+        for finding in (first, second):
+            if finding.verdict == REFUTED and not self.all_refute:
+                return Finding(REFUTED, evidence, finding.point)
+        return Finding(OPEN, evidence)
 
 
 def named(method: Method) -> str:
