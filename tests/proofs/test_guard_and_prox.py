@@ -48,7 +48,7 @@ MODULES = (
     smooth,
     composition,
 )
-CLAIMS = [c for module in MODULES for c in module.CLAIMS]
+CLAIMS = [c for module in MODULES for c in module.claim.listed]
 LATE = {"guard.delay.longer", "guard.delay.ignored", "guard.delay.uncapped"}
 LATEST = {"guard.late.half", "guard.late.unmixed", "guard.varying.unvaried"}
 REFUTED = {"guard.too-fast", "wheels.per-wheel", *LATE, *LATEST}

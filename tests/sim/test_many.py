@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import EntryPoint
-from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -29,11 +27,8 @@ def many(overrides: list[dict[str, object]], seeds: list[int], **more: object) -
     return run_many(partial(compile_loop, law="mb"), scenarios, seeds, **more)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BlindGains(Section):
+class BlindGains(Section, key="gains.blind"):
     """None."""
-
-    KEY: ClassVar[str] = "gains.blind"
 
 
 def blind(sample: Sample) -> System:

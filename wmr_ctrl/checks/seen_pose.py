@@ -8,6 +8,7 @@ reference all the same.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 
@@ -66,12 +67,14 @@ def radius_a_sample(moved: Callable[[bool], Floats], samples: int) -> float:
     """Spectral radius, per sample, of a loop that gets a pose every so many samples.
 
     Where the cycle grows beyond all doubles, that of a sample without a pose: hundreds of powers
-    of ten on, the one pose in between makes no difference.
+    of ten on, the one pose in between makes no difference.  Inf for a law that has no derivative
+    there.
     """
     whole = cycle(moved, samples)
-    if not np.isfinite(whole).all():
-        return float(np.abs(np.linalg.eigvals(moved(False))).max())
-    return float(np.abs(np.linalg.eigvals(whole)).max()) ** (1 / samples)
+    if np.isfinite(whole).all():
+        return float(np.abs(np.linalg.eigvals(whole)).max()) ** (1 / samples)
+    alone = moved(False)
+    return float(np.abs(np.linalg.eigvals(alone)).max()) if np.isfinite(alone).all() else math.inf
 
 
 def _wide(rows: Floats, more: int) -> Floats:
