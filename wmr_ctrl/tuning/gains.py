@@ -4,9 +4,10 @@ Objective, to be made small: the root of the mean over all training runs of
 
     position_rms^2 + (weight torque_change_rms)^2
 
-with the position's RMS over the last quarter and the torques' change over the last half of a run.
-The runs: every training seed, once with the scenario as it is and once for each of `MASSES`, the
-true mass and inertia over the believed ones, without the scenario's changes.  A run that ends early
+with the position's RMS over the last quarter and the torques' change over the last half of a run,
+of a path that stops over its drive (`results.tracking`).  The runs: every training seed, once with
+the scenario as it is and once for each of `MASSES`, the true mass and inertia over the believed
+ones, without the scenario's changes.  A run that ends early
 counts as LOST metres.  Gains are searched as logarithms, from the scenario's own; the guard is off,
 so that it hides nothing.  Seeds of the test, and references that were not trained on, judge.
 """
@@ -250,7 +251,7 @@ def _costs(
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     rows = [(case, seed) for case in cases for seed in plan.seeds]
     table = run([case for case, _ in rows], [seed for _, seed in rows])
-    position = np.where(table["stop"] > 0, LOST, table["position_rms"][:, 1])
+    position = np.where(table["stop"] > 0, LOST, table["tracking_drive"][:, 0])
     change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
     squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
     return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
@@ -278,7 +279,7 @@ def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[Tri
     return tuple(
         TrialFigures(
             kind, ratio,
-            float(np.median(table["position_rms"][part, 1])),
+            float(np.median(table["tracking_drive"][part, 0])),
             float(np.median(table["torque_change_rms"][part])),
             (float(table["max_abs_v"][part, 0].max()), float(table["max_abs_v"][part, 1].max())),
             int((table["stop"][part] > 0).sum()),
