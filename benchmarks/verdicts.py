@@ -25,8 +25,8 @@ from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario
 
-CHOSEN_ON, REPORTED_ON = 1_000_000, 2_000_000
-"""First numbers of the runs that thresholds were chosen on, and of those that are reported."""
+CHOSEN_ON, REPORTED_ON = (1_000_000, 2_000_000), 3_000_000
+"""First numbers of the runs that rule and thresholds were chosen on, and of those reported."""
 NAME = "verdicts"
 """Of the part of the page that this writes."""
 OF_SCENARIO = ("objected", "exact-pose", "assumption-void", "bounds-left")
@@ -132,13 +132,12 @@ def faults(run: Run, scenario: Scenario) -> Iterator[str]:
     needs = np.stack((r / 2 * (thrust + moment / l), r / 2 * (thrust - moment / l)))
     pushes = np.stack((c["noise_right"], c["noise_left"]))
     most = min(scenario.actuator.tau_max, 20.0 if run.law == "prox" else np.inf)
-    change = np.diff(tau, axis=1)[:, drive[1:]]
+    still = np.zeros_like(drive) if goal is None else t >= goal
     usual = max(_rms(needs[:, drive]), _rms(pushes), 0.1 * most if np.isfinite(most) else 0.0)
-    if _rms(change) > usual:
+    parts = [part for part in (drive, still) if part.any()]
+    if max(_rms(np.diff(tau, axis=1)[:, part[1:]]) for part in parts) > usual:
         yield "torques change more from sample to sample than the motion needs in all"
-    extra = (tau - needs)[:, drive]
-    slow = np.stack([_moving_mean(wheel, round(2 / scenario.clock.control)) for wheel in extra])
-    if _rms(extra - slow) > usual:
+    if max(_restless((tau - needs)[:, part], scenario.clock.control) for part in parts) > usual:
         yield "torques swing within 2 s by more than the motion needs in all"
     if (np.abs(tau).max(axis=0)[drive] > 0.999 * most).mean() > 0.2:
         yield "torques at their limit in a fifth of the samples"
@@ -152,6 +151,12 @@ def faults(run: Run, scenario: Scenario) -> Iterator[str]:
         yield "the guard drives in 30 % of the samples"
     if ((c["v1"] * c["v1_d"])[drive] < 0).mean() > 0.3:
         yield "drives backwards in 30 % of the samples"
+
+
+def _restless(torques: np.ndarray, period: float) -> float:
+    """RMS of torques (2, N) about their mean over 2 s [N m]."""
+    slow = np.stack([_moving_mean(wheel, round(2 / period)) for wheel in torques])
+    return _rms(torques - slow)
 
 
 def _moving_mean(values: np.ndarray, count: int) -> np.ndarray:

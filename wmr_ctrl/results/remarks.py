@@ -35,7 +35,7 @@ from wmr_ctrl.results.wording import percent
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
 
-HELD_BACK = 0.2
+HELD_BACK = 0.25
 """Share of the drive's samples from which the guard holds a run back."""
 SATURATED = 0.2
 """Share of the samples with a wheel at its torque limit from which drives are too weak."""
