@@ -1,6 +1,6 @@
 """What a run's verdict is worth: remarks against labels by a written rule on columns.
 
-``python -m benchmarks.verdicts [--runs 400] [--out docs/verdicts.md]``.  Random scenarios over
+``python -m benchmarks.verdicts [--runs 310] [--out docs/verdicts.md]``.  Random scenarios over
 laws, presets, periods, encoders, windows, lags, delays, noise, masses, torque limits and references
 are run; an engineer's rule on the logged columns, `faults`, says which runs are bad, and the run's
 own remarks say which of them are told.  The rule shares no code with the remarks.  Thresholds were
@@ -233,7 +233,7 @@ def _share(part: Sequence[Judged], whole: Sequence[Judged]) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run all, print the tables, and with ``--out`` renew the page's."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=400)
+    parser.add_argument("--runs", type=int, default=310)
     parser.add_argument("--first", type=int, default=REPORTED_ON)
     parser.add_argument("--out", type=Path)
     parser.add_argument("--each", action="store_true", help="print every run that is misjudged")
