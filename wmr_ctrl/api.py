@@ -154,12 +154,14 @@ def simulate_many(
     plant: str = "ode",
     guard: bool | None = None,
     starts: Iterable[Iterable[float]] | None = None,
+    figures: Iterable[str] = (),
     jobs: int | None = None,
     progress: types.Progress | None = None,
 ) -> RunTable:
     """Figures of one run per seed as arrays, several robots at a time on each core.
 
     ``overrides`` is one mapping for all runs, or one a seed; ``starts`` (n, 5) are states at t = 0.
+    ``figures``: names of further figures of the catalogue, those of other packages too.
     ``plant`` "mujoco" is the rigid body: ``jobs`` are processes then, and the table has slip, wheel
     speed, tilt and tip margin too.  Results do not depend on ``jobs``.  Ctrl-C ends all threads
     within a sample, and processes at once.  Errors as in `simulate`.
@@ -177,7 +179,7 @@ def simulate_many(
     rows = None if starts is None else checked_starts(starts)
     each = [overrides] if overrides is None or isinstance(overrides, Mapping) else overrides
     scenarios = [scenario_of(scenario, item, guard) for item in each]
-    return table_of(plant, scenarios, law, listed, rows, jobs, progress)
+    return table_of(plant, scenarios, law, listed, rows, tuple(figures), jobs, progress)
 
 
 @checks_arguments

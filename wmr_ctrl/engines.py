@@ -77,6 +77,7 @@ def table_of(
     law: str,
     seeds: Sequence[int],
     starts: Sequence[Sequence[float]] | None = None,
+    figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
@@ -87,7 +88,9 @@ def table_of(
         run, build = run_rigid_many, partial(ready_plantless, law=law)
     else:
         run, build = run_many, partial(ready_batch, law=law)
-    return run(build, scenarios, seeds, starts=starts, jobs=jobs, progress=progress)
+    return run(
+        build, scenarios, seeds, starts=starts, figures=figures, jobs=jobs, progress=progress
+    )
 
 
 def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:

@@ -24,13 +24,13 @@ from wmr_ctrl.fields.values import Quantity, Range
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.paper.equations import equations
 from wmr_ctrl.paper.symbols import symbols
+from wmr_ctrl.results.figures import SUMMED
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.scenario import preset_titles
 from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.signals import Signal
-from wmr_ctrl.sim.figures import COLUMNS
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -179,7 +179,7 @@ def paper_symbols() -> str:
 
 def figures() -> str:
     """Columns of tables of many runs."""
-    rows = ((code(c.name), c.unit, c.meaning) for c in COLUMNS)
+    rows = ((code(c.name), c.unit, c.meaning) for c in SUMMED)
     return table(("column", "unit", "meaning"), rows)
 
 
@@ -285,7 +285,7 @@ BUILDING = (
     "wmr_ctrl.world.effect.Rate",
     "wmr_ctrl.world.effect.Bound",
     "wmr_ctrl.world.references.kind.ReferenceKind",
-    "wmr_ctrl.campaign.figures.Figure",
+    "wmr_ctrl.results.figures.Figure",
 )
 
 

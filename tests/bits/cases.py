@@ -64,7 +64,7 @@ class Case:
     @property
     def windows(self) -> list[tuple[int, int]]:
         """Windows of the sums."""
-        return windows_of(self.loop.settings)
+        return list(windows_of(self.loop.settings).values())
 
     def bits(self) -> bytes:
         """What case.c shows, from our library: rows, findings, state; findings, state, sums."""

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign import FIGURES, figure_named, row_of
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.campaign import row_of
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
+from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.2, 1), (0.5, 1), "diverged")
 
@@ -23,10 +24,10 @@ def value(name, run):
 def test_names_are_unique_and_headings_carry_units():
     names = [figure.name for figure in FIGURES]
 
-    assert len(set(names)) == len(names)
-    assert figure_named("tau_rms").heading == "tau_rms [N.m]"
+    assert len(set(names)) == len(names) > 60
+    assert FIGURES["tau_rms"].heading == "tau_rms [N.m]"
     with pytest.raises(UnknownNameError):
-        figure_named("tau_mean")
+        FIGURES["tau_mean"]
 
 
 def test_a_run_that_ended_early_has_the_figures_that_it_covers():
@@ -78,3 +79,27 @@ def test_numbers_that_are_not_finite_are_none():
         run = build(duration=80.0, x=1e300)
 
     assert value("ise_total", run) is None
+
+
+def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
+    twice = Figure("twice", "1", "a number", lambda run: 2.0)
+    monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
+
+    assert value("twice", build()) == 2.0
+    assert build().summary()["figures"] == {"twice": 2.0}
+
+
+def test_a_figure_of_another_package_that_fails_is_named(monkeypatch):
+    wrong = Figure("wrong", "1", "a number", lambda run: run.speed)
+    monkeypatch.setitem(FIGURES.__dict__, "plugins", (wrong,))
+
+    with pytest.raises(ArgumentError, match="figure 'wrong' cannot be taken: AttributeError"):
+        row_of(build())
+
+
+def test_a_figure_of_another_package_with_a_name_of_ours_is_refused(monkeypatch):
+    taken = Figure("tau_rms", "1", "a number", lambda run: 2.0)
+    monkeypatch.setattr("wmr_ctrl.results.figures.loaded", lambda group, kind: (taken,))
+
+    with pytest.raises(ArgumentError, match="'tau_rms' of another package"):
+        list(FigureRegistry())

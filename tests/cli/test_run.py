@@ -18,7 +18,7 @@ KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "outcome", "ise",
         "usable_speed", "reference_speed",
         "torque_change_rms", "torque_needed_rms", "saturated_share", "max_abs_v", "violations",
         "rigid", "d_least", "dbar", "tau_peak",
-        "tau_rms", "e_rms", "remarks", "provenance"]  # fmt: skip
+        "tau_rms", "e_rms", "figures", "remarks", "provenance"]  # fmt: skip
 
 
 def test_json_is_the_summary_of_the_saved_run(short_run, tmp_path):

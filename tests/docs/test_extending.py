@@ -13,6 +13,7 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.world.references.registry import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -44,6 +45,8 @@ def example(request, tmp_path, monkeypatch):
         monkeypatch.setitem(LAWS.__dict__, "plugins", {name: entry})
     if hasattr(module, "KIND"):
         monkeypatch.setitem(REFERENCES.__dict__, "plugins", (module.KIND,))
+    if hasattr(module, "FIGURE"):
+        monkeypatch.setitem(FIGURES.__dict__, "plugins", (module.FIGURE,))
     if hasattr(module, "EFFECT"):
         monkeypatch.setitem(EFFECTS.__dict__, "plugins", (module.EFFECT,))
     yield name, module
@@ -62,5 +65,5 @@ def test_every_kind_of_extension_is_shown():
     assert set(FILES) == {
         "my_law", "my_reference", "my_sensor", "my_disturbance", "my_drive", "my_figure",
     }  # fmt: skip
-    for group in ("wmr_ctrl.laws", "wmr_ctrl.references", "wmr_ctrl.effects"):
-        assert group in page
+    for group in ("laws", "references", "effects", "figures"):
+        assert f"`wmr_ctrl.{group}`" in page

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from wmr_ctrl.campaign.figures import FIGURES
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario.scenario import sections
-from wmr_ctrl.sim.figures import COLUMNS
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 
@@ -32,13 +31,8 @@ def test_every_section_of_a_scenario_stands_under_its_own_key():
         assert key == section.KEY
 
 
-def test_a_figure_has_one_unit_wherever_it_is_tabulated():
-    """Tables of whole runs and tables of sums share names; then they share the unit too."""
-    of_runs = {figure.name: figure.unit for figure in FIGURES}
-    of_sums = {column.name: column.unit for column in COLUMNS}
-    shared = of_runs.keys() & of_sums.keys()
+def test_a_figure_is_found_by_its_name():
+    names = [figure.name for figure in FIGURES]
 
-    assert len(of_runs) == len(FIGURES)
-    assert len(of_sums) == len(COLUMNS)
-    assert shared >= {"ise_total", "tau_rms"}
-    assert {name: of_runs[name] for name in shared} == {name: of_sums[name] for name in shared}
+    assert len(set(names)) == len(names)
+    assert [FIGURES[name].name for name in names] == names

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate, simulate_many
-from wmr_ctrl.sim.figures import COLUMNS
+from wmr_ctrl.results.figures import RIGID, SUMMED
+from wmr_ctrl.sim.figures import SHAPES
 
 SHORT = {"clock.duration": 4.0}
 
@@ -39,9 +40,11 @@ def test_columns_are_what_a_run_of_that_seed_says(table):
 
 
 def test_each_number_of_a_figure_has_one_column():
-    places = [(column.figure, column.index) for column in COLUMNS]
+    places = [(figure.array, figure.index) for figure in SUMMED]
 
-    assert len({column.name for column in COLUMNS}) == len(set(places)) == len(COLUMNS)
+    assert len(set(places)) == len(SUMMED)
+    assert {array for array, _ in places} <= set(SHAPES)
+    assert not {figure.array for figure in RIGID} & set(SHAPES)
 
 
 def test_a_table_goes_on_into_pandas(table):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate_many, simulate_runs
+from wmr_ctrl.physics.many import figures_taken
 from wmr_ctrl.sim.figures import SHAPES
-from wmr_ctrl.sim.taken import figures_taken
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ def structure(number: int) -> tuple[str, Changes]:
 
 def bits(tasks: list[Task]) -> list[list[bytes]]:
     """All that the runs of a batch leave, with a log and without."""
-    windows = windows_of(tasks[0].loop.settings)
+    windows = list(windows_of(tasks[0].loop.settings).values())
     logged, watched = laid_out(tasks, [], log=True), laid_out(tasks, windows)
     logged.run()
     watched.run()

@@ -6,7 +6,6 @@ What compiles is imported within functions, so that a worker that only runs star
 """
 
 from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Silent
-from wmr_ctrl.campaign.figures import FIGURES, Figure, figure_named
 from wmr_ctrl.campaign.plan import (
     AS_STATED,
     BARRIER_LAWS,
@@ -23,13 +22,11 @@ from wmr_ctrl.campaign.table import STATISTICS, FigureRow, FigureTable, Spread, 
 __all__ = [
     "AS_STATED",
     "BARRIER_LAWS",
-    "FIGURES",
     "PAPER_LAWS",
     "QUICK_SEEDS",
     "STATISTICS",
     "STUDIES",
     "Campaign",
-    "Figure",
     "FigureRow",
     "FigureTable",
     "PhaseProgress",
@@ -38,7 +35,6 @@ __all__ = [
     "Silent",
     "Spread",
     "Study",
-    "figure_named",
     "paper_plan",
     "row_of",
     "run_campaign",

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TypeAlias
 
 from wmr_ctrl.campaign.engine import PlannedCase
-from wmr_ctrl.campaign.figures import FIGURES
 from wmr_ctrl.campaign.intervals import StopRule
 from wmr_ctrl.campaign.study_sample import LATIN, SOBOL, UNIFORM, SamplePlan
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
@@ -25,10 +24,10 @@ from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fields.limits import SEED_END
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import PLANTS
+from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.scenario.toml_io import is_path
-from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
 Raw: TypeAlias = Mapping[str, object]
 KEYS = (
@@ -39,8 +38,6 @@ ENABLED = "guard.enabled"
 CHUNKS = {"ode": 1024, "mujoco": 32}
 """Runs between two times that results are written: some minutes at most."""
 MOST_RUNS = 10**9
-SHARES = ("violated", "tracked")
-"""Figures that are 0 or 1 a run."""
 
 
 @dataclass(frozen=True)
@@ -306,11 +303,10 @@ def _plant(given: object) -> str:
 
 
 def _figures(given: object, plant: str) -> tuple[str, ...]:
-    columns = (*COLUMNS, *RIGID_COLUMNS) if plant == "mujoco" else COLUMNS
-    ours = [*SHARES, *(column.name for column in columns)]
+    on_tyres = plant == "mujoco"
     if given is None:
-        return tuple(ours)
-    known = [*ours, *(figure.name for figure in FIGURES if figure.name not in ours)]
+        return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))
+    known = [figure.name for figure in FIGURES if on_tyres or figure not in RIGID]
     names = [given] if isinstance(given, str) else given
     if not isinstance(names, list | tuple) or not names:
         raise ArgumentError("figures must be a list of names of figures.")

@@ -10,12 +10,11 @@ from typing import TypeAlias
 import numpy as np
 
 from wmr_ctrl.campaign.engine import PlannedCase, Refusal, Silent, built_loops
-from wmr_ctrl.campaign.figures import figure_named
-from wmr_ctrl.campaign.study_plan import SHARES
-from wmr_ctrl.results import Run, outcome_of
+from wmr_ctrl.results import outcome_of
+from wmr_ctrl.results.figures import RIGID, SHARES, SUMMED
 from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS, SHAPES, column_of, monitor, tracked
-from wmr_ctrl.sim.many import run_each
+from wmr_ctrl.sim.figures import SHAPES, column_of, monitor, tracked
+from wmr_ctrl.sim.many import logged_figures
 from wmr_ctrl.sim.ready import Ready
 
 REFUSED = "refused"
@@ -73,26 +72,8 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
 
 def _take_in_lanes(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
     """On the plane model: figures that the loop adds up by itself; others by whole runs."""
-    columns = _sums(ready, jobs)
-    whole = [name for name in names if name not in columns]
-    return columns | (_logged(ready, whole, jobs) if whole else {})
-
-
-def _take_on_tyres(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
-    """On the rigid body: all figures from whole runs, each made once."""
-    from wmr_ctrl.physics.many import rigid_rows
-
-    summed = {*SHARES, *(column.name for column in (*COLUMNS, *RIGID_COLUMNS))}
-    whole = [name for name in names if name not in summed]
-    pairs = rigid_rows(ready, partial(_figures_of, whole), jobs)
-    figures = {name: np.array([row[name] for row, _ in pairs]) for name in pairs[0][0]}
-    further = dict(zip(whole, np.array([values for _, values in pairs]).T, strict=True))
-    return _columns(figures, figures["tracked"], figures["outcome"]) | further
-
-
-def _sums(ready: Runs, jobs: int | None) -> Columns:
-    """Figures that the loop adds up by itself."""
-    figures = run_tasks([Task(loop, seed) for loop, seed in ready], jobs=jobs)
+    tasks = [Task(loop, seed) for loop, seed in ready]
+    figures = run_tasks(tasks, jobs=jobs)
     guarded = np.array([loop.scenario.guard.enabled for loop, _ in ready])
     figures["guard_share"][~guarded] = 0.0
     outcome = [
@@ -100,26 +81,30 @@ def _sums(ready: Runs, jobs: int | None) -> Columns:
         for k in range(len(ready))
     ]
     judged = tracked(figures, [loop.settings for loop, _ in ready])
-    return _columns(figures, judged, np.array(outcome))
+    columns = _columns(figures, judged, np.array(outcome))
+    whole = [name for name in names if name not in columns]
+    return columns | (logged_figures(tasks, whole, jobs) if whole else {})
+
+
+def _take_on_tyres(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
+    """On the rigid body: all figures from whole runs, each made once."""
+    from wmr_ctrl.physics.many import rigid_figures
+    from wmr_ctrl.physics.workers import make_each
+
+    summed = {*SHARES, *(figure.name for figure in (*SUMMED, *RIGID))}
+    whole = [name for name in names if name not in summed]
+    rows = make_each(partial(rigid_figures, further=whole), ready, jobs)
+    figures = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    further = {name: figures[name] for name in whole}
+    return _columns(figures, figures["tracked"], figures["outcome"]) | further
 
 
 def _columns(
     figures: Mapping[str, np.ndarray], tracked: np.ndarray, outcome: np.ndarray
 ) -> Columns:
     """One array a column: numbers, shares and outcome."""
-    known = [c for c in (*COLUMNS, *RIGID_COLUMNS) if c.figure in figures]
-    columns: Columns = {column.name: column_of(column, figures) for column in known}
-    shares = (columns["violations"] > 0, tracked)
-    columns |= {name: share.astype(float) for name, share in zip(SHARES, shares, strict=True)}
+    known = [figure for figure in (*SUMMED, *RIGID) if figure.array in figures]
+    columns: Columns = {figure.name: column_of(figure, figures) for figure in known}
+    shares = {"violated": columns["violations"] > 0, "tracked": tracked}
+    columns |= {name: share.astype(float) for name, share in shares.items()}
     return columns | {"outcome": outcome}
-
-
-def _logged(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
-    """Figures that need a whole log, from runs made once more."""
-    table = np.array(run_each(ready, lambda _, run: _figures_of(names, run), jobs), dtype=float)
-    return dict(zip(names, table.T, strict=True))
-
-
-def _figures_of(names: Sequence[str], run: Run) -> list[float]:
-    values = [figure_named(name).of(run) for name in names]
-    return [np.nan if value is None else float(value) for value in values]

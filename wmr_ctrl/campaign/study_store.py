@@ -22,12 +22,11 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.figures import FIGURES
-from wmr_ctrl.campaign.study_plan import SHARES, StudyPlan
+from wmr_ctrl.campaign.study_plan import StudyPlan
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Section, quantities
-from wmr_ctrl.sim.figures import COLUMNS, RIGID_COLUMNS
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
@@ -160,11 +159,8 @@ def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
         unit, meaning = _field(plan, key)
         yield key, unit, meaning
     yield "outcome", "", "how the run ended; refused: a guard that cannot keep its limits"
-    known = {column.name: (column.unit, column.meaning) for column in (*COLUMNS, *RIGID_COLUMNS)}
-    known |= {f.name: (f.unit, f.meaning) for f in FIGURES if f.name not in known}
-    known |= {name: ("1", f"1 if {name}, else 0") for name in SHARES}
-    for name in plan.figures:
-        yield name, *known[name]
+    for figure in map(FIGURES.__getitem__, plan.figures):
+        yield figure.name, figure.unit, figure.meaning
     yield REFUSAL, "", "why the guard refused the run, else empty"
 
 

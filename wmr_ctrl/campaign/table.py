@@ -7,12 +7,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.campaign.figures import figure_named, figures_of
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.results import Run
+from wmr_ctrl.results.figures import FIGURES, Figure, values_of
+from wmr_ctrl.results.windows import WINDOWS, named
 
 STATISTICS = ("median", "min", "max", "q25", "q75", "mean", "std")
 """The statistics of a :class:`Spread`, in the order of the table's rows."""
+
+
+_WINDOWS = tuple(map(named, WINDOWS))
+_REPORTED = (
+    "position_rms", "position_rms_last_quarter", "position_max", "d_start",
+    *(f"d_rms_{span}" for span in _WINDOWS), "halving_time", "settling_time",
+    "ise_total", "ise_before", "ise_after", "ise_position", "ise_orientation",
+    *(f"e{axis}_rms_{span}" for axis in (1, 2, 3) for span in _WINDOWS),
+    "max_abs_v1", "max_abs_omega", "limit_ratio", "violated", "violations", "first_violation",
+    "tau_peak", "tau_peak_late", "tau_rms", "V1_start", "V1_late", "V1_rises", "V1_rise_share",
+    "W1_end", "W1_largest", "W2_end", "W2_largest",
+)  # fmt: skip
+
+
+def reported() -> tuple[Figure, ...]:
+    """Figures of the report's tables, in their order; those of other packages at the end."""
+    return (*map(FIGURES.__getitem__, _REPORTED), *FIGURES.plugins)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +79,7 @@ class FigureRow:
 
 def row_of(run: Run) -> FigureRow:
     """The run's labels, outcome and figures."""
-    return FigureRow(run.scenario, run.law, run.seed, run.outcome.value, figures_of(run))
+    return FigureRow(run.scenario, run.law, run.seed, run.outcome.value, values_of(run, reported()))
 
 
 class FigureTable:
@@ -99,7 +117,7 @@ class FigureTable:
 
     def values(self, figure: str, scenario: str, law: str) -> dict[int, float | None]:
         """A figure by seed; raises UnknownNameError for names that are not there."""
-        name = figure_named(figure).name
+        name = FIGURES[figure].name
         return {row.seed: row.values[name] for row in self.case(scenario, law)}
 
     def spread(self, figure: str, scenario: str, law: str) -> Spread:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from functools import partial
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +13,15 @@ from wmr_ctrl.physics.rigid import mujoco
 from wmr_ctrl.physics.run import run_to_end
 from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import Run, tracked
+from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
+from wmr_ctrl.results.monitor import STOP_REASONS
 from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.sim.figures import RIGID_COLUMNS
-from wmr_ctrl.sim.many import RunTable, later, planned_tasks
+from wmr_ctrl.sim.figures import SHAPES
+from wmr_ctrl.sim.many import RunTable, later, not_summed, planned_tasks
 from wmr_ctrl.sim.ready import Ready
-from wmr_ctrl.sim.taken import figures_taken
 
 Row: TypeAlias = dict[str, NDArray[np.generic]]
 """Figures of one run by name, each of its shape."""
-T = TypeVar("T")
 
 
 def run_rigid_many(
@@ -31,6 +30,7 @@ def run_rigid_many(
     seeds: Sequence[int],
     *,
     starts: Sequence[Sequence[float]] | None = None,
+    figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
@@ -46,9 +46,10 @@ def run_rigid_many(
          task.seed)
         for task in tasks
     ]  # fmt: skip
-    rows = make_each(rigid_figures, pairs, jobs, later(progress))
+    whole = not_summed(figures)
+    rows = make_each(partial(rigid_figures, further=whole), pairs, jobs, later(progress))
     table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    return RunTable({**table, "seed": np.array(seeds)})
+    return RunTable({**table, "seed": np.array(seeds)}, whole)
 
 
 def _started(scenario: Scenario, start: tuple[float, ...]) -> Scenario:
@@ -56,34 +57,36 @@ def _started(scenario: Scenario, start: tuple[float, ...]) -> Scenario:
     return override(scenario, {"initial.pose": start[:3], "initial.velocity": start[3:]})
 
 
-def rigid_figures(loop: Ready, seed: int) -> Row:
-    """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped."""
-    return rigid_figures_and(loop, seed, _nothing)[0]
+def rigid_figures(loop: Ready, seed: int, further: Sequence[str] = ()) -> Row:
+    """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
 
-
-def rigid_figures_and(loop: Ready, seed: int, then: Callable[[Run], T]) -> tuple[Row, T]:
-    """The same, and what ``then`` makes of the whole Run."""
+    ``further``: names of figures of the catalogue that are taken besides.
+    """
     run, end = run_to_end(loop, seed)
-    return {**figures_taken(run, end), **_on_tyres(run), **_judged(run)}, then(run)
+    taken = values_of(run, map(FIGURES.__getitem__, further))
+    row = {name: np.array(np.nan if value is None else value) for name, value in taken.items()}
+    return {**figures_taken(run, end), **_judged(run), **row}
 
 
-def rigid_rows(
-    runs: Sequence[tuple[Ready, int]], then: Callable[[Run], T], jobs: int | None
-) -> list[tuple[Row, T]]:
-    """`rigid_figures_and` of each pair (loop, seed), in their order, on ``jobs`` processes."""
-    return make_each(partial(rigid_figures_and, then=then), runs, jobs)
+@np.errstate(over="ignore", invalid="ignore")
+def figures_taken(run: Run, end: tuple[float, ...]) -> Row:
+    """Every figure of `SHAPES` of one run, of its body too; ``end`` is its last state, (5,).
 
-
-def _nothing(_: Run) -> None:
-    """What is made of a Run whose figures suffice."""
-
-
-def _on_tyres(run: Run) -> Row:
-    """What the body showed; None becomes NaN."""
-    assert run.monitor.rigid is not None
-    seen = asdict(run.monitor.rigid)
-    row: Row = {c.name: np.array(seen[c.figure], dtype=float) for c in RIGID_COLUMNS}
-    return row | ({} if run.monitor.rigid.tipped is None else {"stopped": row["tipped"]})
+    They are those of `sim.many.run_many` but for the rounding of sums.
+    """
+    seen = run.monitor
+    row = {name: np.full(shape, np.nan) for name, shape in SHAPES.items()}
+    for figure in (*SUMMED, *(RIGID if seen.rigid else ())):
+        value = figure.of(run)
+        row.setdefault(figure.array, np.array(np.nan))[figure.index] = (
+            np.nan if value is None else value
+        )
+    events = {"first": seen.first_violation, "stop": seen.stopped, "bounds": seen.bounds_left}
+    row |= {
+        f"{name}_axis": np.array(np.nan if e is None else float(e[1])) for name, e in events.items()
+    }
+    stop = np.array(float(STOP_REASONS.index(seen.stop_reason)))
+    return row | {"final_state": np.array(end), "samples": np.array(float(run.rows)), "stop": stop}
 
 
 def _judged(run: Run) -> Row:

@@ -7,9 +7,10 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from wmr_ctrl.campaign import FIGURES, STATISTICS, FigureTable
+from wmr_ctrl.campaign import STATISTICS, FigureTable
 from wmr_ctrl.campaign.comparison import AFTER, BEFORE, ComparedRun
 from wmr_ctrl.campaign.rigid import EARLY, LATE, RigidRow
+from wmr_ctrl.campaign.table import reported
 from wmr_ctrl.report.claims import RULE, Judged, Measured
 from wmr_ctrl.results import atomic_write, json_safe
 
@@ -21,7 +22,9 @@ CITATION = (
 )
 """The paper that is rerun."""
 
-_HEADINGS = tuple(figure.heading for figure in FIGURES)
+
+def _headings() -> tuple[str, ...]:
+    return tuple(figure.heading for figure in reported())
 
 
 def write_table(path: Path, table: FigureTable) -> None:
@@ -30,12 +33,12 @@ def write_table(path: Path, table: FigureTable) -> None:
     Cells are empty where there is no number.
     """
     rows = (row for case in table.cases for row in _statistic_rows(table, *case))
-    write_csv(path, ("scenario", "law", "seeds", "statistic", *_HEADINGS), rows)
+    write_csv(path, ("scenario", "law", "seeds", "statistic", *_headings()), rows)
 
 
 def _statistic_rows(table: FigureTable, scenario: str, law: str) -> Iterator[Sequence[object]]:
     seeds = len(table.case(scenario, law))
-    spreads = [table.spread(figure.name, scenario, law).statistics for figure in FIGURES]
+    spreads = [table.spread(figure.name, scenario, law).statistics for figure in reported()]
     for name in STATISTICS:
         yield scenario, law, seeds, name, *(numbers[name] for numbers in spreads)
 
@@ -43,10 +46,10 @@ def _statistic_rows(table: FigureTable, scenario: str, law: str) -> Iterator[Seq
 def write_runs(path: Path, table: FigureTable) -> None:
     """One row per run, with all of its figures."""
     rows = (
-        (row.scenario, row.law, row.seed, row.outcome, *(row.values[f.name] for f in FIGURES))
+        (row.scenario, row.law, row.seed, row.outcome, *(row.values[f.name] for f in reported()))
         for row in table
     )
-    write_csv(path, ("scenario", "law", "seed", "outcome", *_HEADINGS), rows)
+    write_csv(path, ("scenario", "law", "seed", "outcome", *_headings()), rows)
 
 
 def write_claims(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
-from wmr_ctrl.campaign import FigureTable, Spread, figure_named
+from wmr_ctrl.campaign import FigureTable, Spread
 from wmr_ctrl.campaign.comparison import (
     AFTER,
     BEFORE,
@@ -19,6 +19,8 @@ from wmr_ctrl.campaign.comparison import (
 from wmr_ctrl.report.claims import PAPER_TIMES, STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Outcome
+from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.windows import LATE, WINDOWS, named
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +48,6 @@ def least(values: Sequence[float | None]) -> frozenset[int]:
     return frozenset(k + 1 for k, value in enumerate(values) if value == min(there))
 
 
-_W = ((30, 40), (40, 45), (70, 80))
-_LATE = _W[-1:]
 _KILO = {"m": "mm", "rad": "mrad"}
 """Units in which errors are short to read; the files keep metres and radians."""
 
@@ -69,12 +69,12 @@ class _Line:
 def _windows(figure: str, text: str) -> tuple[_Line, ...]:
     return tuple(
         _Line(
-            f"{figure}_rms_{a}_{b}",
-            f"RMS {text}, {a}–{b} s",
-            change=(a, b) not in _LATE,
-            short=(a, b) in _LATE and figure == "e1",
+            f"{figure}_rms_{named(span)}",
+            f"RMS {text}, {span[0]}–{span[1]} s",
+            change=span != LATE,
+            short=span == LATE and figure == "e1",
         )
-        for a, b in _W
+        for span in WINDOWS
     )
 
 
@@ -170,13 +170,13 @@ def times_table(times: Mapping[str, float], laws: Sequence[str]) -> TextTable:
 def _named(name: str, label: str) -> str:
     if label == _BROKEN:
         return label
-    unit = figure_named(name).unit
+    unit = FIGURES[name].unit
     shown_unit = _KILO.get(unit, unit_text(unit))
     return f"{label} [{shown_unit}]" if shown_unit else label
 
 
 def _figure(table: FigureTable, name: str, scenario: str, law: str) -> str:
-    factor = 1000 if figure_named(name).unit in _KILO else 1
+    factor = 1000 if FIGURES[name].unit in _KILO else 1
     return _cell(table.spread(name, scenario, law), factor)
 
 

@@ -17,7 +17,7 @@ from wmr_ctrl.results.diagnostics import (
 from wmr_ctrl.results.facts import Fact
 from wmr_ctrl.results.files import atomic_path, atomic_write, check_writable, make_folder, write_all
 from wmr_ctrl.results.io import check_suffix, load_run, runs_equal, save_run
-from wmr_ctrl.results.metrics import e_rms, ise, ise_over, summary, tau_peak, tau_rms
+from wmr_ctrl.results.metrics import e_rms, ise, ise_over, tau_peak, tau_rms
 from wmr_ctrl.results.monitor import DIVERGENCE, Event, Monitor, RigidMonitor
 from wmr_ctrl.results.oscillation import Oscillation, oscillation
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
@@ -25,6 +25,7 @@ from wmr_ctrl.results.plain import json_safe
 from wmr_ctrl.results.remarks import OBJECTED, Remark, remarks_on
 from wmr_ctrl.results.run import FloatArray, Run
 from wmr_ctrl.results.settings import PLANTS, Settings
+from wmr_ctrl.results.summary import summary
 from wmr_ctrl.results.tracking import (
     arrival,
     driving,

@@ -14,7 +14,7 @@ ABSENT = "–"
 
 def run_html(run: Run) -> str:
     """A run's labels, outcome and main figures."""
-    from wmr_ctrl.results.metrics import summary
+    from wmr_ctrl.results.summary import summary
 
     figures = summary(run)
     position, ise = figures["position_rms"], figures["ise"]

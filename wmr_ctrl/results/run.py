@@ -131,7 +131,7 @@ class Run:
 
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
-        from wmr_ctrl.results.metrics import summary  # it reads Runs, and so stands above
+        from wmr_ctrl.results.summary import summary  # it reads Runs, and so stands above
 
         return summary(self)
 

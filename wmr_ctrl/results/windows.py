@@ -8,6 +8,16 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
 
+Span = tuple[int, int]
+WINDOWS: tuple[Span, ...] = ((30, 40), (40, 45), (70, 80))
+"""Before, just after and long after the paper's change of parameters [s]."""
+BEFORE, LATE = WINDOWS[0], WINDOWS[-1]
+
+
+def named(span: Span) -> str:
+    """The end of the name of a figure over a window."""
+    return f"{span[0]}_{span[1]}"
+
 
 def window(run: Run, start: float, end: float) -> slice | None:
     """Rows k with ``start`` <= t_k < ``end`` [s], or None where the run does not cover them all.

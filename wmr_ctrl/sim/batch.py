@@ -125,7 +125,7 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
 def _structure(task: Task) -> tuple[object, ...]:
     """What the lanes of one batch have in common."""
     compiled, scenario = task.loop.compiled, task.loop.scenario
-    windows = tuple(windows_of(task.loop.settings))
+    windows = tuple(windows_of(task.loop.settings).values())
     alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
     return (*alike, scenario.clock, compiled.delay_steps, windows)
 
@@ -147,7 +147,7 @@ def _run_batches(
 
     def one(places: list[int]) -> int:
         chosen = [tasks[k] for k in places]
-        windows = [] if log else windows_of(chosen[0].loop.settings)
+        windows = [] if log else list(windows_of(chosen[0].loop.settings).values())
         memory = laid_out(chosen, windows, log=log, cancelled=cancelled)
         if memory.run():
             read(places, memory)

@@ -12,19 +12,12 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Monitor, Run, outcome_of
+from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.frames import table_frame
 from wmr_ctrl.results.html import figure, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
-from wmr_ctrl.sim.figures import (
-    COLUMNS,
-    RIGID_COLUMNS,
-    SHAPES,
-    Figures,
-    column_of,
-    monitor,
-    tracked,
-)
+from wmr_ctrl.sim.figures import SHAPES, Figures, column_of, monitor, tracked
 from wmr_ctrl.sim.finish import finished
 from wmr_ctrl.sim.native import split_columns
 from wmr_ctrl.sim.ready import Ready
@@ -32,19 +25,19 @@ from wmr_ctrl.sim.ready import Ready
 if TYPE_CHECKING:
     import pandas
 
-ALL_COLUMNS = (*COLUMNS, *RIGID_COLUMNS)
-
 
 @dataclass(frozen=True, repr=False)
 class RunTable(Mapping[str, NDArray[np.float64]]):
     """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
 
-    Names and units are those of `sim.figures.SHAPES`, on the rigid body those of `RIGID_COLUMNS`
-    too; ``outcome`` (str), ``seed`` and ``tracked`` (bool, RMS of drive and end against
-    metrics.tolerance) besides.  A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
+    Names and units are those of `sim.figures.SHAPES`, on the rigid body those of
+    `results.figures.RIGID` too, and of the ``further`` figures that were asked for; ``outcome``
+    (str), ``seed`` and ``tracked`` (bool, RMS of drive and end against metrics.tolerance) besides.
+    A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
     """
 
     figures: Mapping[str, NDArray[np.float64]]
+    further: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<RunTable, {self.rows} runs, {len(self)} figures>"
@@ -64,16 +57,15 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
         return len(self.figures["seed"])
 
     def columns(self) -> dict[str, NDArray[np.generic]]:
-        """One array of numbers a column, by the names that study tables have (`COLUMNS`)."""
-        heads: dict[str, NDArray[np.generic]] = {
-            name: self.figures[name] for name in ("seed", "outcome", "tracked")
-        }
-        known = [column for column in ALL_COLUMNS if column.figure in self.figures]
-        return heads | {column.name: column_of(column, self.figures) for column in known}
+        """One array of numbers a column, by the names that study tables have."""
+        heads: dict[str, NDArray[np.generic]] = {name: self.figures[name] for name in HEADS}
+        summed = [figure for figure in (*SUMMED, *RIGID) if figure.array in self.figures]
+        taken = {figure.name: column_of(figure, self.figures) for figure in summed}
+        return heads | taken | {name: self.figures[name] for name in self.further}
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
-        return table_frame(self.columns(), {column.name: column.unit for column in ALL_COLUMNS})
+        return table_frame(self.columns(), {figure.name: figure.unit for figure in FIGURES})
 
     @checks_arguments
     def __getitem__(self, name: str) -> NDArray[np.float64]:
@@ -94,6 +86,7 @@ def run_many(
     seeds: Sequence[int],
     *,
     starts: Sequence[Sequence[float]] | None = None,
+    figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
@@ -109,6 +102,8 @@ def run_many(
         One a run.
     starts
         x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0, one a run; None: the scenario's.
+    figures
+        Names of further figures of the catalogue; for those that need a log all is run once more.
     jobs, progress
         As in `sim.batch.run_tasks`; Ctrl-C likewise.
 
@@ -117,16 +112,18 @@ def run_many(
     ArgumentError
         If the numbers of scenarios, seeds and starts do not fit, or there is no run.
     """
+    whole = not_summed(figures)
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
-    figures = run_tasks(tasks, jobs=jobs, progress=later(progress))
-    outcomes = [_outcome(figures, place, task) for place, task in enumerate(tasks)]
-    figures["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
+    summed = run_tasks(tasks, jobs=jobs, progress=later(progress))
+    outcomes = [_outcome(summed, place, task) for place, task in enumerate(tasks)]
+    summed["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
     further = {
         "outcome": np.array(outcomes),
         "seed": np.array(seeds),
-        "tracked": tracked(figures, [task.loop.settings for task in tasks]),
+        "tracked": tracked(summed, [task.loop.settings for task in tasks]),
+        **(logged_figures(tasks, whole, jobs) if whole else {}),
     }
-    return RunTable({**figures, **further})
+    return RunTable({**summed, **further}, whole)
 
 
 def planned_tasks(
@@ -191,14 +188,15 @@ def _check(
         raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
 
 
-SHOWN = ("seed", "outcome", "tracked", "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
+HEADS = ("seed", "outcome", "tracked")
+SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
 """Columns that notebooks show."""
 
 
 def _headed(name: str) -> str:
     """A column's name and unit."""
-    units = {column.name: column.unit for column in ALL_COLUMNS}
-    return f"{name} [{units[name]}]" if name in units else name
+    units = {figure.name: figure.unit for figure in FIGURES}
+    return name if name in HEADS or name not in units else f"{name} [{units[name]}]"
 
 
 T = TypeVar("T")
@@ -216,10 +214,17 @@ def run_each(
     ``then`` is called too; results do not depend on the number.  ``progress`` is called with the
     share done.  Ctrl-C ends all threads within a sample.  Raises CompilerError.
     """
-    tasks = [Task(item, seed) for item, seed in runs]
+    return _each([Task(item, seed) for item, seed in runs], then, jobs, progress)
 
+
+def _each(
+    tasks: Sequence[Task],
+    then: Callable[[int, Run], T],
+    jobs: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> list[T]:
     def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
-        item, seed = runs[place]
+        item, seed = tasks[place].loop, tasks[place].seed
         signals = item.compiled.layout.columns
         logged = (signals, split_columns(signals, rows), watched)
         facts = {"kernel_hash": item.compiled.digest}
@@ -228,3 +233,17 @@ def run_each(
         )
 
     return run_logged(tasks, pass_on, jobs=jobs, progress=progress)
+
+
+def logged_figures(
+    tasks: Sequence[Task], names: Sequence[str], jobs: int | None = None
+) -> dict[str, NDArray[np.float64]]:
+    """Figures that need a whole log, an array by name, from runs made once more."""
+    chosen = [FIGURES[name] for name in names]
+    rows = _each(tasks, lambda _, run: list(values_of(run, chosen).values()), jobs)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+def not_summed(names: Sequence[str]) -> tuple[str, ...]:
+    """Those of the figures' names that need a whole log.  Raises UnknownNameError."""
+    return tuple(name for name in dict.fromkeys(names) if not FIGURES[name].array)
