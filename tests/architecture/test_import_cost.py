@@ -37,7 +37,7 @@ def test_help_of_the_command_line_is_light(arguments):
     need("wmr_ctrl.cli")
     statements = (
         f"sys.argv = ['wmr-ctrl', *{arguments!r}]\n"
-        "from wmr_ctrl.cli import main\n"
+        "from wmr_ctrl.__main__ import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code, end.code"
     )

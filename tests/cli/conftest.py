@@ -16,7 +16,7 @@ from wmr_ctrl.cli import root
 
 CODE = """
 import signal
-from wmr_ctrl.cli import main
+from wmr_ctrl.__main__ import main
 signal.signal(signal.SIGINT, signal.default_int_handler)
 main()
 """

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -80,6 +81,42 @@ def interrupted(process):
             return process.communicate(timeout=30)
     process.kill()
     return process.communicate()
+
+
+SAY = """
+import signal, sys
+from wmr_ctrl.__main__ import main
+class Telling:
+    def find_spec(name, *_):
+        if name == "wmr_ctrl.cli":
+            print("here", flush=True)
+sys.meta_path.insert(0, Telling)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main()
+"""
+"""The program, which says when it begins to import its commands; what Python does before, on its
+own, ends in Python's own traceback."""
+MOMENTS = [round(0.03 * step, 2) for step in range(20)]
+SHOWN = (0.0, 0.09, 0.24, 0.45)
+
+
+@posix
+@pytest.mark.parametrize(
+    "seconds",
+    [pytest.param(x, marks=[] if x in SHOWN else pytest.mark.slow) for x in MOMENTS],
+)
+def test_interruption_of_the_imports_is_no_traceback(environment, tmp_path, seconds):
+    line = (sys.executable, "-c", SAY, "run", "--engine", "numpy", "--set", "clock.duration=400")
+    process = subprocess.Popen(
+        line, stdout=PIPE, stderr=PIPE, text=True, env=environment, cwd=tmp_path
+    )
+    assert process.stdout.readline() == "here\n"
+    time.sleep(seconds)
+    stdout, stderr = interrupted(process)
+
+    assert process.returncode in (130, -signal.SIGINT)  # a shell says 130 for both
+    assert stdout == ""
+    assert "Traceback" not in stderr
 
 
 @posix
