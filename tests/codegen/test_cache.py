@@ -290,6 +290,52 @@ def test_temporary_folder_that_others_may_write_is_not_used(tmp_path, monkeypatc
     assert cache_dir().stat().st_mode & 0o077 == 0
 
 
+EVERYBODY = 0o002
+rights = pytest.mark.skipif(os.name == "nt", reason="rights of POSIX")
+
+
+@rights
+@pytest.mark.parametrize("part", ["", "kernels"])
+@pytest.mark.parametrize("built_before", [True, False])
+def test_a_cache_that_everybody_may_write_is_refused(folder, part, built_before):
+    if built_before:
+        build_cached(SOURCES, Compiler())
+        cache_folder._usable.cache_clear()
+    (folder / part).mkdir(parents=True, exist_ok=True)
+    (folder / part).chmod(0o1777)
+    compiler = Compiler()
+
+    with pytest.raises(CacheError, match=r"may be written by everybody.*chmod o-w"):
+        build_cached(SOURCES, compiler)
+    assert compiler.calls == 0
+    (folder / part).chmod(0o755)
+    build_cached(SOURCES, compiler)
+
+
+@rights
+def test_a_library_that_everybody_may_write_is_built_anew(folder):
+    build_cached(SOURCES, Compiler()).chmod(0o777)
+    compiler = Compiler()
+
+    library = build_cached(SOURCES, compiler)
+
+    assert compiler.calls == 1
+    assert not library.stat().st_mode & EVERYBODY
+
+
+@rights
+def test_nothing_that_is_loaded_may_be_written_by_everybody_whatever_the_mask(folder):
+    before = os.umask(0)
+    try:
+        library = build_cached(SOURCES, Compiler())
+    finally:
+        os.umask(before)
+    found = [library, *library.parents]
+
+    shared = [path for path in found[: found.index(folder) + 1] if path.stat().st_mode & EVERYBODY]
+    assert shared == []
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="NOT RUN: not an ELF platform")
 def test_a_library_that_was_cut_short_is_not_kept(folder, tmp_path):
     """A compiler that ran out of space and reports success: loading its file would end Python."""

@@ -46,7 +46,7 @@ def test_a_folder_that_cannot_be_written_does_not_matter(
 ) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
-    monkeypatch.setattr(source, "cache_dir", lambda: blocked)
+    monkeypatch.setattr(source, "cache_part", lambda name: blocked / name)
 
     assert source.cached_definition(example()) == definition(example())
 

@@ -157,6 +157,30 @@ def test_files_that_cannot_be_read(tmp_path, monkeypatch, name, message):
     assert len(str(caught.value)) < 700
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("environ", "TOKEN=secret"),
+        ("notes.txt", "TOKEN=secret"),
+        ("a.env", 'token = "secret"'),
+        ("way.env", "secret,secret\n1,1\n"),
+        ("way", "secret: [secret]"),
+    ],
+)
+@pytest.mark.parametrize("key", ["extends", "reference.file", ""])
+def test_nothing_is_quoted_of_a_file_of_another_kind(tmp_path, name, text, key):
+    (tmp_path / name).write_text(text)
+    kind = 'kind = "waypoints"\n' if key else ""
+    table = f'[reference]\n{kind}file = "{name}"' if "." in key else f'extends = "./{name}"'
+    (tmp_path / "mine.toml").write_text(table)
+
+    with pytest.raises(ScenarioError, match="secret|must end in") as caught:
+        load_scenario(tmp_path / ("mine.toml" if key else name))
+    told = str([caught.value, getattr(caught.value, "__notes__", "")])
+    assert "must end in" in told or (key == "reference.file" and name == "notes.txt")
+    assert ("secret" in told) == ("must end in" not in told)
+
+
 def test_a_folder_without_suffix_is_named_as_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine").mkdir()

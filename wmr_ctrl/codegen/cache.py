@@ -27,7 +27,15 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir, wanted_dir
+from wmr_ctrl.codegen.cache_folder import (
+    STORAGE_REMEDY,
+    cache_dir,
+    cache_part,
+    is_shared,
+    keep_others_out,
+    refuse_shared,
+    wanted_dir,
+)
 from wmr_ctrl.codegen.elf import is_complete
 from wmr_ctrl.errors import CacheError
 
@@ -75,10 +83,13 @@ def build_cached(
         If compiling fails; its kind CacheError if the folder cannot be written (a full disk, say).
     """
     name = content_key(sources, key)
-    present = _intact(wanted_dir() / "kernels" / name)  # a folder that can only be read will do
+    kernels = wanted_dir() / "kernels"
+    refuse_shared(kernels.parent)
+    refuse_shared(kernels)
+    present = _intact(kernels / name)  # a folder that can only be read will do
     if present:
         return present
-    entry = cache_dir() / "kernels" / name
+    entry = cache_part("kernels") / name
     _sweep(entry.parent)
     with _locked(entry):
         return _intact(entry) or _build(entry, sources, compile_in)
@@ -138,7 +149,7 @@ def _intact(entry: Path) -> Path | None:
         library = entry / stamp["library"]
         status = library.stat()
         known = (str(library), status.st_mtime_ns)
-        if status.st_size != stamp["size"]:
+        if status.st_size != stamp["size"] or is_shared(entry) or is_shared(library):
             return None
         if known not in _checked and _sha256(library) != stamp["sha256"]:
             return None
@@ -179,6 +190,7 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
         library = compile_in(folder)
         if not is_complete(library):
             raise OSError(f"the compiler wrote only a part of {library.name}")
+        keep_others_out(library)
         _write_stamp(folder, library)
         _publish(folder, entry)
         return entry / library.relative_to(folder)

@@ -7,6 +7,7 @@ import logging
 import os
 import stat
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -32,6 +33,17 @@ def cache_dir() -> Path:
     return _usable(str(wanted_dir()))
 
 
+def cache_part(name: str) -> Path:
+    """A folder in `cache_dir`, made if that can be; raises CacheError where everybody may write."""
+    folder = cache_dir() / name
+    with suppress(OSError):  # whoever writes into it says so
+        if not folder.is_dir():
+            folder.mkdir(exist_ok=True)
+            keep_others_out(folder)
+    refuse_shared(folder)
+    return folder
+
+
 def wanted_dir() -> Path:
     """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform: it may be read-only."""
     wanted = os.environ.get(VARIABLE) or platformdirs.user_cache_dir("wmr_ctrl", appauthor=False)
@@ -43,7 +55,7 @@ def _usable(wanted: str) -> Path:
     folder = Path(wanted).expanduser().absolute()
     problem = _why_not_writable(folder)
     if not problem:
-        _refuse_shared(folder)
+        refuse_shared(folder)
         return folder
     substitute = _private_temporary_folder()
     log.warning(
@@ -62,16 +74,26 @@ def _why_not_writable(folder: Path) -> str:
     try:
         if not folder.is_dir():
             folder.mkdir(parents=True)
-            folder.chmod(folder.stat().st_mode & ~stat.S_IWOTH)  # whatever the umask
+            keep_others_out(folder)
         os.rmdir(tempfile.mkdtemp(prefix="trial-", dir=folder))
     except OSError as error:
         return error.strerror or str(error)
     return ""
 
 
-def _refuse_shared(folder: Path) -> None:
+def keep_others_out(path: Path) -> None:
+    """Take away everybody's right to write what was made here, whatever the umask gave."""
+    path.chmod(path.stat().st_mode & ~stat.S_IWOTH)
+
+
+def is_shared(path: Path) -> bool:
+    """Whether everybody may write what is there."""
+    return os.name == "posix" and path.exists() and bool(path.stat().st_mode & stat.S_IWOTH)
+
+
+def refuse_shared(folder: Path) -> None:
     """Raise CacheError where everybody may write: code is loaded from here."""
-    if os.name == "posix" and folder.stat().st_mode & stat.S_IWOTH:
+    if is_shared(folder):
         raise CacheError(
             f"the build cache {folder} may be written by everybody, and code is loaded from it. "
             f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."

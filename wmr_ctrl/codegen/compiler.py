@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_dir
+from wmr_ctrl.codegen.cache_folder import STORAGE_REMEDY, cache_part
 from wmr_ctrl.codegen.process import Finished, run_command
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.errors import CacheError, CompilerError
@@ -246,7 +246,7 @@ def environment(folder: Path) -> Mapping[str, str]:
 
     HOME and the temporary folder may be read-only.
     """
-    zig = str(cache_dir() / "zig")
+    zig = str(cache_part("zig"))
     return {
         **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
         "ZIG_GLOBAL_CACHE_DIR": zig,

@@ -16,7 +16,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from wmr_ctrl.codegen.cache_folder import cache_dir
+from wmr_ctrl.codegen.cache_folder import cache_part
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition, length, preparation, prototype
 from wmr_ctrl.codegen.preparation import PREPARED
@@ -106,7 +106,7 @@ def cached_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
 
 def _kept(key: str, write: Callable[[], str]) -> str:
-    path = cache_dir() / "text" / f"{key}.c"
+    path = cache_part("text") / f"{key}.c"
     try:
         text = path.read_text(encoding="utf-8")
         if text.endswith("}\n"):
@@ -121,7 +121,6 @@ def _kept(key: str, write: Callable[[], str]) -> str:
 def _store(path: Path, text: str) -> None:
     """Put the text in place by renaming, so that no reader sees half of it."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix="writing-")
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)

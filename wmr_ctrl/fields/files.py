@@ -1,9 +1,13 @@
-"""Reading of small text files, TOML among them; every failure is a ScenarioError."""
+"""Reading of small text files, TOML among them; every failure is a ScenarioError.
+
+A message quotes what it read, so a file is read only if its suffix says that it is meant.
+"""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError
@@ -11,15 +15,23 @@ from wmr_ctrl.fields.problems import printable
 
 LARGEST_FILE = 1_000_000
 """Bytes; a scenario is far smaller."""
+TOML = (".toml",)
 
 
-def read_text(file: Path, what: str, largest: int = LARGEST_FILE) -> str:
+def read_text(
+    file: Path, what: str, suffixes: Sequence[str] = TOML, largest: int = LARGEST_FILE
+) -> str:
     """Return the text of a UTF-8 file of at most ``largest`` bytes; errors start with ``what``."""
     try:
         if file.is_dir():
             raise ScenarioError(f"{what}: {file} is a directory. Name a file in it.")
         if file.exists() and not file.is_file():
             raise ScenarioError(f"{what}: {file} is not a regular file.")
+        if file.exists() and file.suffix.lower() not in suffixes:
+            raise ScenarioError(
+                f"{what}: {str(file)[:200]!r} must end in {' or '.join(suffixes)}: the suffix says "
+                "what the file is."
+            )
         with file.open("rb") as stream:
             data = stream.read(largest + 1)
     except FileNotFoundError:
@@ -51,7 +63,7 @@ def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, objec
     """Return TOML text as a dictionary.
 
     Raises ScenarioError: ``what``, line and column, why, ``remedy``; its note is the line with a
-    caret below the column, unless the text is that of a file which does not end in .toml.
+    caret below the column.
     """
     try:
         return tomllib.loads(text)
@@ -62,8 +74,7 @@ def parse_toml(text: str, what: str | Path, remedy: str = "") -> dict[str, objec
         error = ScenarioError(
             f"{what} is not valid TOML (line {line}, column {column}): {reason}. {remedy}".rstrip()
         )
-        if isinstance(what, str) or what.suffix == ".toml":
-            error.add_note(excerpt(text, line, column))
+        error.add_note(excerpt(text, line, column))
         raise error from None
 
 

@@ -187,7 +187,8 @@ def _cast(
             f"law = {law!r} says nothing of the controller {controller}, which is somebody else's "
             "and brings a law of its own. Leave the law out."
         )
-    setup = settle(scenario_given(scenario), law or within or STAND_IN)
+    chosen = law if law is not None else within or STAND_IN
+    setup = settle(scenario_given(scenario), chosen)
     own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
     foreign = theirs or "controller" in maps
     bare = None

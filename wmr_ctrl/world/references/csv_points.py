@@ -19,6 +19,8 @@ from wmr_ctrl.fields.files import read_text
 from wmr_ctrl.fields.problems import show
 
 Point = tuple[float, float]
+SUFFIXES = (".csv", ".tsv", ".txt", ".yaml", ".yml")
+"""Of a path's file: the last two are `path_yaml`'s."""
 LARGEST_PATH = 10_000_000
 """Bytes; a planner's path has some fifty a point."""
 AXES = ("x", "y")
@@ -52,7 +54,7 @@ def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
     Raises ScenarioError, starting with the key ``path`` and naming row and column from 1.
     """
     place = f"{path}: {file.name}"
-    numbered = list(_rows(read_text(file, path, LARGEST_PATH), place))
+    numbered = list(_rows(read_text(file, path, SUFFIXES, LARGEST_PATH), place))
     columns = _without_headers(numbered, place)
     points = [_point(cells, columns, f"{place}, row {row}") for row, cells in numbered]
     if len(points) < 2:

@@ -16,7 +16,7 @@ from wmr_ctrl.errors import MissingExtraError, ScenarioError
 from wmr_ctrl.fields.files import read_text
 from wmr_ctrl.fields.limits import MOST_NODES
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.world.references.csv_points import SAME, Point
+from wmr_ctrl.world.references.csv_points import SAME, SUFFIXES, Point
 
 
 def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
@@ -27,7 +27,8 @@ def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
     """
     place = f"{path}: {file.name}"
     points: list[Point] = []
-    for number, pose in enumerate(_poses(_document(read_text(file, path), place), place), start=1):
+    document = _document(read_text(file, path, SUFFIXES), place)
+    for number, pose in enumerate(_poses(document, place), start=1):
         point = _point(pose, f"{place}, pose {number}")
         if not points or math.dist(points[-1], point) >= SAME:
             points.append(point)

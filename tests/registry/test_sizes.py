@@ -1,0 +1,85 @@
+"""What is too large is refused by what it says of itself, before it is counted or unpacked."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wmr_ctrl.errors import ScenarioError, WmrError
+from wmr_ctrl.fields import limits
+from wmr_ctrl.fmi.cosim.slave import FmuFile
+from wmr_ctrl.results import load_run
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.world.references.path_yaml import read_poses
+
+MOST = 100_000
+"""Bytes that a packed file may hold in these tests; its own limit takes a second to pack."""
+LAUGHS = "a0: &a0 [0]\n" + "".join(
+    f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 30)
+)
+"""Some 9^29 values."""
+
+
+def zipped(name: str) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(name, b" " * 2 * MOST)
+    return file.getvalue()
+
+
+def parquet() -> bytes:
+    arrow, writer = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    file = io.BytesIO()
+    writer.write_table(arrow.table({"t": [0.0] * MOST}), file)
+    return file.getvalue()
+
+
+BOMBS: dict[str, tuple[Callable[[], bytes], Callable[[Path], object], str]] = {
+    "a.npz": (lambda: zipped("run.json"), load_run, "more than its own size"),
+    "a.parquet": (parquet, load_run, "more than its size can be true of"),
+    "a.fmu": (
+        lambda: zipped("modelDescription.xml"),
+        lambda path: FmuFile(path, "plant"),
+        "which its own size cannot be true of",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BOMBS)
+def test_packed_files_that_are_far_larger_unpacked(tmp_path, monkeypatch, name):
+    make, read, reason = BOMBS[name]
+    monkeypatch.setattr(limits, "MOST_UNPACKED", MOST)
+    monkeypatch.setattr(limits, "RATIO", 1)
+    file = tmp_path / name
+    file.write_bytes(make())
+    assert file.stat().st_size < MOST
+
+    with pytest.raises(WmrError, match=reason):
+        read(file)
+
+
+@pytest.mark.parametrize("text", [LAUGHS, "poses: &a [*a]\n"], ids=["aliases", "holds itself"])
+def test_a_path_with_more_values_than_it_has_letters(tmp_path, text):
+    pytest.importorskip("yaml")
+    (tmp_path / "way.yaml").write_text(text)
+
+    with pytest.raises(ScenarioError, match=f"more than {limits.MOST_NODES} values"):
+        read_poses(tmp_path / "way.yaml")
+
+
+LONG = 1e6
+"""Seconds: ten million periods, for each of which a value would be kept."""
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["sensor.velocity_window", "sensor.velocity_age", "sensor.pose_delay", "encoder.window",
+     "actuator.delay", "actuator.untold"],
+)  # fmt: skip
+def test_windows_and_ages_of_a_million_seconds(key):
+    with pytest.raises(ScenarioError, match=rf"^{key} = 1000000.*at most"):
+        load_scenario("safe-experiment", {"encoder.counts": 1024, key: LONG})
