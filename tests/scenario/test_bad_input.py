@@ -174,7 +174,7 @@ def test_nothing_is_quoted_of_a_file_of_another_kind(tmp_path, name, text, key):
     table = f'[reference]\n{kind}file = "{name}"' if "." in key else f'extends = "./{name}"'
     (tmp_path / "mine.toml").write_text(table)
 
-    with pytest.raises(ScenarioError, match="secret|must end in") as caught:
+    with pytest.raises(ScenarioError, match=r"secret|must end in") as caught:
         load_scenario(tmp_path / ("mine.toml" if key else name))
     told = str([caught.value, getattr(caught.value, "__notes__", "")])
     assert "must end in" in told or (key == "reference.file" and name == "notes.txt")
