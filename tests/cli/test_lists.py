@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections import Counter
 
 import pytest
 
@@ -178,3 +179,20 @@ def test_check_takes_overrides(wmr):
     )
 
     assert "clock.control" in {w["key"] for w in document["laws"]["mb"]["warnings"]}
+
+
+@pytest.mark.parametrize("columns", [20, 40, 60, 200])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run", "safe-simulation", "--engine", "numpy", "--set", "clock.duration=0.2"),
+        ("scenarios",),
+        ("scenarios", "--reference", "waypoints"),
+        ("laws",),
+    ],
+)
+def test_no_width_loses_a_letter(wmr, monkeypatch, columns, command):
+    letters = Counter(filter(str.isalnum, wmr(*command).stdout))
+    monkeypatch.setenv("COLUMNS", str(columns))
+
+    assert Counter(filter(str.isalnum, wmr(*command).stdout)) == letters

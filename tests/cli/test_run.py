@@ -7,9 +7,12 @@ from importlib import import_module
 
 import pytest
 
+from wmr_ctrl.checks import grip_warnings, warnings_for
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.report import animate, plot_run
 from wmr_ctrl.results import load_run, summary
+from wmr_ctrl.scenario import load_scenario
 
 module = import_module("wmr_ctrl.cli.run")
 
@@ -79,6 +82,23 @@ def test_warnings_precede_the_run_on_stderr(short_run):
     assert found.stderr.count("warning: ") >= 3
     assert "0.06828 s" in found.stderr
     assert max(map(len, found.stderr.splitlines())) <= 80
+
+
+def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
+    setup = settle(load_scenario("paper-simulation"), "nn")
+    heard = " ".join(short_run("paper-simulation", "--law", "nn").stderr.split())
+    checked = " ".join(wmr("check", "paper-simulation", "--law", "nn").stdout.split())
+    theory = warnings_for(setup)
+
+    for item in theory:
+        assert f"{'warning' if item.objects else 'note'}: {item}" in heard
+        assert f"- {'' if item.objects else 'note: '}{item}" in checked
+    for item in grip_warnings(setup):
+        assert str(item) not in heard
+        assert f"- note: {item}" in checked
+    prox = short_run("paper-simulation", "--law", "prox").stderr
+    assert prox.startswith("note: The torque noise")
+    assert "warning: " not in prox
 
 
 def test_outcome_never_decides_the_exit_code(short_run):

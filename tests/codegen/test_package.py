@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -183,6 +184,21 @@ def test_every_member_says_unit_and_meaning(law: str, guarded: bool) -> None:
     assert all("[" in line.split("/*")[1] for line in members if "nothing" not in line)
     assert len(files["example.c"].splitlines()) <= 46
     assert len(files["README.md"].splitlines()) <= 60
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "two\rlines", "a */ int x;", 'a "b\u2028" c'])
+def test_a_scenarios_name_stays_in_its_comment(name: str) -> None:
+    plain, named = (
+        package_files("mb", replace(load_scenario("far-start"), name=each))
+        for each in ("wmr", name)
+    )
+    for file, text in plain.items():
+        changed = [
+            other
+            for one, other in zip(text.splitlines(), named[file].splitlines(), strict=True)
+            if one != other
+        ]
+        assert all(line.count("/*") == line.count("*/") == 1 for line in changed)
 
 
 def test_a_folder_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:

@@ -140,6 +140,7 @@ def test_a_path_message_gives_its_points(tmp_path):
     [
         ("poses: 3", "has no list of poses"),
         ("a: [", "is not YAML"),
+        ("[" * 5000 + "]" * 5000, "is nested too deeply"),
         ("poses: [{x: 1}]", "pose 1"),
         ("poses: [{x: 1, y: .nan}]", "pose 1, y"),
         ("poses: [{x: 1, y: true}]", "pose 1, y"),

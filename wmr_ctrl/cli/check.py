@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -64,7 +64,8 @@ def check(
         for count, law in enumerate(names):
             progress(count / len(names))
             setup = settle(case, law)
-            warned[law] = (*warnings_for(setup), *grip_warnings(setup))
+            grip = (replace(item, objects=False) for item in grip_warnings(setup))
+            warned[law] = (*warnings_for(setup), *grip)
             stable[law] = stability(case, law)
         runs = _runs(case, warned, progress)
     if as_json:
@@ -168,12 +169,17 @@ def _lines(
     """What theory and one run have against the laws."""
     lines, shared = list[str](), _shared(warned)
     if shared:
-        lines += ["", "all laws", *(_item(str(warning)) for warning in shared)]
+        lines += ["", "all laws", *(_item(_told(warning)) for warning in shared)]
     for law, warnings in warned.items():
-        own = [str(warning) for warning in warnings if warning not in shared]
+        own = [_told(warning) for warning in warnings if warning not in shared]
         said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}{_rare(scenario)}")
         lines += ["", said, *_of_law(own, runs.get(law))]
     return lines
+
+
+def _told(warning: Warning) -> str:
+    """A warning's text; of what is no objection, such as the grip of tyres, as a note."""
+    return str(warning) if warning.objects else f"note: {warning}"
 
 
 def _goal(scenario: Scenario, arrival: float) -> str:

@@ -10,7 +10,9 @@ from collections.abc import Iterable, Sequence
 import click
 
 WIDEST = 100
-COLOURS = {"error": "red", "warning": "yellow", "wrote": "green"}
+ROOM = 12
+"""Columns that the last cell of a table's rows needs at least."""
+COLOURS = {"error": "red", "warning": "yellow", "note": "cyan", "wrote": "green"}
 
 
 def width() -> int:
@@ -51,13 +53,16 @@ def json_text(value: object) -> str:
 
 
 def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
-    """Rows of cells as an aligned table; the last column is wrapped where it is too long."""
+    """Rows of cells as an aligned table, the last column wrapped; as paragraphs in a narrow one."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     listed = list(rows)
+    if _before_last([*listed, *([header] if header else [])]) > width() - ROOM:
+        cells = ((name, ", ".join(filter(None, rest))) for name, *rest in listed)
+        return "\n".join(wrapped(f"{name}: {rest}", hang="  ") for name, rest in cells)
     grid = Table(box=SIMPLE_HEAD if header else None, show_header=bool(header), pad_edge=False)
     for i, name in enumerate(header or listed[0]):
         last = i == len(listed[0]) - 1
@@ -68,3 +73,8 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     with console.capture() as capture:
         console.print(grid)
     return "\n".join(line.rstrip() for line in capture.get().strip().splitlines())
+
+
+def _before_last(rows: Sequence[Sequence[str]]) -> int:
+    """Columns that all cells of a table but the last of each row take, with the gaps after them."""
+    return sum(max(map(len, column)) + 2 for column in list(zip(*rows, strict=True))[:-1])

@@ -130,7 +130,7 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
     check_plant(plant)
     setup = settle(scenario, law)
     for warning in (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ())):
-        say("warning", str(warning))
+        say("warning" if warning.objects else "note", str(warning))
     measured = engine != "native" or plant == "mujoco"
     with Progress(f"{law} on {scenario.name}", measured=measured) as progress:
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)

@@ -26,6 +26,7 @@ from wmr_ctrl.codegen.single_precision import (
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Circle, Scenario
@@ -141,7 +142,7 @@ def _context(
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
     return {
-        "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
+        "law": law, "LAW": law.upper(), "title": system.title, "scenario": one_line(scenario.name),
         "period": scenario.clock.control, "float32": float32,
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
         "largest": LARGEST_SINGLE if float32 else LARGEST, "digits": 9 if float32 else 17,
@@ -159,6 +160,11 @@ def _context(
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
+
+
+def one_line(text: str) -> str:
+    """A text that ends neither a line nor a comment of C."""
+    return printable(text).replace("*/", "* /")
 
 
 def _robot(scenario: Scenario) -> Mapping[str, str | float]:

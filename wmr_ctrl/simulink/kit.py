@@ -14,7 +14,7 @@ from typing import Any
 
 import jinja2
 
-from wmr_ctrl.codegen.package import c_name, package_files, packaged
+from wmr_ctrl.codegen.package import c_name, one_line, package_files, packaged
 from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import beyond_noise, settle
 from wmr_ctrl.errors import ArgumentError
@@ -67,7 +67,7 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
         loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
-    engine.filters |= {"comment": _comment, "quoted": _quoted, "number": _c_number}
+    engine.filters |= {"comment": one_line, "quoted": _quoted, "number": _c_number}
     named = {name.format(law=law): source for name, source in _RENDERED.items()}
     files = {name: engine.get_template(source).render(context) for name, source in named.items()}
     return files | {name: sources[name] for name in (item.format(law=law) for item in _SOURCES)}
@@ -132,11 +132,6 @@ def _c_number(value: float) -> str:
     return repr(float(value))
 
 
-def _comment(text: str) -> str:
-    """A text that ends neither a line nor a comment."""
-    return "".join(c if c.isprintable() else " " for c in text).replace("*/", "* /")
-
-
 def _quoted(text: str) -> str:
     """A text as it stands in a character vector of MATLAB."""
-    return _comment(text).replace("'", "''")
+    return one_line(text).replace("'", "''")

@@ -59,7 +59,9 @@ def _document(text: str, place: str) -> object:
                 "without anchors and aliases, or as CSV."
             )
         return loader.construct_document(node)
-    except (yaml.YAMLError, RecursionError, ValueError) as problem:
+    except RecursionError:
+        raise ScenarioError(f"{place} is not usable YAML: it is nested too deeply.") from None
+    except (yaml.YAMLError, ValueError) as problem:
         if isinstance(problem, ScenarioError):
             raise
         detail = show(" ".join(str(problem).splitlines()[:1]))
