@@ -202,9 +202,10 @@ def reproduce(
     the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
     (physics) before the first run.
     """
-    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, paper_plan, run_campaign
-    from wmr_ctrl.campaign.comparison import GuardComparison, comparison_plan, run_comparison
-    from wmr_ctrl.campaign.rigid import RIGID_SEEDS, RigidComparison, run_rigid_comparison
+    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, Campaign, FigureTable, paper_plan
+    from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
+    from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
+    from wmr_ctrl.campaign.run import run_campaign
     from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all
     from wmr_ctrl.report.reproduction import Reproduction
@@ -218,15 +219,11 @@ def reproduce(
         mujoco()
     facts = _facts(PAPER_LAWS, quick)
     campaign = run_campaign(plan, jobs, progress)
-    comparison = GuardComparison()
-    if with_ours:
-        comparison = run_comparison(comparison_plan(), jobs, progress)
-    rigid = RigidComparison()
-    if with_physics:
-        seeds_of_rigid = RIGID_SEEDS[: 1 if quick else None]
-        rigid = run_rigid_comparison(seeds_of_rigid, jobs=jobs, progress=progress)
+    ours = run_comparison(comparison_plan(), jobs, progress) if with_ours else FigureTable()
+    few = RIGID_SEEDS[: 1 if quick else None]
+    rigid = run_rigid_comparison(few, jobs, progress) if with_physics else Campaign()
     judged = judge_all(Evidence(campaign.table, facts.timings))
-    whole = Reproduction(campaign, judged, facts, comparison, rigid)
+    whole = Reproduction(campaign, judged, facts, ours, rigid)
     return write_reproduction(out, whole, progress)
 
 

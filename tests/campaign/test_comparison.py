@@ -14,14 +14,15 @@ from itertools import combinations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
-from wmr_ctrl.campaign import PlannedCase
+from wmr_ctrl.campaign import FigureTable, PlannedCase, PlannedRun
 from wmr_ctrl.campaign.comparison import (
+    AWAY,
     BASES,
+    E1,
     FACTORS,
+    FARTHEST,
     HELD_OUT,
     OUR_LAWS,
-    ComparisonCase,
-    GuardComparison,
     comparison_plan,
     run_comparison,
     swept,
@@ -40,32 +41,33 @@ DECISIVE = (
 """Every law pushed over its limit, the refusal, the long hold, the start beyond the limits."""
 
 
-def meets() -> tuple[ComparisonCase, ...]:
+def meets() -> tuple[PlannedRun, ...]:
     """Of two bases that a factor has, each law gets one in turn; and what decides."""
     plan = comparison_plan(seeds=ONE)
-    bases = {(case.factor, case.base) for case in plan}
+    bases = {(case.name, case.base) for case, _ in plan}
     places = [list(names) for names in (OUR_LAWS, FACTORS, BASES)]
 
-    def chosen(case: ComparisonCase) -> bool:
-        values = (case.law, case.factor, case.base)
+    def chosen(run: PlannedRun) -> bool:
+        values = (run.case.law, run.case.name, run.case.base)
         turn = sum(names.index(value) for names, value in zip(places, values, strict=True)) % 2 == 0
-        return turn or case in DECISIVE or sum(case.factor == factor for factor, _ in bases) == 1
+        alone = sum(run.case.name == name for name, _ in bases) == 1
+        return turn or run in DECISIVE or alone
 
-    return tuple(case for case in plan if chosen(case))
+    return tuple(run for run in plan if chosen(run))
 
 
 TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK))
 
 
-def shortened(plan: Sequence[ComparisonCase]) -> list[ComparisonCase]:
-    """The same cases, for 10 s."""
+def shortened(plan: Sequence[PlannedRun]) -> list[PlannedRun]:
+    """The same runs, for 10 s."""
 
-    def short(case: ComparisonCase) -> ComparisonCase:
+    def short(case: PlannedCase) -> PlannedCase:
         changes = [change for change in case.overrides.get("changes", []) if change["t"] < 10.0]
         shorter = {**case.overrides, "clock.duration": 10.0, "changes": changes}
         return replace(case, overrides=shorter)
 
-    return list(map(short, plan))
+    return [PlannedRun(short(case), seed) for case, seed in plan]
 
 
 # -- the plan -----------------------------------------------------------------------------
@@ -73,18 +75,19 @@ def shortened(plan: Sequence[ComparisonCase]) -> list[ComparisonCase]:
 
 def test_plan_has_every_case_once() -> None:
     plan = comparison_plan()
-    keys = {(c.base, c.factor, c.law, c.guard, c.seed) for c in plan}
+    cases = [case for case, _ in plan]
+    keys = {(c.base, c.name, c.law, c.guard, seed) for c, seed in plan}
 
     assert len(keys) == len(plan)
-    assert {c.law for c in plan} == set(OUR_LAWS)
-    assert {c.factor for c in plan} == set(FACTORS)
-    assert {c.seed for c in plan} == set(HELD_OUT)
-    assert {c.base for c in plan} == set(BASES)
+    assert {c.law for c in cases} == set(OUR_LAWS)
+    assert {c.name for c in cases} == set(FACTORS)
+    assert {seed for _, seed in plan} == set(HELD_OUT)
+    assert {c.base for c in cases} == set(BASES)
 
 
 def test_what_is_run_slowly_brings_every_two_values_together() -> None:
-    def pairs(plan: Iterable[ComparisonCase]) -> set[object]:
-        rows = ((c.law, c.factor, c.base, c.guard) for c in plan)
+    def pairs(plan: Iterable[PlannedRun]) -> set[object]:
+        rows = ((c.law, c.name, c.base, c.guard) for c, _ in plan)
         return {pair for row in rows for pair in combinations(enumerate(row), 2)}
 
     assert pairs(meets()) == pairs(comparison_plan(seeds=ONE))
@@ -102,52 +105,49 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
     scope="module",
     params=["decisive", pytest.param("every two", marks=pytest.mark.slow)],
 )
-def comparison(request: pytest.FixtureRequest) -> GuardComparison:
+def comparison(request: pytest.FixtureRequest) -> FigureTable:
     plan = DECISIVE if request.param == "decisive" else meets()
     return run_comparison(shortened(plan))
 
 
-def test_guarded_runs_from_inside_keep_the_limits(comparison: GuardComparison) -> None:
-    guarded = [r for r in comparison.rows if r.case.guard and r.case.factor != "start outside"]
+def test_guarded_runs_from_inside_keep_the_limits(comparison: FigureTable) -> None:
+    guarded = [r for r in comparison.rows if r.case.guard and r.case.name != "start outside"]
 
     assert {r.outcome for r in guarded} == {"completed", "refused"}
-    assert all(r.violations == 0 for r in guarded)
+    assert all(not r["violations"] for r in guarded)
 
 
-def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: GuardComparison) -> None:
+def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: FigureTable) -> None:
     refused = [row for row in comparison.rows if row.outcome == "refused"]
 
-    assert {row.case.factor for row in refused} == {WEAK}
+    assert {row.case.name for row in refused} == {WEAK}
     assert all("tau_max" in row.refusal for row in refused)
     assert not any(row.refusal for row in comparison.rows if row not in refused)
 
 
-def test_without_the_guard_limits_break(comparison: GuardComparison) -> None:
+def test_without_the_guard_limits_break(comparison: FigureTable) -> None:
     """Kanayama's command ends 5 % below the limit, which is enough in some of the cases."""
-    broken = {r.case.law for r in comparison.rows if not r.case.guard and r.violations}
+    broken = {r.case.law for r in comparison.rows if not r.case.guard and r["violations"]}
 
     assert broken | {"kanayama"} == set(OUR_LAWS)
 
 
-def test_position_is_told_where_a_run_lasts_that_long(comparison: GuardComparison) -> None:
-    long = [row for row in comparison.rows if row.e1_after is not None]
+def test_position_is_told_where_a_run_lasts_that_long() -> None:
+    (row,) = run_comparison(comparison_plan(("mb",), ONE, ("10 ms",), ("base",))[:1])
 
-    assert all(row.position_rms <= row.position_max for row in long)
-    assert all(row.e1_after <= row.position_max for row in long)
+    assert 0 < row[E1] <= row[FARTHEST]
+    assert 0 < row[AWAY] <= row[FARTHEST]
 
 
-def test_result_does_not_depend_on_the_number_of_threads(comparison: GuardComparison) -> None:
-    few = [r.case for r in comparison.rows if r.case.law == "mb" and r.case.base == "10 ms"]
+def test_result_does_not_depend_on_the_number_of_threads(comparison: FigureTable) -> None:
+    few = [
+        PlannedRun(r.case, r.seed)
+        for r in comparison
+        if r.case.law == "mb" and r.case.base == "10 ms"
+    ]
     alone = run_comparison(few, jobs=1)
 
-    assert alone.rows == tuple(r for r in comparison.rows if r.case in few)
-
-
-def test_share_in_clip_is_told_of_guarded_runs_alone(comparison: GuardComparison) -> None:
-    without = {r.clipped is None for r in comparison.rows if not r.case.guard}
-    guarded = {r.clipped is None for r in comparison.guarded()}
-
-    assert (without, guarded) == ({True}, {False})
+    assert alone.rows == tuple(r for r in comparison if (r.case, r.seed) in few)
 
 
 # -- made-up runs -------------------------------------------------------------------------
@@ -165,11 +165,11 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
     with made_up(asked=asked):
         rows = run_comparison(TINY, 2, watch).rows
 
-    assert [row.case for row in rows] == list(TINY)
+    assert [(row.case, row.seed) for row in rows] == list(TINY)
     assert set(built.values()) == {1}
     assert len(built) == 2 * 2 * 2
     assert watch.left == [0, 0]
-    assert {r.refusal for r in rows if r.case.guard and r.case.factor == WEAK} == {"too weak"}
+    assert {r.refusal for r in rows if r.case.guard and r.case.name == WEAK} == {"too weak"}
 
 
 def test_unguarded_errors_are_not_swallowed() -> None:
@@ -177,4 +177,4 @@ def test_unguarded_errors_are_not_swallowed() -> None:
         raise ScenarioError("no")
 
     with made_up(asked=refusing), pytest.raises(ScenarioError):
-        run_comparison([case for case in TINY if not case.guard][:1])
+        run_comparison([run for run in TINY if not run.case.guard][:1])

@@ -9,16 +9,20 @@ import numpy as np
 import pytest
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign import row_of
+from wmr_ctrl.campaign.table import reported
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry
+from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry, values_of
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.2, 1), (0.5, 1), "diverged")
 
 
+def figures_of(run):
+    return values_of(run, reported())
+
+
 def value(name, run):
-    return row_of(run).values[name]
+    return figures_of(run)[name]
 
 
 def test_names_are_unique_and_headings_carry_units():
@@ -31,18 +35,17 @@ def test_names_are_unique_and_headings_carry_units():
 
 
 def test_a_run_that_ended_early_has_the_figures_that_it_covers():
-    row = row_of(build(duration=80.0, rows=50, monitor=STOPPED))
+    values = figures_of(build(duration=80.0, rows=50, monitor=STOPPED))
 
-    assert row.outcome == "diverged"
-    assert row.values["ise_total"] is None
-    assert row.values["d_rms_70_80"] is None
-    assert row.values["limit_ratio"] == 1000.0
-    assert row.values["first_violation"] == 0.2
-    assert math.isfinite(json.loads(json.dumps(row.values, allow_nan=False))["violations"])
+    assert values["ise_total"] is None
+    assert values["d_rms_70_80"] is None
+    assert values["limit_ratio"] == 1000.0
+    assert values["first_violation"] == 0.2
+    assert math.isfinite(json.loads(json.dumps(values, allow_nan=False))["violations"])
 
 
 def test_an_empty_run_has_figures_of_the_monitor_only():
-    values = row_of(build(duration=80.0, rows=0, monitor=STOPPED)).values
+    values = figures_of(build(duration=80.0, rows=0, monitor=STOPPED))
 
     assert values["max_abs_v1"] == 1000.0
     assert values["d_start"] is None
@@ -94,7 +97,7 @@ def test_a_figure_of_another_package_that_fails_is_named(monkeypatch):
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (wrong,))
 
     with pytest.raises(ArgumentError, match="figure 'wrong' cannot be taken: AttributeError"):
-        row_of(build())
+        figures_of(build())
 
 
 def test_a_figure_of_another_package_with_a_name_of_ours_is_refused(monkeypatch):

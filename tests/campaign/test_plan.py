@@ -42,14 +42,14 @@ def test_each_run_is_planned_once_with_seeds_in_a_row(seeds, first):
 
     assert len(set(plan)) == len(plan)
     assert {task.seed for task in plan} == set(range(first, first + seeds))
-    assert {task.law for task in plan} == set(PAPER_LAWS)
+    assert {case.law for case, _ in plan} == set(PAPER_LAWS)
 
 
 @given(seeds=st.integers(1, 30))
 def test_studies_take_all_seeds_or_as_many_as_they_need(seeds):
     plan = paper_plan(seeds=seeds)
     for study in STUDIES:
-        taken = {task.seed for task in plan if task.scenario == study.scenario}
+        taken = {task.seed for task in plan if task.case.name == study.scenario}
 
         assert taken == set(range(min(seeds, study.seeds or seeds)))
 
@@ -57,7 +57,7 @@ def test_studies_take_all_seeds_or_as_many_as_they_need(seeds):
 def test_runs_without_noise_are_made_once():
     plan = paper_plan(["mb"], seeds=20)
 
-    assert sum(task.scenario == "paper-simulation-nominal" for task in plan) == 1
+    assert sum(task.case.name == "paper-simulation-nominal" for task in plan) == 1
 
 
 @pytest.mark.parametrize("wrong", [{"seeds": 0}, {"first_seed": -1}, {"laws": ["mb", "mb"]}])

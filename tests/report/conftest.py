@@ -7,23 +7,19 @@ import pytest
 from tests.campaign.conftest import campaign as campaign
 from tests.campaign.conftest import fake_simulate as fake_simulate
 from tests.campaign.synthetic import made_up
-from wmr_ctrl.campaign.comparison import (
-    ComparisonCase,
-    GuardComparison,
-    comparison_plan,
-    run_comparison,
-)
+from wmr_ctrl.campaign import FigureTable, PlannedRun
+from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.report.drawing import Drawing
 
 
 @pytest.fixture(scope="session")
-def comparison_cases() -> tuple[ComparisonCase, ...]:
+def comparison_cases() -> tuple[PlannedRun, ...]:
     return comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", "tau_max = 5 N m"))
 
 
 @pytest.fixture(scope="session")
-def comparison(comparison_cases) -> GuardComparison:
+def comparison(comparison_cases) -> FigureTable:
     def asked(case):
         if case.guard and "actuator.tau_max" in case.overrides:
             raise ScenarioError("too weak for the bounds")

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, FigureRow, FigureTable
+from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, FigureTable, PlannedCase, RunRow
 from wmr_ctrl.campaign.table import reported
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.report.claims import (
@@ -32,7 +32,8 @@ TIMES = {"paper_time", "our_time"}
 
 
 def row(law, seed, **values):
-    return FigureRow("paper-simulation", law, seed, "completed", values)
+    case = PlannedCase("paper-simulation", law, name="paper-simulation")
+    return RunRow(case, seed, "completed", values)
 
 
 def evidence(*rows):

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 import csv
 
-from wmr_ctrl.campaign.rigid import AS_PRINTED, LIMITED, RigidComparison, RigidRow
+from wmr_ctrl.campaign import Campaign, FigureTable, PlannedCase, RunRow
+from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, E1_BEFORE, LIMITED
 from wmr_ctrl.report.data_files import write_rigid
 from wmr_ctrl.report.page import report_environment
 from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
 
 
-def row(case, law, plant, seed=0, **values):
-    known = {
-        "outcome": "completed",
-        "ise": 1.0,
-        "e1_before": 0.001,
-        "e1": 0.001,
-        "ratio": 0.9,
-        "slipped": None,
-    }
-    return RigidRow(case, law, seed, plant, **{**known, "slipped": None, "tipped": None, **values})
+def row(name, law, plant, seed=0, **values):
+    known = {"ise_total": 1.0, E1_BEFORE: 0.001, E1: 0.001, "limit_ratio": 0.9}
+    case = PlannedCase("paper-simulation", law, plant=plant, name=name)
+    return RunRow(case, seed, "completed", {**known, **values})
 
 
-ROWS = RigidComparison(
+FELL = {"ise_total": None, E1: None, "slipped": 0.003, "tipped": 4.0, "limit_ratio": 3.0}
+ROWS = FigureTable(
     (
         row(AS_PRINTED, "mb", "ode"),
-        row(AS_PRINTED, "mb", "mujoco", ise=None, e1=None, slipped=0.003, tipped=4.0, ratio=3.0),
+        row(AS_PRINTED, "mb", "mujoco", **FELL),
         row(LIMITED, "mb", "ode"),
         row(LIMITED, "mb", "ode", 1),
-        row(LIMITED, "mb", "mujoco", ise=1.02),
-        row(LIMITED, "mb", "mujoco", 1, ise=0.99, slipped=0.5, ratio=1.1),
+        row(LIMITED, "mb", "mujoco", ise_total=1.02),
+        row(LIMITED, "mb", "mujoco", 1, ise_total=0.99, slipped=0.5, limit_ratio=1.1),
     )
 )
 
@@ -53,16 +49,16 @@ def test_a_fall_has_no_ise_and_what_never_slips_no_time():
 
 
 def test_without_whole_runs_nothing_is_drawn():
-    assert rigid_figures(ROWS) == ()
+    assert rigid_figures(Campaign(ROWS)) == ()
 
 
 def test_the_file_has_units_and_a_row_a_run(tmp_path):
-    write_rigid(tmp_path / "rigid.csv", ROWS.rows)
+    write_rigid(tmp_path / "rigid.csv", ROWS)
     text = (tmp_path / "rigid.csv").read_text(encoding="utf-8")
     head, *rows = csv.reader(text.splitlines())
 
     assert all(name.endswith("]") for name in head[5:])
-    assert len(rows) == len(ROWS.rows)
+    assert len(rows) == len(ROWS)
     assert rows[1][5] == ""
 
 

@@ -5,19 +5,18 @@ with and without the guard) and the studies of users (`study_plan`, `study_run`,
 What compiles is imported within functions, so that a worker that only runs starts without CasADi.
 """
 
-from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Silent
+from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, PlannedRun, Silent
 from wmr_ctrl.campaign.plan import (
     AS_STATED,
     BARRIER_LAWS,
     PAPER_LAWS,
     QUICK_SEEDS,
     STUDIES,
-    PlannedRun,
     Study,
     paper_plan,
 )
 from wmr_ctrl.campaign.run import Campaign, run_campaign
-from wmr_ctrl.campaign.table import STATISTICS, FigureRow, FigureTable, Spread, row_of, spread
+from wmr_ctrl.campaign.table import STATISTICS, FigureTable, RunRow, Spread, spread
 
 __all__ = [
     "AS_STATED",
@@ -27,16 +26,15 @@ __all__ = [
     "STATISTICS",
     "STUDIES",
     "Campaign",
-    "FigureRow",
     "FigureTable",
     "PhaseProgress",
     "PlannedCase",
     "PlannedRun",
+    "RunRow",
     "Silent",
     "Spread",
     "Study",
     "paper_plan",
-    "row_of",
     "run_campaign",
     "spread",
 ]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
+from typing import NamedTuple, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
@@ -24,7 +24,8 @@ T = TypeVar("T")
 class PlannedCase:
     """What all seeds share: scenario (a preset's name, or the thing itself), law, guard, changes.
 
-    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.
+    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.  ``name``: what
+    tables call it; ``base``: the group of cases that it is compared in.
     """
 
     scenario: str | Scenario
@@ -32,6 +33,15 @@ class PlannedCase:
     guard: bool | None = None
     overrides: Overrides = field(default_factory=dict, hash=False)
     plant: str = "ode"
+    name: str = ""
+    base: str = ""
+
+
+class PlannedRun(NamedTuple):
+    """A run to be made."""
+
+    case: PlannedCase
+    seed: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +82,16 @@ def build_loop(case: PlannedCase) -> Ready:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
     from wmr_ctrl.engines import ready_batch, ready_plantless  # a worker that builds none is light
 
+    build = ready_batch if case.plant == "ode" else ready_plantless
+    return build(scenario_of(case), case.law)
+
+
+def scenario_of(case: PlannedCase) -> Scenario:
+    """The scenario with what the case changes.  Raises ScenarioError."""
     switch = {} if case.guard is None else {"guard.enabled": case.guard}
     base = load_scenario(case.scenario) if isinstance(case.scenario, str) else case.scenario
     changed = {**case.overrides, **switch}
-    build = ready_batch if case.plant == "ode" else ready_plantless
-    return build(override(base, changed) if changed else base, case.law)
+    return override(base, changed) if changed else base
 
 
 def built_loops(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from wmr_ctrl.campaign.engine import Overrides, PlannedCase
+from wmr_ctrl.campaign.engine import Overrides, PlannedCase, PlannedRun
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.problems import show
 
@@ -27,8 +27,9 @@ FEW = 5
 class Study:
     """A preset to be run with every law, over at most ``seeds`` seeds (None: all of them).
 
-    One that changes fields (``overrides``) has a ``name`` and a ``title`` of its own; ``laws``
-    restricts it to some laws (None: all that are run).
+    One that changes fields (``overrides``) has a ``name`` of its own, and a ``title`` where the
+    report tells it; ``laws`` restricts it to some laws (None: all that are run); ``guards``:
+    whether the guard is on (None: as the preset says); ``base``: the group it is compared in.
     """
 
     preset: str
@@ -37,36 +38,24 @@ class Study:
     title: str = ""
     laws: tuple[str, ...] | None = None
     overrides: Overrides = field(default_factory=dict, hash=False)
+    guards: tuple[bool | None, ...] = (None,)
+    base: str = ""
 
     @property
     def scenario(self) -> str:
         """What tables, claims and figures call it."""
         return self.name or self.preset
 
-    def takes(self, law: str, offset: int) -> bool:
-        """Whether a law's run number ``offset`` belongs to it."""
-        return (self.seeds is None or offset < self.seeds) and (
-            self.laws is None or law in self.laws
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedRun:
-    """One run to be made."""
-
-    study: Study
-    law: str
-    seed: int
-
-    @property
-    def scenario(self) -> str:
-        """The study's name."""
-        return self.study.scenario
-
-    @property
-    def case(self) -> PlannedCase:
-        """What it shares with the runs of other seeds."""
-        return PlannedCase(self.study.preset, self.law, overrides=self.study.overrides)
+    def runs(
+        self, laws: Sequence[str], seeds: Sequence[int], plant: str = "ode"
+    ) -> Iterator[PlannedRun]:
+        """Its runs: laws, then guards, then seeds, the last changing fastest."""
+        for law in laws if self.laws is None else [law for law in laws if law in self.laws]:
+            for guard in self.guards:
+                case = PlannedCase(
+                    self.preset, law, guard, self.overrides, plant, self.scenario, self.base
+                )
+                yield from (PlannedRun(case, seed) for seed in seeds[: self.seeds])
 
 
 IDEAL = "paper-simulation-nominal"
@@ -140,10 +129,6 @@ def paper_plan(
         )
     if len(set(laws)) != len(laws):
         raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")
-    return tuple(
-        PlannedRun(study, law, first_seed + offset)
-        for offset in range(seeds)
-        for study in STUDIES
-        for law in laws
-        if study.takes(law, offset)
-    )
+    numbered = range(first_seed, first_seed + seeds)
+    runs = [run for study in STUDIES for run in study.runs(laws, numbered)]
+    return tuple(sorted(runs, key=lambda run: run.seed))

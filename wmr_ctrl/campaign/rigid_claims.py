@@ -8,18 +8,19 @@ from typing import TypeAlias
 
 from wmr_ctrl.campaign.rigid import (
     AS_PRINTED,
+    E1,
+    E1_BEFORE,
     ENCODERS,
     GUARDED,
     LIMITED,
     OURS_TOO,
     SLOPED,
     STEPS,
-    RigidComparison,
-    RigidRow,
 )
+from wmr_ctrl.campaign.table import FigureTable
 
 MUJOCO, ODE = "mujoco", "ode"
-Worst: TypeAlias = Callable[[RigidComparison, str], list[float | None]]
+Worst: TypeAlias = Callable[[FigureTable, str], list[float | None]]
 """The number that a claim bounds, a seed each; None where a run has none."""
 
 
@@ -45,12 +46,12 @@ class _Expected:
     unit: str = ""
 
 
-def rigid_claims(rows: RigidComparison) -> tuple[RigidClaim, ...]:
+def rigid_claims(rows: FigureTable) -> tuple[RigidClaim, ...]:
     """Each sentence for each of its laws that was run."""
     return tuple(_judged(rows))
 
 
-def _judged(rows: RigidComparison) -> Iterator[RigidClaim]:
+def _judged(rows: FigureTable) -> Iterator[RigidClaim]:
     for claim in _CLAIMS:
         for law in claim.laws:
             numbers = claim.of(rows, law)
@@ -74,54 +75,53 @@ def _span(known: Sequence[float], count: int, unit: str) -> str:
 
 
 def _pairs(
-    rows: RigidComparison, law: str, one: tuple[str, str], other: tuple[str, str]
-) -> Iterator[tuple[RigidRow, RigidRow]]:
-    """Rows of one seed in two cases on two plants."""
-    known = {row.seed: row for row in rows.of(other[0], law, other[1])}
-    return ((row, known[row.seed]) for row in rows.of(one[0], law, one[1]) if row.seed in known)
+    figure: str, rows: FigureTable, law: str, one: tuple[str, str], other: tuple[str, str]
+) -> Iterator[tuple[float | None, float | None]]:
+    """A figure of one seed in two cases on two plants."""
+    known = {row.seed: row[figure] for row in rows.of(other[0], law, plant=other[1])}
+    mine = rows.of(one[0], law, plant=one[1])
+    return ((row[figure], known[row.seed]) for row in mine if row.seed in known)
 
 
 def _ise_apart(one: tuple[str, str], other: tuple[str, str]) -> Worst:
     """Distance of two ISE as a share of the second [%]."""
 
-    def of(rows: RigidComparison, law: str) -> list[float | None]:
-        return [
-            100 * abs(a.ise / b.ise - 1) if a.ise and b.ise else None
-            for a, b in _pairs(rows, law, one, other)
-        ]
+    def of(rows: FigureTable, law: str) -> list[float | None]:
+        pairs = _pairs("ise_total", rows, law, one, other)
+        return [100 * abs(a / b - 1) if a and b else None for a, b in pairs]
 
     return of
 
 
-def _e1_apart(rows: RigidComparison, law: str) -> list[float | None]:
+def _e1_apart(rows: FigureTable, law: str) -> list[float | None]:
     """Distance of the late e1 on tyres from that of the plane model [mm]."""
-    return [
-        None if a.e1 is None or b.e1 is None else 1e3 * abs(a.e1 - b.e1)
-        for a, b in _pairs(rows, law, (LIMITED, MUJOCO), (LIMITED, ODE))
-    ]
+    pairs = _pairs(E1, rows, law, *_SAME)
+    return [None if a is None or b is None else 1e3 * abs(a - b) for a, b in pairs]
 
 
-def _growth(rows: RigidComparison, law: str) -> list[float | None]:
+def _growth(rows: FigureTable, law: str) -> list[float | None]:
     """e1 after the change of parameters over that before."""
-    limited = rows.of(LIMITED, law, MUJOCO)
-    return [row.e1 / row.e1_before if row.e1 and row.e1_before else None for row in limited]
+    errors = ((row[E1], row[E1_BEFORE]) for row in rows.of(LIMITED, law, plant=MUJOCO))
+    return [after / before if after and before else None for after, before in errors]
 
 
-def _on_slope(rows: RigidComparison, law: str) -> list[float | None]:
+def _on_slope(rows: FigureTable, law: str) -> list[float | None]:
     """Late e1 on the slope [mm]."""
-    return [None if row.e1 is None else 1e3 * row.e1 for row in rows.of(SLOPED, law, MUJOCO)]
+    errors = (row[E1] for row in rows.of(SLOPED, law, plant=MUJOCO))
+    return [None if error is None else 1e3 * error for error in errors]
 
 
-def _fall(rows: RigidComparison, law: str) -> list[float | None]:
+def _fall(rows: FigureTable, law: str) -> list[float | None]:
     """When it fell [s]."""
-    return [row.tipped for row in rows.of(AS_PRINTED, law, MUJOCO)]
+    return [row["tipped"] for row in rows.of(AS_PRINTED, law, plant=MUJOCO)]
 
 
 def _ratio(case: str) -> Worst:
     """Largest velocity over its limit of runs that stay up."""
 
-    def of(rows: RigidComparison, law: str) -> list[float | None]:
-        return [None if row.tipped else row.ratio for row in rows.of(case, law, MUJOCO)]
+    def of(rows: FigureTable, law: str) -> list[float | None]:
+        runs = rows.of(case, law, plant=MUJOCO)
+        return [None if row["tipped"] else row["limit_ratio"] for row in runs]
 
     return of
 

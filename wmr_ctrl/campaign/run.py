@@ -1,16 +1,16 @@
-"""The paper's plan, run by the engine of all studies; no number of threads changes a result."""
+"""Plans run by the engine of all studies; no number of threads changes a result."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from wmr_ctrl.campaign.engine import PhaseProgress, Refusal, Silent, run_cases
-from wmr_ctrl.campaign.plan import PlannedRun
-from wmr_ctrl.campaign.table import FigureRow, FigureTable, row_of
+from wmr_ctrl.campaign.engine import PhaseProgress, PlannedRun, Refusal, Silent, run_cases
+from wmr_ctrl.campaign.table import REFUSED, FigureTable, RunRow, reported
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import Run
+from wmr_ctrl.results.figures import FIGURES, values_of
 from wmr_ctrl.sim.batch import check_jobs
 
 
@@ -18,50 +18,54 @@ from wmr_ctrl.sim.batch import check_jobs
 class Campaign:
     """A finished plan: ``table`` has a row per run, ``runs`` the whole first run of each case.
 
-    ``runs`` maps (scenario, law) to the Run of the lowest seed.
+    ``runs`` maps (scenario, law) to the Run of the lowest seed.  Without rows: not run.
     """
 
-    table: FigureTable
-    runs: Mapping[tuple[str, str], Run]
+    table: FigureTable = field(default_factory=FigureTable)
+    runs: Mapping[tuple[str, str], Run] = field(default_factory=dict)
 
 
 def run_campaign(
     plan: Sequence[PlannedRun],
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
+    figures: Sequence[str] = (),
+    whole: bool = True,
+    texts: tuple[str, str] = ("Compiling the laws", "Running the simulations"),
 ) -> Campaign:
-    """Compile, then run every task of ``plan`` on ``jobs`` threads (default: one per core).
+    """Compile, then run all of ``plan`` on ``jobs`` threads (default: one per core).
 
-    The result is the same for any ``jobs``.  An exception in a task, or an interrupt, ends the
-    campaign at once: tasks that have not begun are dropped.  Raises ArgumentError for jobs < 1 or
-    an empty plan.
+    Rows have ``figures`` (without: those of the report); ``whole``: keep whole first runs.  A
+    guard's refusal becomes a row; that of an unguarded case is raised.  The result is the same for
+    any ``jobs``.  An exception in a run, or an interrupt, ends the campaign at once: what has not
+    begun is dropped.  Raises ArgumentError for jobs < 1 or an empty plan.
     """
     check_jobs(jobs)
     if not plan:
         raise ArgumentError("the plan is empty: name at least one law and one seed.")
-    shown = progress or Silent()
-    first = _first_seeds(plan)
+    taken = [FIGURES[name] for name in figures] or reported()
+    first = _first_seeds(plan) if whole else {}
+    runs: dict[tuple[str, str], Run] = {}
 
-    def result(place: int, run: Run) -> tuple[FigureRow, Run | None]:
-        row = replace(row_of(run), scenario=plan[place].scenario)
-        return row, run if plan[place] in first else None
+    def row(place: int, run: Run) -> RunRow:
+        case, seed = plan[place]
+        if first.get((case.name, case.law)) == seed:
+            runs[case.name, case.law] = run
+        return RunRow(case, seed, run.outcome.value, values_of(run, taken))
 
-    texts = "Compiling the laws", "Running the simulations"
-    runs = [(task.case, task.seed) for task in plan]
-    results = [
-        item
-        for item in run_cases(runs, result, jobs, shown, texts)
-        if not isinstance(item, Refusal)  # nobody switches a guard on here
+    results = run_cases(plan, row, jobs, progress or Silent(), texts)
+    rows = [
+        RunRow(*planned, REFUSED, {}, item.text) if isinstance(item, Refusal) else item
+        for planned, item in zip(plan, results, strict=True)
     ]
-    whole = {(row.scenario, row.law): run for row, run in results if run is not None}
-    return Campaign(FigureTable(row for row, _ in results), MappingProxyType(whole))
+    ordered = {key: runs[key] for key in first if key in runs}  # threads end in any order
+    return Campaign(FigureTable(rows), MappingProxyType(ordered))
 
 
-def _first_seeds(plan: Iterable[PlannedRun]) -> frozenset[PlannedRun]:
-    """The task of the lowest seed of each scenario and law."""
-    first: dict[tuple[str, str], PlannedRun] = {}
-    for task in plan:
-        known = first.setdefault((task.scenario, task.law), task)
-        if task.seed < known.seed:
-            first[task.scenario, task.law] = task
-    return frozenset(first.values())
+def _first_seeds(plan: Iterable[PlannedRun]) -> dict[tuple[str, str], int]:
+    """The lowest seed of each case's name and law."""
+    first: dict[tuple[str, str], int] = {}
+    for case, seed in plan:
+        key = (case.name, case.law)
+        first[key] = min(seed, first.get(key, seed))
+    return first

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from wmr_ctrl.campaign.engine import PlannedCase, Refusal, Silent, built_loops
+from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.results import outcome_of
 from wmr_ctrl.results.figures import RIGID, SHARES, SUMMED
 from wmr_ctrl.sim.batch import Task, run_tasks
@@ -17,7 +18,6 @@ from wmr_ctrl.sim.figures import SHAPES, column_of, monitor, tracked
 from wmr_ctrl.sim.many import logged_figures
 from wmr_ctrl.sim.ready import Ready
 
-REFUSED = "refused"
 MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 Columns: TypeAlias = dict[str, np.ndarray]

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from wmr_ctrl.campaign.comparison import AFTER, BASE, BASES, REFUSED, GuardComparison, swept
+from wmr_ctrl.campaign import FigureTable
+from wmr_ctrl.campaign.comparison import AWAY, BASE, BASES, swept
+from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -26,9 +28,10 @@ from wmr_ctrl.report.drawing import (
     seed_handle,
 )
 from wmr_ctrl.report.style import LIMIT, MUTED, look
+from wmr_ctrl.results.windows import LATE
 
 
-def comparison_figures(rows: GuardComparison) -> tuple[Drawing, ...]:
+def comparison_figures(rows: FigureTable) -> tuple[Drawing, ...]:
     """Every figure of the comparison, in the section's order."""
     return (_violations(rows), _position_after(rows), period_drawing(rows), torque_drawing(rows))
 
@@ -38,8 +41,8 @@ def title_of(base: str) -> str:
     return f"torque held for {base}"
 
 
-def _violations(rows: GuardComparison) -> Drawing:
-    count = len(rows.factors()) * len(rows.laws)
+def _violations(rows: FigureTable) -> Drawing:
+    count = len(rows.scenarios()) * len(rows.laws)
     return Drawing(
         "ours_violations",
         "Plant steps beyond a limit, without and with the guard",
@@ -51,8 +54,8 @@ def _violations(rows: GuardComparison) -> Drawing:
     )
 
 
-def _draw_violations(figure: Figure, rows: GuardComparison) -> None:
-    padding, factors = Padding(left=2.75, right=0.15, bottom=0.44, top=0.74), rows.factors()
+def _draw_violations(figure: Figure, rows: FigureTable) -> None:
+    padding, factors = Padding(left=2.75, right=0.15, bottom=0.44, top=0.74), rows.scenarios()
     panels = row_of_axes(figure, padding, [1.0] * len(rows.bases), 0.2)
     for place, (axes, base) in enumerate(zip(panels, rows.bases, strict=True)):
         rows_of(axes, factors if place == 0 else [""] * len(factors))
@@ -67,46 +70,45 @@ def _draw_violations(figure: Figure, rows: GuardComparison) -> None:
     legend_row(figure, [*law_marks(rows.laws), *_kinds()])
 
 
-def _fill(axes: Axes, rows: GuardComparison, base: str) -> None:
+def _fill(axes: Axes, rows: FigureTable, base: str) -> None:
     step = 0.84 / len(rows.laws)
-    for row, factor in enumerate(rows.factors()):
-        if factor not in rows.factors(base):
+    for row, factor in enumerate(rows.scenarios()):
+        if factor not in rows.scenarios(base):
             axes.annotate("first base only", (0, row), xytext=(12, 0), textcoords="offset points",
                           va="center", size=6.5, color=MUTED)  # fmt: skip
         for place, law in enumerate(rows.laws):
             height = row - 0.42 + step * (place + 0.5)
             for guard in (False, True):
-                steps = [r.violations for r in rows.of(base, factor, law, guard) if r.speed]
+                runs = rows.of(factor, law, base=base, guard=guard)
+                steps = [r["violations"] for r in runs if r.outcome != REFUSED]
                 dots(axes, steps, height, law, step, filled=not guard)
 
 
-def _position_after(rows: GuardComparison) -> Drawing:
+def _position_after(rows: FigureTable) -> Drawing:
     return Drawing(
         "ours_position",
         f"Distance from the reference after the change of parameters, RMS over "
-        f"{AFTER[0]:g}–{AFTER[1]:g} s",
+        f"{LATE[0]:g}–{LATE[1]:g} s",
         "The base cases; each mark is a seed, each bar a median.",
         (9.6, 0.95 + 0.36 * len(rows.laws)),
         partial(_draw_position, rows=rows),
     )
 
 
-def _draw_position(figure: Figure, rows: GuardComparison) -> None:
+def _draw_position(figure: Figure, rows: FigureTable) -> None:
     padding = Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
     panels = row_of_axes(figure, padding, [1.0] * len(rows.bases), 0.55)
     for axes, base in zip(panels, rows.bases, strict=True):
         rows_of(axes, [look(law).label for law in rows.laws])
-        for row, law in enumerate(rows.laws):
+        for place, law in enumerate(rows.laws):
             for guard in (False, True):
-                errors = [
-                    None if r.position_rms is None else 1e3 * r.position_rms
-                    for r in rows.of(base, BASE, law, guard)
-                ]
-                dots(axes, errors, row + (0.2 if guard else -0.2), law, filled=not guard)
+                errors = (row[AWAY] for row in rows.of(BASE, law, base=base, guard=guard))
+                millimetres = [None if error is None else 1e3 * error for error in errors]
+                dots(axes, millimetres, place + (0.2 if guard else -0.2), law, filled=not guard)
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         plain_ticks(axes, (1,))
         axes.set_title(title_of(base), weight="normal", size=8)
-    heading(figure, f"Distance after the change of parameters, {AFTER[0]:g}–{AFTER[1]:g} s")
+    heading(figure, f"Distance after the change of parameters, {LATE[0]:g}–{LATE[1]:g} s")
     legend_row(figure, _kinds())
 
 
@@ -126,7 +128,7 @@ _CROSS = (
 )
 
 
-def period_drawing(rows: GuardComparison) -> Drawing:
+def period_drawing(rows: FigureTable) -> Drawing:
     """ISE against the control period, without and with the guard."""
     return Drawing(
         "ours_ise_period",
@@ -137,7 +139,7 @@ def period_drawing(rows: GuardComparison) -> Drawing:
     )
 
 
-def torque_drawing(rows: GuardComparison) -> Drawing:
+def torque_drawing(rows: FigureTable) -> Drawing:
     """ISE against the torque limit, without and with the guard, per base."""
     return Drawing(
         "ours_ise_torque",
@@ -161,7 +163,7 @@ def limits(base: str) -> Points:
     return sorted([*own, (UNLIMITED, base, BASE)])
 
 
-def _draw_period(figure: Figure, rows: GuardComparison) -> None:
+def _draw_period(figure: Figure, rows: FigureTable) -> None:
     padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
     panels = row_of_axes(figure, padding, (1.0, 1.0), 0.45)
     for axes, guard in zip(panels, (False, True), strict=True):
@@ -171,7 +173,7 @@ def _draw_period(figure: Figure, rows: GuardComparison) -> None:
     _finish(figure, panels, rows, "ISE against the control period")
 
 
-def _draw_torque(figure: Figure, rows: GuardComparison) -> None:
+def _draw_torque(figure: Figure, rows: FigureTable) -> None:
     padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
     places = [(base, guard) for base in rows.bases for guard in (False, True)]
     panels = row_of_axes(figure, padding, [1.0] * len(places), 0.42)
@@ -185,17 +187,18 @@ def _draw_torque(figure: Figure, rows: GuardComparison) -> None:
     _finish(figure, panels, rows, "ISE against the torque limit, without and with the guard")
 
 
-def _lines(axes: Axes, rows: GuardComparison, points: Points, guard: bool) -> None:
+def _lines(axes: Axes, rows: FigureTable, points: Points, guard: bool) -> None:
     for law in rows.laws:
         seen = look(law)
-        places = [(x, rows.median("ise", b, f, law, guard)) for x, b, f in points]
+        places = [(x, rows.median("ise_total", b, f, law, guard)) for x, b, f in points]
         there = [(x, y) for x, y in places if y is not None]
         if not there:
             continue
         axes.plot(*zip(*there, strict=True), color=seen.colour, ls=seen.dash, marker=seen.marker,
                   ms=3.6, mfc="white" if guard else seen.colour, zorder=3)  # fmt: skip
         bad = [(x, y) for (x, y), (_, b, f) in zip(places, points, strict=True)
-               if y is not None and any(r.broke for r in rows.of(b, f, law, guard))]  # fmt: skip
+               if y is not None
+               and any(r.broke for r in rows.of(f, law, base=b, guard=guard))]  # fmt: skip
         if bad:
             axes.plot(*zip(*bad, strict=True), ls="", marker="x", color=LIMIT, ms=6, mew=1.2,
                       zorder=4)  # fmt: skip
@@ -211,16 +214,16 @@ def _ticks(axes: Axes, places: Sequence[float], label: str) -> None:
     axes.set_xlim(0.85 * places[0], 1.18 * places[-1])
 
 
-def _mark_refused(axes: Axes, rows: GuardComparison, points: Points, guard: bool) -> None:
+def _mark_refused(axes: Axes, rows: FigureTable, points: Points, guard: bool) -> None:
     """Say where the guard refuses every law."""
     for x, base, factor in points:
-        runs = [row for law in rows.laws for row in rows.of(base, factor, law, guard)]
+        runs = [row for law in rows.laws for row in rows.of(factor, law, base=base, guard=guard)]
         if runs and all(row.outcome == REFUSED for row in runs):
             axes.text(x, 0.5, "refused", rotation=90, ha="center", va="center", size=7,
                       color=MUTED, transform=axes.get_xaxis_transform())  # fmt: skip
 
 
-def _finish(figure: Figure, panels: Sequence[Axes], rows: GuardComparison, text: str) -> None:
+def _finish(figure: Figure, panels: Sequence[Axes], rows: FigureTable, text: str) -> None:
     panels[0].set_ylabel("ISE [m² s + rad² s]")
     for axes in panels:
         low, high = axes.get_ylim()

@@ -7,12 +7,13 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from wmr_ctrl.campaign import STATISTICS, FigureTable
-from wmr_ctrl.campaign.comparison import AFTER, BEFORE, ComparedRun
-from wmr_ctrl.campaign.rigid import EARLY, LATE, RigidRow
+from wmr_ctrl.campaign import STATISTICS, FigureTable, RunRow
+from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
+from wmr_ctrl.campaign.rigid import COMPARED
 from wmr_ctrl.campaign.table import reported
 from wmr_ctrl.report.claims import RULE, Judged, Measured
 from wmr_ctrl.results import atomic_write, json_safe
+from wmr_ctrl.results.windows import BEFORE, LATE
 
 CITATION = (
     "Z. Chen, Y. Liu, W. He, H. Qiao, and H. Ji, “Adaptive-Neural-Network-Based Trajectory "
@@ -46,7 +47,13 @@ def _statistic_rows(table: FigureTable, scenario: str, law: str) -> Iterator[Seq
 def write_runs(path: Path, table: FigureTable) -> None:
     """One row per run, with all of its figures."""
     rows = (
-        (row.scenario, row.law, row.seed, row.outcome, *(row.values[f.name] for f in reported()))
+        (
+            row.case.name,
+            row.case.law,
+            row.seed,
+            row.outcome,
+            *(row.values[f.name] for f in reported()),
+        )
         for row in table
     )
     write_csv(path, ("scenario", "law", "seed", "outcome", *_headings()), rows)
@@ -111,7 +118,7 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
         writer.writerows(rows)
 
 
-_WINDOWS = tuple(f"{start:g}-{end:g} s" for start, end in (BEFORE, AFTER))
+_WINDOWS = tuple(f"{start:g}-{end:g} s" for start, end in (BEFORE, LATE))
 _COMPARISON_HEADINGS = (
     "base",
     "case",
@@ -132,18 +139,19 @@ _COMPARISON_HEADINGS = (
 )
 
 
-def write_comparison(path: Path, rows: Iterable[ComparedRun]) -> None:
+def write_comparison(path: Path, rows: Iterable[RunRow]) -> None:
     """Every run with its figures; cells are empty where there is no number."""
     write_csv(path, _COMPARISON_HEADINGS, map(_cells, rows))
 
 
-def _cells(row: ComparedRun) -> tuple[object, ...]:
-    case, nothing = row.case, (None, None)
+def _cells(row: RunRow) -> tuple[object, ...]:
+    case, steps = row.case, row["violations"]
+    speeds, shares = ("limit_ratio1", "limit_ratio2"), ("guard_share1", "guard_share2")
     return (
-        case.base, case.factor, case.law, "on" if case.guard else "off", case.seed, row.outcome,
-        None if row.speed is None else row.violations, *(row.speed or nothing), row.position_rms,
-        row.position_max, row.ise,
-        row.e1_before, row.e1_after, row.tau_peak, *(row.clipped or nothing),
+        case.base, case.name, case.law, "on" if case.guard else "off", row.seed, row.outcome,
+        None if steps is None else int(steps), *map(row.__getitem__, speeds), row[AWAY],
+        row[FARTHEST], row["ise_total"], row[E1_BEFORE], row[E1], row["tau_peak"],
+        *(row[name] if case.guard else None for name in shares),
     )  # fmt: skip
 
 
@@ -154,30 +162,18 @@ _RIGID_HEADINGS = (
     "plant",
     "outcome",
     "ISE [m2.s + rad2.s]",
-    f"RMS of e1 over {EARLY[0]:g}-{EARLY[1]:g} s [m]",
-    f"RMS of e1 over {LATE[0]:g}-{LATE[1]:g} s [m]",
+    f"RMS of e1 over {_WINDOWS[0]} [m]",
+    f"RMS of e1 over {_WINDOWS[1]} [m]",
     "max |v|/limit [1]",
     "first slip [s]",
     "fall [s]",
 )
 
 
-def write_rigid(path: Path, rows: Iterable[RigidRow]) -> None:
+def write_rigid(path: Path, rows: Iterable[RunRow]) -> None:
     """Every run on either plant; cells are empty where there is no number."""
     cells = (
-        (
-            r.case,
-            r.law,
-            r.seed,
-            r.plant,
-            r.outcome,
-            r.ise,
-            r.e1_before,
-            r.e1,
-            r.ratio,
-            r.slipped,
-            r.tipped,
-        )
+        (r.case.name, r.case.law, r.seed, r.case.plant, r.outcome, *map(r.__getitem__, COMPARED))
         for r in rows
     )
     write_csv(path, _RIGID_HEADINGS, cells)

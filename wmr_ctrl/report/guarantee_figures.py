@@ -39,7 +39,7 @@ def guarantee_figures(campaign: Campaign) -> tuple[Drawing, ...]:
 
 def limits_drawing(campaign: Campaign) -> Drawing:
     """Largest |v|/limit of the worse axis, every scenario, law and seed."""
-    count = len(campaign.table.scenarios) * len(campaign.table.laws)
+    count = len(campaign.table.scenarios()) * len(campaign.table.laws)
     return Drawing(
         "limits_all_seeds",
         "How far each run went towards its velocity limit, or beyond",
@@ -52,9 +52,9 @@ def limits_drawing(campaign: Campaign) -> Drawing:
 
 def _draw_limits(figure: Figure, table: FigureTable) -> None:
     axes = one_axes(figure, Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
-    rows_of(axes, table.scenarios)
+    rows_of(axes, table.scenarios())
     step = 0.84 / len(table.laws)
-    for row, scenario in enumerate(table.scenarios):
+    for row, scenario in enumerate(table.scenarios()):
         for place, law in enumerate(table.laws):
             if (scenario, law) not in table.cases:
                 continue

@@ -6,19 +6,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
+from wmr_ctrl.campaign import FigureTable, RunRow
 from wmr_ctrl.campaign.comparison import (
+    AWAY,
     BASE,
     BASES,
+    E1,
     FAR_START,
     OUTSIDE,
     PUSHED,
-    REFUSED,
     SCENARIO,
-    ComparedRun,
-    GuardComparison,
-    median,
     overrides_of,
 )
+from wmr_ctrl.campaign.table import REFUSED, median
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import net, usable_speed
 from wmr_ctrl.guard.price import speed_price
@@ -58,16 +58,16 @@ class GuardSection:
     drawings: Sequence[Drawing]
 
 
-def guard_section(rows: GuardComparison, drawings: Sequence[Drawing]) -> GuardSection:
+def guard_section(rows: FigureTable, drawings: Sequence[Drawing]) -> GuardSection:
     """Numbers of the sentences, tables and figures."""
     priced = tuple(
         (base, factor)
         for factor in (BASE, PUSHED)
         for base in rows.bases
-        if factor in rows.factors(base)
+        if factor in rows.scenarios(base)
     )
     return GuardSection(
-        runs=len(rows.rows),
+        runs=len(rows),
         seeds=rows.seeds,
         findings=findings(rows),
         shortfalls=shortfalls(rows),
@@ -77,19 +77,19 @@ def guard_section(rows: GuardComparison, drawings: Sequence[Drawing]) -> GuardSe
     )
 
 
-def findings(rows: GuardComparison) -> Numbers:
+def findings(rows: FigureTable) -> Numbers:
     """What the guard and the law do."""
-    outside = _both(rows, lambda row: row.case.factor == OUTSIDE)
+    outside = _both(rows, lambda row: row.case.name == OUTSIDE)
     return {
-        "inside": _both(rows, lambda row: row.case.factor != OUTSIDE),
+        "inside": _both(rows, lambda row: row.case.name != OUTSIDE),
         "bounds_left": sum(row.outcome == Outcome.BOUNDS_LEFT for row in rows.guarded()),
         "outside": outside and {**outside, "start": start_ratio(OUTSIDE)},
-        "after": _by_base(rows, lambda base: _cells(rows, base, BASE, "position_rms")),
+        "after": _by_base(rows, lambda base: _cells(rows, base, BASE, AWAY)),
         "steers": _by_base(rows, lambda base: _steered(rows, base)),
     }
 
 
-def shortfalls(rows: GuardComparison) -> Numbers:
+def shortfalls(rows: FigureTable) -> Numbers:
     """Where guard and law fall short."""
     return {
         "wind_up": _by_base(rows, lambda base: _wound_up(rows, base)),
@@ -100,12 +100,12 @@ def shortfalls(rows: GuardComparison) -> Numbers:
     }
 
 
-def _by_base(rows: GuardComparison, of: Callable[[str], T]) -> list[tuple[str, T]]:
+def _by_base(rows: FigureTable, of: Callable[[str], T]) -> list[tuple[str, T]]:
     """What there is of each base."""
     return [(base, numbers) for base in rows.bases if (numbers := of(base))]
 
 
-def _both(rows: GuardComparison, chosen: Callable[[ComparedRun], bool]) -> Numbers | None:
+def _both(rows: FigureTable, chosen: Callable[[RunRow], bool]) -> Numbers | None:
     """Runs, broken ones, largest |v|/limit and most steps outside, with and without the guard."""
     pair = {
         name: [row for row in rows.guarded(guard) if chosen(row)]
@@ -118,54 +118,54 @@ def _both(rows: GuardComparison, chosen: Callable[[ComparedRun], bool]) -> Numbe
             "runs": len(runs),
             "broken": _broken(runs),
             "fastest": _fastest(runs),
-            "steps": max(row.violations for row in runs),
+            "steps": max(int(row["violations"] or 0) for row in runs),
         }
         for name, runs in pair.items()
     }
 
 
-def _steered(rows: GuardComparison, base: str) -> list[tuple[str, float]]:
+def _steered(rows: FigureTable, base: str) -> list[tuple[str, float]]:
     shares = (
         (
             look(law).label,
-            median(max(r.clipped) for r in rows.of(base, BASE, law, True) if r.clipped),
+            median(map(_clipped, rows.of(BASE, law, base=base, guard=True))),
         )
         for law in rows.laws
     )
     return [(label, share) for label, share in shares if share and share > ALWAYS]
 
 
-def _wound_up(rows: GuardComparison, base: str) -> Numbers | None:
-    ise = {law: rows.median("ise", base, FAR_START, law, True) for law in rows.laws}
+def _wound_up(rows: FigureTable, base: str) -> Numbers | None:
+    ise = {law: rows.median("ise_total", base, FAR_START, law, True) for law in rows.laws}
     smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
     if smc is None or not others:
         return None
-    share = median(r.clipped[0] for r in rows.of(base, FAR_START, "smc", True) if r.clipped)
+    share = rows.median("guard_share1", base, FAR_START, "smc", True)
     return {
         "ise": smc,
         "least": min(others),
         "most": max(others),
-        "left": rows.median("e1_after", base, FAR_START, "smc", True),
+        "left": rows.median(E1, base, FAR_START, "smc", True),
         "share": share,
     }
 
 
-def _spinning(rows: GuardComparison, base: str) -> Numbers | None:
+def _spinning(rows: FigureTable, base: str) -> Numbers | None:
     lost: list[tuple[str, float]] = []
     steady: list[tuple[str, float]] = []
     for law in rows.laws:
-        there, usual = (rows.median("ise", base, f, law, True) for f in (PUSHED, BASE))
+        there, usual = (rows.median("ise_total", base, f, law, True) for f in (PUSHED, BASE))
         if there is not None and usual is not None:
             (lost if there > SPINS * usual else steady).append((look(law).label, there))
     return {"lost": lost, "steady": steady} if lost else None
 
 
-def _refused(rows: GuardComparison) -> Numbers | None:
-    refused = [row for row in rows.rows if row.outcome == REFUSED]
+def _refused(rows: FigureTable) -> Numbers | None:
+    refused = [row for row in rows if row.outcome == REFUSED]
     if not refused:
         return None
-    cases = tuple(dict.fromkeys(row.case.factor for row in refused))
-    alone = [r for r in rows.guarded(False) if r.case.factor in cases]
+    cases = tuple(dict.fromkeys(row.case.name for row in refused))
+    alone = [r for r in rows.guarded(False) if r.case.name in cases]
     return {
         "cases": cases,
         "runs": len(refused),
@@ -175,8 +175,12 @@ def _refused(rows: GuardComparison) -> Numbers | None:
     }
 
 
-def _broken_by_prox(rows: GuardComparison, base: str) -> list[Numbers]:
-    cases = ((f, rows.of(base, f, "prox", False)) for f in rows.factors(base) if f != OUTSIDE)
+def _broken_by_prox(rows: FigureTable, base: str) -> list[Numbers]:
+    cases = (
+        (f, rows.of(f, "prox", base=base, guard=False))
+        for f in rows.scenarios(base)
+        if f != OUTSIDE
+    )
     return [
         {"factor": f, "broken": _broken(runs), "runs": len(runs), "fastest": _fastest(runs)}
         for f, runs in cases
@@ -184,13 +188,13 @@ def _broken_by_prox(rows: GuardComparison, base: str) -> list[Numbers]:
     ]
 
 
-def _price(rows: GuardComparison, base: str) -> dict[str, Cells]:
-    far = _grown(_cells(rows, base, FAR_START, "ise"), 0.0)
-    worse = _grown(_cells(rows, base, BASE, "position_rms"), NOTICED)
+def _price(rows: FigureTable, base: str) -> dict[str, Cells]:
+    far = _grown(_cells(rows, base, FAR_START, "ise_total"), 0.0)
+    worse = _grown(_cells(rows, base, BASE, AWAY), NOTICED)
     return {"far": far, "worse": worse} if far or worse else {}
 
 
-def _cells(rows: GuardComparison, base: str, factor: str, figure: str) -> Cells:
+def _cells(rows: FigureTable, base: str, factor: str, figure: str) -> Cells:
     """A figure of each law that was run so."""
     return [
         (
@@ -199,7 +203,7 @@ def _cells(rows: GuardComparison, base: str, factor: str, figure: str) -> Cells:
             rows.median(figure, base, factor, law, False),
         )
         for law in rows.laws
-        if rows.of(base, factor, law, True)
+        if rows.of(factor, law, base=base, guard=True)
     ]
 
 
@@ -212,12 +216,19 @@ def _grown(cells: Cells, least: float) -> Cells:
     ]
 
 
-def _broken(runs: Iterable[ComparedRun]) -> int:
+def _broken(runs: Iterable[RunRow]) -> int:
     return sum(1 for row in runs if row.broke)
 
 
-def _fastest(runs: Iterable[ComparedRun]) -> float | None:
-    return max((max(row.speed) for row in runs if row.speed), default=None)
+def _clipped(row: RunRow) -> float | None:
+    """The larger share of samples of both axes in which the guard acted."""
+    shares = [share for axis in (1, 2) if (share := row[f"guard_share{axis}"]) is not None]
+    return max(shares, default=None)
+
+
+def _fastest(runs: Iterable[RunRow]) -> float | None:
+    fastest = (row[f"limit_ratio{axis}"] for row in runs for axis in (1, 2))
+    return max((ratio for ratio in fastest if ratio is not None), default=None)
 
 
 def start_ratio(factor: str) -> float:
@@ -259,7 +270,7 @@ def price_of(base: str, factor: str) -> GuardPrice:
     return GuardPrice(friction, dbar, mass, scenario.clock.control, usable, asked, standstill)
 
 
-def price_table(rows: GuardComparison, cases: tuple[tuple[str, str], ...]) -> TextTable:
+def price_table(rows: FigureTable, cases: tuple[tuple[str, str], ...]) -> TextTable:
     """The usable speeds under the bounds of each case, and how often the guard acted there."""
     body = tuple(
         (f"{factor}, {base}", *_priced(price_of(base, factor)), _changed(rows, base, factor))
@@ -282,8 +293,10 @@ def _priced(price: GuardPrice) -> tuple[str, ...]:
     return tuple(map(shown, known))
 
 
-def _changed(rows: GuardComparison, base: str, factor: str) -> str:
-    return clip_shares([r for law in rows.laws for r in rows.of(base, factor, law, True)])
+def _changed(rows: FigureTable, base: str, factor: str) -> str:
+    return clip_shares(
+        [r for law in rows.laws for r in rows.of(factor, law, base=base, guard=True)]
+    )
 
 
 def _scenario(base: str, factor: str) -> Scenario:

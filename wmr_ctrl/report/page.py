@@ -231,7 +231,7 @@ def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
             "seeds": len(table.case(name, first[name])),
             "hash": campaign.runs[name, first[name]].provenance.get("scenario_hash", ""),
         }
-        for name in table.scenarios
+        for name in table.scenarios()
     ]
 
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from wmr_ctrl.campaign import Campaign, FigureTable
-from wmr_ctrl.campaign.comparison import GuardComparison
-from wmr_ctrl.campaign.rigid import RigidComparison
 from wmr_ctrl.report.claims import Judged, Verdict
 
 
@@ -39,8 +37,8 @@ class Reproduction:
     campaign: Campaign
     judged: tuple[Judged, ...]
     facts: Facts = field(default_factory=Facts)
-    comparison: GuardComparison = field(default_factory=GuardComparison)
-    rigid: RigidComparison = field(default_factory=RigidComparison)
+    comparison: FigureTable = field(default_factory=FigureTable)
+    rigid: Campaign = field(default_factory=Campaign)
 
 
 @dataclass(frozen=True)

@@ -11,21 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.campaign import spread
-from wmr_ctrl.campaign.rigid import (
-    AS_PRINTED,
-    LATE,
-    RIGID_CASES,
-    RigidComparison,
-    RigidRow,
-)
+from wmr_ctrl.campaign import Campaign, FigureTable, RunRow, Study, spread
+from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES
 from wmr_ctrl.campaign.rigid_claims import rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed
 from wmr_ctrl.results import PLANTS, Run
+from wmr_ctrl.results.windows import LATE
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
+ISE = "ise_total"
 RIGID_FIGURES = ("rigid_fall", "rigid_film")
 """Names of the figures, in the section's order."""
 
@@ -57,35 +53,36 @@ class RigidFinding:
     apart: float | None
 
 
-def rigid_section(rows: RigidComparison, drawings: Sequence[Drawing]) -> RigidSection:
+def rigid_section(rows: FigureTable, drawings: Sequence[Drawing]) -> RigidSection:
     """Numbers of the sentences, the table and the figures."""
-    seeds = sorted({row.seed for row in rows.rows})
-    cases = ((case.name, _findings(rows, case.name, case.laws)) for case in RIGID_CASES)
+    seeds = sorted({row.seed for row in rows})
+    cases = ((case.scenario, _findings(rows, case)) for case in RIGID_STUDIES["ode"])
     findings = tuple((name, laws) for name, laws in cases if laws)
     return RigidSection(seeds, findings, _claims(rows), _table(rows), tuple(drawings))
 
 
-def _findings(rows: RigidComparison, case: str, laws: Sequence[str]) -> list[RigidFinding]:
-    pairs = {law: [rows.of(case, law, plant) for plant in PLANTS] for law in laws}
+def _findings(rows: FigureTable, case: Study) -> list[RigidFinding]:
+    name = case.scenario
+    pairs = {law: [rows.of(name, law, plant=p) for p in PLANTS] for law in case.laws or ()}
     return [_finding(law, *pair) for law, pair in pairs.items() if all(pair)]
 
 
-def _finding(law: str, plane: Sequence[RigidRow], body: Sequence[RigidRow]) -> RigidFinding:
-    falls = [row.tipped for row in body if row.tipped is not None]
-    both = ((p.ise, b.ise) for p, b in zip(plane, body, strict=True))
+def _finding(law: str, plane: Sequence[RunRow], body: Sequence[RunRow]) -> RigidFinding:
+    falls = [fall for row in body if (fall := row["tipped"]) is not None]
+    both = ((p[ISE], b[ISE]) for p, b in zip(plane, body, strict=True))
     ratios = [abs(tyres / flat - 1) for flat, tyres in both if flat and tyres]
     return RigidFinding(
         headed(law),
         len(body),
         len(falls),
         min(falls, default=None),
-        sum(row.slipped is not None for row in body),
-        sum(row.ratio > 1 for row in body),
+        sum(row["slipped"] is not None for row in body),
+        sum((row["limit_ratio"] or 0.0) > 1 for row in body),
         max(ratios, default=None),
     )
 
 
-def _claims(rows: RigidComparison) -> TextTable:
+def _claims(rows: FigureTable) -> TextTable:
     body = tuple(
         (claim.text, headed(claim.law), "HOLDS" if claim.holds else "DOES NOT HOLD", claim.numbers)
         for claim in rigid_claims(rows)
@@ -96,12 +93,12 @@ def _claims(rows: RigidComparison) -> TextTable:
     return TextTable(caption, ("asked", "law", "verdict", "found"), body)
 
 
-def _table(rows: RigidComparison) -> TextTable:
+def _table(rows: FigureTable) -> TextTable:
     body = tuple(
-        (f"{case.name}: {headed(law)}", *_cells(rows, case.name, law))
-        for case in RIGID_CASES
-        for law in case.laws
-        if rows.of(case.name, law, PLANTS[1])
+        (f"{case.scenario}: {headed(law)}", *_cells(rows, case.scenario, law))
+        for case in RIGID_STUDIES["ode"]
+        for law in case.laws or ()
+        if rows.of(case.scenario, law, plant=PLANTS[1])
     )
     head = ("case", "ISE, plane", "ISE, tyres", "e₁, plane [mm]", "e₁, tyres [mm]", "slips [s]",
             "falls [s]")  # fmt: skip
@@ -114,13 +111,13 @@ def _table(rows: RigidComparison) -> TextTable:
     return TextTable(caption, head, body)
 
 
-def _cells(rows: RigidComparison, case: str, law: str) -> tuple[str, ...]:
-    plane, body = (rows.of(case, law, plant) for plant in PLANTS)
+def _cells(rows: FigureTable, case: str, law: str) -> tuple[str, ...]:
+    plane, body = (rows.of(case, law, plant=plant) for plant in PLANTS)
     return (
-        _range(row.ise for row in plane),
-        _range(row.ise if not row.tipped else None for row in body),
-        _range((row.e1 for row in plane), 1e3), _range((row.e1 for row in body), 1e3),
-        _range(row.slipped for row in body), _range(row.tipped for row in body),
+        _range(row[ISE] for row in plane),
+        _range(row[ISE] if not row["tipped"] else None for row in body),
+        _range((row[E1] for row in plane), 1e3), _range((row[E1] for row in body), 1e3),
+        _range(row["slipped"] for row in body), _range(row["tipped"] for row in body),
     )  # fmt: skip
 
 
@@ -133,12 +130,12 @@ def _range(values: Iterable[float | None], factor: float = 1.0) -> str:
 # -- the figures --------------------------------------------------------------------------
 
 
-def rigid_figures(rows: RigidComparison) -> tuple[Drawing, ...]:
+def rigid_figures(rows: Campaign) -> tuple[Drawing, ...]:
     """Spin and fall over time, and the fall as a film, of the laws that fell as printed."""
     laws = tuple(law for law in ("mb", "nn") if _fell(rows, law))
     if not laws:
         return ()
-    runs = {law: rows.runs[AS_PRINTED, law, PLANTS[1]] for law in laws}
+    runs = {law: rows.runs[AS_PRINTED, law] for law in laws}
     law = laws[-1]
     return (
         Drawing(
@@ -161,8 +158,8 @@ def rigid_figures(rows: RigidComparison) -> tuple[Drawing, ...]:
     )
 
 
-def _fell(rows: RigidComparison, law: str) -> bool:
-    run = rows.runs.get((AS_PRINTED, law, PLANTS[1]))
+def _fell(rows: Campaign, law: str) -> bool:
+    run = rows.runs.get((AS_PRINTED, law))
     return (
         run is not None
         and run.rows > 1

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 
 from wmr_ctrl.campaign import FigureTable, Spread
-from wmr_ctrl.campaign.comparison import (
-    AFTER,
-    BEFORE,
-    REFUSED,
-    ComparedRun,
-    GuardComparison,
-    median,
-    overrides_of,
-)
+from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST, overrides_of
+from wmr_ctrl.campaign.table import REFUSED, RunRow, median
 from wmr_ctrl.report.claims import PAPER_TIMES, STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.figures import FIGURES
-from wmr_ctrl.results.windows import LATE, WINDOWS, named
+from wmr_ctrl.results.windows import BEFORE, LATE, WINDOWS, named
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,51 +209,57 @@ class _ComparedColumn:
 
 
 _COMPARED = (
-    _ComparedColumn("position_rms", _AWAY.format("RMS", *AFTER), 1e3),
-    _ComparedColumn("position_max", _AWAY.format("largest", *AFTER), 1e3),
-    _ComparedColumn("e1_after", _E1.format(*AFTER), 1e3),
+    _ComparedColumn(AWAY, _AWAY.format("RMS", *LATE), 1e3),
+    _ComparedColumn(FARTHEST, _AWAY.format("largest", *LATE), 1e3),
+    _ComparedColumn(E1, _E1.format(*LATE), 1e3),
     _ComparedColumn(
-        "e1_before", f"{_E1.format(*BEFORE)}, before the change of parameters", 1e3, before=True
+        E1_BEFORE, f"{_E1.format(*BEFORE)}, before the change of parameters", 1e3, before=True
     ),
-    _ComparedColumn("ise", "ISE over the whole run [m² s + rad² s]"),
+    _ComparedColumn("ise_total", "ISE over the whole run [m² s + rad² s]"),
     _ComparedColumn("tau_peak", "peak wheel torque [N m]"),
 )
 
 
-def comparison_tables(rows: GuardComparison, base: str) -> tuple[TextTable, ...]:
+def comparison_tables(rows: FigureTable, base: str) -> tuple[TextTable, ...]:
     """All tables of a base case; the best law of a row is that with the guard."""
     runs = f"runs that broke a limit, and the median number of plant steps beyond it; {_PAIR}"
     clip = "share of samples in which the guard changed the force, thrust and moment [%]; median"
-    cases = rows.factors(base)
+    cases = rows.scenarios(base)
     return (
         _table(rows, cases, runs, lambda law, case: _pair(rows, base, case, law, _broken)),
         *(_median_table(rows, base, column) for column in _COMPARED),
-        _table(rows, cases, clip, lambda law, case: clip_shares(rows.of(base, case, law, True))),
+        _table(
+            rows,
+            cases,
+            clip,
+            lambda law, case: clip_shares(rows.of(case, law, base=base, guard=True)),
+        ),
     )
 
 
-def _median_table(rows: GuardComparison, base: str, column: _ComparedColumn) -> TextTable:
-    def value(runs: Sequence[ComparedRun]) -> float | None:
-        return median(map(attrgetter(column.figure), runs))
+def _median_table(rows: FigureTable, base: str, column: _ComparedColumn) -> TextTable:
+    def value(runs: Sequence[RunRow]) -> float | None:
+        return median(row[column.figure] for row in runs)
 
-    def cell(runs: Sequence[ComparedRun]) -> str:
+    def cell(runs: Sequence[RunRow]) -> str:
         middle = value(runs)
         return _refused(runs) or shown(None if middle is None else column.factor * middle)
 
     cases = [
         case
-        for case in rows.factors(base)
+        for case in rows.scenarios(base)
         if not column.before or "changes" not in overrides_of(base, case)
     ]
     best = tuple(
-        least([value(rows.of(base, case, law, True)) for law in rows.laws]) for case in cases
+        least([value(rows.of(case, law, base=base, guard=True)) for law in rows.laws])
+        for case in cases
     )
     text = f"{column.label}; median, {_PAIR}; marked: the least with the guard"
     return _table(rows, cases, text, lambda law, case: _pair(rows, base, case, law, cell), best)
 
 
 def _table(
-    rows: GuardComparison,
+    rows: FigureTable,
     cases: Sequence[str],
     text: str,
     cell: Callable[[str, str], str],
@@ -273,36 +271,31 @@ def _table(
 
 
 def _pair(
-    rows: GuardComparison,
+    rows: FigureTable,
     base: str,
     case: str,
     law: str,
-    cell: Callable[[Sequence[ComparedRun]], str],
+    cell: Callable[[Sequence[RunRow]], str],
 ) -> str:
-    return " | ".join(cell(rows.of(base, case, law, guard)) for guard in (False, True))
+    return " | ".join(cell(rows.of(case, law, base=base, guard=guard)) for guard in (False, True))
 
 
-def _broken(runs: Sequence[ComparedRun]) -> str:
+def _broken(runs: Sequence[RunRow]) -> str:
     count = sum(1 for row in runs if row.broke)
     if not runs or _refused(runs) or not count:
         return _refused(runs) or (f"0/{len(runs)}" if runs else ABSENT)
     ended = any(row.outcome in (Outcome.DIVERGED, Outcome.NON_FINITE) for row in runs)
-    steps = median(row.violations for row in runs if row.broke) or 0.0
+    steps = median(row["violations"] for row in runs if row.broke) or 0.0
     return f"{count}/{len(runs)}: {'diverged' if ended else f'{steps:.0f}'}"
 
 
-def clip_shares(runs: Sequence[ComparedRun]) -> str:
+def clip_shares(runs: Sequence[RunRow]) -> str:
     """Median share of samples in which the guard changed thrust and moment [%], as a cell."""
-    shares = [row.clipped for row in runs if row.clipped is not None]
-    if _refused(runs) or not shares:
+    first, second = (median(row[f"guard_share{axis}"] for row in runs) for axis in (1, 2))
+    if first is None or second is None:
         return _refused(runs) or ABSENT
-    first, second = (100 * share for share in _medians(shares))
-    return f"{shown(first, 2)}, {shown(second, 2)}"
+    return f"{shown(100 * first, 2)}, {shown(100 * second, 2)}"
 
 
-def _medians(shares: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    return median(s[0] for s in shares) or 0.0, median(s[1] for s in shares) or 0.0
-
-
-def _refused(runs: Sequence[ComparedRun]) -> str:
+def _refused(runs: Sequence[RunRow]) -> str:
     return REFUSED if runs and all(row.outcome == REFUSED for row in runs) else ""

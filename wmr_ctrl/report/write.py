@@ -46,21 +46,21 @@ def write_reproduction(
     figures = home / "figures"
     make_folder(figures)
     compared, rigid = reproduction.comparison, reproduction.rigid
-    past = comparison_figures(compared) if compared.rows else ()
-    fall = rigid_figures(rigid) if rigid.rows else ()
+    past = comparison_figures(compared) if compared else ()
+    fall = rigid_figures(rigid) if rigid.table else ()
     drawings = (*all_drawings(reproduction.campaign), *past, *fall)
     pictures = _draw(drawings, figures, progress or Silent())
-    section = guard_section(compared, past) if compared.rows else None
-    body = rigid_section(rigid, fall) if rigid.rows else None
+    section = guard_section(compared, past) if compared else None
+    body = rigid_section(rigid.table, fall) if rigid.table else None
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table)
     write_claims(home / "claims.json", reproduction.judged, table, load_readings())
     write_page(home / "report.html", Page(reproduction, drawings, figures, section, body))
-    if compared.rows:
-        write_comparison(home / COMPARISON_FILE, compared.rows)
-    if rigid.rows:
-        write_rigid(home / RIGID_FILE, rigid.rows)
-    names = file_names(bool(compared.rows), bool(rigid.rows))
+    if compared:
+        write_comparison(home / COMPARISON_FILE, compared)
+    if rigid.table:
+        write_rigid(home / RIGID_FILE, rigid.table)
+    names = file_names(bool(compared), bool(rigid.table))
     files = (*(home / name for name in names), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
 
