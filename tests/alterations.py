@@ -20,7 +20,7 @@ from pathlib import Path
 
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
-from wmr_ctrl.proofs.alterations import is_caught
+from wmr_ctrl.proofs.alterations import is_noticed
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import Entry, load
 from wmr_ctrl.proofs.product import CHANGES
@@ -72,7 +72,7 @@ def of_graphs(words: list[str]) -> Iterator[Outcome]:
             continue
         for change in TRIED:
             asked = (claims[entry.id] for entry in entries[:WITNESSES])
-            first = next((c.id for c in asked if is_caught(c, name, CHANGES[change])), "")
+            first = next((c.id for c in asked if is_noticed(c, name, CHANGES[change])), "")
             yield Outcome(name, change, first)
 
 

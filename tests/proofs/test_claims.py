@@ -157,7 +157,9 @@ def test_the_second_solver_has_more_than_one_way() -> None:
 
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None:
     monkeypatch.setattr(check, "missing", lambda method: ("z3",) if method else ())
-    monkeypatch.setattr(command, "prove", lambda only, progress: prove(only, progress, processes=1))
+    monkeypatch.setattr(
+        command, "prove", lambda only, progress, anew: prove(only, progress, 1, anew)
+    )
 
     assert command.run_prove(["eq86", "eq03", "lemma.log"]) == 3
     assert "pip install" in capsys.readouterr().out

@@ -32,11 +32,18 @@ from wmr_ctrl.cli.progress import Progress
     metavar="DIR",
     help="Check nothing; write the obligations of the z3 entries to DIR as SMT-LIB 2.",
 )
+@click.option(
+    "--anew",
+    is_flag=True,
+    help="Take nothing from the committed ledger: neither what altering functions did, nor what "
+    "another solver said, nor which engine to ask first.",
+)
 @debug_option
-def prove(only: tuple[str, ...], file: str | None, folder: str | None) -> None:
+def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
-    Claims are about the very graphs that the C is made from. The exit code is 1 where a verdict
+    Claims are about the very graphs that the C is made from. Every verdict is found again, and the
+    functions that an entry names are searched again. The exit code is 1 where a verdict
     differs from the committed one, and 3 where a proving package is missing, so that entries are
     NOT_CHECKED.
     """
@@ -51,5 +58,5 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None) -> None:
         def tell(share: float, _entry: object) -> None:
             progress(share)
 
-        code = run_prove(only, Path(file) if file else None, tell)
+        code = run_prove(only, Path(file) if file else None, tell, anew)
     raise click.exceptions.Exit(code)

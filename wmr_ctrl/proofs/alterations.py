@@ -5,13 +5,16 @@ An entry that stays PROVED whatever is done to the functions in its graph says n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from operator import mul
 
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED
+from wmr_ctrl.proofs.graph import ProvedGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
 from wmr_ctrl.proofs.product import CHANGES, Change, altered, functions_called
 from wmr_ctrl.proofs.statement import Statement
@@ -20,58 +23,73 @@ ENDS = 2
 """Functions tried per entry: so many of those called first and of those called last."""
 
 
-def functions_of(claim: Claim) -> tuple[str, ...]:
-    """Functions of the product that the claim's graph holds."""
-    return functions_by_claim([claim])[claim.id]
+def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
+    """Functions of the product that the claim's graph holds.
 
-
-def functions_by_claim(claims: Sequence[Claim]) -> dict[str, tuple[str, ...]]:
-    """The same for claims that share parts of their graphs: each alteration is built once."""
-    before = digests(claims)
+    Of those that are called, a function is held if its results, multiplied by a number, make
+    another graph.  Many are tried at a time, by numbers of their own: where the graph stays, it
+    holds none of them.  What cannot be built with its results altered is not held.  Those named in
+    ``first`` are tried one at a time: where they are what it held before, that saves time alone.
+    """
+    before: list[ProvedGraph | None] = []
     forget()
-    calls = functions_called(lambda: digests(claims))
-    held: dict[str, list[str]] = {claim.id: [] for claim in claims}
-    for name in calls:
-        forget()
-        with altered(name, CHANGES["* 9/8"]):
-            after = digests(claims)
-        for key in held:
-            if after[key] not in (before[key], None):
-                held[key].append(name)
+    calls = functions_called(lambda: before.append(_graph(claim, {})))
+    factors = {name: 1.125 + k / 64 for k, name in enumerate(calls)}
+    groups = [[name] for name in calls if name in first]
+    groups += [[name for name in calls if name not in first]]
+    held = set[str]()
+    if before[0] is not None:
+        for group in groups:
+            held |= _held(claim, {name: factors[name] for name in group}, before[0].digest)
     forget()
-    return {key: tuple(names) for key, names in held.items()}
+    return tuple(name for name in calls if name in held)
 
 
-def digests(claims: Sequence[Claim]) -> dict[str, str | None]:
-    """Digest of each claim's graph; None where it cannot be built."""
-    return {claim.id: _digest(claim) for claim in claims}
+def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
+    graph = _graph(claim, factors) if factors else None
+    if graph is not None and graph.digest == digest:
+        return set()
+    if len(factors) < 2:
+        return set(factors) if graph is not None else set()
+    rows = list(factors.items())
+    halves = rows[: len(rows) // 2], rows[len(rows) // 2 :]
+    return set().union(*(_held(claim, dict(half), digest) for half in halves))
 
 
-def _digest(claim: Claim) -> str | None:
+def _graph(claim: Claim, factors: Mapping[str, float]) -> ProvedGraph | None:
+    """The claim's graph with functions' results multiplied by numbers; None if not to be built."""
+    forget()
     try:
-        return claim.statement(CLAIMED).graph.digest if claim.statement else None
+        with ExitStack() as stack:
+            for name, factor in factors.items():
+                stack.enter_context(altered(name, partial(mul, factor)))
+            return claim.statement(CLAIMED).graph if claim.statement else None
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
 
 
 def tried(claim: Claim, functions: tuple[str, ...]) -> dict[str, int]:
-    """How many functions were altered, and how many of these alterations changed the verdict."""
+    """How many functions were altered; how often the claim was REFUTED then, and how often OPEN."""
     chosen = tuple(dict.fromkeys((*functions[:ENDS], *functions[-ENDS:])))
-    return {"tried": len(chosen), "caught": sum(needs(claim, name) for name in chosen)}
+    verdicts = [after_alteration(claim, name) for name in chosen]
+    return {"tried": len(chosen), "caught": verdicts.count(REFUTED), "open": verdicts.count(OPEN)}
 
 
-def needs(claim: Claim, name: str) -> bool:
-    """Whether some alteration of the function leaves the claim PROVED no longer."""
+def after_alteration(claim: Claim, name: str) -> str:
+    """REFUTED if one of the alterations of the function is, else OPEN if one is, else PROVED."""
     assert claim.method is not None
-    found = (altered_statement(claim, name, change) for change in CHANGES.values())
-    statements = [statement for statement in found if statement is not None]
+    unsure: list[Statement] = []
     quick = short_budget(claim.method)
-    return any(_verdict(quick, statement) == REFUTED for statement in statements) or any(
-        fails(claim, statement) for statement in statements
-    )
+    for change in CHANGES.values():
+        statement = altered_statement(claim, name, change)
+        if statement is not None:
+            if _verdict(quick, statement) == REFUTED:
+                return REFUTED
+            unsure.append(statement)
+    return OPEN if any(fails(claim, statement) for statement in unsure) else PROVED
 
 
-def is_caught(claim: Claim, name: str, change: Change) -> bool:
+def is_noticed(claim: Claim, name: str, change: Change) -> bool:
     """Whether the claim is PROVED no longer with the function altered."""
     statement = altered_statement(claim, name, change)
     return statement is not None and fails(claim, statement)

@@ -42,6 +42,15 @@ class Case:
             point[name] = sign * _sample(3 * k + 5 * shift + 1)
         return point
 
+    def described(self) -> list[Any]:
+        """What a record tells it by: numbers and domains, and the chart at two exact points.
+
+        Charts are quotients of polynomials, so others than this one have other values there.
+        """
+        charts = [{name: _sample(3 * k + s) for k, name in enumerate(self.numbers)} for s in (1, 2)]
+        points = [sorted((n, str(x)) for n, x in self.values(chart).items()) for chart in charts]
+        return [self.label, dict(self.numbers), dict(self.declared), points]
+
 
 def _sample(k: int) -> Fraction:
     return _SAMPLES[k % len(_SAMPLES)] + Fraction(k % 7, 3 * (1 + k % 5))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
+from hashlib import sha256
 from importlib.util import find_spec
 from time import perf_counter
 from typing import Any
@@ -13,8 +15,17 @@ from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim
 from wmr_ctrl.proofs.finding import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
 from wmr_ctrl.proofs.ledger import Entry
-from wmr_ctrl.proofs.methods.spec import Z3, Both, Method, Ring, named, needs, trusted
-from wmr_ctrl.proofs.product import function_named
+from wmr_ctrl.proofs.methods.spec import (
+    Z3,
+    Both,
+    Method,
+    Ring,
+    described,
+    named,
+    needs,
+    trusted,
+    versions,
+)
 
 
 def missing(method: Method | None) -> tuple[str, ...]:
@@ -25,8 +36,10 @@ def missing(method: Method | None) -> tuple[str, ...]:
 def check(claim: Claim, known: Entry | None = None) -> Entry:
     """The claim's entry; NOT_CHECKED where a package is missing.
 
-    ``known`` is an earlier entry: what it says of the product's functions, of alterations and of
-    other solvers counts as long as the graph is the same.
+    The verdict is found and the product's functions are searched anew in any case; an earlier
+    entry, ``known``, says what to try first.  Two things are taken from it: other solvers' word,
+    where graphs, method and versions are the same; what altering functions did, where the
+    functions are, too.
     """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
@@ -38,9 +51,9 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     finding = method.decide(statement)
     mutated = _mutated(claim, method) if finding.verdict == PROVED else None
     seconds = round(perf_counter() - started, 2)
-    digest = statement.graph.digest
-    same = known if known and known.graph_hash == digest and _was_examined(known) else None
-    functions = same.functions if same else functions_of(claim)
+    entered, now = graph_hash(claim), versions(claim.method)
+    same = known if known and _is_the_same(known, entered, now) else None
+    functions = functions_of(claim, known.functions if known else ())
     verdict, reason = _guarded(finding, mutated, functions)
     return _entry(
         claim,
@@ -51,12 +64,18 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         counterexample=_text(finding.point) if verdict == REFUTED else None,
         satisfied_at=_text(finding.point) if verdict in (PROVED, LEMMA) else None,
         seconds=seconds,
-        graph_hash=digest,
+        graph_hash=entered,
+        versions=now,
         functions=functions,
-        alterations=same.alterations if same else None,
+        alterations=same.alterations if same and same.functions == functions else None,
         confirmed_by=same.confirmed_by if same else (),
         evidence={**finding.evidence, **reason},
     )
+
+
+def _is_the_same(known: Entry, entered: str, now: Mapping[str, str]) -> bool:
+    decided = {name: known.versions.get(name) for name in now}
+    return known.graph_hash == entered and decided == now
 
 
 def _reminded(method: Method, known: Entry | None) -> Method:
@@ -67,8 +86,11 @@ def _reminded(method: Method, known: Entry | None) -> Method:
 
 
 def graph_hash(claim: Claim) -> str:
-    """Hash of the graph that the claim is about now."""
-    return claim.statement(CLAIMED).graph.digest if claim.statement else ""
+    """Hash of what is claimed and altered on which graph now, and by which method; see `Entry`."""
+    if claim.statement is None:
+        return ""
+    both = [claim.statement(way).digest for way in (CLAIMED, MUTATED)]
+    return sha256(json.dumps([*both, described(claim.method)]).encode()).hexdigest()
 
 
 def recheck(claim: Claim, entry: Entry) -> bool:
@@ -100,12 +122,6 @@ def _quick(method: Method) -> Method:
             method, first=_quick(method.first), second=_quick(method.second), all_refute=True
         )
     return replace(method, quick=True) if isinstance(method, Ring) else method
-
-
-def _was_examined(entry: Entry) -> bool:
-    """Whether its functions were looked for, and are still where they were found."""
-    there = all(function_named(name) is not None for name in entry.functions)
-    return there and (bool(entry.functions) or entry.verdict == LEMMA)
 
 
 def _guarded(

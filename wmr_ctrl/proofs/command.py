@@ -17,18 +17,24 @@ REMEDY = (
 
 
 def run_prove(
-    only: Iterable[str] = (), json_file: Path | None = None, progress: Progress | None = None
+    only: Iterable[str] = (),
+    json_file: Path | None = None,
+    progress: Progress | None = None,
+    anew: bool = False,
 ) -> int:
-    """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`."""
+    """Check, print a summary, write ``json_file``; the exit code of `ledger.exit_code`.
+
+    ``anew``: nothing is taken from the committed ledger.
+    """
     asked = tuple(only)
-    ledger = prove(asked, progress)
+    ledger = prove(asked, progress, anew=anew)
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
         with atomic_write(json_file, text=True) as stream:
             stream.write(ledger.to_json() + "\n")
     if asked:
         sys.stdout.write("\n".join(map(described, ledger.entries)) + "\n")
-    sys.stdout.write("\n".join(summary(ledger, committed, complete=not asked)) + "\n")
+    sys.stdout.write("\n".join(summary(ledger, committed, not asked, anew)) + "\n")
     return exit_code(ledger, committed, complete=not asked)
 
 
@@ -50,15 +56,42 @@ def described(entry: Entry) -> str:
         "rests on": ", ".join(entry.premises),
         "counterexample": point,
         "functions": ", ".join(entry.functions),
+        "altered": _altered(entry),
         "confirmed by": ", ".join(entry.confirmed_by),
+        "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
     }
     lines = [f"{entry.id}: {entry.verdict}"]
     return "\n".join([*lines, *(f"  {name}: {text}" for name, text in rows.items() if text), ""])
 
 
-def summary(ledger: Ledger, committed: Ledger, complete: bool) -> list[str]:
-    """Counts, then every difference from the committed ledger, then what is missing."""
-    lines = [", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())]
+def _altered(entry: Entry) -> str:
+    words = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
+    counts = entry.alterations or {}
+    return ", ".join(f"{count} {words[key]}" for key, count in counts.items())
+
+
+def provenance(ledger: Ledger, anew: bool) -> str:
+    """What was checked now, what is given, what was taken from the committed ledger."""
+    checked = [entry for entry in ledger.entries if entry.graph_hash]
+    given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
+    altered = sum(1 for entry in checked if entry.alterations)
+    confirmed = sum(1 for entry in checked if entry.confirmed_by)
+    taken = (
+        f"{altered} counts of alterations and {confirmed} words of cvc5, where claim, method and "
+        "versions are the same"
+    )
+    return (
+        f"{len(checked)} checked now, their functions searched anew; {given} given (by hand, "
+        f"definitions, open). From the record: {'nothing' if anew else taken}."
+    )
+
+
+def summary(ledger: Ledger, committed: Ledger, complete: bool, anew: bool) -> list[str]:
+    """Counts, where they come from, differences from the committed ledger, what is missing."""
+    lines = [
+        ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items()),
+        provenance(ledger, anew),
+    ]
     lines += [
         f"{d.id}: {d.now}, committed {d.committed}"
         for d in differences(ledger, committed, complete)

@@ -15,14 +15,21 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "measurement error within the bounds",
         "guard.upper guard.lower guard.lemma",
     ),
-    ("From outside it never speeds up, and returns in time", "guard.outside guard.return"),
-    ("Braking never overshoots the other limit", "guard.no-overshoot"),
+    (
+        "From outside it never speeds up, and returns in time, either way",
+        "guard.outside guard.return guard.outside-back guard.return-back",
+    ),
+    ("Braking never overshoots the other limit", "guard.no-overshoot guard.no-overshoot-back"),
     (
         "No guard that intervenes less is safe (nbar = f_min = f_speed = 0, alpha = 1/T)",
         "guard.maximal",
     ),
     ("Beyond its conditions no guard works", "guard.necessary wheels.necessary"),
-    ("A bound broken by D costs D T/M_min", "guard.graceful guard.monitor"),
+    ("A bound broken by D costs D T/M_min", "guard.graceful guard.graceful-back"),
+    (
+        "The monitor accuses no bounds that hold",
+        "guard.monitor guard.monitor-quiet guard.monitor-sharp guard.monitor-late",
+    ),
     (
         "A torque limit behind the guard keeps what it secured",
         "guard.anchor wheels.reach wheels.linear-first wheels.rotation-first",
@@ -64,7 +71,8 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
     (
         "and the limit is kept, or reached again, with T + delay for T in what it costs",
         "guard.delay.upper guard.delay.lower guard.delay.outside guard.delay.return "
-        "guard.delay.graceful guard.delay.necessary guard.delay.lemma",
+        "guard.delay.graceful guard.delay.outside-back guard.delay.return-back "
+        "guard.delay.graceful-back guard.delay.necessary guard.delay.lemma",
     ),
     (
         "What sensors, drives and ground add to the guard's assumptions is what their bounds say",
@@ -92,7 +100,9 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.late.left guard.late.outside guard.late.graceful guard.late.lemma "
         "guard.late.steady.upper guard.late.steady.lower guard.late.steady.outside "
         "guard.late.steady.left guard.late.steady.graceful "
-        "guard.late.steady.return guard.late.return",
+        "guard.late.steady.return guard.late.outside-back guard.late.graceful-back "
+        "guard.late.steady.outside-back guard.late.steady.graceful-back "
+        "guard.late.steady.return-back guard.late.return",
     ),
     (
         "The same behind a lag whose time constant varies within known bounds",
@@ -103,7 +113,9 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
         "guard.varying.lag guard.varying.lemma world.lag.stepped "
         "guard.varying.steady.spare guard.varying.steady.left guard.varying.steady.room "
         "guard.varying.steady.feasible guard.varying.steady.counts guard.varying.steady.upper "
-        "guard.varying.steady.lower guard.varying.steady.outside",
+        "guard.varying.steady.lower guard.varying.steady.outside guard.varying.outside-back "
+        "guard.varying.graceful-back guard.varying.steady.outside-back "
+        "guard.varying.steady.graceful-back",
     ),
     ("but not where such a lag is taken for constant", "guard.varying.unvaried"),
     (
@@ -147,7 +159,7 @@ GUARANTEES: tuple[tuple[str, str], ...] = (
     (
         "Observer, target held: the loop is stable for M^ <= (4/3) M; a mass that is 3/5 to 8/5 of "
         "the believed one, and changes, does not keep w and f from 0 (stated L and E)",
-        "prox.jury prox.light-model prox.any-mass",
+        "prox.jury prox.light-model prox.any-mass.step prox.any-mass.step-gentle prox.any-mass",
     ),
     (
         "Smooth barrier: where it aims, and 1 <= A/w <= 1 + 1/(u1 - m)^2",

@@ -30,6 +30,7 @@ PUBLIC_KEYS = (
     "counterexample",
     "seconds",
     "graph_hash",
+    "versions",
 )
 
 
@@ -40,11 +41,14 @@ class Entry:
     ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours.
     ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given
     where the verdict is REFUTED.  ``mutation_refuted`` tells whether the same method refuted the
-    altered claim, ``satisfied_at`` is a point that meets the hypotheses, ``graph_hash`` is empty
-    where no graph is behind the entry.  ``functions`` are those of the product that the graph
-    holds, as ``module:function``; ``alterations`` how many of them were altered, one at a time, and
-    after how many of these the entry was PROVED no longer.  ``premises`` are entries that the claim
-    rests on, ``confirmed_by`` further solvers that agree.
+    altered claim, ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` holds the
+    graphs of claim and altered claim, which outputs are hypotheses and by which relations, and the
+    method with its regions and boxes; it is empty where no graph is behind the entry.
+    ``versions`` are those of the packages that decided.  ``functions`` are those of the product
+    that the graph holds, as ``module:function``; ``alterations`` how many of them were altered, one
+    at a time (tried), and after how many of these the entry was REFUTED (caught) or neither REFUTED
+    nor PROVED (open).  ``premises`` are entries that the claim rests on, ``confirmed_by`` further
+    solvers that agree.
     """
 
     id: str
@@ -67,6 +71,7 @@ class Entry:
     alterations: Mapping[str, int] | None = None
     confirmed_by: tuple[str, ...] = ()
     theme: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
 
     def public(self) -> dict[str, Any]:
         """The entry as `wmr-ctrl prove --json` writes it."""
@@ -132,7 +137,7 @@ def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> lis
 
 
 def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
-    """Ids whose graph is no longer the one that the committed verdict is about."""
+    """Ids whose hash is no longer the one that the committed verdict is about."""
     return [
         e.id
         for e in committed.entries

@@ -76,15 +76,16 @@ def altered(name: str, change: Change) -> Iterator[None]:
     code, defaults, named = function.__code__, function.__defaults__, function.__kwdefaults__
     original = FunctionType(code, function.__globals__, "original", defaults)
     original.__kwdefaults__ = named
-    function.__globals__["_altered"] = lambda *a, **k: changed(original(*a, **k), change)
+    place = f"_altered {name}"
+    function.__globals__[place] = lambda *a, **k: changed(original(*a, **k), change)
     function.__defaults__ = function.__kwdefaults__ = None
-    function.__code__ = _stand_in.__code__
+    function.__code__ = _stand_in.__code__.replace(co_names=(place,))
     try:
         yield
     finally:
         function.__code__ = code
         function.__defaults__, function.__kwdefaults__ = defaults, named
-        del function.__globals__["_altered"]
+        del function.__globals__[place]
 
 
 def _stand_in(*args: object, **named: object) -> object:

@@ -5,7 +5,7 @@ that were not tried so yet, of those that are named in any case, and asks the se
 ``--confirm`` asks that solver alone, about what it did not confirm yet.
 
 With ids only those entries are checked; the others stay as committed, with the claims' words of
-today where their graph is the same.
+today. That is refused where an entry's graph, relations or method are others by now.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmr_ctrl.proofs.alterations import functions_of, tried
+from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load
+from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, load, stale
 from wmr_ctrl.proofs.methods.second import confirmed_by, uses_z3
 from wmr_ctrl.proofs.page import page
 from wmr_ctrl.proofs.runner import prove, selected
@@ -34,10 +35,17 @@ def record(ledger: Ledger) -> None:
 
 
 def merged(new: Ledger, old: Ledger) -> Ledger:
-    """Every claim's entry: the new one where there is one."""
-    entries = {**old.by_id(), **new.by_id()}
+    """Every claim's entry: the new one, else the old one.
+
+    SystemExit where an old one speaks of another claim than the program has.
+    """
+    entries, fresh = {**old.by_id(), **new.by_id()}, new.by_id()
     claims = {claim.id: claim for claim in all_claims()}
     known = [key for key in selected(()) if key in entries]
+    kept = {key: graph_hash(claims[key]) for key in known if key not in fresh}
+    others = stale(kept, Ledger(tuple(entries[key] for key in kept)))
+    if others:
+        raise SystemExit(f"graph, relations or method have changed; check anew: {' '.join(others)}")
     return Ledger(tuple(worded(entries[key], claims[key]) for key in known))
 
 

@@ -23,15 +23,19 @@ Progress = Callable[[float, Entry], None]
 
 
 def prove(
-    only: Iterable[str] = (), progress: Progress | None = None, processes: int = PROCESSES
+    only: Iterable[str] = (),
+    progress: Progress | None = None,
+    processes: int = PROCESSES,
+    anew: bool = False,
 ) -> Ledger:
     """Check the claims that ``only`` names (all by default): ids, their beginnings, or globs.
 
     ``progress(share, entry)`` is called after each, with the share of the whole cost that is done.
+    ``anew``: nothing is taken from the committed ledger (`check` says what is otherwise).
     UnknownNameError where something in ``only`` names no entry.
     """
     ids = selected(tuple(only))
-    checked = {entry.id: entry for entry in _run(ids, progress, processes)}
+    checked = {entry.id: entry for entry in _run(ids, progress, processes, anew)}
     return Ledger(tuple(checked[key] for key in ids))
 
 
@@ -52,13 +56,13 @@ def selected(only: Sequence[str]) -> list[str]:
     return [key for key in known if not only or any(_matches(key, asked) for asked in only)]
 
 
-def check_id(key: str) -> Entry:
+def check_id(key: str, anew: bool = False) -> Entry:
     """One entry, in whatever process."""
     from wmr_ctrl.proofs.check import check
     from wmr_ctrl.proofs.claims import all_claims
 
     claim = next(claim for claim in all_claims() if claim.id == key)
-    return check(claim, _committed().get(key))
+    return check(claim, None if anew else _committed().get(key))
 
 
 @lru_cache(maxsize=1)
@@ -88,10 +92,10 @@ def _matches(key: str, asked: str) -> bool:
     return key == asked or key.startswith(asked + ".")
 
 
-def _run(ids: Sequence[str], progress: Progress | None, processes: int) -> list[Entry]:
+def _run(ids: Sequence[str], progress: Progress | None, processes: int, anew: bool) -> list[Entry]:
     checked: list[Entry] = []
     costs, done = _costs(ids), 0.0
-    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes):
+    for entry in _entries(sorted(ids, key=lambda key: -costs[key]), processes, anew):
         checked.append(entry)
         done += costs[entry.id]
         if progress:
@@ -99,13 +103,13 @@ def _run(ids: Sequence[str], progress: Progress | None, processes: int) -> list[
     return checked
 
 
-def _entries(ids: Sequence[str], processes: int) -> Iterable[Entry]:
+def _entries(ids: Sequence[str], processes: int, anew: bool) -> Iterable[Entry]:
     if processes < 2 or len(ids) < 2:
-        yield from map(check_id, ids)
+        yield from (check_id(key, anew) for key in ids)
         return
     context = get_context("spawn")
     with ProcessPoolExecutor(processes, context, _begin, (os.getpid(),)) as pool:
-        for future in as_completed([pool.submit(_checked, key) for key in ids]):
+        for future in as_completed([pool.submit(_checked, key, anew) for key in ids]):
             yield future.result()
 
 
@@ -119,8 +123,8 @@ def _begin(parent: int) -> None:
     follow_parent(parent)
 
 
-def _checked(key: str) -> Entry:
-    entry = check_id(key)
+def _checked(key: str, anew: bool) -> Entry:
+    entry = check_id(key, anew)
     gc.collect()
     gc.freeze()  # modules and graphs stay: the next collection need not walk them
     return entry

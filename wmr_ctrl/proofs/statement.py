@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -70,6 +71,12 @@ class Statement:
             return exact
         text = graph_of(self.symbols, [*self.computed.values()], self.cuts, self.numbers)
         return linked(exact, rounded(text, self.unit), [*self.computed])
+
+    @property
+    def digest(self) -> str:
+        """sha256 of the graph, and of which outputs are goals or hypotheses, by which relation."""
+        kinds = f"{self.graph.digest} {self.goal_kinds} {self.given_kinds}"
+        return hashlib.sha256(kinds.encode()).hexdigest()
 
     @property
     def goal_kinds(self) -> tuple[str, ...]:

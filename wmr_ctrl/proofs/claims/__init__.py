@@ -26,6 +26,7 @@ THEMES = (
     ("sampled", "The limits under a held command"),
     ("strict", "A strict Lyapunov function and an invariant set"),
     ("guard", "The velocity guard"),
+    ("guard_monitor", "The guard's monitor"),
     ("guard_delay", "The velocity guard behind a delay"),
     ("guard_lateness", "The velocity guard with late velocities, jitter and lag"),
     ("guard_latest_motion", "What it promises with late velocities, jitter and lag"),

@@ -9,7 +9,6 @@ import casadi as ca
 from wmr_ctrl.barrier.lyapunov import target_rate
 from wmr_ctrl.guard.bounds import ROUNDING
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
-from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
@@ -57,25 +56,6 @@ def axes(mutation: Mutation) -> Statement:
     ]
     positive = tuple(above(a["period"]) for a in (one, two))
     return Statement(table, tuple(goals), positive)
-
-
-@claim(
-    "guard.monitor-sharp",
-    given="nbar = 0, M_min = M_max = M, no friction, push >= 0 in the direction of motion",
-)
-def sharp(mutation: Mutation) -> Statement:
-    """d_least is the push of the sample, forwards and backwards.
-
-    Where nothing is uncertain the monitor measures the disturbance.
-    """
-    a = GuardAxis()
-    b, t = a.bounds, symbols("old push way")
-    way = ca.if_else(t["way"] > 0, 1, -1)
-    y = t["old"] + b.period * (a["asked"] + way * t["push"]) / b.M_min
-    least = least_push(y, t["old"], a["asked"], b)
-    exact = (equal(b.nbar), equal(b.M_max, b.M_min), above(b.M_min), above(b.period))
-    ahead = (above(ca.fmin(way * y, way * t["old"])), at_least(t["push"]))
-    return Statement({**a.symbols, **t}, (equal(least, mutation * t["push"]),), (*exact, *ahead))
 
 
 @claim("law.mass", (4,), given="any values", by=Ring())

@@ -9,12 +9,11 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
-from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
-from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
+from wmr_ctrl.proofs.claims.guard_axis import GuardAxis, both_ways
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
@@ -75,23 +74,23 @@ def too_fast(mutation: Mutation) -> Statement:
     return upper(-mutation, 1)
 
 
-@claim("guard.outside", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar")
-def outside(mutation: Mutation) -> Statement:
+@both_ways(claim, "guard.outside", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar")
+def outside(mutation: Mutation, way: int = 1) -> Statement:
     """v > u1: F + dbar - f_min <= -min(FB - dbar + f_min, M_max (v - u1)/T) <= 0.
 
     Outside the limit no disturbance can make the robot faster.
     """
     a = GuardAxis()
-    b, beyond = a.bounds, a["v"] - a["u1"]
+    b, beyond = a.bounds, way * a["v"] - a["u1"]
     spare = ca.fmin(b.brake, b.cap) - a.net
     needed = ca.fmin(spare, mutation(1, 1.01) * b.M_max * beyond / b.period)
-    left = a.force + a.net
+    left = way * a.force + a.net
     given = (*a.feasible(), *a.measured, above(beyond))
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given)
 
 
-@claim("guard.return", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar, M_min <= M <= M_max")
-def return_step(mutation: Mutation) -> Statement:
+@both_ways(claim, "guard.return", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar, M_min <= M <= M_max")
+def return_step(mutation: Mutation, way: int = 1) -> Statement:
     """v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M).
 
     Hence back inside within ceil((v - u1) M/(T (FB - dbar + f_min))) samples, M_max for M at worst.
@@ -99,23 +98,24 @@ def return_step(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b, mass = a.bounds, a["mass"]
     step = b.period * (ca.fmin(b.brake, b.cap) - a.net) / mass
-    end = a["v"] + b.period * (a.force + a.net) / mass
-    goal = at_least(ca.fmax(a["u1"], a["v"] - mutation(1, 1.01) * step), end)
-    given = (*a.feasible(), *a.measured, *a.during, above(a["v"], a["u1"]))
+    start = way * a["v"]
+    end = start + b.period * (way * a.force + a.net) / mass
+    goal = at_least(ca.fmax(a["u1"], start - mutation(1, 1.01) * step), end)
+    given = (*a.feasible(), *a.measured, *a.during, above(start, a["u1"]))
     return Statement(a.symbols, (goal,), given)
 
 
-@claim("guard.no-overshoot", given=f"{ALL}: {FEASIBLE}")
-def no_overshoot(mutation: Mutation) -> Statement:
+@both_ways(claim, "guard.no-overshoot", given=f"{ALL}: {FEASIBLE}")
+def no_overshoot(mutation: Mutation, way: int = 1) -> Statement:
     """f_speed + t max(-F + dbar - f_min, 0)/M <= u1, also from v > u1.
 
     Braking from outside never throws the robot through the other limit.
     """
     a = GuardAxis()
     b = a.bounds
-    fallen = b.f_speed + a["t"] * ca.fmax(a.net - a.force, 0) / a["mass"]
+    fallen = b.f_speed + a["t"] * ca.fmax(a.net - way * a.force, 0) / a["mass"]
     limit = mutation(a["u1"], 0.99 * a["u1"])
-    given = (*a.feasible(), *a.during, above(a["v"], a["u1"]), *a.measured)
+    given = (*a.feasible(), *a.during, above(way * a["v"], a["u1"]), *a.measured)
     return Statement(a.symbols, (at_least(limit, fallen),), given)
 
 
@@ -149,8 +149,10 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(t, (above(swung, t["u1"]),), (*positive, tight, held))
 
 
-@claim("guard.graceful", given=f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D")
-def graceful(mutation: Mutation) -> Statement:
+@both_ways(
+    claim, "guard.graceful", given=f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D"
+)
+def graceful(mutation: Mutation, way: int = 1) -> Statement:
     """|d| <= dbar + D keeps |v| <= u1 + D T/M_min.
 
     A bound that is broken by D costs a known excess, no more.
@@ -165,9 +167,11 @@ def graceful(mutation: Mutation) -> Statement:
         *a.during,
         at_least(extra),
         at_least(brakes),
-        at_least(limit, a["v"]),
+        at_least(limit, way * a["v"]),
     )
-    return Statement({**a.symbols, "extra": extra}, (at_least(limit, a.farthest(1, extra)),), given)
+    return Statement(
+        {**a.symbols, "extra": extra}, (at_least(limit, a.farthest(way, extra)),), given
+    )
 
 
 @claim("guard.anchor", given=f"{ALL}: {FEASIBLE}")
@@ -181,31 +185,6 @@ def anchor(mutation: Mutation) -> Statement:
     size = ca.fabs(clipped(ca.SX(0), a["y"], b))
     cap = mutation(1, 0.99) * ca.fmin(b.brake, b.cap)
     return Statement(a.symbols, (at_least(cap, size),), a.feasible())
-
-
-@claim(
-    "guard.monitor",
-    given=f"{ALL}: {FEASIBLE}; both measured velocities beyond nbar on the same side, friction "
-    "against the motion",
-)
-def not_blamed(mutation: Mutation) -> Statement:
-    """d_least <= mean disturbance of the sample, driving forwards or backwards.
-
-    The monitor accuses the bounds only where they are wrong.
-    """
-    a = GuardAxis()
-    b, t = a.bounds, symbols("old push drag e_new e_old way")
-    way = ca.if_else(t["way"] > 0, 1, -1)
-    mean = (a["asked"] + way * (t["push"] - mutation * t["drag"])) / a["mass"]
-    new = t["old"] + b.period * mean
-    y, before = new + t["e_new"], t["old"] + t["e_old"]
-    errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (
-        above(ca.fmin(way * y, way * before), b.nbar), at_least(t["drag"]), at_least(t["push"]),
-    )  # fmt: skip
-    least = least_push(y, before, a["asked"], b)
-    given = (*a.feasible(), *a.during, *errors, *ahead)
-    return Statement({**a.symbols, **t}, (at_least(t["push"], least),), given)
 
 
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")

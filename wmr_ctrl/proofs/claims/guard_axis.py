@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import casadi as ca
 
 from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
-from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
+from wmr_ctrl.proofs.claim import Claims
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
 
+Directed = TypeVar("Directed", bound=Callable[..., Statement])
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
 PRESENT = "v y asked mass t"
 LATE = "delay ahead back arrived sent other periods since extra"
@@ -192,7 +196,29 @@ class LateAxis(GuardAxis):
         most = ca.fmax(way * self["v"], self["f_speed"]) + coming + more
         return at_least(most, self["arrived"]), at_least(self["arrived"], self["f_speed"])
 
+    def not_empty(self, way: int) -> tuple[Relation, ...]:
+        """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""
+        return () if way > 0 else (at_least(self.hi, self.lo),)
+
     def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
         """Comparison bound t after the new command has started to act."""
         push = ca.fmax(way * self.force + self.net + more, 0)
         return self["arrived"] + self["t"] * push / self["mass"]
+
+
+def both_ways(
+    claim: Claims, id: str, given: str, premises: str = "", back: str = ""
+) -> Callable[[Directed], Directed]:
+    """Enter the function as the claim ``id`` about v, and as ``id``-back about -v.
+
+    ``back``: what the second one assumes beside ``given``.
+    """
+
+    def enter(function: Directed) -> Directed:
+        claim(id, given=given, premises=premises)(function)
+        claim(f"{id}-back", given=given + back, premises=premises, wording=f"{id} for -v", way=-1)(
+            function
+        )
+        return function
+
+    return enter

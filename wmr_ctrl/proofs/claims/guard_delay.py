@@ -7,14 +7,12 @@ induction (guard.delay.lemma).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import casadi as ca
 
 from wmr_ctrl.guard.delay import under_way
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard_axis import LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import LateAxis, both_ways
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, symbols
@@ -26,19 +24,7 @@ FEASIBLE = (
 CAPS = "0 <= brakes, net <= brakes <= largest (guard.delay.caps)"
 
 
-def _invariant(way: int) -> Callable[[Mutation], Statement]:
-    def statement(mutation: Mutation) -> Statement:
-        a = LateAxis()
-        b = a.bounds
-        given = (
-            *a.sound(mutation(1, 1.01)), at_least(b.braking, a.net), *a.measured, *a.during,
-            *a.moving, *a.arrives(way), at_least(a["u1"], a["arrived"]), at_least(a.hi, a.lo),
-        )  # fmt: skip
-        return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.cuts)
-
-    return statement
-
-
+NOT_EMPTY = "; lo <= hi (guard.delay.feasible)"
 claim = Claims(by=Z3(effort=150))
 
 
@@ -174,12 +160,18 @@ def anchor(mutation: Mutation) -> Statement:
     given=f"|y - v| <= nbar, alpha T <= 1, {CAPS}, lo <= hi",
     premises="guard.delay.feasible",
 )
-def guard_delay_upper(mutation: Mutation) -> Statement:
+def guard_delay_upper(mutation: Mutation, way: int = 1) -> Statement:
     """v <= u1 where the new command starts to act: v <= u1 as long as it acts.
 
     Inside stays inside, forwards.
     """
-    return _invariant(1)(mutation)
+    a = LateAxis()
+    b = a.bounds
+    given = (
+        *a.sound(mutation(1, 1.01)), at_least(b.braking, a.net), *a.measured, *a.during,
+        *a.moving, *a.arrives(way), at_least(a["u1"], a["arrived"]), at_least(a.hi, a.lo),
+    )  # fmt: skip
+    return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.cuts)
 
 
 @claim(
@@ -192,11 +184,11 @@ def guard_delay_lower(mutation: Mutation) -> Statement:
 
     Nor backwards, also while the robot is braked from outside.
     """
-    return _invariant(-1)(mutation)
+    return guard_delay_upper(mutation, -1)
 
 
-@claim("guard.delay.outside", given=f"|y - v| <= nbar; {CAPS}")
-def outside(mutation: Mutation) -> Statement:
+@both_ways(claim, "guard.delay.outside", given=f"|y - v| <= nbar; {CAPS}", back=NOT_EMPTY)
+def outside(mutation: Mutation, way: int = 1) -> Statement:
     """v > u1 where the new command starts to act: F + net <= -min(brakes - net, M_max (v - u1)/T).
 
     Outside the limit no disturbance can make the robot faster, once what was under way at the start
@@ -205,13 +197,26 @@ def outside(mutation: Mutation) -> Statement:
     a = LateAxis()
     b, beyond = a.bounds, a["arrived"] - a["u1"]
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * beyond / b.period)
-    left = a.force + a.net
-    given = (*a.sound(), *a.capped, *a.measured, *a.moving, *a.arrives(1), above(beyond))
+    left = way * a.force + a.net
+    given = (
+        *a.sound(),
+        *a.capped,
+        *a.measured,
+        *a.moving,
+        *a.arrives(way),
+        above(beyond),
+        *a.not_empty(way),
+    )
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given, a.cuts)
 
 
-@claim("guard.delay.return", given=f"|y - v| <= nbar, M_min <= M <= M_max; {CAPS}")
-def return_step(mutation: Mutation) -> Statement:
+@both_ways(
+    claim,
+    "guard.delay.return",
+    given=f"|y - v| <= nbar, M_min <= M <= M_max; {CAPS}",
+    back=NOT_EMPTY,
+)
+def return_step(mutation: Mutation, way: int = 1) -> Statement:
     """v > u1 where it starts to act: a sample later v <= max(u1, v - T (brakes - net)/M).
 
     Back inside after the delay and ceil((v - u1) M/(T (brakes - net))) samples, v being the speed
@@ -220,15 +225,29 @@ def return_step(mutation: Mutation) -> Statement:
     a = LateAxis()
     b, mass = a.bounds, a["mass"]
     step = b.period * (b.braking - a.net) / mass
-    end = a["arrived"] + b.period * (a.force + a.net) / mass
+    end = a["arrived"] + b.period * (way * a.force + a.net) / mass
     goal = at_least(ca.fmax(a["u1"], a["arrived"] - mutation(1, 1.01) * step), end)
     beyond = above(a["arrived"], a["u1"])
-    given = (*a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.arrives(1), beyond)
+    given = (
+        *a.sound(),
+        *a.capped,
+        *a.measured,
+        *a.during,
+        *a.moving,
+        *a.arrives(way),
+        beyond,
+        *a.not_empty(way),
+    )
     return Statement(a.symbols, (goal,), given, a.cuts)
 
 
-@claim("guard.delay.graceful", given=f"|y - v| <= nbar; brakes - net >= D; {CAPS}")
-def graceful(mutation: Mutation) -> Statement:
+@both_ways(
+    claim,
+    "guard.delay.graceful",
+    given=f"|y - v| <= nbar; brakes - net >= D; {CAPS}",
+    back=NOT_EMPTY,
+)
+def graceful(mutation: Mutation, way: int = 1) -> Statement:
     """|d| <= dbar + D keeps |v| <= u1 + D (T + delay)/M_min.
 
     A bound that is broken by D costs a known excess, no more.
@@ -238,10 +257,11 @@ def graceful(mutation: Mutation) -> Statement:
     late = D * a["delay"] / b.M_min
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a["delay"]) / b.M_min
     given = (
-        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.arrives(1, late),
+        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.arrives(way, late),
         at_least(D), at_least(b.braking - a.net, D), at_least(limit, a["arrived"]),
+        *a.not_empty(way),
     )  # fmt: skip
-    return Statement(a.symbols, (at_least(limit, a.then(1, D)),), given, a.cuts)
+    return Statement(a.symbols, (at_least(limit, a.then(way, D)),), given, a.cuts)
 
 
 @claim("guard.delay.necessary", given="u1, T, delay, M_min, dbar > 0")

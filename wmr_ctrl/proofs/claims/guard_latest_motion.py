@@ -6,7 +6,6 @@ induction over the samples (guard.late.lemma).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import casadi as ca
@@ -14,7 +13,7 @@ import casadi as ca
 from wmr_ctrl.guard.delay import UnderWay, under_way
 from wmr_ctrl.guard.guard import clipped, room
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard_axis import LateAxis
+from wmr_ctrl.proofs.claims.guard_axis import LateAxis, both_ways
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
 from wmr_ctrl.proofs.finding import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -27,27 +26,6 @@ BEGINS = (
 ACTS = "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max"
 
 
-def _invariant(way: int, varies: bool = True) -> Callable[[Mutation], Statement]:
-    def statement(mutation: Mutation) -> Statement:
-        a = LatestAxis(varies=varies)
-        b = a.bounds
-        t = symbols("room_ahead room_back")
-        left = t["room_ahead"] if way > 0 else t["room_back"]
-        again = a.again.ahead if way > 0 else a.again.back
-        over = a.takes_over(way)
-        end = over + a["t"] * ca.fmax(way * a.force + a.net, 0) / a["mass"]
-        given = (
-            *a.sound(), at_least(b.braking, a.net), *a.acts(mutation(1, 1.01)),
-            at_least(a["arrived"], b.f_speed), at_least(b.u1 - a["arrived"], left + again),
-            at_least(b.u1 - a["arrived"], (1 + b.alpha * a.J) * left),
-            at_least(a["u1"], over), at_least(a.hi, a.lo),
-        )  # fmt: skip
-        cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
-        return Statement({**a.symbols, **t}, (at_least(a["u1"], end),), given, cuts)
-
-    return statement
-
-
 claim = Claims(by=Z3(effort=400))
 
 
@@ -56,12 +34,26 @@ claim = Claims(by=Z3(effort=400))
     given=f"guard.late.left; {ACTS}; alpha T <= 1, {CAPS}, lo <= hi",
     premises="guard.late.feasible guard.late.left",
 )
-def guard_late_upper(mutation: Mutation) -> Statement:
+def guard_late_upper(mutation: Mutation, way: int = 1, varies: bool = True) -> Statement:
     """v+ <= u1 where the new command takes over: v+ <= u1 as long as it acts.
 
     Inside stays inside, forwards.
     """
-    return _invariant(1)(mutation)
+    a = LatestAxis(varies=varies)
+    b = a.bounds
+    t = symbols("room_ahead room_back")
+    left = t["room_ahead"] if way > 0 else t["room_back"]
+    again = a.again.ahead if way > 0 else a.again.back
+    over = a.takes_over(way)
+    end = over + a["t"] * ca.fmax(way * a.force + a.net, 0) / a["mass"]
+    given = (
+        *a.sound(), at_least(b.braking, a.net), *a.acts(mutation(1, 1.01)),
+        at_least(a["arrived"], b.f_speed), at_least(b.u1 - a["arrived"], left + again),
+        at_least(b.u1 - a["arrived"], (1 + b.alpha * a.J) * left),
+        at_least(a["u1"], over), at_least(a.hi, a.lo),
+    )  # fmt: skip
+    cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
+    return Statement({**a.symbols, **t}, (at_least(a["u1"], end),), given, cuts)
 
 
 @claim(
@@ -74,21 +66,26 @@ def guard_late_lower(mutation: Mutation) -> Statement:
 
     Nor backwards.
     """
-    return _invariant(-1)(mutation)
+    return guard_late_upper(mutation, -1)
 
 
-@claim("guard.late.outside", given=f"{BEGINS}; {CAPS}")
-def guard_late_outside(mutation: Mutation, varies: bool = True) -> Statement:
+@both_ways(
+    claim, "guard.late.outside", given=f"{BEGINS}; {CAPS}", back="; lo <= hi (guard.late.feasible)"
+)
+def guard_late_outside(mutation: Mutation, varies: bool = True, way: int = 1) -> Statement:
     """v+ > u1 where the new command takes over: F + net <= -min(brakes - net, M_max (v+ - u1)/T).
 
     Outside the limit no disturbance can make the robot faster, once what was sent before is over.
     """
     a = LatestAxis(varies=varies)
-    b, over = a.bounds, a.takes_over(1)
+    b, over = a.bounds, a.takes_over(way)
     beyond = over - a["u1"]
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * beyond / b.period)
-    left = a.force + a.net
-    given = (*a.sound(), *a.capped, *a.measured, *a.moving, *a.begins(1), *a.acts(), above(beyond))
+    left = way * a.force + a.net
+    given = (
+        *a.sound(), *a.capped, *a.measured, *a.moving, *a.begins(way), *a.acts(), above(beyond),
+        *a.not_empty(way),
+    )  # fmt: skip
     return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given, a.cuts)
 
 
@@ -110,13 +107,14 @@ def guard_late_left(mutation: Mutation, varies: bool = True) -> Statement:
     return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))
 
 
-@claim(
+@both_ways(
+    claim,
     "guard.late.graceful",
     given=f"guard.late.left with D (late - J)/M_min more; {ACTS}, to the end of that; brakes - "
     f"net >= D; {CAPS}",
     premises="guard.late.left",
 )
-def guard_late_graceful(mutation: Mutation, varies: bool = True) -> Statement:
+def guard_late_graceful(mutation: Mutation, varies: bool = True, way: int = 1) -> Statement:
     """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min.
 
     A bound that is broken by D costs a known excess, no more.
@@ -125,18 +123,21 @@ def guard_late_graceful(mutation: Mutation, varies: bool = True) -> Statement:
     b, D = a.bounds, a["extra"]
     early = D * (a["delay"] - a.J) / b.M_min
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a["delay"]) / b.M_min
-    over = a.takes_over(1, D)
-    last = b.period + a.J - a["since"]
-    end = over + last * ca.fmax(a.hi + a.net + D, 0) / a["mass"]
+    most, again, coming = a.hi, a.again.ahead, a.coming
+    if way < 0:
+        most, again, coming = -a.lo, a.again.back, a.coming.mirrored
     t = symbols("room")
+    over = a.takes_over(way, D)
+    last = b.period + a.J - a["since"]
+    end = over + last * ca.fmax(most + a.net + D, 0) / a["mass"]
     free = a["arrived"] - early - b.u1
     given = (
         *a.sound(), *a.capped, *a.acts(), at_least(a["arrived"], b.f_speed),
-        at_least(-free, t["room"] + a.again.ahead),
+        at_least(-free, t["room"] + again),
         at_least(-free, (1 + b.alpha * a.J) * t["room"]),
         at_least(D), at_least(b.braking - a.net, D), at_least(limit, over),
     )  # fmt: skip
-    cuts = {**a.cuts, "room": room(a["y"], b, a.coming)}
+    cuts = {**a.cuts, "room": room(way * a["y"], b, coming)}
     return Statement({**a.symbols, **t}, (at_least(limit, end),), given, cuts)
 
 
@@ -202,7 +203,7 @@ def guard_late_steady_upper(mutation: Mutation) -> Statement:
 
     Inside stays inside, forwards, without jitter.
     """
-    return _invariant(1, False)(mutation)
+    return guard_late_upper(mutation, 1, False)
 
 
 @claim(
@@ -215,16 +216,21 @@ def guard_late_steady_lower(mutation: Mutation) -> Statement:
 
     Nor backwards.
     """
-    return _invariant(-1, False)(mutation)
+    return guard_late_upper(mutation, -1, False)
 
 
-@claim("guard.late.steady.outside", given=f"{BEGINS}; {CAPS}")
-def guard_late_steady_outside(mutation: Mutation) -> Statement:
+@both_ways(
+    claim,
+    "guard.late.steady.outside",
+    given=f"{BEGINS}; {CAPS}",
+    back="; lo <= hi (guard.late.feasible)",
+)
+def guard_late_steady_outside(mutation: Mutation, way: int = 1) -> Statement:
     """guard.late.outside for a delay that does not vary.
 
     Outside the limit no disturbance can make the robot faster, without jitter.
     """
-    return guard_late_outside(mutation, False)
+    return guard_late_outside(mutation, False, way)
 
 
 @claim("guard.late.steady.left", given=BEGINS)
@@ -236,22 +242,28 @@ def guard_late_steady_left(mutation: Mutation) -> Statement:
     return guard_late_left(mutation, False)
 
 
-@claim(
+@both_ways(
+    claim,
     "guard.late.steady.graceful",
     given="guard.late.steady.left with D late/M_min more; to the end of T; brakes - net >= D; "
     f"{CAPS}",
     premises="guard.late.steady.left",
 )
-def guard_late_steady_graceful(mutation: Mutation) -> Statement:
+def guard_late_steady_graceful(mutation: Mutation, way: int = 1) -> Statement:
     """guard.late.graceful for a delay that does not vary.
 
     A bound that is broken by D costs a known excess, without jitter.
     """
-    return guard_late_graceful(mutation, False)
+    return guard_late_graceful(mutation, False, way)
 
 
-@claim("guard.late.steady.return", given=f"{BEGINS}; M_min <= M <= M_max; {CAPS}")
-def returns(mutation: Mutation) -> Statement:
+@both_ways(
+    claim,
+    "guard.late.steady.return",
+    given=f"{BEGINS}; M_min <= M <= M_max; {CAPS}",
+    back="; lo <= hi (guard.late.feasible)",
+)
+def returns(mutation: Mutation, way: int = 1) -> Statement:
     """v > u1 where the new command takes over, neither jitter nor lag: a sample later v <= max(u1,
     v - T (brakes - net)/M).
 
@@ -260,11 +272,11 @@ def returns(mutation: Mutation) -> Statement:
     a = LatestAxis(varies=False)
     b, mass, start = a.bounds, a["mass"], a["arrived"]
     step = b.period * (b.braking - a.net) / mass
-    end = start + b.period * (a.force + a.net) / mass
+    end = start + b.period * (way * a.force + a.net) / mass
     goal = at_least(ca.fmax(a["u1"], start - mutation(1, 1.01) * step), end)
     given = (
-        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.begins(1),
-        above(start, a["u1"]),
+        *a.sound(), *a.capped, *a.measured, *a.during, *a.moving, *a.begins(way),
+        above(start, a["u1"]), *a.not_empty(way),
     )  # fmt: skip
     return Statement(a.symbols, (goal,), given, a.cuts)
 

@@ -78,6 +78,12 @@ class RoundedAxis(GuardAxis):
         return replace(self.bounds, u1=self["u1"] * (1 - self.precision.kept))
 
     @property
+    def measured(self) -> tuple[Relation, ...]:
+        """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
+        gap, most = self["y"] - self["v"], self["nbar"] + self.precision.unit * ca.fabs(self["v"])
+        return at_least(most, gap), at_least(most, -gap)
+
+    @property
     def reach(self) -> ca.SX:
         """K = M_min alpha u1 [N or N m]: what stops the robot from its limit in 1/alpha."""
         return self["M_min"] * self["alpha"] * self["u1"]
@@ -175,7 +181,7 @@ claim = Claims(by=Z3(effort=100))
 
 @claim(
     "guard.{name}.force-{word}",
-    given="{stated}; |v| <= u1, |y - v| <= nbar{rounds}{known}",
+    given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}{known}",
     premises="assumption.libm{premises}",
     over=tuple(
         precision

@@ -123,18 +123,27 @@ STEADY = r"varying\.(spare|left|room|feasible|counts)\b"
 """Entries that have a kin for a delay that does not vary."""
 
 
-def twice(claim: Claims, name: str, given: str, premises: str = "") -> Callable[[Twin], Twin]:
-    """Enter the function as a claim with jitter and as one without, whose graph is another."""
+def twice(
+    claim: Claims, name: str, given: str, premises: str = "", back: bool = False
+) -> Callable[[Twin], Twin]:
+    """Enter the function as a claim with jitter and as one without, whose graph is another.
+
+    ``back``: the same once more about -v.
+    """
 
     def enter(function: Twin) -> Twin:
-        claim(f"guard.varying.{name}", given=given, premises=premises)(function)
-        claim(
-            f"guard.varying.steady.{name}",
-            given=given,
-            premises=re.sub(STEADY, r"varying.steady.\1", premises),
-            wording=f"guard.varying.{name} for a delay that does not vary, J = 0",
-            varies=False,
-        )(function)
+        id, without = f"guard.varying.{name}", f"guard.varying.steady.{name}"
+        calm = re.sub(STEADY, r"varying.steady.\1", premises)
+        wording = f"{id} for a delay that does not vary, J = 0"
+        claim(id, given=given, premises=premises)(function)
+        claim(without, given=given, premises=calm, wording=wording, varies=False)(function)
+        if back:
+            tables = ((id, premises, True), (without, calm, False))
+            for forwards, rests, varies in tables:
+                claim(
+                    f"{forwards}-back", given=given, premises=rests, wording=f"{forwards} for -v",
+                    varies=varies, way=-1,
+                )(function)  # fmt: skip
         return function
 
     return enter

@@ -112,8 +112,14 @@ def lower(mutation: Mutation, varies: bool = True) -> Statement:
     return upper(mutation, varies, -1)
 
 
-@twice(claim, "outside", given=f"guard.varying.counts; {CAPS}", premises="guard.varying.counts")
-def outside(mutation: Mutation, varies: bool = True) -> Statement:
+@twice(
+    claim,
+    "outside",
+    given=f"guard.varying.counts; {CAPS}",
+    premises="guard.varying.counts",
+    back=True,
+)
+def outside(mutation: Mutation, varies: bool = True, way: int = 1) -> Statement:
     """what is reached > u1 where the new command takes over: F + net <= -min(brakes - net, M_max
     (it - u1)/T).
 
@@ -122,12 +128,13 @@ def outside(mutation: Mutation, varies: bool = True) -> Statement:
     a = VaryingAxis(varies=varies)
     b, beyond = a.bounds, symbols("beyond")["beyond"]
     t = symbols("room_ahead room_back")
-    again = a.lasts(1)[2] / b.M_min
+    again = a.lasts(way)[2] / b.M_min
+    room = t["room_ahead"] if way > 0 else t["room_back"]
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * beyond / b.period)
-    left = a.force + a.net
+    left = way * a.force + a.net
     given = (
         *a.sound(), *a.capped, above(beyond), at_least(a["arrived"] + again - b.u1, beyond),
-        at_least(b.u1 - a["arrived"] - again, t["room_ahead"]), at_least(a.hi, a.lo),
+        at_least(b.u1 - a["arrived"] - again, room), at_least(a.hi, a.lo),
     )  # fmt: skip
     cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}
     goals = (at_least(-left), at_least(-left, needed))
@@ -140,8 +147,9 @@ def outside(mutation: Mutation, varies: bool = True) -> Statement:
     given="guard.varying.counts; F = hi; pushes and Z larger by at most D; p_0 + D > 0; brakes - "
     f"net >= D; {CAPS}",
     premises="guard.varying.counts",
+    back=True,
 )
-def graceful(mutation: Mutation, varies: bool = True) -> Statement:
+def graceful(mutation: Mutation, varies: bool = True, way: int = 1) -> Statement:
     """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
     the new command add, as in guard.varying.upper, is at most u1 + D (T + late)/M_min.
 
@@ -150,8 +158,9 @@ def graceful(mutation: Mutation, varies: bool = True) -> Statement:
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
     a = VaryingAxis(varies=varies)
     b, D, t = a.bounds, a["extra"], symbols("room_ahead room_back")
-    z, after, again = a.lasts(1)
-    p = ca.fmax(a.hi + a.net + D, 0)
+    room = t["room_ahead"] if way > 0 else t["room_back"]
+    z, after, again = a.lasts(way)
+    p = ca.fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
     early = waiting(z + D, p, b.period + a.J, a["rise_late"]) - D * a.J
     late = waiting(after + D, p, b.period, a["rise"]) + again
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a["delay"]) / b.M_min
@@ -161,7 +170,7 @@ def graceful(mutation: Mutation, varies: bool = True) -> Statement:
     ]
     given = (
         *a.sound(), *a.capped, *a.numbers, *_fixed(a), at_least(D), at_least(b.braking - a.net, D),
-        *_lines(a, 1, t["room_ahead"], b.u1 - a["arrived"]), at_least(z), at_least(after),
+        *_lines(a, way, room, b.u1 - a["arrived"]), at_least(z), at_least(after),
         at_least(again),
     )  # fmt: skip
     cuts = {**a.cuts, **dict(zip(t, rooms_of(a), strict=True))}

@@ -279,7 +279,7 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
 
     Exactly where the barrier begins, the acceleration that the law computes makes the barrier
     function rise for an instant (here at 13 1/s instead of falling). It holds at almost every
-    instant, which is enough for the steps.decay.
+    instant, which is enough for the decay.
     """
     # The change of V1i over a short time h from v = v_u2, with the command at the start held.
     m = Moving()
@@ -304,5 +304,5 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
 def eq30() -> None:
     """V1(t) = V1(0) exp(-rho t): (30) at almost every t, V1 continuous.
 
-    The steps.decay of the theorem is right in spite of the corner.
+    The decay of the theorem is right in spite of the corner.
     """

@@ -111,7 +111,7 @@ def prox_limit() -> None:
 @claim(
     "prox.any-mass",
     by=HAND,
-    premises="prox.wrong-mass prox.wrong-mass-gentle prox.not-expansive prox.optimal "
+    premises="prox.any-mass.step prox.any-mass.step-gentle prox.not-expansive prox.optimal "
     "prox.optimal-smooth",
 )
 def prox_any_mass() -> None:

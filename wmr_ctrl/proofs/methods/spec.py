@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from importlib import import_module
+from importlib.metadata import packages_distributions, version
 from typing import Any, ClassVar
 
 from wmr_ctrl.proofs.case import Case
@@ -139,6 +140,27 @@ class Both(Method):
             if finding.verdict == REFUTED and not self.all_refute:
                 return Finding(REFUTED, evidence, finding.point)
         return Finding(OPEN, evidence)
+
+
+def described(value: Any) -> Any:
+    """What a record tells a method by, regions and boxes included; not which engine comes first."""
+    if isinstance(value, Case):
+        return value.described()
+    if isinstance(value, Method):
+        told = [f.name for f in fields(value) if f.name != "first" or isinstance(value, Both)]
+        return [type(value).__name__, *((name, described(vars(value)[name])) for name in told)]
+    if isinstance(value, Mapping):
+        return [(str(key), described(item)) for key, item in value.items()]
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [described(item) for item in value]
+    if callable(value):
+        return described(value())
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def versions(method: Method) -> dict[str, str]:
+    """Version of each package whose correctness a verdict of this method rests on."""
+    return {name: version(packages_distributions()[name][0]) for name in needs(method)}
 
 
 def named(method: Method) -> str:

@@ -1,0 +1,157 @@
+"""What a record holds, and what `prove` takes from it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from wmr_ctrl.proofs import alterations, record
+from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
+from wmr_ctrl.proofs.check import check, graph_hash
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.command import provenance
+from wmr_ctrl.proofs.finding import LEMMA, OPEN, PROVED, REFUTED
+from wmr_ctrl.proofs.ledger import Entry, Ledger, load
+from wmr_ctrl.proofs.methods.spec import Z3, Ball, Method, Ring
+from wmr_ctrl.proofs.statement import Statement, above, at_least, symbols
+
+CLAIMED = {claim.id: claim for claim in all_claims()}
+
+
+def written(mutation: Mutation, strict: bool = False) -> Statement:
+    """x^2 + 1 >= 1 where x >= 0: no function of the product is called."""
+    t = symbols("x")
+    relation = above if strict else at_least
+    return Statement(t, (at_least(t["x"] ** 2 + mutation(1, -1), 1),), (relation(t["x"]),))
+
+
+PLAIN = Z3()
+
+
+def claim_of(statement, method: Method = PLAIN):
+    """The claim of this statement."""
+    claims = Claims(by=method)
+    claims("own.square", wording="x^2 + 1 >= 1")(statement)
+    return claims.listed[0]
+
+
+def turned(mutation: Mutation) -> Statement:
+    """The same with the hypothesis among the goals."""
+    statement = written(mutation)
+    return replace(statement, goals=(*statement.goals, *statement.given), given=())
+
+
+def strictly(mutation: Mutation) -> Statement:
+    return written(mutation, strict=True)
+
+
+def less_altered(mutation: Mutation) -> Statement:
+    statement = written(mutation)
+    return statement if mutation > 0 else replace(statement, given=())
+
+
+@pytest.mark.parametrize("other", [turned, strictly, less_altered])
+def test_the_hash_holds_relations_hypotheses_and_the_altered_claim(other) -> None:
+    assert graph_hash(claim_of(written)) == graph_hash(claim_of(written))
+    assert graph_hash(claim_of(other)) != graph_hash(claim_of(written))
+
+
+BOX = Ball(box={"x": (Fraction(0), Fraction(1))})
+CHART = Case("all", {"n": POSITIVE}, lambda n: {"x": n["n"]})
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (Z3(), Ring()),
+        (BOX, replace(BOX, box={"x": (Fraction(0), Fraction(2))})),
+        (Ring((CHART,)), Ring((CHART, CHART))),
+        (Ring((CHART,)), Ring((replace(CHART, numbers={"n": NONNEGATIVE}),))),
+        (Ring((CHART,)), Ring((replace(CHART, values=lambda n: {"x": 2 * n["n"]}),))),
+        (Ring((CHART,)), Ring((CHART,), log_lemma=True)),
+    ],
+)
+def test_the_hash_holds_the_method_its_boxes_and_regions(one, other) -> None:
+    assert graph_hash(claim_of(written, one)) == graph_hash(claim_of(written, replace(one)))
+    assert graph_hash(claim_of(written, one)) != graph_hash(claim_of(written, other))
+
+
+def test_which_engine_is_asked_first_does_not_matter() -> None:
+    assert graph_hash(claim_of(written, Z3(first=("cases",)))) == graph_hash(claim_of(written))
+
+
+def test_what_calls_no_function_is_a_lemma_whatever_the_record_says() -> None:
+    claim = claim_of(written)
+    found = check(claim)
+    forged = replace(found, verdict=PROVED, functions=("wmr_ctrl.guard.guard:floor",))
+
+    assert found.verdict == LEMMA
+    assert check(claim, forged).verdict == LEMMA
+    assert check(claim, forged).functions == ()
+
+
+KNOWN = {"tried": 4, "caught": 3, "open": 1}
+
+
+@pytest.fixture(scope="module")
+def known() -> Entry:
+    """An entry of today with words that a record would hold."""
+    return replace(check(CLAIMED["prediction.order"]), alterations=KNOWN, confirmed_by=("cvc5",))
+
+
+@pytest.mark.parametrize(
+    ("change", "confirmed", "altered"),
+    [
+        ({}, ("cvc5",), KNOWN),
+        ({"graph_hash": "00"}, (), None),
+        ({"versions": {"z3": "0.0", "flint": "0.0"}}, (), None),
+        ({"functions": ("wmr_ctrl.guard.guard:floor",)}, ("cvc5",), None),
+    ],
+)
+def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, altered) -> None:
+    found = check(CLAIMED["prediction.order"], replace(known, **change))
+
+    assert (found.confirmed_by, found.alterations) == (confirmed, altered)
+    assert found.functions == known.functions
+    assert found.verdict == PROVED
+
+
+def test_what_was_taken_is_said() -> None:
+    entry = replace(check(claim_of(written)), alterations=KNOWN, confirmed_by=("cvc5",))
+    given = load().by_id()["lemma.log"]
+
+    said = provenance(Ledger((entry, given)), anew=False)
+    assert said.startswith("1 checked now")
+    assert "1 given" in said
+    assert "1 counts of alterations and 1 words of cvc5" in said
+    assert "From the record: nothing." in provenance(Ledger((entry, given)), anew=True)
+
+
+def test_entries_of_another_claim_are_not_kept() -> None:
+    old = load().by_id()["prediction.order"]
+    assert record.merged(Ledger(()), Ledger((old,))).entries == (old,)
+
+    with pytest.raises(SystemExit, match=r"prediction\.order"):
+        record.merged(Ledger(()), Ledger((replace(old, graph_hash="00"),)))
+
+
+@pytest.mark.parametrize(
+    ("quick", "fails", "verdict"),
+    [
+        ([OPEN, REFUTED], [True], REFUTED),
+        ([OPEN, PROVED], [True], OPEN),
+        ([PROVED, PROVED], [False], PROVED),
+    ],
+)
+def test_what_is_left_open_is_not_caught(monkeypatch, quick, fails, verdict) -> None:
+    claim, answers, failing = CLAIMED["guard.anchor"], iter(quick * 4), iter(fails * 4)
+    monkeypatch.setattr(alterations, "_verdict", lambda *_: next(answers))
+    monkeypatch.setattr(alterations, "fails", lambda *_: next(failing))
+
+    assert alterations.after_alteration(claim, "wmr_ctrl.guard.guard:clipped") == verdict
+    monkeypatch.setattr(alterations, "after_alteration", lambda *_: verdict)
+    counts = alterations.tried(claim, ("a", "b"))
+    assert counts == {"tried": 2, "caught": 2 * (verdict == REFUTED), "open": 2 * (verdict == OPEN)}
