@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from html import unescape
+
 import pytest
 
 from tests.results.conftest import build
 from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.report import style
+from wmr_ctrl.report.animate import animate_run
 from wmr_ctrl.report.plot_run import plot_run
 from wmr_ctrl.results import Monitor
 
@@ -27,6 +31,16 @@ def test_a_run_that_ended_early_is_drawn(tmp_path):
     plot_run(build(duration=80.0, rows=5, monitor=STOPPED), path)
 
     assert path.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("name", [r"a$\frac$b", "a$b", "$x_{$", r"\$", "two\nlines", 'a"<&>*/'])
+def test_a_name_is_no_formula(tmp_path, monkeypatch, name):
+    monkeypatch.setitem(style._SETTINGS, "svg.fonttype", "none")
+    path, run = tmp_path / "run.svg", build(duration=0.2, labels={"scenario": name})
+    plot_run(run, path)
+    animate_run(run, tmp_path / "run.gif")
+
+    assert name.replace("\n", " ") in unescape(path.read_text(encoding="utf-8"))
 
 
 def test_an_empty_run_is_refused(tmp_path):

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
-import jinja2
 
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
 from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.kernels import controller_kernel
+from wmr_ctrl.codegen.rendering import text_engine
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.single_precision import (
     LARGEST_SINGLE,
@@ -26,7 +26,6 @@ from wmr_ctrl.codegen.single_precision import (
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Circle, Scenario
@@ -79,10 +78,7 @@ def package_files(
     if float32 and scenario.guard.enabled:
         system = with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)
-    engine = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
-        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
-    )  # fmt: skip
+    engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
     files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
@@ -127,8 +123,8 @@ def write_package(
 ) -> tuple[Path, ...]:
     """Write the package into the folder ``out`` (made if need be) and return the files' paths.
 
-    All files appear, or none where one of them cannot be written.  Raises OSError if the folder
-    cannot be made, ResultFileError for a file.
+    All files appear, or none where one of them cannot be written: it raises
+    ResultFileError.
     """
     return tuple(write_all(package_files(law, scenario, float32=float32), out))
 
@@ -142,7 +138,7 @@ def _context(
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
     return {
-        "law": law, "LAW": law.upper(), "title": system.title, "scenario": one_line(scenario.name),
+        "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
         "period": scenario.clock.control, "float32": float32,
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
         "largest": LARGEST_SINGLE if float32 else LARGEST, "digits": 9 if float32 else 17,
@@ -160,11 +156,6 @@ def _context(
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip
-
-
-def one_line(text: str) -> str:
-    """A text that ends neither a line nor a comment of C."""
-    return printable(text).replace("*/", "* /")
 
 
 def _robot(scenario: Scenario) -> Mapping[str, str | float]:

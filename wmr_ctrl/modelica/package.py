@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import casadi as ca
-import jinja2
 
 from wmr_ctrl import __version__
 from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.codegen.rendering import text_engine
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, beyond_noise, check_scenario, settle
 from wmr_ctrl.errors import ArgumentError
@@ -36,7 +36,7 @@ from wmr_ctrl.modelica.diagram import (
 )
 from wmr_ctrl.modelica.icons import ICONS, label
 from wmr_ctrl.modelica.statements import algorithm, equations, literal
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import TIME, Signal
 from wmr_ctrl.world.references.evaluate import reference
@@ -135,15 +135,9 @@ def folded(line: str) -> list[str]:
 def export_modelica(*, scenario: Scenario, out: str | Path = ".") -> list[Path]:
     """Write WheeledRobot.mo into the folder ``out``, whole or not at all; returns its path.
 
-    Raises what `modelica_package` raises, OSError if the folder cannot be made, ResultFileError for
-    the file.
+    Raises what `modelica_package` raises, ResultFileError where it cannot be written.
     """
-    text = modelica_package(scenario)
-    path = Path(out) / FILE
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path, text=True) as file:
-        file.write(text)
-    return [path]
+    return write_all({FILE: modelica_package(scenario)}, Path(out))
 
 
 def modelica_package(scenario: Scenario) -> str:
@@ -163,10 +157,7 @@ def modelica_package(scenario: Scenario) -> str:
     ports = places_of_parts(*map(_names, (
         desired, inputs, outputs, members(robot.inputs), members(robot.outputs)
     )))  # fmt: skip
-    engine = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
-        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
-    )  # fmt: skip
+    engine = text_engine(_TEMPLATES)
     engine.filters["quoted"] = quoted
     text = engine.get_template("package.mo.j2").render(
         version=__version__,

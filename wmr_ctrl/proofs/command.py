@@ -8,12 +8,37 @@ from pathlib import Path
 
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, differences, exit_code, load
 from wmr_ctrl.proofs.runner import Progress, prove, selected
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_write, write_all
 
 REMEDY = (
     "Some entries were not checked; install the proving packages with: "
     "pip install 'wmr_ctrl[proofs]'"
 )
+
+
+README = """\
+# Obligations of the ledger's z3 entries
+
+One folder per entry, one file per query, in SMT-LIB 2 (logic QF_NRA: real numbers, no quantifiers).
+Division by 0 means an arbitrary number, as the standard has it; that it is never read is what the
+files `domain-*.smt2` ask.
+
+| file | the claim needs |
+|---|---|
+| `goal-N.smt2` | `unsat`: hypotheses and the negated goal contradict each other |
+| `domain-N.smt2` | `unsat`: no denominator is 0, no root or logarithm outside its domain |
+| `hypotheses.smt2` | `sat`: the hypotheses can be met |
+
+With any solver that reads SMT-LIB 2, for instance
+
+    cvc5 --tlimit=60000 guard.upper/goal-1.smt2
+    cvc5 --tlimit=60000 --nl-cov --nl-ext=none guard.upper/goal-1.smt2
+    z3 -T:60 guard.upper/goal-1.smt2
+
+Symbols named `sin of N`, `log of N` and so on stand for that function of the N-th argument; of
+them only what is asserted in the file is known. What the symbols of a file mean is in the claim:
+`wmr-ctrl prove --only guard.upper`.
+"""
 
 
 def run_prove(
@@ -39,10 +64,25 @@ def run_prove(
 
 
 def run_export(folder: Path, only: Iterable[str] = ()) -> None:
-    """Write the obligations of the z3 entries that ``only`` names, and say how many."""
-    from wmr_ctrl.proofs.export import export
+    """Write the obligations of the z3 entries that ``only`` names, and say how many.
 
-    count = export(folder, selected(tuple(only)))
+    SMT-LIB 2 files, for whoever trusts another solver more.  Raises ResultFileError where a file
+    cannot be written.
+    """
+    from wmr_ctrl.proofs.claim import CLAIMED
+    from wmr_ctrl.proofs.claims import all_claims
+    from wmr_ctrl.proofs.methods.second import obligations, uses_z3
+
+    write_all({"README.md": README}, folder)
+    wanted, count = set(selected(tuple(only))), 0
+    for claim in all_claims():
+        if claim.id not in wanted or claim.statement is None or not uses_z3(claim.method):
+            continue
+        texts = {
+            f"{item.name}.smt2": f"; {claim.id}, {item.name}: {item.wanted} is needed\n{item.text}"
+            for item in obligations(claim.statement(CLAIMED))
+        }
+        count += len(write_all(texts, folder / claim.id))
     sys.stdout.write(f"{count} obligations in {folder}; its README.md says how to check them.\n")
 
 

@@ -27,7 +27,17 @@ from wmr_ctrl.report.drawing import (
     thin_path,
 )
 from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
-from wmr_ctrl.report.style import DASHED, INK, LIMIT, MUTED, driver, house_style, look, shown
+from wmr_ctrl.report.style import (
+    DASHED,
+    INK,
+    LIMIT,
+    MUTED,
+    driver,
+    house_style,
+    look,
+    shown,
+    verbatim,
+)
 from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.world.references import Waypoints
 
@@ -87,8 +97,8 @@ def _draw(figure: Figure, run: Run) -> None:
 
 
 def _header(figure: Figure, run: Run) -> None:
-    figure.text(0.02, 1 - 0.14 / _SIZE[1], f"{run.scenario}: {driver(run.law, run.guard)}",
-                size=13, weight="bold", va="top")  # fmt: skip
+    title = f"{verbatim(run.scenario)}: {driver(run.law, run.guard)}"
+    figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
     note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
     figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
 

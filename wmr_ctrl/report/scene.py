@@ -15,7 +15,7 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report.style import DOTTED, INK, LIMIT, MUTED, driver, house_style, look
+from wmr_ctrl.report.style import DOTTED, INK, LIMIT, MUTED, driver, house_style, look, verbatim
 from wmr_ctrl.results import FloatArray, Run
 
 BODY = (0.8, 0.5)
@@ -136,7 +136,7 @@ class _Stage:
         axes.set_aspect("equal", adjustable="box")
         axes.plot(scene.target[:, 0], scene.target[:, 1], color=MUTED, ls=DOTTED, lw=1.2)
         run = scene.run
-        axes.set_title(f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}")
+        axes.set_title(f"{driver(run.law, run.guard)}, {verbatim(run.scenario)}, seed {run.seed}")
 
     def _bar(self, axis: int) -> Rectangle:
         """A bar from zero to the velocity, in units of its limit; the limits are marked."""

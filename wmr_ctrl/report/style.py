@@ -11,6 +11,8 @@ from typing import Any, TypeAlias
 
 import matplotlib as mpl
 
+from wmr_ctrl.fields.problems import printable
+
 PAPER = "#ffffff"
 """What drawings and pages stand on."""
 
@@ -93,6 +95,11 @@ def look(law: str) -> Look:
 def driver(law: str, guarded: bool) -> str:
     """Who drives a run, for its title."""
     return f"{look(law).label}{', guarded' if guarded else ''}"
+
+
+def verbatim(name: str) -> str:
+    """A name of the user's as a picture shows it: one line, and no formula between ``$``."""
+    return printable(name).replace("$", r"\$")
 
 
 _SETTINGS: dict[Any, Any] = {

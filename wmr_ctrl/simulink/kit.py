@@ -12,9 +12,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
-from wmr_ctrl.codegen.package import c_name, one_line, package_files, packaged
+from wmr_ctrl.codegen.package import c_name, package_files, packaged
+from wmr_ctrl.codegen.rendering import comment, text_engine
 from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import beyond_noise, settle
 from wmr_ctrl.errors import ArgumentError
@@ -41,8 +40,7 @@ CLOCK = "clock.control"
 def export_simulink(*, law: str = "nn", scenario: Scenario, out: str | Path = ".") -> list[Path]:
     """Write the kit of ``law`` into the folder ``out``, all files or none; returns their paths.
 
-    Raises what `kit_files` raises, OSError if the folder cannot be made, ResultFileError for a
-    file.
+    Raises what `kit_files` raises, and ResultFileError where it cannot be written.
     """
     return write_all(kit_files(law, scenario), Path(out))
 
@@ -63,11 +61,8 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
         )
     sources = package_files(law, scenario)
     context = _context(law, scenario)
-    engine = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES), trim_blocks=True, lstrip_blocks=True,
-        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
-    )  # fmt: skip
-    engine.filters |= {"comment": one_line, "quoted": _quoted, "number": _c_number}
+    engine = text_engine(_TEMPLATES)
+    engine.filters |= {"quoted": _quoted, "number": _c_number}
     named = {name.format(law=law): source for name, source in _RENDERED.items()}
     files = {name: engine.get_template(source).render(context) for name, source in named.items()}
     return files | {name: sources[name] for name in (item.format(law=law) for item in _SOURCES)}
@@ -134,4 +129,4 @@ def _c_number(value: float) -> str:
 
 def _quoted(text: str) -> str:
     """A text as it stands in a character vector of MATLAB."""
-    return one_line(text).replace("'", "''")
+    return comment(text).replace("'", "''")

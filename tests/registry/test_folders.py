@@ -1,0 +1,29 @@
+"""Whatever is written says in a sentence that its folder cannot be, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.codegen.package import write_package
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.proofs.command import run_export
+from wmr_ctrl.scenario import load_scenario
+
+SCENARIO = load_scenario("paper-simulation-nominal")
+WRITERS = {
+    "codegen": lambda out: write_package("pid", out, SCENARIO),
+    "modelica": lambda out: wmr_ctrl.export_fmu("modelica", scenario=SCENARIO, out=out),
+    "simulink": lambda out: wmr_ctrl.export_fmu("simulink", law="pid", scenario=SCENARIO, out=out),
+    "proofs": lambda out: run_export(out, ["guard.upper"]),
+    "page": lambda out: wmr_ctrl.write_page(out / "page.html"),
+}
+
+
+@pytest.mark.parametrize("what", WRITERS)
+def test_a_folder_that_cannot_be(tmp_path, what):
+    (tmp_path / "file").write_text("in place of a folder")
+
+    with pytest.raises(ResultFileError, match=r"^cannot write .*\.$"):
+        WRITERS[what](tmp_path / "file" / "below")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
