@@ -279,11 +279,17 @@ def cosimulate(
 
 
 @checks_arguments
-def linearize(scenario: str | Path | Scenario, law: str = "nn") -> LinearReport:
-    """Poles, margins and sampled-data limits: figures, ``table()`` and ``plots()``."""
+def linearize(
+    scenario: str | Path | Scenario,
+    law: str = "nn",
+    at: float | None = None,
+    *,
+    guard: bool = False,
+) -> LinearReport:
+    """Poles, margins, limits, ``at`` a time [s] of the reference; ``guard``: inactive there."""
     from wmr_ctrl.linear import report_linear
 
-    return report_linear(scenario_of(scenario), law)
+    return report_linear(scenario_of(scenario), law, at, guard=guard)
 
 
 @checks_arguments

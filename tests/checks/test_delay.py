@@ -4,23 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from wmr_ctrl.api import simulate
-from wmr_ctrl.checks.sample_time import (
-    closed_loop,
-    largest_period,
-    linear_plant,
-    operating_points,
-    stable_periods,
-)
-from wmr_ctrl.checks.sampled_plant import zero_order_hold
+from wmr_ctrl.checks.radius import operating_points, radius
+from wmr_ctrl.checks.sample_time import largest_period, stable_periods
+from wmr_ctrl.checks.sampled_plant import Motion
 
 NOMINAL = "paper-simulation-nominal"
 CIRCLE = np.array((0.2, 0.1))
-
-
-def radius(matrix: np.ndarray) -> float:
-    return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
 @pytest.mark.parametrize(
@@ -81,21 +73,23 @@ def test_stable_periods_need_not_reach_down_to_zero(told, loop):
 def _worst(at, period):
     """Largest spectral radius over the points of the reference."""
     points = operating_points(at.scenario)
-    return max(radius(closed_loop(at, v_d, period)) for v_d in points)
+    return max(radius(at.closed(v_d, period)) for v_d in points)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.07])
 def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
     """The matrix moves error and velocity as forces do that each arrive when they are due."""
     late, period = loop("mb", {"clock.control": 0.02, "actuator.delay": delay}), 0.02
-    matrix, gain = closed_loop(late, CIRCLE, period), late.feedback(CIRCLE, period)
-    rates, push = linear_plant(late.scenario.robot, tuple(CIRCLE))
+    matrix = late.closed(CIRCLE, period)
+    gain = late.linear(late.on_reference(tuple(CIRCLE)), period).d
+    rates, push, _, _ = late.around.rates(Motion((0.0, 0.0, 0.0), tuple(CIRCLE), tuple(CIRCLE)))
     tick = 0.01
-    free, forced = zero_order_hold(rates, push, tick)
+    block = scipy.linalg.expm(np.block([[rates, push], [np.zeros((2, 7))]]) * tick)
+    free, forced = block[:5, :5], block[:5, 5:]
     s, sent = np.array((1e-3, 2e-3, -1e-3, 1e-2, 3e-2)), []
     state = np.concatenate((s, np.zeros(len(matrix) - 5)))
     for k in range(12):
-        sent.append(gain[:, :5] @ s)
+        sent.append(gain @ s)
         for j in range(2):
             due = int(np.floor(((2 * k + j) * tick - delay) / period + 1e-9))
             s = free @ s + forced @ (sent[due] if due >= 0 else np.zeros(2))
@@ -106,6 +100,6 @@ def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
 def test_the_peer_stands_half_a_period_and_not_a_whole_one(loop):
     for delay, stable in ((0.05, True), (0.1, False)):
         changed = {"clock.control": 0.1, "actuator.delay": delay}
-        assert (radius(closed_loop(loop("kanayama", changed), CIRCLE, 0.1)) < 1) == stable
+        assert (radius(loop("kanayama", changed).closed(CIRCLE, 0.1)) < 1) == stable
         run = simulate("paper-simulation-nominal", "kanayama", overrides=changed)
         assert ("oscillates" not in [item.key for item in run.remarks]) == stable

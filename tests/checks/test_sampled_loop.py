@@ -7,15 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.linalg
-from hypothesis import given
-from hypothesis import strategies as st
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import closed_loop, largest_period, operating_points
-from wmr_ctrl.checks.sampled_plant import exponential, zero_order_hold
+from wmr_ctrl.checks.radius import operating_points
+from wmr_ctrl.checks.sample_time import largest_period
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.scenario import load_scenario
 
@@ -37,13 +34,13 @@ def test_largest_stable_periods_are_the_audited_ones(loop, law, overrides, known
 
 @pytest.mark.parametrize(("period", "radius"), [(0.06, 0.99691), (0.07, 1.3366), (0.1, 2.530)])
 def test_spectral_radii_of_the_model_based_loop(loop, period, radius):
-    eigenvalues = np.linalg.eigvals(closed_loop(loop("mb"), CIRCLE, period))
+    eigenvalues = np.linalg.eigvals(loop("mb").closed(CIRCLE, period))
 
     assert np.abs(eigenvalues).max() == pytest.approx(radius, rel=2e-4)
 
 
 def test_fast_sampling_shows_the_poles_of_kinematics_and_velocity_loop(loop):
-    eigenvalues = np.linalg.eigvals(closed_loop(loop("mb"), CIRCLE, 1e-4))
+    eigenvalues = np.linalg.eigvals(loop("mb").closed(CIRCLE, 1e-4))
     poles = np.sort(np.log(eigenvalues.astype(complex)).real / 1e-4)
 
     assert poles == pytest.approx([-28.8, -9.999, -7.5, -3.94934, -0.05166], rel=5e-3)
@@ -55,7 +52,7 @@ def test_limit_separates_stable_from_unstable_matrices(loop, law):
     limit = largest_period(at)
 
     def radius(period):
-        return np.abs(np.linalg.eigvals(closed_loop(at, CIRCLE, period))).max()
+        return np.abs(np.linalg.eigvals(at.closed(CIRCLE, period))).max()
 
     assert 0.02 < limit < 1
     assert radius(0.999 * limit) < 1 < radius(1.001 * limit)
@@ -86,10 +83,10 @@ def test_small_lag_shortens_the_stable_period_of_a_law_without_feed_forward(loop
 
 
 def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
-    sizes = {law: closed_loop(loop(law), CIRCLE, 0.01).shape[0] for law in ("smc", "mb", "nn")}
+    sizes = {law: loop(law).closed(CIRCLE, 0.01).shape[0] for law in ("smc", "mb", "nn")}
 
     assert sizes == {"smc": 5, "mb": 5, "nn": 5}
-    assert closed_loop(loop("pid"), CIRCLE, 0.01).shape == (8, 8)
+    assert loop("pid").closed(CIRCLE, 0.01).shape == (8, 8)
 
 
 @pytest.mark.parametrize(("declared", "states"), [(True, 5), (False, 9)])
@@ -98,7 +95,7 @@ def test_a_law_states_itself_what_its_memory_is(loop, declared, states):
     traits = replace(setup.law.traits, estimates=declared)
     stated = replace(setup, law=replace(setup.law, traits=traits))
 
-    assert closed_loop(Loop(stated), CIRCLE, 0.01).shape == (states, states)
+    assert Loop(stated).closed(CIRCLE, 0.01).shape == (states, states)
 
 
 def test_constant_references_have_one_operating_point():
@@ -120,22 +117,3 @@ def test_standing_still_counts_as_stable():
 def test_unknown_law_is_refused_with_near_names():
     with pytest.raises(UnknownNameError, match="near: mb"):
         largest_stable_period(load_scenario("paper-simulation"), "mbb")
-
-
-entries = st.lists(st.floats(-50, 50), min_size=16, max_size=16)
-
-
-@given(entries)
-def test_exponential_is_the_matrix_exponential(numbers):
-    matrix = np.array(numbers).reshape(4, 4)
-    expected = scipy.linalg.expm(matrix)
-
-    scale = math.exp(np.linalg.norm(matrix, 2))
-    assert np.abs(exponential(matrix) - expected).max() <= 1e-10 * scale
-
-
-def test_zero_order_hold_of_a_double_integrator():
-    free, forced = zero_order_hold(np.array([[0.0, 1], [0, 0]]), np.array([[0.0], [1]]), 0.3)
-
-    assert free == pytest.approx(np.array([[1, 0.3], [0, 1]]))
-    assert forced == pytest.approx(np.array([[0.045], [0.3]]))

@@ -2,68 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import stability
 from wmr_ctrl.checks.lateness import lost_poses, rare_poses
-from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import closed_loop
-from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.report import report_linear
-from wmr_ctrl.model.tracking import error_rotation
-from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.world.references import sample
-
-AWAY = np.array([1.0, -0.5, 0.7, 0.3, -0.2])
-"""A displacement of the pose, in the frame of the reference, and of the velocity."""
-SMALL = 1e-6
-SAMPLES = 80
-
-
-def on_a_line(age: float, correction: float, every: int = 1) -> Scenario:
-    """Straight ahead without friction, the believed robot, on the reference."""
-    changes = {
-        "sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
-        "sensor.pose_period": 0.01 * every,
-        "robot.mu": 0.0, "model.mu": 0.0, "clock.duration": SAMPLES * 0.01,
-    }  # fmt: skip
-    return load_scenario("paper-simulation-nominal", changes)
-
-
-def started(scenario: Scenario, away: np.ndarray) -> np.ndarray:
-    """Error and velocity (N, 5) of the run of mb that starts so far from the reference."""
-    at = sample(scenario, np.array([0.0]))[0]
-    level = np.asarray(error_rotation(at[2]).T @ error_rotation(0.0)) @ away[:3]
-    start = {
-        "initial.pose": (at[:3] + level).tolist(), "initial.velocity": (at[3:5] + away[3:]).tolist()
-    }  # fmt: skip
-    run: Run = simulate(scenario, "mb", overrides=start)
-    return np.column_stack((run["e"], run["v1"], run["omega"]))
-
-
-@pytest.mark.parametrize(
-    ("age", "correction", "every"),
-    [(0.0, 1.0, 1), (0.05, 1.0, 1), (0.0, 0.3, 1), (0.1, 0.5, 1), (0.0, 1.0, 7), (0.1, 0.4, 5)],
-)
-def test_a_small_displacement_goes_the_way_of_the_matrices(
-    age: float, correction: float, every: int
-) -> None:
-    """The rest is where the robot settles: it is behind by what it drives while a pose is old."""
-    scenario = on_a_line(age, correction, every)
-    seen = (started(scenario, SMALL * AWAY) - started(scenario, 0 * AWAY)) / SMALL
-    loop, v_d = Loop(settle(scenario, "mb")), sample(scenario, np.array([0.0]))[0][3:5]
-    matrices = [closed_loop(loop, v_d, 0.01, comes=comes) for comes in (False, True)]
-    poses = len(matrices[0]) - 5
-    x = np.concatenate((seen[0], np.tile(AWAY[:3], poses // 3)))
-
-    assert loop.lateness.samples_a_pose(0.01) == every
-    assert poses == (0 if (age, correction, every) == (0.0, 1.0, 1) else 3 + 3 * round(age / 0.01))
-    for k, row in enumerate(seen):
-        assert x[:5] == pytest.approx(row, abs=0.2 * age + 1e-3)
-        x = matrices[k % every == 0] @ x
+from wmr_ctrl.scenario import load_scenario
 
 
 @pytest.mark.parametrize(("law", "below", "above"), [("prox", 0.1, 0.2), ("mb", 0.2, 0.4)])

@@ -12,7 +12,7 @@ from tests import oracle
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import closed_loop, stability
+from wmr_ctrl.checks.sample_time import stability
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.laws.prediction import ahead
@@ -41,7 +41,7 @@ def late(law: str, share: float, stated: float | None = None, **changed: object)
 
 
 def radius(scenario: Scenario, law: str) -> float:
-    matrix = closed_loop(Loop(settle(scenario, law)), np.array((0.2, 0.1)), T)
+    matrix = Loop(settle(scenario, law)).closed(np.array((0.2, 0.1)), T)
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 

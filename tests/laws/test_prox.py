@@ -10,7 +10,6 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.checks.loop import Loop
-from wmr_ctrl.checks.sample_time import closed_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.prox import ProxGains, guide, prox_step
 from wmr_ctrl.results import Run
@@ -177,7 +176,7 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
             "gains.prox.wo": start.wo,
         }  # fmt: skip
         loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
-        matrix = closed_loop(loop, np.array((0.2, 0.1)), period)
+        matrix = loop.closed(np.array((0.2, 0.1)), period)
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
 
 

@@ -11,13 +11,16 @@ from click.testing import CliRunner
 
 from tests.world import toys
 from wmr_ctrl.api import compile_loop, export_fmu, scenario_of, simulate
-from wmr_ctrl.checks.lateness import unknown_effects
+from wmr_ctrl.checks.lateness import rounded_effects
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sample_time import largest_period
 from wmr_ctrl.cli import root
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields import plugins
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import NORMAL, Output, System, draw, port
+from wmr_ctrl.model.system import NORMAL, Output, System, draw, port, ports
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
@@ -203,20 +206,59 @@ def test_a_mean_force_is_not_lost_with_its_noise(registered, what, signals, tmp_
 # -- figures of stability -----------------------------------------------------------------
 
 
-def test_drives_that_the_figures_do_not_know_are_said(registered):
+def test_what_a_figure_cannot_know_is_said_by_name(registered):
+    """A drive of another package is in the figures; what an encoder rounds has no derivative."""
     registered(toys.RAMP)
-    ramp = {"toy_ramp.rate": 100.0}
-    known = {"actuator.delay": 0.01, "encoder.counts": 512.0, "gyro.enabled": True}
+    encoder = {"encoder.counts": 512.0, "actuator.delay": 0.01, "gyro.enabled": True}
+    ramp = scenario_of("paper-simulation", {"toy_ramp.rate": 100.0})
+    said = "as if there were no rounding in [encoder]"
 
-    assert (
-        unknown_effects(scenario_of("paper-simulation", ramp)) == "as if there were no [toy_ramp]"
-    )
-    assert unknown_effects(scenario_of("paper-simulation", known)) == ""
+    assert rounded_effects(ramp) == ""
+    assert rounded_effects(scenario_of("paper-simulation", encoder)) == said
     for command in (["check"], ["linearize", "--law", "mb"]):
         done = CliRunner().invoke(
-            root, [*command, "paper-simulation", "--set", "toy_ramp.rate=100"]
+            root, [*command, "paper-simulation", "--set", "encoder.counts=512"]
         )
-        assert "as if there were no [toy_ramp]" in " ".join(done.output.split())
+        assert said in " ".join(done.output.split())
+
+
+class OtherLag(Section, key="other_lag"):
+    """How slow a torque is."""
+
+    time: float = quantity(0.0, unit="s", doc="time constant", minimum=0)
+
+
+def lagging(scenario: Scenario) -> System:
+    """A first order, exact over a plant step."""
+    torque, p = ports(TORQUE), Parameters(scenario)
+    old = port(Signal("other_torque", "N.m", "torque of the previous plant step", 2))
+    wanted = ca.vertcat(*(item.sym for item in torque))
+    share = ca.exp(-p.take("clock.plant") / p.take("other_lag.time"))
+    following = wanted + share * (old.sym - wanted)
+    outputs = tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE))
+    return System(
+        "other_lag", "another lag", inputs=torque, state=(old,), params=p.ports,
+        update=following, outputs=outputs, period=scenario.clock.plant,
+    )  # fmt: skip
+
+
+OTHER_LAG = Effect(
+    name="other lag",
+    role=EffectRole.DRIVE,
+    section=OtherLag,
+    build=lagging,
+    acts=lambda scenario: scenario.section(OtherLag).time > 0,
+    rate=Rate.STEP,
+)
+
+
+def test_a_lag_of_another_package_is_in_the_figures(registered):
+    """One that is built as ours is gives the same figures, though it says nothing of itself."""
+    registered(OTHER_LAG)
+    ours, theirs = ({"actuator.lag": 0.03}, {"other_lag.time": 0.03})
+    loops = [Loop(settle(scenario_of("paper-simulation", item), "mb")) for item in (ours, theirs)]
+
+    assert largest_period(loops[1]) == pytest.approx(largest_period(loops[0]), rel=1e-6)
 
 
 # -- registries ---------------------------------------------------------------------------

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import Floats, Loop
-from wmr_ctrl.checks.sample_time import operating_points
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.world.friction import Phase, drag, full_friction, phases
 

@@ -1,30 +1,32 @@
-"""Loop: a law's graph in error coordinates, evaluated where the checks ask; and where it starts."""
+"""Loop: a law's graph in error coordinates, its linear closed loop, and where it starts."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.lateness import WINDOW, Lateness, is_one_sample, lateness_of
+from wmr_ctrl.checks.sampled_plant import Motion
+from wmr_ctrl.checks.surroundings import DriveTimes, Surroundings, surroundings
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits, commands_predicted
 from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
-from wmr_ctrl.model.dynamics import force_to_wheel, friction
-from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.system import System
 from wmr_ctrl.model.tracking import error_rotation, tracking_error
-from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.world.friction import Phase, drag
 from wmr_ctrl.world.references import sample
 
-Floats = NDArray[np.float64]
-
 PERIOD = "clock.control"
+IntArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,32 @@ class StartPoint:
     e: Floats
     v: Floats
     v_c0: Floats
+
+
+@dataclass(frozen=True)
+class LawPoint:
+    """Where a law is linearised: e and v (5), v_d (2) and its rate (2); its memory; a force (2).
+
+    The force is the one that it is told to have been applied and sent.
+    """
+
+    seen: tuple[Floats, Floats, Floats]
+    memory: Floats
+    force: Floats
+
+
+@dataclass(frozen=True)
+class LinearLaw:
+    """m_next = a m + b s and force = c m + d s, for s = e, v (5) as measured and a memory m.
+
+    The last elements of m are the commands ``sent``, so many numbers, the latest first.
+    """
+
+    a: Floats
+    b: Floats
+    c: Floats
+    d: Floats
+    sent: int = 0
 
 
 @dataclass(frozen=True)
@@ -69,18 +97,15 @@ class Loop:
         """The law's System, whose output is the generalised force."""
         return law_graph(self.setup, self.under_way)
 
-    def commands(self, period: float) -> int:
-        """Commands under way over which the law predicts at a control period [s]."""
-        return commands_predicted(self.setup.gains, period)
+    @cached_property
+    def around(self) -> Surroundings:
+        """What is around the law: robot, drives, sensors."""
+        return surroundings(self.scenario)
 
     def over(self, commands: int) -> Loop:
         """The same law, built to predict over so many commands."""
-        return self if commands == self.predicted else _built_over(self.setup, commands)
-
-    @property
-    def predicted(self) -> int:
-        """Commands over which its graph predicts."""
-        return self.setup.predicted if self.under_way is None else self.under_way
+        own = self.setup.predicted if self.under_way is None else self.under_way
+        return self if commands == own else _built_over(self.setup, commands)
 
     @property
     def has_barrier(self) -> bool:
@@ -99,23 +124,6 @@ class Loop:
         return start_point(self.setup)
 
     @property
-    def lateness(self) -> Lateness:
-        """How late commands act and velocities are seen."""
-        return lateness_of(self.setup)
-
-    @property
-    def late_words(self) -> dict[str, float]:
-        """What is late [s], by word; a window of one sample goes with the period itself."""
-        words, period = dict(self.lateness.words), self.scenario.clock.control
-        if is_one_sample(words.get(WINDOW, 0.0), period):
-            del words[WINDOW]
-        return words
-
-    def lateness_at(self, period: float) -> Lateness:
-        """The same at another control period [s]."""
-        return lateness_of(self.setup, period)
-
-    @property
     def guarded(self) -> bool:
         """Whether the guard stands between the law and the wheels."""
         return self.scenario.guard.enabled
@@ -126,99 +134,169 @@ class Loop:
         named = (port for port in self.core.params if port.signal.name.startswith(prefix))
         return any(ca.depends_on(force, port.sym) for port in named)
 
-    def feedback(self, v_d: Floats, period: float) -> Floats:
-        """Gradient of force and next memory at e = 0, v = v_d, sampled with ``period`` [s].
+    def closed(
+        self,
+        v_d: Floats,
+        period: float,
+        *,
+        drives: DriveTimes | None = None,
+        robot: Robot | None = None,
+        sample: int | None = None,
+        theta: float = 0.0,
+    ) -> Floats:
+        """Matrix of the loop from one ``sample`` to the next, on the reference at v_d (2).
 
-        Rows: force (2), then the memory (n) unless it holds estimates; columns: e (3), v (2), the
-        memory, then the force (2) that acted before and the forces (2) that were sent, the latest
-        first, as far as the law asks for them.  ``v_d`` (2) in m/s, rad/s.
+        The state: that of `Surroundings.plant`, error and velocity (5) first, then the law's
+        memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+        The sample is one in which a pose comes, unless it is given; ``theta`` [rad] counts where
+        something acts by it.
         """
-        loop, s = self.over(self.commands(period)), np.concatenate((np.zeros(3), v_d))
-        memory, numbers = loop._memory(v_d), loop._parameters(period)
-        return np.asarray(loop._gradient(s, v_d, memory, numbers))
+        speeds = tuple(map(float, v_d))
+        law = self.linear(self.on_reference(speeds), period, drives=drives)
+        motion = Motion((0.0, 0.0, 0.0), speeds, speeds, theta)
+        plant = self.around.plant(motion, period, drives=drives, robot=robot, sample=sample)
+        upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
+        whole = np.block([[*upper], [law.b @ plant.measured, law.a]])
+        return _once(whole, plant.sent, np.arange(len(whole) - law.sent, len(whole)))
+
+    def linear(
+        self,
+        at: LawPoint,
+        period: float,
+        *,
+        drives: DriveTimes | None = None,
+        learning: bool = False,
+        commands: int | None = None,
+    ) -> LinearLaw:
+        """The law near a point with a ``period`` [s], what it is told of its drives in its memory.
+
+        Estimates and weights stay as they are, unless the law is ``learning``.  It predicts over
+        the ``commands`` that the period leaves under way, or so many.
+        """
+        count = commands_predicted(self.setup.gains, period) if commands is None else commands
+        law, moving = self.over(count), learning or not self.traits.estimates
+        asked = remembered(law.core)
+        graph = law._gradient_learning if moving else law._gradient
+        forces = np.tile(at.force, len(asked))
+        whole = graph(*at.seen, at.memory, forces, law.parameters(period)).full()
+        n = ROBOT + len(whole) - COMMAND
+        force, memory = whole[:COMMAND], whole[COMMAND:]
+        if not asked:
+            return LinearLaw(
+                memory[:, ROBOT:n], memory[:, :ROBOT], force[:, ROBOT:n], force[:, :ROBOT]
+            )
+        late = self.around.drives if drives is None else drives
+        behind = self.around.known_of_drives(period, late, len(asked) > count, count)
+        own, known = np.vstack((memory, behind.forced @ force)), whole[:, n:] @ behind.known
+        after = np.vstack((known[COMMAND:], behind.moved + behind.forced @ known[:COMMAND]))
+        return LinearLaw(
+            np.hstack((own[:, ROBOT:n], after)), own[:, :ROBOT],
+            np.hstack((force[:, ROBOT:n], known[:COMMAND])), force[:, :ROBOT],
+            behind.sent,
+        )  # fmt: skip
+
+    def on_reference(self, v_d: tuple[float, ...]) -> LawPoint:
+        """The law on the reference at v_d (2): its start's memory, or what one sample there leaves.
+
+        The forces that it knows of are those that friction takes, as it believes.
+        """
+        if v_d not in self._points:
+            seen = np.array((0.0, 0.0, 0.0, *v_d)), np.array(v_d), np.zeros(2)
+            bot = self.scenario.believed
+            force = drag(bot, Phase(0.0, bot.m, bot.mu), np.array(v_d))[:, 0]
+            there = LawPoint(seen, np.array(self.core.x0), force)
+            self._points[v_d] = replace(self.after_a_sample(there), force=force)
+        return self._points[v_d]
+
+    @cached_property
+    def _points(self) -> dict[tuple[float, ...], LawPoint]:
+        return {}
+
+    def after_a_sample(self, point: LawPoint) -> LawPoint:
+        """The same with the memory that a sample leaves there, and the force that it asks for.
+
+        Estimates stay as they are.
+        """
+        forces = np.tile(point.force, len(remembered(self.core)))
+        force, memory = self.act(*point.seen, point.memory, forces, self.core.p0)
+        after = point.memory if self.traits.estimates else memory.full().ravel()
+        return LawPoint(point.seen, after, force.full().ravel())
 
     def force_towards(self, v: Floats, v_c0: Floats) -> Floats:
         """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
 
         ``v_c0`` (2) is that velocity; both in m/s, rad/s.
         """
-        core = self.over(0).core
-        return np.asarray(self.over(0)._towards(v, v_c0, core.x0, core.p0)[0])
+        law = self.over(0)
+        return np.asarray(law._towards(v, v_c0, law.core.x0, law.core.p0)[0])
 
     def slope_towards(self, v: Floats, v_c0: Floats) -> Floats:
         """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
-        core = self.over(0).core
-        return np.asarray(self.over(0)._towards(v, v_c0, core.x0, core.p0)[1]).ravel()
+        law = self.over(0)
+        return np.asarray(law._towards(v, v_c0, law.core.x0, law.core.p0)[1]).ravel()
+
+    @cached_property
+    def act(self) -> ca.Function:
+        """Force and next memory by e and v (5), v_d (2), its rate (2), memory, forces, parameters.
+
+        The robot is at the origin along +Y, and the reference where that gives e.  The forces are
+        those that the law remembers.
+        """
+        s, v_d, rate, core = (
+            ca.SX.sym("s", ROBOT),
+            ca.SX.sym("v_d", 2),
+            ca.SX.sym("r", 2),
+            self.core,
+        )
+        pose_d, robot = error_rotation(ca.SX(0)).T @ s[:3], self.scenario.robot
+        known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, rate, s[3:])), strict=True))
+        names = [item.signal.name for item in remembered(core)]
+        forces = ca.SX.sym("forces", 2 * len(names))
+        for name, force in zip(names, ca.vertsplit(forces, 2) if names else (), strict=True):
+            known[name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
+        signals = (port.signal for port in core.inputs)
+        u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
+        asked = core.function("asked", [core.outputs[0].expr, core.update])(u, core.x, core.p)
+        return ca.Function("act", [s, v_d, rate, core.x, forces, core.p], list(asked))
+
+    def _differentiated(self, learning: bool) -> ca.Function:
+        given = [ca.SX.sym(f"i{k}", *self.act.size_in(k)) for k in range(self.act.n_in())]
+        force, following = self.act(*given)
+        s, memory, forces = given[0], given[3], given[4]
+        of = ca.vertcat(force, following) if learning else force
+        by = ca.vertcat(s, *([memory] if learning else []), forces)
+        return ca.Function("gradient", given, [ca.densify(ca.jacobian(of, by))])
 
     @cached_property
     def _gradient(self) -> ca.Function:
-        s, v_d = ca.SX.sym("s", 5), ca.SX.sym("v_d", 2)
-        asked = [item.signal.name for item in remembered(self.core)]
-        forces = [ca.SX.sym(name, 2) for name in asked]
-        known = dict(zip(asked, forces, strict=True))
-        force, following = self._act(s[:3], s[3:], v_d, ca.SX.zeros(2), known)
-        x, answers, causes = self.core.x, force, s
-        if not self.traits.estimates:
-            answers, causes = ca.vertcat(force, following), ca.vertcat(s, x)
-        gradient = ca.jacobian(answers, ca.vertcat(causes, *forces))
-        steady = ca.repmat(self._drag(v_d), len(forces), 1)
-        gradient = ca.substitute(gradient, ca.vertcat(*forces), steady) if forces else gradient
-        return ca.Function("gradient", [s, v_d, x, self.core.p], [gradient])
+        return self._differentiated(learning=False)
 
-    def _drag(self, v: ca.SX) -> ca.SX:
-        """The force (2) that the law takes friction for: what acts while v stays."""
-        bot = self.scenario.believed
-        return friction(ca.SX(bot.mu), ca.SX(bot.m), ca.SX(bot.g), ca.SX(bot.v_s), v)
+    @cached_property
+    def _gradient_learning(self) -> ca.Function:
+        return self._differentiated(learning=True)
 
     @cached_property
     def _towards(self) -> ca.Function:
         """At e = 0 the auxiliary velocity is v_d, and v_d' can be chosen such that it stays."""
-        v, v_c0 = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2)
+        v, v_c0, core = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2), self.core
         e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
-        moving = auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
-        force, _ = self._act(e, v, v_c0, -moving)
+        rate = -auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
+        forces = ca.SX.zeros(2 * len(remembered(core)))
+        force, _ = self.act(ca.vertcat(e, v), v_c0, rate, core.x, forces, core.p)
         slope = ca.diag(ca.jacobian(force, v))
-        return ca.Function("towards", [v, v_c0, self.core.x, self.core.p], [force, slope])
+        return ca.Function("towards", [v, v_c0, core.x, core.p], [force, slope])
 
-    def _act(
-        self,
-        e: ca.SX,
-        v: ca.SX,
-        v_d: ca.SX,
-        v_d_dot: ca.SX,
-        before: Mapping[str, ca.SX] | None = None,
-    ) -> tuple[ca.SX, ca.SX]:
-        """Force and next memory with the robot at the origin and the reference placed to give e.
+    def parameters(self, period: float) -> list[float]:
+        """Values of the law's parameters with a control period [s]."""
+        listed = ((port.signal.name, port.value) for port in self.core.params)
+        return [n for name, own in listed for n in ((period,) if name == PERIOD else own)]
 
-        ``before``: forces (2,) by the names of the torques that the law remembers; none unless
-        given.
-        """
-        pose_d, robot = error_rotation(ca.SX(0)).T @ e, self.scenario.robot
-        known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, v_d_dot, v)), strict=True))
-        for name, force in (before or {}).items():
-            known[name] = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
-        signals = (port.signal for port in self.core.inputs)
-        u = ca.vertcat(*(known.get(item.name, ca.SX.zeros(item.size)) for item in signals))
-        act = self.core.function("act", [self.core.outputs[0].expr, self.core.update])
-        force, following = act(u, self.core.x, self.core.p)
-        return force, following
 
-    @cached_property
-    def _next(self) -> ca.Function:
-        v_d, zero = ca.SX.sym("v_d", 2), ca.SX.zeros(3)
-        steady = {item.signal.name: self._drag(v_d) for item in remembered(self.core)}
-        _, following = self._act(zero, v_d, v_d, ca.SX.zeros(2), steady)
-        return ca.Function("next", [v_d, self.core.x, self.core.p], [following])
-
-    def _memory(self, v_d: Floats) -> Floats:
-        """The law's memory on the reference: its start value, or what one sample there leaves."""
-        start = np.array(self.core.x0)
-        if self.traits.estimates:
-            return start
-        return np.asarray(self._next(v_d, start, self.core.p0)).ravel()
-
-    def _parameters(self, period: float) -> list[float]:
-        return [number for port in self.core.params for number in _with_period(port, period)]
+def _once(whole: Floats, first: IntArray, second: IntArray) -> Floats:
+    """A matrix without the elements ``first`` that are the leading ones of ``second`` too."""
+    count = min(len(first), len(second))
+    whole[:, second[:count]] += whole[:, first[:count]]
+    return np.delete(np.delete(whole, first[:count], 0), first[:count], 1)
 
 
 @lru_cache(maxsize=128)
@@ -228,10 +306,6 @@ def _built_over(setup: Setup, commands: int) -> Loop:
 
 INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")
 """Inputs of a law that are not zero when the robot stands at the origin along +Y."""
-
-
-def _with_period(port: Port, period: float) -> tuple[float, ...]:
-    return (period,) if port.signal.name == PERIOD else port.value
 
 
 def start_point(setup: Setup) -> StartPoint:

@@ -9,9 +9,10 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
-from wmr_ctrl.checks.sample_time import operating_points
+from wmr_ctrl.checks.loop import PERIOD, Loop
+from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.warning import SPEEDS, Warning
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.laws.rbf import corner_basis
 

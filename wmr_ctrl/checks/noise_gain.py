@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import Floats, Loop
+from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.remedies import gains_that_fit
 from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.world.demand import needed_torque
 from wmr_ctrl.world.pose_sensor import PoseSensor
@@ -48,7 +49,7 @@ def noise_gain(loop: Loop) -> Iterator[Warning]:
 def change_by_noise(loop: Loop) -> float:
     """RMS change of a wheel's torque from sample to sample by sensors' noise alone [N m]."""
     period, robot = loop.scenario.clock.control, loop.scenario.robot
-    gain = loop.feedback(_moving(loop), period)[:2, :5]
+    gain = loop.linear(loop.on_reference(tuple(_moving(loop))), period).d
     r, half_track = ca.SX(robot.r), ca.SX(robot.l)
     wheels = [force_to_wheel(r, half_track, ca.SX(ca.DM(column))) for column in gain.T]
     torque = np.asarray(ca.evalf(ca.horzcat(*wheels)))

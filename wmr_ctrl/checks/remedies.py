@@ -12,7 +12,7 @@ def gains_that_fit(loop: Loop) -> str:
     if not isinstance(loop.setup.gains, ProxGains):
         return ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
     period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))
-    fit = guide(period, loop.lateness.delay, speed, loop.predicted > 0)
+    fit = guide(period, loop.around.drives.delay, speed, loop.setup.predicted > 0)
     k, rho = (", ".join(f"{value:.3g}" for value in values) for values in (fit.k, fit.rho))
     return (
         f": wmr_ctrl.laws.prox.guide gives gains.kinematics.k = [{k}], gains.prox.rho = [{rho}] "

@@ -1,8 +1,8 @@
 """How long may the control period be: the linear loop, the barrier's kink, the first step.
 
-The linear loop is sampled with an exact zero-order hold.  Its state: e (3) and v (2) of the robot,
-Eqs. (33)-(35) and (4), linearised on the reference with v_d held constant; what drives and sensors
-keep (`sampled_plant`); the law's memory, its observer included, but for estimates and weights.
+The linear loop is that of the graphs that run, along the reference (`world`).  Its state:
+e (3) and v (2) of the robot, what drives and sensors keep, and the law's memory, its observer
+included, but for estimates and weights.
 """
 
 from __future__ import annotations
@@ -15,20 +15,19 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.lateness import Lateness
-from wmr_ctrl.checks.loop import PERIOD, Floats, Loop
+from wmr_ctrl.checks.lateness import late_words, oldest_shown
+from wmr_ctrl.checks.loop import PERIOD, Loop
+from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.checks.remedies import gains_that_fit
-from wmr_ctrl.checks.sampled_plant import linear_plant, sampled_plant
-from wmr_ctrl.checks.seen_pose import radius_a_sample, with_pose_sensor
 from wmr_ctrl.checks.supremum import MARGIN, RATIO, RTOL, SHORTEST, bisect, supremum
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.references import sample
 
 SAFE = 0.5
 """Share of a stability limit that the remedies propose."""
@@ -39,7 +38,7 @@ MOST_UNDER_WAY = 40
 MASSES, NEAR, CLOSE = 20.0, (0.6, 1.6), (0.8, 1.25)
 """Ratios of true to believed mass: tried; to be stood; and those that a load soon reaches."""
 
-POINTS, INSIDE, MOST_STEPS = 9, 0.99, 500
+MOST_STEPS = 500
 
 
 def sample_time(loop: Loop) -> Iterator[Warning]:
@@ -66,9 +65,10 @@ def kink_limits(loop: Loop) -> Floats:
 
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
-    late = "".join(f"a {word} of {value:g} s and " for word, value in loop.late_words.items())
+    words = late_words(loop.setup)
+    late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
     if limit == 0:
-        lower = f"the {' and '.join(loop.late_words)}, or its gains" if late else "its gains"
+        lower = f"the {' and '.join(words)}, or its gains" if late else "its gains"
         least = shortest_tried(loop)
         others = f" and at every shorter period that was tried (from {least:.3g} s up)"
         yield Warning(
@@ -93,7 +93,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 
 def _delayed(loop: Loop) -> str:
     """The sum of period and delay that a limit of the period stands for."""
-    delay = loop.lateness.delay
+    delay = loop.around.drives.delay
     return f" (period and delay together {largest_period(loop) + delay:.4g} s)" if delay else ""
 
 
@@ -214,8 +214,8 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
 
 def shortest_tried(loop: Loop) -> float:
     """The shortest period that is tried [s]: so many commands may be under way, and no more."""
-    late = max(loop.lateness.delay, loop.setup.prediction)
-    return max(SHORTEST, (late + loop.lateness.shown) / MOST_UNDER_WAY)
+    late = max(loop.around.drives.delay, loop.setup.prediction)
+    return max(SHORTEST, (late + oldest_shown(loop.setup)) / MOST_UNDER_WAY)
 
 
 def largest_stable_delay(loop: Loop) -> float | None:
@@ -225,10 +225,12 @@ def largest_stable_delay(loop: Loop) -> float | None:
     are stable.  A law that predicts is tried from the scenario's delay on.
     """
     period = loop.scenario.clock.control
-    least = loop.lateness.delay if loop.setup.prediction else 0.0
+    own = loop.around.drives
+    least = own.delay if loop.setup.prediction else 0.0
 
     def of(delay: float) -> float:
-        return largest_radius(loop, period, replace(loop.lateness, delay=delay))
+        known = max(delay - (own.delay - own.known), 0.0)
+        return largest_radius(loop, period, replace(own, delay=delay, known=known))
 
     return _last(of, least, [least + k * period / 8 for k in range(1, 8 * MOST_UNDER_WAY)])
 
@@ -246,7 +248,7 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
 
     def of(ratio: float) -> float:
         robot = replace(loop.scenario.robot, m=ratio * believed.m, I=ratio * believed.I)
-        return largest_radius(loop, loop.scenario.clock.control, loop.lateness, robot)
+        return largest_radius(loop, loop.scenario.clock.control, robot=robot)
 
     steps = [RATIO**k for k in range(1, round(math.log(MASSES) / math.log(RATIO)) + 1)]
     up, down = _last(of, 1.0, steps), _last(of, 1.0, [1 / step for step in steps])
@@ -268,58 +270,6 @@ def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) ->
 def _edge(of: Callable[[float], float], inside: float, outside: float) -> float:
     """Where between a stable and an unstable value the loop changes from one to the other."""
     return bisect(lambda value: of(value) <= 1 + MARGIN, inside, outside, RTOL)
-
-
-@lru_cache(maxsize=64)
-def operating_points(scenario: Scenario) -> list[Floats]:
-    """Desired velocities (2) of some points of the reference, moved inside v_u2."""
-    end = min(scenario.clock.duration, scenario.reference.cycle)
-    speeds = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
-    bound = INSIDE * np.array(scenario.limits.v_u2)
-    return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))
-
-
-def closed_loop(
-    loop: Loop,
-    v_d: Floats,
-    period: float,
-    late: Lateness | None = None,
-    robot: Robot | None = None,
-    *,
-    comes: bool = True,
-) -> Floats:
-    """Matrix that takes the loop's state from one sample, in which a pose ``comes``, to the next.
-
-    The state: that of `sampled_plant`, error and velocity (5) first, then the law's memory.
-    ``late`` and ``robot`` default to the scenario's; the law keeps what it believes.
-    """
-    gain = loop.feedback(v_d, period)
-    moving = linear_plant(robot or loop.scenario.robot, tuple(v_d))
-    memory = len(gain) - 2
-    known, count = gain[:, 5 + memory :], loop.commands(period)
-    asks = known.shape[1] > 2 * count
-    seen = late or loop.lateness_at(period)
-    plant = sampled_plant(*moving, period, seen, mean=asks, remembered=count)
-    behind = with_pose_sensor(plant, v_d, period, seen, comes=comes)
-    by_state = gain[:, :5] @ behind.measured + known @ np.vstack((behind.applied, behind.sent))
-    by_memory = gain[:, 5 : 5 + memory]
-    upper = np.hstack((behind.moved + behind.forced @ by_state[:2], behind.forced @ by_memory[:2]))
-    return np.vstack((upper, np.hstack((by_state[2:], by_memory[2:]))))
-
-
-def largest_radius(
-    loop: Loop, period: float, late: Lateness | None = None, robot: Robot | None = None
-) -> float:
-    """Largest spectral radius, per sample, over points of the reference."""
-    seen = late or loop.lateness_at(period)
-    samples = seen.samples_a_pose(period)
-
-    def of(v_d: Floats) -> float:
-        return radius_a_sample(
-            lambda comes: closed_loop(loop, v_d, period, seen, robot, comes=comes), samples
-        )
-
-    return max(of(v_d) for v_d in operating_points(loop.scenario))
 
 
 def first_speeds(loop: Loop) -> Floats:

@@ -235,9 +235,9 @@ def _item(text: str) -> str:
 
 def _rare(scenario: Scenario) -> str:
     """What the figures of stability leave out, if anything."""
-    from wmr_ctrl.checks.lateness import lost_poses, unknown_effects
+    from wmr_ctrl.checks.lateness import lost_poses, rounded_effects
 
-    said = ", and ".join(filter(None, (lost_poses(scenario), unknown_effects(scenario))))
+    said = ", and ".join(filter(None, (lost_poses(scenario), rounded_effects(scenario))))
     return f" ({said})" if said else ""
 
 

@@ -8,6 +8,7 @@ of the torque behind delay and lag, before noise, and 0 at the first sample.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import casadi as ca
 
@@ -16,6 +17,10 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Port, System, port
 from wmr_ctrl.signals import TAU_APPLIED, Signal, tau_sent
 from wmr_ctrl.world.delay import commands_under_way, delay_in_periods
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 ACTING = Signal("tau_acting", "N.m", "torque behind the lag at the end of the sample", 2)
 
@@ -61,24 +66,39 @@ class Applied:
     def following(self, torque: ca.SX) -> list[ca.SX]:
         """Next state for the torque that is commanded now."""
         commands = [torque, *(item.sym for item in self.earlier)]
-        late = commands[self.whole]
+        rest = commands[: len(self.earlier)]
         if not (self.part or self.acting):
-            return [late, *commands[: len(self.earlier)]]
-        pieces = [(commands[self.whole + 1], self.part)] if self.part else []
-        mean, end = self._through_lag([*pieces, (late, self.steps - self.part)])
-        return [mean, *commands[: len(self.earlier)], *([end] if self.acting else [])]
-
-    def _through_lag(self, pieces: Sequence[tuple[ca.SX, int]]) -> tuple[ca.SX, ca.SX]:
-        """Mean over the sample and last value of torques that each last some plant steps."""
+            return [commands[self.whole], *rest]
         acting = self.acting[0].sym if self.acting else ca.SX.zeros(2)
-        total = ca.SX.zeros(2)
-        for wanted, count in pieces:
-            share = self.decay**count
-            total = total + count * wanted
-            if self.acting:
-                total = total + self.decay * (1 - share) / (1 - self.decay) * (acting - wanted)
-            acting = wanted + share * (acting - wanted)
-        return total / self.steps, acting
+        mean, end = followed(commands, (self.whole, self.part, self.steps), acting, self.decay)
+        return [mean, *rest, *([end] if self.acting else [])]
+
+
+Torque = TypeVar("Torque", ca.SX, "NDArray[np.float64]")
+
+
+def followed(
+    commands: Sequence[Torque],
+    late: tuple[int, float, float],
+    acting: Torque,
+    decay: ca.SX | float,
+) -> tuple[Torque, Torque]:
+    """Mean torque over a sample, and what acts at its end behind a lag, for commands by age.
+
+    ``late``: a delay as whole control periods and plant steps beyond, and steps of a period.  What
+    was ``acting`` keeps the share ``decay`` in a step, 0 where nothing lags.
+    """
+    whole, part, steps = late
+    pieces = [(commands[whole], steps - part)]
+    if part:
+        pieces.insert(0, (commands[whole + 1], part))
+    total = 0 * acting
+    for wanted, count in pieces:
+        share = decay**count
+        total = total + count * wanted
+        total = total + decay * (1 - share) / (1 - decay) * (acting - wanted)
+        acting = wanted + share * (acting - wanted)
+    return total / steps, acting
 
 
 def remembered(law: System) -> tuple[Port, ...]:

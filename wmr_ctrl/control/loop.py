@@ -122,6 +122,15 @@ class Graphs:
         """The fast state after a step of everything but the plant."""
         return ca.vertcat(self.plant.x, *self.step.following)
 
+    def plant_step(self) -> ca.SX:
+        """The fast state after a plant step, from what is held and has arrived."""
+        h = ca.SX.sym("h")
+        moved = rk4_step(self.plant, h)
+        old = ca.vertcat(self.plant.u, self.plant.p, h)
+        own, step = self.step.of(self.plant), self.parameters.take("clock.plant")
+        new = ca.vertcat(self.acting, own, step)
+        return ca.vertcat(ca.substitute(moved, old, new), *self.step.following)
+
     def draws(self, rate: Rate) -> ca.SX:
         """Random numbers of one rate."""
         return stack(item.draw.port.sym for item in self.streams if item.rate is rate)
@@ -236,11 +245,7 @@ class LoopGraphs(Graphs):
         self._late = rate.drive(rate.effects(EffectRole.DRIVE))
         rate.disturb(rate.effects(EffectRole.DISTURBANCE))
         self.acting = rate.column((*TORQUE, *DISTURBING))
-        h = ca.SX.sym("h")
-        moved = rk4_step(self.plant, h)
-        old = ca.vertcat(self.plant.u, self.plant.p, h)
-        new = ca.vertcat(self.acting, rate.of(self.plant), self.parameters.take("clock.plant"))
-        self.next_fast = ca.vertcat(ca.substitute(moved, old, new), *rate.following)
+        self.next_fast = self.plant_step()
 
 
 class OutsideGraphs(Graphs):

@@ -17,12 +17,12 @@ import control as ct
 import numpy as np
 
 from wmr_ctrl.checks.network import largest_square, square_bound
+from wmr_ctrl.checks.radius import radius
 from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.linear.blocks import law_loop
-from wmr_ctrl.linear.linearise import Floats, radius
-from wmr_ctrl.linear.loop import hold
+from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.scenario import Scenario
 
 LAW = "nn"
@@ -46,10 +46,8 @@ def learning_periods(scenario: Scenario, square: float | None = None) -> Floats:
 def learning_step(scenario: Scenario, axis: int, square: float, period: float) -> Floats:
     """Matrix of (w, y) over one sample: the held force, then the weights' explicit Euler step."""
     a, mass, gamma, leak = _numbers(scenario, axis)
-    integrator = ct.ss([[0.0]], [[1.0]], [[1.0]], [[0.0]], name="velocity")
-    push = float(hold(integrator, period).B[0, 0])
     return np.array(
-        [[1 - a * push, push / mass], [-period * gamma * square, 1 - period * gamma * leak]]
+        [[1 - a * period, period / mass], [-period * gamma * square, 1 - period * gamma * leak]]
     )
 
 

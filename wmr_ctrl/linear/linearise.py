@@ -39,11 +39,6 @@ def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
     return bool(inside.all())
 
 
-def radius(matrix: Floats) -> float:
-    """Spectral radius."""
-    return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0
-
-
 def linearise(
     system: System,
     u: Sequence[float] | Floats,
@@ -74,9 +69,3 @@ def gradients(system: System) -> ca.Function:
     u, x, update, y = system.u, system.x, system.update, system.y
     parts = [ca.jacobian(graph, symbol) for graph in (update, y) for symbol in (x, u)]
     return system.function("gradients", [ca.densify(part) for part in parts])
-
-
-def outputs_at(system: System, u: Floats, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-    """Update and outputs of a System at a point."""
-    update, y = system.function("at", [system.update, system.y])(u, x, p)
-    return column(update), column(y)

@@ -6,38 +6,21 @@ values (a remembered sample stays part of the loop), "learning" lets them move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import control as ct
 import numpy as np
+from numpy.typing import ArrayLike
 
-from wmr_ctrl.checks.lateness import Lateness, lateness_of
-from wmr_ctrl.checks.sampled_plant import SampledPlant, drives, sampled_plant
-from wmr_ctrl.checks.seen_pose import cycle, with_pose_sensor
+from wmr_ctrl.checks.lateness import is_sampled
+from wmr_ctrl.checks.radius import cycle
+from wmr_ctrl.checks.surroundings import DriveTimes, surroundings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear.blocks import (
-    APPLIED_BEFORE,
-    DISTURBANCES,
-    FORCES,
-    PERIOD,
-    STATES,
-    by_port,
-    constants,
-    continuous_reading,
-    error_law,
-    error_plant,
-    holding,
-    law_loop,
-    sent_before,
-    unguarded,
-    with_values,
-)
-from wmr_ctrl.linear.linearise import Floats, gradients, linearise
-from wmr_ctrl.linear.point import Point, ideal_drives, on_reference
-from wmr_ctrl.model.system import System
+from wmr_ctrl.linear.blocks import DISTURBANCES, FORCES, STATES, law_loop, unguarded
+from wmr_ctrl.linear.linearise import Floats
+from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
@@ -53,37 +36,25 @@ def plant_at(
     equation has.  With ``period`` [s] sampled, with all of them: the force is the command, e, v1
     and omega are as measured, in a sample in which a pose ``comes`` or does not.
     """
-    if period is not None:
-        return _sampled(scenario, point, period, comes)
-    return with_inputs(_robot_at(scenario, point), FORCES + DISTURBANCES)
-
-
-def _robot_at(scenario: Scenario, point: Point) -> ct.StateSpace:
-    block = error_plant(scenario)
-    state = point.plant_state(block)
-    return linearise(block, point.plant_input, state, graph=_plant_graph(scenario))
-
-
-def _sampled(scenario: Scenario, point: Point, period: float, comes: bool) -> ct.StateSpace:
-    full = _robot_at(ideal_drives(scenario), point)
-    push = full.B[:, [full.input_labels.index(name) for name in FORCES]]
-    late = _lateness(scenario, period)
-    robot = sampled_plant(full.A, push, period, late)
-    held = with_pose_sensor(robot, point.v_d, period, late, comes=comes)
+    around = surroundings(scenario)
+    if period is None:
+        free, forced, pushed, names = around.rates(point.motion)
+        shown = np.eye(len(STATES), len(free))
+    else:
+        sample = None if comes else around.samples_a_pose(period) + 1
+        held = around.plant(point.motion, period, sample=sample)
+        free, forced, pushed, names = held.moved, held.forced, held.pushed, held.names
+        shown = held.measured
     return ct.ss(
-        held.moved, np.hstack((held.forced, held.pushed)), held.measured, np.zeros((5, 4)), period,
-        name="plant", states=[*full.state_labels, *held.names], inputs=FORCES + DISTURBANCES,
-        outputs=STATES, remove_useless_states=False,
+        free, np.hstack((forced, pushed)), shown, np.zeros((5, 4)), period or 0, name="plant",
+        states=[*STATES, *names], inputs=FORCES + DISTURBANCES, outputs=STATES,
+        remove_useless_states=False,
     )  # fmt: skip
-
-
-def _lateness(scenario: Scenario, period: float | None = None) -> Lateness:
-    return lateness_of(settle(unguarded(scenario), "pid"), period)  # the same for every law
 
 
 def late(scenario: Scenario) -> bool:
     """Whether drives or sensors have what only a sampled loop can show."""
-    return _lateness(scenario).discrete
+    return is_sampled(settle(unguarded(scenario), "pid"))  # the same for every law
 
 
 def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
@@ -96,11 +67,6 @@ def with_inputs(system: ct.StateSpace, names: list[str]) -> ct.StateSpace:
     )  # fmt: skip
 
 
-def hold(plant: ct.StateSpace, period: float) -> ct.StateSpace:
-    """Exact zero-order hold with all names kept."""
-    return ct.c2d(plant, period, "zoh", name=plant.name, copy_names=True)
-
-
 def law_at(
     scenario: Scenario,
     law: str,
@@ -110,59 +76,26 @@ def law_at(
 ) -> ct.StateSpace:
     """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
 
-    A sampled law that asks for the torque applied before has a copy of the drives in its memory.
-    Read continuously a law predicts nothing: there is no delay to predict over.
+    A law that asks for the torque applied before remembers what it sent, and what it was told that
+    drives make of it.  Read continuously a law predicts nothing, and its drives are ideal: there is
+    no delay to predict over.
     """
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
-    own = scenario.clock.control if period is None else period
-    commands = 0 if period is None else law_loop(scenario, law).commands(period)
-    block, graph = _law_graph(scenario, law, period is None, memory, commands)
-    numbers = by_port(error_law(scenario, law), point.memory) | {PERIOD: [own]}
-    block = with_values(replace(block, period=period), numbers)
-    if block.u.numel() == len(point.law_input):
-        return with_inputs(linearise(block, point.law_input, graph=graph), STATES)
-    assert period is not None, "a continuous law knows its own torque"
-    known = np.tile(point.force, 1 + commands)
-    asking = linearise(block, np.concatenate((point.law_input, known)), graph=graph)
-    return _with_drives(asking, drives(period, _lateness(scenario, period), commands), commands)
-
-
-def _with_drives(law: ct.StateSpace, behind: SampledPlant, commands: int) -> ct.StateSpace:
-    """The law with its inputs, forces applied and sent before, from drives that it commands."""
-    known, n = [*APPLIED_BEFORE, *sent_before(commands)], law.nstates
-    own = [law.input_labels.index(name) for name in known]
-    applied = np.vstack((behind.applied, behind.sent))
-    seen = [law.input_labels.index(name) for name in STATES]
-    a = np.block([
-        [law.A, law.B[:, own] @ applied],
-        [behind.forced @ law.C, behind.moved + behind.forced @ law.D[:, own] @ applied],
-    ])  # fmt: skip
-    b = np.vstack((law.B[:, seen], behind.forced @ law.D[:, seen]))
-    c = np.hstack((law.C, law.D[:, own] @ applied))
-    names = [*law.state_labels[:n], *(f"law.{name}" for name in behind.names)]
+    loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
+    drives, commands = (DriveTimes(0.0, 0.0, 0.0), 0) if period is None else (None, None)
+    learning = memory == "learning"
+    near = loop.linear(point.law, own, drives=drives, learning=learning, commands=commands)
+    moving = (near.a != 0).any(axis=1) | (near.a != 0).any(axis=0) | (near.b != 0).any(axis=1)
+    moving |= (near.c != 0).any(axis=0)
+    a, b, c = near.a[np.ix_(moving, moving)], near.b[moving], near.c[:, moving]
+    if period is None:
+        a, b = (a - np.eye(len(a))) / own, b / own
+    names = [f"memory[{k}]" for k in range(1, len(a) + 1)] or None
     return ct.ss(
-        a, b, c, law.D[:, seen], law.dt, name="law", states=names, inputs=STATES, outputs=FORCES,
-        remove_useless_states=False,
+        a, b, c, near.d, period or 0, name="law", states=names,
+        inputs=STATES, outputs=FORCES, remove_useless_states=False,
     )  # fmt: skip
-
-
-@lru_cache(maxsize=32)
-def _law_graph(
-    scenario: Scenario, law: str, continuous: bool, memory: str, commands: int
-) -> tuple[System, ca.Function]:
-    """The law's System in the wanted reading, and its gradients."""
-    block = error_law(scenario, law, continuous, commands)
-    still = memory == "frozen" and law_loop(scenario, law).traits.estimates
-    held = [item.signal.name for item in block.state] if still else constants(block)
-    block = holding(block, held)
-    block = continuous_reading(block) if continuous else block
-    return block, gradients(block)
-
-
-@lru_cache(maxsize=32)
-def _plant_graph(scenario: Scenario) -> ca.Function:
-    return gradients(error_plant(scenario))
 
 
 def closed_loop(
@@ -204,8 +137,28 @@ def cycle_at(
     def moved(comes: bool) -> Floats:
         return closed_matrix(plant_at(scenario, point, period, comes=comes), controller)
 
-    samples = _lateness(scenario, period).samples_a_pose(period)
-    return cycle(moved, samples), samples
+    samples = surroundings(scenario).samples_a_pose(period)
+    pose = moved(True)
+    return cycle(pose, moved(False), samples) if samples > 1 else pose, samples
+
+
+GONE = 1e-6
+"""Sampled poles up to this size are gone within a sample: what is only passed on."""
+
+
+def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:
+    """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
+    if not late(scenario):
+        return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
+    period = scenario.clock.control
+    matrix, samples = cycle_at(scenario, law, at, period, memory)
+    z = np.linalg.eigvals(matrix).astype(complex)
+    return _sorted(np.log(z[np.abs(z) > GONE]) / (samples * period))
+
+
+def _sorted(poles: ArrayLike) -> Floats:
+    values = np.asarray(poles, dtype=complex)
+    return values[np.lexsort((values.imag, -values.real))]
 
 
 STILL = 1e-12

@@ -204,18 +204,19 @@ class ModelError:
     max_sample_time: float
 
 
-def model_errors(scenario: Scenario, law: str) -> list[ModelError]:
-    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time.
+def model_errors(scenario: Scenario, law: str, t: float = 0.0) -> list[ModelError]:
+    """Mass, inertia and friction 50 % lower and 50 % higher, one at a time, at time ``t`` [s].
 
     Of the continuous loop, or of the sampled one where drives or sensors are late.
     """
-    return [_one(scenario, law, key, factor) for key in PARAMETERS for factor in FACTORS]
+    return [_one(scenario, law, t, key, factor) for key in PARAMETERS for factor in FACTORS]
 
 
-def _one(scenario: Scenario, law: str, parameter: str, factor: float) -> ModelError:
+def _one(scenario: Scenario, law: str, t: float, parameter: str, factor: float) -> ModelError:
     other = with_robot(unguarded(scenario), **{parameter: factor})
     period = scenario.clock.control if late(scenario) else None
-    smallest = worst([margins_at(other, law, axis, period=period) for axis in (0, 1)])
+    point = on_reference(other, law, t)
+    smallest = worst([margins_at(other, law, axis, point, period) for axis in (0, 1)])
     limit = largest_stable_period(other, law)
     if smallest is None:
         return ModelError(parameter, factor, False, None, None, limit)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.checks.sample_time import largest_radius
+from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
@@ -85,7 +85,7 @@ def _sample_time(report: LinearReport, panels: Panels) -> None:
     loop = law_loop(scenario, law)
     largest = [largest_radius(loop, period) for period in PERIODS]
     axes.plot(PERIODS, largest, color=INK, label="linear loop, at its worst")
-    rest = learned_point(scenario, law)
+    rest = learned_point(scenario, law, report.at)
     if rest is not None:
         few = PERIODS[::3]
         learning = spectral_radius(scenario, law, few, rest, "learning")
@@ -104,7 +104,7 @@ def _curves(report: LinearReport, axis: int) -> Iterator[tuple[str, str, Floats,
     """
     clock = report.scenario.clock.control
     for period in (clock,) if report.late else (None, clock):
-        loop = open_loop(report.scenario, report.law, axis, period=period)
+        loop = open_loop(report.scenario, report.law, axis, report.point, period)
         w = frequencies(loop)
         at = 1j * w if period is None else np.exp(1j * w * period)
         name = "continuous" if period is None else f"sampled, {period:g} s"

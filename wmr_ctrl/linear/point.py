@@ -7,12 +7,17 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.checks.loop import LawPoint
+from wmr_ctrl.checks.sampled_plant import Motion
+from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.control.applied import remembered
+from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import error_law, error_plant, law_loop
-from wmr_ctrl.linear.linearise import Floats, column, outputs_at
-from wmr_ctrl.model.system import System, values
+from wmr_ctrl.linear.blocks import law_loop
+from wmr_ctrl.linear.linearise import Floats, column
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import FORCE
+from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS
 from wmr_ctrl.world.references import sample
 
 
@@ -33,24 +38,42 @@ class Point:
         return np.concatenate((self.e, self.v))
 
     @property
-    def law_input(self) -> Floats:
-        """What the law is given here."""
-        return np.concatenate((self.s, self.v_d, self.v_d_dot))
+    def motion(self) -> Motion:
+        """Where the robot is linearised."""
+        e, v, v_d = (tuple(map(float, item)) for item in (self.e, self.v, self.v_d))
+        return Motion(e, v, v_d)
 
     @property
-    def plant_input(self) -> Floats:
-        """What the plant is given here: force, no disturbance, v_d."""
-        return np.concatenate((self.force, np.zeros(2), self.v_d))
-
-    def plant_state(self, plant: System) -> Floats:
-        """The plant's state here, its drives' lag settled if it has one."""
-        return np.concatenate((self.s, self.force[: plant.x.numel() - 5]))
+    def law(self) -> LawPoint:
+        """Where the law is linearised."""
+        return LawPoint((self.s, self.v_d, self.v_d_dot), self.memory, self.force)
 
 
 def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
     """Desired velocity (2) and its rate (2) at time ``t`` [s]."""
     desired = sample(scenario, np.array([t]))[0]
     return desired[3:5], desired[5:7]
+
+
+INSTANTS = 257
+"""Times of a reference among which the fastest is looked for."""
+
+
+def instant(scenario: Scenario, at: float | None) -> float:
+    """A time [s] of the reference: the one asked for, else that at which it drives fastest.
+
+    ArgumentError for one outside the run.
+    """
+    duration = scenario.clock.duration
+    if at is None:
+        times = np.linspace(0.0, min(duration, scenario.reference.cycle), INSTANTS)
+        return float(times[np.abs(sample(scenario, times)[:, 3].round(9)).argmax()])
+    if not 0 <= at <= duration:
+        raise ArgumentError(
+            f"the loop cannot be linearised at {at:g} s: the run lasts from 0 to {duration:g} s "
+            "(clock.duration). Choose a time within it."
+        )
+    return at
 
 
 def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
@@ -66,12 +89,11 @@ def point_at(
     scenario: Scenario, law: str, e: Floats, v: Floats, v_d: Floats, v_d_dot: Floats
 ) -> Point:
     """Any point, with the memory that one sample there leaves; estimates stay at their start."""
-    block = error_law(scenario, law)
-    u, memory = np.concatenate((e, v, v_d, v_d_dot)), np.array(block.x0)
-    if not law_loop(scenario, law).traits.estimates:
-        memory, _ = outputs_at(block, u, memory, np.array(block.p0))
-    _, force = outputs_at(block, u, memory, np.array(block.p0))
-    return Point(e, v, v_d, v_d_dot, memory, force)
+    loop, s = law_loop(scenario, law), np.concatenate((e, v))
+    start = LawPoint((s, v_d, v_d_dot), np.array(loop.core.x0), np.zeros(2))
+    there = loop.after_a_sample(start)
+    force = loop.after_a_sample(there).force
+    return Point(e, v, v_d, v_d_dot, there.memory, force)
 
 
 def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
@@ -81,31 +103,31 @@ def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     an error (ArgumentError).
     """
     start = on_reference(scenario, law, t)
-    plant, block = error_plant(ideal_drives(scenario)), error_law(scenario, law)
-    unknown = np.concatenate((start.s, start.memory))
-    rest = _newton(_residual(plant, block, start), unknown)
-    s, memory = rest[:5], rest[5:]
-    u = np.concatenate((s, start.v_d, start.v_d_dot))
-    _, force = outputs_at(block, u, memory, np.array(block.p0))
-    return replace(start, e=s[:3], v=s[3:], memory=memory, force=force)
+    unknown = np.concatenate((start.s, start.force, start.memory))
+    rest = _newton(_residual(scenario, law, start), unknown)
+    return replace(start, e=rest[:3], v=rest[3:5], force=rest[5:7], memory=rest[7:])
 
 
-def ideal_drives(scenario: Scenario) -> Scenario:
-    """The scenario with ideal drives: at rest a lag changes nothing."""
-    return replace(scenario, actuator=replace(scenario.actuator, lag=0.0, delay=0.0))
+def alone(scenario: Scenario) -> Scenario:
+    """The robot by itself: drives and sensors ideal, nothing on its way."""
+    drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
+    return replace(scenario, actuator=drives, sensor=type(scenario.sensor)(), effects={})
 
 
-def _residual(plant: System, law: System, at: Point) -> ca.Function:
-    """(s, memory) -> (rate of s, change of memory over a sample), and its gradient."""
-    s, memory = ca.SX.sym("s", 5), ca.SX.sym("memory", law.x.numel())
-    u = ca.vertcat(s, ca.DM(at.v_d), ca.DM(at.v_d_dot))
-    act = law.function("act", [law.update, law.y])
-    following, force = act(u, memory, ca.DM(values(law.params)))
-    rate = plant.function("rate", [plant.update])(
-        ca.vertcat(force, 0, 0, ca.DM(at.v_d)), s, ca.DM(values(plant.params))
+def _residual(scenario: Scenario, law: str, at: Point) -> ca.Function:
+    """(s, force, memory) -> (rate of s, force asked for less force, change of memory), and slope.
+
+    Of the robot by itself: at rest delay, lag and sensors change nothing.
+    """
+    loop, around = law_loop(scenario, law), surroundings(alone(scenario))
+    s, force, memory = ca.SX.sym("s", 5), ca.SX.sym("force", 2), ca.SX.sym("m", len(at.memory))
+    forces = ca.repmat(force, len(remembered(loop.core)), 1)
+    asked, following = loop.act(
+        s, ca.DM(at.v_d), ca.DM(at.v_d_dot), memory, forces, ca.DM(loop.core.p0)
     )
-    unknown = ca.vertcat(s, memory)
-    residual = ca.vertcat(rate, following - memory)
+    rate = around.rate(s, force, at.motion.v_d)
+    unknown = ca.vertcat(s, force, memory)
+    residual = ca.vertcat(rate, asked - force, following - memory)
     return ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
 
 
@@ -123,11 +145,39 @@ def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
     )
 
 
-def learned_point(scenario: Scenario, law: str) -> Point | None:
+def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
     """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
     if not law_loop(scenario, law).traits.estimates:
         return None
     try:
-        return resting_point(scenario, law)
+        return resting_point(scenario, law, t)
     except ArgumentError:
-        return on_reference(scenario, law)
+        return on_reference(scenario, law, t)
+
+
+CLIP_ACTIVE = GUARD_DIAGNOSTICS[0]
+SAMPLES = 200
+"""Samples after which what guard and law remember of a point is taken as settled."""
+
+
+def check_inactive(scenario: Scenario, law: str, t: float) -> None:
+    """Raise ArgumentError where the guard changes the force on the reference at time ``t`` [s].
+
+    The guard's own graph is asked, with the robot held there: its own refusals are raised too.
+    """
+    on = replace(scenario, guard=replace(scenario.guard, enabled=True))
+    system = controller(settle(on, law))
+    clipped = next(item.expr for item in system.diagnostics if item.signal == CLIP_ACTIVE)
+    graph = system.function("guarded", [system.update, clipped])
+    desired = sample(scenario, np.array([t]))[0]
+    given, state = np.concatenate((desired, desired[:5])), np.array(system.x0)
+    for _ in range(SAMPLES):
+        state, acts = (item.full().ravel() for item in graph(given, state, system.p0))
+    if acts.any():
+        axes = " and ".join(
+            name for name, act in zip(("thrust", "moment"), acts, strict=True) if act
+        )
+        raise ArgumentError(
+            f"the guard holds back the {axes} on the reference at {t:g} s: where it acts the loop "
+            "is not the law's. Choose another time (--at) or a slower reference, or drop --guard."
+        )

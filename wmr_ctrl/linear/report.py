@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
@@ -10,10 +9,9 @@ from pathlib import Path
 from typing import TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wmr_ctrl.checks import warnings_for
-from wmr_ctrl.checks.lateness import lost_poses, rare_poses, unknown_effects
+from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, stable_masses
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -21,9 +19,15 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable
-from wmr_ctrl.linear.loop import closed_loop, constant_speed, cycle_at, late
+from wmr_ctrl.linear.loop import constant_speed, late, poles_at
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
-from wmr_ctrl.linear.point import Point, learned_point, on_reference
+from wmr_ctrl.linear.point import (
+    Point,
+    check_inactive,
+    instant,
+    learned_point,
+    on_reference,
+)
 from wmr_ctrl.linear.sampled import (
     kink_periods,
     largest_learning_period,
@@ -41,13 +45,14 @@ AXES = (0, 1)
 _MARGIN_NAMES = tuple(field.name for field in fields(Margins))
 FASTEST = 8
 """Poles of the adaptive loop that are listed: the rightmost ones; the rest are the leak's."""
-GONE = 1e-6
-"""Sampled poles up to this size are gone within a sample: what is only passed on."""
 
 
 @dataclass(frozen=True)
 class LinearReport:
-    """Figures of one law on one scenario, near the reference at t = 0.
+    """Figures of one law on one scenario, near the reference ``at`` a time [s].
+
+    Where the desired velocity varies that is the time asked for, else where it is largest.
+    ``guarded``: the guard is on, and inactive there.
 
     Poles in 1/s; times in s; ``margins`` per generalised force, continuous and ``sampled`` with the
     scenario's clock.  None: there is no such limit, or it does not apply.
@@ -60,6 +65,9 @@ class LinearReport:
     scenario: Scenario
     law: str
     time_invariant: bool
+    at: float
+    point: Point
+    guarded: bool
     late: bool
     kinematic_poles: Floats | None
     saddle_poles: Floats | None
@@ -100,6 +108,8 @@ class LinearReport:
             "scenario": self.scenario.name,
             "law": self.law,
             "time_invariant": self.time_invariant,
+            "at": None if self.time_invariant else self.at,
+            "guard": "inactive" if self.guarded else None,
             "poles_of": "sampled loop, ln z / T" if self.late else "continuous loop",
             "stable": self.stable,
             "adaptive_stable": self.adaptive_stable,
@@ -133,8 +143,9 @@ class LinearReport:
 
     def table(self) -> str:
         """The same as text: all figures, a line each, then the warnings."""
-        parts = (_head, _poles, _times, _margins, _errors, _warnings)
-        return "\n".join(line for part in parts for line in part(self))
+        from wmr_ctrl.linear.table import lines_of
+
+        return "\n".join(lines_of(self))
 
     @checks_arguments
     def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:
@@ -161,61 +172,64 @@ SLOW_PARTS = 8
 """Parts of a report that take their time."""
 
 
-def report_linear(scenario: Scenario, law: str, progress: Progress | None = None) -> LinearReport:
-    """All figures of ``law`` on ``scenario``; raises UnknownNameError or ScenarioError.
+def report_linear(
+    scenario: Scenario,
+    law: str,
+    at: float | None = None,
+    *,
+    guard: bool = False,
+    progress: Progress | None = None,
+) -> LinearReport:
+    """All figures of ``law`` on ``scenario``, ``at`` a time of the reference [s].
 
-    ``progress`` is called with the share that is done.
+    Without a time they are taken where the reference drives fastest; stability and the largest
+    stable period are those of its whole period, or of its worst point.  With ``guard`` the guard is
+    on; ArgumentError where it acts at that point, and for a time outside the run.  Raises
+    UnknownNameError or ScenarioError.  ``progress`` is called with the share that is done.
     """
     step = _Steps(progress, SLOW_PARTS)
     scenario = with_kinematics(scenario, LAWS[law])
-    at, period = on_reference(scenario, law), scenario.clock.control
-    rest, loop = learned_point(scenario, law), law_loop(scenario, law)
+    time = instant(scenario, at)
+    if guard:
+        check_inactive(scenario, law, time)
+    point, period = on_reference(scenario, law, time), scenario.clock.control
+    rest, loop = learned_point(scenario, law, time), law_loop(scenario, law)
     behind, outer = late(scenario), loop.traits.auxiliary
-    sampled = step([margins_at(scenario, law, axis, at, period) for axis in AXES])
+    sampled = step([margins_at(scenario, law, axis, point, period) for axis in AXES])
     return LinearReport(
         scenario=scenario,
         law=law,
         time_invariant=constant_speed(scenario),
+        at=time,
+        point=point,
+        guarded=guard,
         late=behind,
         kinematic_poles=kinematic_poles(scenario) if outer else None,
         saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
-        poles=step(_poles_at(scenario, law, at)),
+        poles=step(poles_at(scenario, law, point)),
         adaptive_poles=_adaptive_poles(scenario, law, rest),
-        spectral_radius=radius_of(scenario, law, at)(period),
+        spectral_radius=largest_radius(loop, period)
+        if at is None
+        else radius_of(scenario, law, point)(period),
         max_sample_time=step(largest_period(loop)),
         max_delay=step(largest_stable_delay(loop)),
         mass_range=step(stable_masses(loop)),
         max_sample_time_kink=step(kink_periods(scenario, law)),
         max_sample_time_adaptive=step(_learning_period(scenario, law, rest)),
         one_step_safe_time=one_step_period(scenario, law),
-        margins=sampled if behind else [margins_at(scenario, law, axis, at) for axis in AXES],
+        margins=sampled if behind else [margins_at(scenario, law, axis, point) for axis in AXES],
         sampled_margins=sampled,
-        model_errors=step(model_errors(scenario, law)),
+        model_errors=step(model_errors(scenario, law, time)),
         warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
 
 
-def _poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") -> Floats:
-    """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
-    if not late(scenario):
-        return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
-    period = scenario.clock.control
-    matrix, samples = cycle_at(scenario, law, at, period, memory)
-    z = np.linalg.eigvals(matrix).astype(complex)
-    return _sorted(np.log(z[np.abs(z) > GONE]) / (samples * period))
-
-
 def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats | None:
-    return None if rest is None else _poles_at(scenario, law, rest, "learning")[:FASTEST]
+    return None if rest is None else poles_at(scenario, law, rest, "learning")[:FASTEST]
 
 
 def _learning_period(scenario: Scenario, law: str, rest: Point | None) -> float | None:
     return None if rest is None else largest_learning_period(scenario, law, rest)
-
-
-def _sorted(poles: ArrayLike) -> Floats:
-    values = np.asarray(poles, dtype=complex)
-    return values[np.lexsort((values.imag, -values.real))]
 
 
 def _pairs(poles: Floats | None) -> list[list[float]] | None:
@@ -228,123 +242,3 @@ def _listed(values: Floats | None) -> list[float] | None:
 
 def _least(values: Floats | None) -> float | None:
     return None if values is None else float(np.min(values))
-
-
-_FORCES = ("thrust", "moment")
-_WIDTH = 44
-
-
-def _head(report: LinearReport) -> list[str]:
-    kind = "time-invariant" if report.time_invariant else "time-varying; figures at t = 0"
-    return [f"{report.law} on {report.scenario.name}, in error coordinates ({kind})", ""]
-
-
-def _poles(report: LinearReport) -> list[str]:
-    lines = []
-    if report.kinematic_poles is not None and report.saddle_poles is not None:
-        lines = [
-            _line("poles of Eq. (7) alone [1/s]", _complex(report.kinematic_poles)),
-            _line("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
-        ]
-    if report.adaptive_poles is not None:
-        verdict = "stable" if report.adaptive_stable else "UNSTABLE"
-        shown = f"{_complex(report.adaptive_poles[:3])}  {verdict}"
-        lines.append(_line("poles with learning, rightmost [1/s]", shown))
-    if report.late:
-        lines.append(
-            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it;"
-            " where poses are rare, from one pose to the next, T being the time between two."
-        )
-    if said := rare_poses(report.scenario):
-        lines.append(f"Margins and Bode plots are {said}.")
-    if said := lost_poses(report.scenario):
-        lines.append(f"All other figures are {said}.")
-    if said := unknown_effects(report.scenario):
-        lines.append(f"All figures are {said}.")
-    lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
-    for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
-        lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")
-    return [*lines, ""]
-
-
-def _times(report: LinearReport) -> list[str]:
-    clock = report.scenario.clock.control
-    return [
-        _line(f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
-        _line("largest stable period, linear loop [s]", _number(report.max_sample_time)),
-        _line(f"largest delay at {clock:g} s, if told [s]", _number(report.max_delay, "0")),
-        *(
-            [_line(f"stable for true over believed mass at {clock:g} s", _mass(report))]
-            if report.mass_range is not None
-            else []
-        ),
-        _line("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
-        _line("  at the barrier's kink [s]", _several(report.max_sample_time_kink)),
-        _line("  one step from the barrier, at the start [s]", _several(report.one_step_safe_time)),
-        "",
-    ]
-
-
-def _mass(report: LinearReport) -> str:
-    assert report.mass_range is not None
-    low, high = report.mass_range
-    return f"{low:.3g} to {high:.3g}"
-
-
-def _margins(report: LinearReport) -> list[str]:
-    columns = ("gain up", "gain down", "phase [deg]", "untold [s]", "disk")
-    lines = [f"{'margins':<22}" + "".join(f"{name:>13}" for name in columns)]
-    clock = f"{report.scenario.clock.control:g} s"
-    rows = {clock: report.sampled_margins}
-    for label, both in (rows if report.late else {"continuous": report.margins} | rows).items():
-        for force, item in zip(_FORCES, both, strict=True):
-            lines.append(f"{f'{force}, {label}':<22}" + _margin_cells(item))
-    return [*lines, ""]
-
-
-def _margin_cells(item: Margins | None) -> str:
-    if item is None:
-        return f"{'unstable':>13}"
-    shown = (item.gain, item.gain_down, item.phase, item.delay, item.disk)
-    return "".join(f"{_number(value):>13}" for value in shown)
-
-
-def _errors(report: LinearReport) -> list[str]:
-    columns = ("phase [deg]", "disk", "period [s]")
-    kind = f"at {report.scenario.clock.control:g} s" if report.late else "continuous"
-    lines = [f"{'unlike model, ' + kind:<22}" + "".join(f"{name:>13}" for name in columns)]
-    for item in report.model_errors:
-        cells = (item.phase, item.disk, item.max_sample_time)
-        shown = "".join(f"{_number(value):>13}" for value in cells)
-        name = f"{item.parameter} x {item.factor:g}"
-        lines.append(f"{name:<22}" + (shown if item.stable else f"{'unstable':>13}"))
-    return lines
-
-
-def _warnings(report: LinearReport) -> list[str]:
-    wrapped = [textwrap.fill(text, 98, subsequent_indent="  ") for text in report.warnings]
-    return ["", *(f"- {text}" for text in wrapped)] if wrapped else []
-
-
-def _line(name: str, value: str) -> str:
-    return f"{name:<{_WIDTH}} {value}"
-
-
-def _number(value: float | None, none: str = "none") -> str:
-    if value is None:
-        return none
-    return f"{value:.5g}" if np.isfinite(value) else "none"
-
-
-def _several(values: Floats | None) -> str:
-    return "-" if values is None else ", ".join(_number(float(value)) for value in values)
-
-
-def _complex(values: Floats) -> str:
-    return ", ".join(_one(value) for value in values)
-
-
-def _one(value: complex) -> str:
-    if abs(value.imag) < 1e-9 * max(1.0, abs(value)):
-        return f"{value.real:.5f}"
-    return f"{value.real:.5f}{value.imag:+.5f}j"

@@ -10,29 +10,22 @@ deviation from this loop against amplitude.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.sampled_plant import steps_in
 from wmr_ctrl.checks.supremum import bisect
+from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import (
-    by_port,
-    error_law,
-    error_plant,
-    holding,
-    law_loop,
-    with_period,
-    with_values,
-)
+from wmr_ctrl.linear.blocks import STATES, law_loop, unguarded
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop, late
 from wmr_ctrl.linear.point import Point, on_reference, resting_point
-from wmr_ctrl.model.plant import rk4_step
-from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 
 LONGEST_STEP = 2e-3
@@ -111,30 +104,36 @@ def stepper(
         )
     at = on_reference(scenario, law) if point is None else point
     held = scenario.clock.control if period is None else period
-    law_block = error_law(scenario, law)
-    acting = with_values(with_period(law_block, held), by_port(law_block, at.memory))
-    if memory == "frozen" and law_loop(scenario, law).traits.estimates:
-        acting = holding(acting, [item.signal.name for item in acting.state])
-    moving = error_plant(scenario)
-    step = _one_period(moving, acting, at, held, max(1, round(held / min(LONGEST_STEP, held))))
-    return Stepper(at, held, step, moving.x.numel(), np.array(acting.x0))
+    step = _one_period(scenario, law, at, held, memory)
+    asks = bool(remembered(law_loop(scenario, law).core))
+    return Stepper(
+        at,
+        held,
+        step,
+        step.size1_in(0) - len(at.memory) - 2 * asks,
+        np.concatenate((at.memory, at.force[: 2 * asks])),
+    )
 
 
-def _one_period(
-    moving: System, acting: System, at: Point, period: float, steps: int
-) -> ca.Function:
-    state, disturbance = ca.SX.sym("state", moving.x.numel()), ca.SX.sym("disturbance", 2)
-    memory = ca.SX.sym("memory", acting.x.numel())
-    act = acting.function("act", [acting.update, acting.y])
-    known = ca.vertcat(state[:5], ca.DM(at.v_d), ca.DM(at.v_d_dot))
-    following, force = act(known, memory, ca.DM(acting.p0))
-    small = replace(moving, update=rk4_step(moving, ca.SX(period / steps)))
-    advance = small.function("advance", [small.update])
-    moved = state
+def _one_period(scenario: Scenario, law: str, at: Point, period: float, memory: str) -> ca.Function:
+    """The law, then plant steps, from a state and a disturbance (2) to the next, and the force.
+
+    The state: robot and drives, the law's memory, and the force before where the law asks for it.
+    """
+    loop, around = law_loop(scenario, law), surroundings(unguarded(scenario))
+    z = ca.SX.sym("z", len(STATES) + 2 * (scenario.actuator.lag > 0))
+    own = ca.SX.sym("memory", len(at.memory))
+    push, before = ca.SX.sym("push", 2), ca.SX.sym("before", 2 * bool(remembered(loop.core)))
+    numbers, desired = ca.DM(loop.parameters(period)), (ca.DM(at.v_d), ca.DM(at.v_d_dot))
+    force, following = loop.act(z[:5], *desired, own, before, numbers)
+    if memory == "frozen" and loop.traits.estimates:
+        following = own
+    steps, moved = steps_in(period, min(LONGEST_STEP, period)), z
     for _ in range(steps):
-        moved = advance(ca.vertcat(force, disturbance, ca.DM(at.v_d)), moved, ca.DM(moving.p0))
-    start, after = ca.vertcat(state, memory), ca.vertcat(moved, following)
-    return ca.Function("period", [start, disturbance], [after, force])
+        moved = around.step(moved, force, at.v_d, period / steps, push)
+    start = ca.vertcat(z, own, before)
+    after = ca.vertcat(moved, following, force[: before.numel()])
+    return ca.Function("period", [start, push], [after, force])
 
 
 SETTLE, MEASURE = 4, 4

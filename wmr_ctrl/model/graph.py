@@ -204,3 +204,45 @@ def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
 
 def _renumbered(node: Node, new: dict[int, int]) -> Node:
     return Node(node.op, tuple(new[old] for old in node.operands), node.number, node.place)
+
+
+_ROUNDING = frozenset({ca.OP_FLOOR, ca.OP_CEIL})
+
+
+def rounds(expr: ca.SX, varying: ca.SX) -> bool:
+    """Whether anything that depends on ``varying`` is rounded in a column, which has no slope."""
+    return _unrounded(expr, varying)[1]
+
+
+def unrounded(expr: ca.SX, varying: ca.SX) -> ca.SX:
+    """The same column with nothing that depends on ``varying`` rounded."""
+    return _unrounded(expr, varying)[0]
+
+
+def _unrounded(expr: ca.SX, varying: ca.SX) -> tuple[ca.SX, bool]:
+    """Both, by one walk through the instructions."""
+    fixed = [item for item in ca.symvar(expr) if not ca.depends_on(varying, item)]
+    inputs = [varying, *fixed]
+    f = ca.Function("f", inputs, [ca.densify(expr)])
+    slots: dict[int, tuple[ca.SX, bool]] = {}
+    into, rounding = [ca.SX(0)] * expr.numel(), False
+    for k in range(f.n_instructions()):
+        op, place, used = f.instruction_id(k), f.instruction_output(k), f.instruction_input(k)
+        if op == ca.OP_OUTPUT:
+            into[place[1]] = slots[used[0]][0]
+        elif op == ca.OP_INPUT:
+            slots[place[0]] = inputs[used[0]][used[1]], used[0] == 0
+        elif op == ca.OP_CONST:
+            slots[place[0]] = ca.SX(f.instruction_constant(k)), False
+        else:
+            operands, varies = [slots[i][0] for i in used], any(slots[i][1] for i in used)
+            rounded = varies and op in _ROUNDING
+            rounding |= rounded
+            slots[place[0]] = operands[0] if rounded else _applied(op, operands), varies
+    return ca.vertcat(*into) if into else ca.SX(0, 1), rounding
+
+
+def _applied(op: int, operands: list[ca.SX]) -> ca.SX:
+    if op == ca.OP_ASSIGN:
+        return operands[0]
+    return ca.SX.unary(op, *operands) if len(operands) == 1 else ca.SX.binary(op, *operands)

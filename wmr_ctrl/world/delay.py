@@ -94,7 +94,6 @@ DELAY = Effect(
     rate=Rate.STEP,
     shape=("actuator.delay", "actuator.untold"),
     check=check,
-    linear=True,
 )
 
 

@@ -146,9 +146,8 @@ class Effect:
 
     ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
     remembers; all others it reads as parameters.  ``check(scenario)`` raises ScenarioError where
-    its numbers do not go with those of other tables.  ``linear`` says of a sensor or drive that
-    its bound's delay, lag, age and window are all that it does to the loop near a reference:
-    those are in the figures of stability, and of others the figures say that they are not.
+    its numbers do not go with those of other tables.  What it does to the loop near a reference is
+    in the figures of stability, but for what its graph rounds, which they name.
 
     ArgumentError for what is no effect: a drive acts in each step, a sensor in each sample.
     """
@@ -163,7 +162,6 @@ class Effect:
     always: bool = False
     shape: tuple[str, ...] = ()
     check: Callable[[Scenario], None] | None = None
-    linear: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what would be no part of any loop."""

@@ -247,5 +247,4 @@ ENCODER = Effect(
     bound=bound,
     shape=("encoder.window", "clock.control"),
     check=check,
-    linear=True,
 )

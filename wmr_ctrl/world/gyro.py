@@ -73,5 +73,4 @@ GYRO = Effect(
     build=build,
     acts=acts,
     bound=bound,
-    linear=True,
 )

@@ -112,5 +112,4 @@ JITTER = Effect(
     rate=Rate.STEP,
     shape=("clock.control", "clock.plant"),
     check=check,
-    linear=True,
 )

@@ -108,5 +108,4 @@ LAG = Effect(
     acts=acts,
     bound=bound,
     rate=Rate.STEP,
-    linear=True,
 )

@@ -72,5 +72,4 @@ POSE_DELAY = Effect(
     acts=acts,
     bound=bound,
     shape=("sensor.pose_delay", "clock.control"),
-    linear=True,
 )

@@ -138,5 +138,4 @@ POSE_SENSOR = Effect(
     acts=acts,
     bound=bound,
     always=True,
-    linear=True,
 )

@@ -103,5 +103,4 @@ VELOCITY_MEAN = Effect(
     acts=acts,
     bound=bound,
     shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
-    linear=True,
 )

@@ -65,5 +65,4 @@ VELOCITY_NOISE = Effect(
     acts=acts,
     bound=bound,
     always=True,
-    linear=True,
 )

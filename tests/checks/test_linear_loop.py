@@ -1,0 +1,205 @@
+"""The linear loop against the compiled one: responses, eigenvalues, symmetries, limits."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from wmr_ctrl.api import compile_loop, simulate
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.radius import largest_radius, radius, stretches_of
+from wmr_ctrl.checks.sample_time import largest_period
+from wmr_ctrl.compiled import elements
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.model.tracking import error_rotation
+from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.sim.memory import laid_out
+from wmr_ctrl.world.references import sample
+
+T, V_D = 0.01, np.array((0.2, 0.1))
+AWAY = np.array([1.0, -0.5, 0.7, 0.3, -0.2])
+"""A displacement of the pose, in the frame of the reference, and of the velocity."""
+SMALL, SAMPLES = 1e-6, 80
+STANDS = {"reference.rate": 0.0}
+"""Where a mean, which shows no speed at the first sample, and viscous friction leave the robot."""
+EFFECTS = {
+    "none": {},
+    "delay": {"actuator.delay": 0.02},
+    "part of a period": {"actuator.delay": 0.013},
+    "untold": {"actuator.untold": 0.007},
+    "lag": {"actuator.lag": 0.02},
+    "delay and lag": {"actuator.delay": 0.013, "actuator.lag": 0.02},
+    "window": {"sensor.velocity_window": 0.03},
+    "age": {"sensor.velocity_age": 0.02},
+    "window and age": {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01},
+    "encoder": {"encoder.counts": 1e12, "encoder.window": 0.02},
+    "gyro": {"gyro.enabled": True, "sensor.velocity_window": 0.03},
+    "wheels": {"wheels.radius": [0.02, -0.01], "wheels.track": 0.03},
+    "resistance": {"resistance.viscous": [30.0, 2.0]},
+}
+POSES = [(0.05, 1.0, 1), (0.0, 0.3, 1), (0.1, 0.5, 1), (0.0, 1.0, 7), (0.1, 0.4, 5)]
+"""Age [s], correction, and samples from one pose to the next."""
+
+
+def still(changes: dict[str, object], **reference: object) -> Scenario:
+    """The nominal circle, or another motion, without friction."""
+    floor = {"robot.mu": 0.0, "model.mu": 0.0, "clock.duration": SAMPLES * T}
+    return load_scenario("paper-simulation-nominal", floor | changes | reference)
+
+
+def started(scenario: Scenario, away: np.ndarray) -> np.ndarray:
+    """Error and velocity (N, 5) of the run of mb that starts so far from the reference."""
+    at = sample(scenario, np.array([0.0]))[0]
+    level = np.asarray(error_rotation(at[2]).T @ error_rotation(0.0)) @ away[:3]
+    start = {
+        "initial.pose": (at[:3] + level).tolist(), "initial.velocity": (at[3:5] + away[3:]).tolist()
+    }  # fmt: skip
+    run = simulate(scenario, "mb", overrides=start)
+    return np.column_stack((run["e"], run["v1"], run["omega"]))
+
+
+def spread(scenario: Scenario) -> np.ndarray:
+    """What a small displacement of the start makes of error and velocity (N, 5), per unit."""
+    return (started(scenario, SMALL * AWAY) - started(scenario, -SMALL * AWAY)) / (2 * SMALL)
+
+
+def by_matrices(scenario: Scenario, start: np.ndarray, every: int = 1) -> np.ndarray:
+    """The same from its first row on, by the linear loop."""
+    loop = Loop(settle(scenario, "mb"))
+    v_d = sample(scenario, np.array([0.0]))[0][3:5]
+    first, pose, none = (loop.closed(v_d, T, sample=k) for k in (0, every, every + 1))
+    x, rows = np.concatenate((start, np.zeros(len(pose) - 5))), []
+    for k in range(SAMPLES):
+        rows.append(x[:5])
+        x = (first if k == 0 else pose if k % every == 0 else none) @ x
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
+def test_a_small_displacement_on_a_circle_goes_the_way_of_the_matrices(effects) -> None:
+    """Differences of compiled runs, which know nothing of derivatives."""
+    keys = " ".join(effects)
+    moving = {} if not any(word in keys for word in ("window", "resistance")) else STANDS
+    seen = spread(still(effects | moving))
+
+    assert by_matrices(still(effects | moving), seen[0]) == pytest.approx(seen, abs=2e-4)
+
+
+@pytest.mark.parametrize(("age", "correction", "every"), POSES)
+def test_so_it_does_where_poses_are_late_filtered_or_rare(age, correction, every) -> None:
+    """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
+    pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
+            "sensor.pose_period": every * T}  # fmt: skip
+    seen = spread(still(pose))
+
+    assert by_matrices(still(pose), seen[0], every) == pytest.approx(seen, abs=0.2 * age + 1e-3)
+
+
+def finals(scenario: Scenario, law: str, samples: int) -> np.ndarray:
+    """Gradient of the whole state after some samples by that at the start, by central differences.
+
+    Flags stay as they are; the pose afterwards is seen as tracking error.
+    """
+    ready = compile_loop(scenario, law)
+    ports, columns = ready.compiled.layout.state, []
+    size, units = len(elements(ports)), [item.unit for item in ports for _ in item.elements]
+    theta = sample(scenario, np.array([samples * T]))[0][2]
+    turn = np.eye(size)
+    turn[:3, :3] = -np.asarray(error_rotation(theta))
+    for i in (k for k in range(size) if units[k] != "1"):
+        ends = []
+        for step in (SMALL, -SMALL):
+            lane = SimpleNamespace(loop=ready, seed=0, start=None, vectors=None)
+            memory = laid_out([lane], [])
+            memory.settings.samples = samples
+            memory.arrays["start"][i, 0] += step
+            memory.run()
+            ends.append(memory.state[:, 0].copy())
+        columns.append(turn @ (ends[0] - ends[1]) / (2 * SMALL))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("law", ["pid", "prox", "kanayama"])
+@pytest.mark.parametrize("effects", ["none", "lag"])
+def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects) -> None:
+    """Of the whole state, a law's memory and what its observer believes of the drives in it."""
+    on = {"initial.pose": [0.0, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
+    scenario = still(EFFECTS[effects] | on)
+    early, later = (finals(scenario, law, samples) for samples in (5, 6))
+    theirs = np.linalg.eigvals(later @ np.linalg.pinv(early, rcond=1e-7))
+    ours = np.linalg.eigvals(Loop(settle(scenario, law)).closed(V_D, T))
+
+    for value in ours[np.abs(ours) > 0.5]:
+        assert np.abs(theirs - value).min() < 1e-4
+
+
+@pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
+@pytest.mark.parametrize("law", ["mb", "prox"])
+def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> None:
+    loop = Loop(settle(still(effects), law))
+    here, there = (loop.closed(V_D, T, theta=theta) for theta in (0.0, 2.0))
+
+    assert len(loop.around.headings) == 1
+    assert there == pytest.approx(here, abs=1e-9)
+
+
+def test_on_a_slope_it_is_not() -> None:
+    loop = Loop(settle(still({"slope.angle": 0.1}), "pid"))
+    here, there = (loop.closed(V_D, T, theta=theta) for theta in (0.0, 2.0))
+
+    assert len(loop.around.headings) > 1
+    assert np.abs(there - here).max() > 1e-4
+
+
+def test_where_the_way_is_counted_from_is_no_state() -> None:
+    """Encoders and means know the way; as much more of it is neither stable nor unstable."""
+    for effects in ("window", "window and age", "encoder"):
+        loop = Loop(settle(still(EFFECTS[effects]), "mb"))
+        values = np.linalg.eigvals(loop.closed(V_D, T))
+
+        assert np.abs(values - 1).min() > 1e-4
+        assert radius(loop.closed(V_D, T)) < 1
+
+
+def test_sideways_is_neutral_while_the_reference_stands() -> None:
+    matrix = Loop(settle(still({}), "mb")).closed(np.zeros(2), T)
+
+    assert matrix[:5, 1] == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
+
+
+def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> None:
+    period = 0.1
+    scenario = still({"reference.kind": "lemniscate", "clock.control": period})
+    loop, cycle = Loop(settle(scenario, "kanayama")), scenario.reference.cycle
+    whole, count = 0.0, round(cycle / period)
+    total = np.eye(len(loop.closed(V_D, period)))
+    for row in sample(scenario, (np.arange(count) + 0.5) * cycle / count):
+        total = loop.closed(row[3:5], period) @ total
+        size = np.linalg.norm(total)
+        total, whole = total / size, whole + np.log(size)
+    expected = np.exp((np.log(radius(total)) + whole) / count)
+
+    assert stretches_of(scenario) is not None
+    assert largest_radius(loop, period) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("law", "late"),
+    [
+        ("mb", {}), ("prox", {}), ("mb", {"actuator.lag": 0.02}),
+        ("kanayama", {"actuator.delay": 0.02}), ("prox", {"actuator.untold": 0.02}),
+        ("pid", {"actuator.delay": 0.005, "actuator.lag": 0.01}),
+    ],
+)  # fmt: skip
+def test_runs_settle_at_nine_tenths_of_the_longest_period_and_grow_beyond(law, late) -> None:
+    on = {"initial.pose": [1e-4, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
+    limit = largest_period(Loop(settle(still(late), law)))
+    for share in (0.9, 1.1):
+        period = round(share * limit, 3)
+        clock = {"clock.control": period, "clock.duration": 600 * period}
+        torque = simulate(still(late | on | clock), law)["tau_right"]
+        grows = bool(np.abs(torque[-60:]).max() > np.abs(torque[:10]).max())
+
+        assert grows is (share > 1)

@@ -1,0 +1,120 @@
+"""How fast a small error of the linear loop falls or grows, along the whole reference."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.surroundings import DriveTimes
+from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.world.references import sample
+
+POINTS = 9
+INSIDE = 0.99
+SAME = 1e-6
+"""Difference of velocities [m/s, rad/s] that is none."""
+
+
+def largest_radius(
+    loop: Loop, period: float, drives: DriveTimes | None = None, robot: Robot | None = None
+) -> float:
+    """Spectral radius, per sample, over a period of the reference; the largest of its points else.
+
+    A reference that does not repeat is looked at as if each of some points went on for ever, and so
+    is the orientation where something acts by it, a slope say.
+    ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+    """
+    samples = loop.around.samples_a_pose(period)
+    stretches = stretches_of(loop.scenario)
+
+    def of(v_d: Floats, theta: float) -> Floats:
+        """From one pose to the next."""
+        closed = partial(loop.closed, v_d, period, drives=drives, robot=robot, theta=theta)
+        matrix = closed()
+        return cycle(matrix, closed(sample=samples + 1), samples) if samples > 1 else matrix
+
+    def at(theta: float) -> float:
+        if stretches is None:
+            return max(radius(of(v_d, theta)) for v_d in operating_points(loop.scenario))
+        each, shares, time = stretches
+        counts = np.maximum(1, np.round(shares * time / (period * samples))).astype(int)
+        return _of_product([of(v_d, theta) for v_d in each], counts)
+
+    return max(at(theta) for theta in loop.around.headings) ** (1 / samples)
+
+
+def cycle(pose: Floats, none: Floats, samples: int) -> Floats:
+    """From one pose to the next, so many samples later; scaled back where it grows beyond doubles.
+
+    ``pose``, ``none``: matrices of a sample in which one comes, and does not.  Hundreds of powers
+    of ten on, the one pose in between makes no difference.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = np.linalg.matrix_power(none, samples - 1) @ pose
+    if np.isfinite(whole).all() or not np.isfinite(none).all():
+        return whole
+    return np.eye(len(none)) * min(radius(none) ** samples, np.finfo(float).max)
+
+
+def radius(matrix: Floats) -> float:
+    """Spectral radius; inf for a law that has no derivative there."""
+    if not np.isfinite(matrix).all():
+        return math.inf
+    return float(np.abs(np.linalg.eigvals(matrix)).max()) if matrix.size else 0.0
+
+
+def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
+    """Spectral radius, per factor, of the product of matrices that stand so many times each.
+
+    A product that grows or falls far is scaled on the way.
+    """
+    if not all(np.isfinite(matrix).all() for matrix in matrices):
+        return math.inf
+    total, scale = np.eye(len(matrices[0])), 0.0
+    for matrix, count in zip(matrices, counts, strict=True):
+        size = max(radius(matrix), 1e-3)
+        power = np.linalg.matrix_power(matrix / size, int(count))
+        total = power @ total
+        norm = float(np.linalg.norm(total)) or 1.0
+        total, scale = total / norm, scale + count * math.log(size) + math.log(norm)
+    own = radius(total)
+    return math.exp((math.log(own) + scale) / int(counts.sum())) if own > 0 else 0.0
+
+
+STRETCHES = 16
+"""Into so many stretches of constant velocity the period of a reference is divided."""
+
+
+@lru_cache(maxsize=64)
+def stretches_of(scenario: Scenario) -> tuple[list[Floats], Floats, float] | None:
+    """Desired velocities (2) over a period of the reference in time, its shares, the period [s].
+
+    Neighbours that are alike are one; None where the velocities are constant or do not repeat.
+    """
+    cycle = scenario.reference.cycle
+    if not math.isfinite(cycle) or scenario.reference.arrival is not None:
+        return None
+    middles = (np.arange(STRETCHES) + 0.5) * cycle / STRETCHES
+    rows = sample(scenario, np.concatenate((middles, middles + cycle)))[:, 3:5]
+    if np.abs(rows[STRETCHES:] - rows[:STRETCHES]).max() > SAME:
+        return None
+    bound = INSIDE * np.array(scenario.limits.v_u2)
+    speeds = np.clip(rows[:STRETCHES], -bound, bound).round(9)
+    starts = np.flatnonzero((np.diff(speeds, axis=0, prepend=np.inf) != 0).any(axis=1))
+    shares = np.diff(np.append(starts, STRETCHES)) / STRETCHES
+    return [speeds[i] for i in starts], shares, cycle
+
+
+@lru_cache(maxsize=64)
+def operating_points(scenario: Scenario) -> list[Floats]:
+    """Desired velocities (2) of some points of the reference, moved inside v_u2."""
+    end = min(scenario.clock.duration, scenario.reference.cycle)
+    speeds = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
+    bound = INSIDE * np.array(scenario.limits.v_u2)
+    return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))

@@ -1,0 +1,239 @@
+"""What surrounds a scenario's laws: robot, drives and sensors, linearised at any control period."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
+from itertools import pairwise, product
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.checks.sampled_plant import (
+    GRID,
+    Assembly,
+    Motion,
+    SampledPlant,
+    by_age,
+    divided,
+    steps_in,
+)
+from wmr_ctrl.checks.world import COMMAND, Floats, World, world_of
+from wmr_ctrl.control.applied import followed
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.scenario import Robot, Scenario, override
+from wmr_ctrl.world.effect import Effect
+from wmr_ctrl.world.friction import Phase, drag
+from wmr_ctrl.world.pose_sensor import samples_a_pose
+from wmr_ctrl.world.registry import EFFECTS, OURS
+
+
+@dataclass(frozen=True)
+class DriveTimes:
+    """Until a command takes over [s], what of that the law is told, and the lag that it knows."""
+
+    delay: float
+    known: float
+    lag: float
+
+
+@dataclass(frozen=True)
+class KnownDrives:
+    """What a controller remembers of the forces that it sent, as its graph follows the drives.
+
+    Next memory by memory and by the force that is sent; ``known`` of it: the mean force of the
+    period that has ended, then commands.  The last ``sent`` elements are commands, latest first.
+    """
+
+    moved: Floats
+    forced: Floats
+    known: Floats
+    sent: int
+
+
+class Surroundings:
+    """What surrounds a scenario's laws, at any control period.
+
+    Drives that vary are at their slowest, and all poses come that are due.  What a sensor counts in
+    samples is the nearest whole number of them; where that makes a velocity late, what the numbers
+    below and above show is weighed.  No window is shorter than a sample.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Nothing is differentiated yet."""
+        self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
+        present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
+        self._foreign = any(item not in OURS for item in present)
+        self._counted = {key: (scenario.value(key)[0], _shows_late(item, scenario))
+                         for item in present for key in item.shape
+                         if not key.startswith(("clock.", "actuator."))}  # fmt: skip
+        actuator = scenario.actuator
+        late = actuator.delay + actuator.untold + actuator.jitter
+        self.drives = DriveTimes(late, actuator.delay, actuator.lag)
+        self._lag = actuator.lag * (1 + actuator.lag_spread)
+
+    def worlds(self, period: float) -> list[tuple[float, World]]:
+        """Its graphs at a control period [s], with weights that sum to 1."""
+        own = period if self._foreign else self.scenario.clock.control
+        ways = [_counts(key, time / period, late) for key, (time, late) in self._counted.items()]
+        return [(math.prod(w for w, _ in way), self._world(own, tuple(n for _, n in way)))
+                for way in product(*ways)]  # fmt: skip
+
+    def _world(self, own: float, counts: tuple[int, ...]) -> World:
+        if (own, *counts) not in self._worlds:
+            times = {key: n * own for key, n in zip(self._counted, counts, strict=True)}
+            self._worlds[own, *counts] = world_of(_still(self.scenario, own, times))
+        return self._worlds[own, *counts]
+
+    @cached_property
+    def headings(self) -> tuple[float, ...]:
+        """Orientations [rad] at which the loop is another: one, unless something acts by it."""
+        clock = self.scenario.clock.control
+        motions = (Motion((0.0, 0.0, 0.0), (0.2, 0.1), (0.2, 0.1), theta) for theta in (0.0, 1.0))
+        here, there = (self._assembly(motion, clock).flow(clock)[0] for motion in motions)
+        alike = np.abs(here - there).max() < GRID
+        return (0.0,) if alike else tuple(np.arange(8) * math.pi / 4)
+
+    def samples_a_pose(self, period: float) -> int:
+        """Samples from one pose to the next, at a control period [s]."""
+        return int(_samples()(self.scenario.sensor.pose_period, period))
+
+    def numbers(self, world: World, period: float, step: float, robot: Robot | None) -> list[float]:
+        """Parameters of graphs at a control period and a plant step [s], for a robot."""
+        body = (
+            {} if robot is None else {f"robot.{key}": value for key, value in vars(robot).items()}
+        )
+        sensor = {"sensor.pose_period": self.scenario.sensor.pose_period}
+        clock = {"clock.control": period, "clock.plant": step, "actuator.lag": self._lag}
+        return world.numbers({**clock, **sensor, **body})
+
+    def plant(
+        self,
+        motion: Motion,
+        period: float,
+        *,
+        drives: DriveTimes | None = None,
+        robot: Robot | None = None,
+        sample: int | None = None,
+    ) -> SampledPlant:
+        """Robot, drives and sensors from a ``sample`` to the next; one with a pose unless given.
+
+        ``drives`` and ``robot`` default to the scenario's.
+        """
+        late = self.drives if drives is None else drives
+        return self._assembly(motion, period, robot).plant(late.delay, sample)
+
+    def rates(self, motion: Motion) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
+        """Slopes of the rates of robot and drives without delay: by their state, force, push.
+
+        With names as in a SampledPlant.
+        """
+        return self._assembly(motion, self.scenario.clock.control).rates()
+
+    def rate(self, z: ca.SX, force: ca.SX, v_d: Floats | tuple[float, ...]) -> ca.SX:
+        """Rate of the fast state z, tracking error in the place of the pose, under a force (2)."""
+        clock = self.scenario.clock
+        world = self.worlds(clock.control)[0][1]
+        numbers, torque = self.numbers(world, clock.control, 0.0, None), self.torque(world, force)
+        rate: ca.SX = world.rates(0, z, 0.0, torque, ca.DM(numbers), ca.DM(v_d))
+        return rate
+
+    def step(self, z: ca.SX, force: ca.SX, v_d: Floats, step: float, push: ca.SX) -> ca.SX:
+        """That state after a plant step of ``step`` [s], under a force and a disturbance (2)."""
+        world = self.worlds(self.scenario.clock.control)[0][1]
+        numbers = self.numbers(world, self.scenario.clock.control, step, None)
+        held = self.torque(world, force, push)
+        after: ca.SX = world.step(0, z, 0.0, held, ca.DM(numbers), ca.DM(v_d))
+        return after
+
+    def torque(self, world: World, *forces: ca.SX) -> ca.SX:
+        """What is held over a sample for a force, and one that disturbs (2) [N, N m]."""
+        given = [ca.DM(wheels(self.scenario.robot)) @ force for force in forces]
+        return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
+
+    def known_of_drives(
+        self, period: float, late: DriveTimes, applied: bool, commands: int
+    ) -> KnownDrives:
+        """What is known of forces ``applied``, if that is asked, and of so many ``commands``."""
+        whole, rest = divided(late.known, period)
+        queue = max(applied * (whole + (rest > 0)), commands)
+        sizes = (COMMAND * (applied and late.lag > 0), COMMAND * applied, COMMAND * queue)
+        ends = np.cumsum([0, *sizes]).tolist()
+        acting, mean, sent = (slice(a, b) for a, b in pairwise(ends))
+        unit, rows = np.eye(ends[-1] + COMMAND), np.zeros((ends[-1], ends[-1] + COMMAND))
+        ages = by_age(unit, ends[-1], sent)
+        rows[sent] = np.vstack(ages)[: COMMAND * queue]
+        if applied:
+            steps = steps_in(period, self.scenario.clock.plant)
+            step = period / steps
+            decay = math.exp(-step / late.lag) if late.lag else 0.0
+            lag = unit[acting] if late.lag else np.zeros((COMMAND, len(unit)))
+            rows[mean], end = followed(ages, (whole, rest / step, steps), lag, decay)
+            rows[acting] = end[: acting.stop - acting.start]
+        known = np.vstack((unit[mean], unit[sent][: COMMAND * commands]))
+        n = ends[-1]
+        return KnownDrives(rows[:, :n], rows[:, n:], known[:, :n], COMMAND * queue)
+
+    def _assembly(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
+        return Assembly(
+            self.worlds(period), motion, period, self.samples_a_pose(period),
+            self.scenario.clock.plant,
+            lambda world, step: self.numbers(world, period, step, robot),
+            wheels(self.scenario.robot), self.steady_torque(motion.v, robot),
+        )  # fmt: skip
+
+    def steady_torque(self, v: tuple[float, ...], robot: Robot | None = None) -> Floats:
+        """Torques (2) [N m] that keep the robot at a velocity."""
+        own = self.scenario.robot if robot is None else robot
+        torque: Floats = wheels(own) @ drag(own, Phase(0.0, own.m, own.mu), np.array(v))[:, 0]
+        return torque
+
+
+def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Scenario:
+    """The scenario at a control period [s], its drives in time and constant, its guard off."""
+    none = ("actuator.delay", "actuator.untold", "actuator.jitter", "actuator.lag_spread")
+    changed: dict[str, object] = {**dict.fromkeys((*none, "sensor.pose_dropout"), 0.0), **times}
+    clock, changed["guard.enabled"] = scenario.clock, False
+    if period != clock.control:
+        changed |= {"clock.control": period, "clock.plant": period / steps_in(period, clock.plant)}
+        changed["clock.duration"] = period * math.ceil(clock.duration / period)
+        changed["sensor.pose_period"] = period * round(scenario.sensor.pose_period / period)
+    return override(scenario, changed)
+
+
+def _shows_late(effect: Effect, scenario: Scenario) -> bool:
+    """Whether it makes a velocity late, or averages it."""
+    bound = effect.bounded(scenario)
+    return bound is not None and any((*bound.age, *bound.window))
+
+
+def _counts(key: str, ratio: float, late: bool) -> list[tuple[float, int]]:
+    """Whole numbers of samples that stand for a ``ratio`` of them, with weights."""
+    if key.endswith("window") and ratio > 0:
+        ratio = max(ratio, 1.0)
+    if not late or abs(ratio - round(ratio)) < GRID * max(ratio, 1.0):
+        return [(1.0, round(ratio))]
+    below = math.floor(ratio)
+    return [(below + 1 - ratio, below), (ratio - below, below + 1)]
+
+
+@cache
+def _samples() -> ca.Function:
+    every, T = ca.SX.sym("every"), ca.SX.sym("T")
+    return ca.Function("samples", [every, T], [samples_a_pose(every, T)])
+
+
+@lru_cache(maxsize=64)
+def wheels(robot: Robot) -> Floats:
+    """Torques (right, left) [N m] by generalised force (2, 2)."""
+    force = ca.SX.sym("force", 2)
+    torque = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
+    return np.asarray(ca.evalf(ca.jacobian(torque, force)))
+
+
+@lru_cache(maxsize=64)
+def surroundings(scenario: Scenario) -> Surroundings:
+    """The Surroundings of a scenario, made once."""
+    return Surroundings(scenario)
