@@ -280,11 +280,7 @@ def cosimulate(
 
 @checks_arguments
 def linearize(
-    scenario: str | Path | Scenario,
-    law: str = "nn",
-    at: float | None = None,
-    *,
-    guard: bool = False,
+    scenario: str | Path | Scenario, law: str = "nn", at: float | None = None, guard: bool = False
 ) -> LinearReport:
     """Poles, margins, limits, ``at`` a time [s] of the reference; ``guard``: inactive there."""
     from wmr_ctrl.linear import report_linear

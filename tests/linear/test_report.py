@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner
 
 from wmr_ctrl.cli import root
-from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.linear import report_linear
 from wmr_ctrl.linear.loop import constant_speed
-from wmr_ctrl.scenario import Lemniscate, load_scenario
+from wmr_ctrl.scenario import Lemniscate, Scenario, load_scenario
 
 KEYS = {
     "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",
@@ -143,3 +143,43 @@ def test_a_robot_with_encoders_and_late_drives_has_a_report():
     assert report.late
     assert report.stable
     assert report.max_delay > 0.05
+
+
+def drive(speed: float) -> Scenario:
+    """A way that begins and ends at rest."""
+    points = {"points": [[0.0, 0.0], [4.0, 1.0], [8.0, 0.0]], "v_max": speed}
+    reference = {"reference.kind": "waypoints"} | {f"reference.{k}": v for k, v in points.items()}
+    return load_scenario("paper-simulation-nominal", {**reference, "clock.duration": 80.0})
+
+
+def test_a_way_is_looked_at_where_it_drives_fastest_and_not_at_its_start():
+    page = report_linear(drive(0.4), "mb").to_json()
+    start = report_linear(drive(0.4), "mb", at=0.0).to_json()
+
+    assert page["at"] > 1
+    assert page["spectral_radius"] <= 1 + 1e-9
+    assert start["at"] == 0.0
+    assert page["poles"] != start["poles"]
+
+
+def test_a_time_is_one_of_the_run(nominal):
+    with pytest.raises(ArgumentError, match="from 0 to 80 s"):
+        report_linear(nominal, "mb", at=90.0)
+
+
+def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, report_of):
+    page = report_linear(nominal, "mb", guard=True)
+
+    assert page.to_json()["guard"] == "inactive"
+    assert report_of("mb").to_json()["guard"] is None
+    assert "inactive there" in page.table()
+    assert page.to_json() | {"guard": None} == report_of("mb").to_json()
+
+
+def test_where_the_guard_acts_there_is_nothing_to_linearise():
+    """Beyond the speed that it leaves, the guard holds the thrust back."""
+    beyond = {"reference.radius": 9.9, "guard.dbar": [50.0, 1.0]}
+    fast = load_scenario("paper-simulation-nominal", beyond)
+
+    with pytest.raises(ArgumentError, match="the guard holds back"):
+        report_linear(fast, "mb", guard=True)

@@ -89,7 +89,7 @@ def point_at(
     scenario: Scenario, law: str, e: Floats, v: Floats, v_d: Floats, v_d_dot: Floats
 ) -> Point:
     """Any point, with the memory that one sample there leaves; estimates stay at their start."""
-    loop, s = law_loop(scenario, law), np.concatenate((e, v))
+    loop, s = law_loop(scenario, law).over(0), np.concatenate((e, v))
     start = LawPoint((s, v_d, v_d_dot), np.array(loop.core.x0), np.zeros(2))
     there = loop.after_a_sample(start)
     force = loop.after_a_sample(there).force
@@ -119,7 +119,7 @@ def _residual(scenario: Scenario, law: str, at: Point) -> ca.Function:
 
     Of the robot by itself: at rest delay, lag and sensors change nothing.
     """
-    loop, around = law_loop(scenario, law), surroundings(alone(scenario))
+    loop, around = law_loop(scenario, law).over(0), surroundings(alone(scenario))
     s, force, memory = ca.SX.sym("s", 5), ca.SX.sym("force", 2), ca.SX.sym("m", len(at.memory))
     forces = ca.repmat(force, len(remembered(loop.core)), 1)
     asked, following = loop.act(

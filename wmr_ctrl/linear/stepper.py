@@ -105,7 +105,7 @@ def stepper(
     at = on_reference(scenario, law) if point is None else point
     held = scenario.clock.control if period is None else period
     step = _one_period(scenario, law, at, held, memory)
-    asks = bool(remembered(law_loop(scenario, law).core))
+    asks = bool(remembered(law_loop(scenario, law).over(0).core))
     return Stepper(
         at,
         held,
@@ -120,7 +120,7 @@ def _one_period(scenario: Scenario, law: str, at: Point, period: float, memory: 
 
     The state: robot and drives, the law's memory, and the force before where the law asks for it.
     """
-    loop, around = law_loop(scenario, law), surroundings(unguarded(scenario))
+    loop, around = law_loop(scenario, law).over(0), surroundings(unguarded(scenario))
     z = ca.SX.sym("z", len(STATES) + 2 * (scenario.actuator.lag > 0))
     own = ca.SX.sym("memory", len(at.memory))
     push, before = ca.SX.sym("push", 2), ca.SX.sym("before", 2 * bool(remembered(loop.core)))
