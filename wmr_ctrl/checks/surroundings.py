@@ -30,6 +30,10 @@ from wmr_ctrl.world.pose_sensor import samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
 
 
+MANY = 4.0
+"""Samples beyond which their nearest whole number stands for a time."""
+
+
 @dataclass(frozen=True)
 class DriveTimes:
     """Until a command takes over [s], what of that the law is told, and the lag that it knows."""
@@ -57,7 +61,7 @@ class Surroundings:
     """What surrounds a scenario's laws, at any control period.
 
     Drives that vary are at their slowest, and all poses come that are due.  What a sensor counts in
-    samples is the nearest whole number of them; where that makes a velocity late, what the numbers
+    samples is the nearest whole number of them; where a few make a velocity late, what the numbers
     below and above show is weighed.  No window is shorter than a sample.
     """
 
@@ -213,7 +217,7 @@ def _counts(key: str, ratio: float, late: bool) -> list[tuple[float, int]]:
     """Whole numbers of samples that stand for a ``ratio`` of them, with weights."""
     if key.endswith("window") and ratio > 0:
         ratio = max(ratio, 1.0)
-    if not late or abs(ratio - round(ratio)) < GRID * max(ratio, 1.0):
+    if not late or ratio > MANY or abs(ratio - round(ratio)) < GRID * max(ratio, 1.0):
         return [(1.0, round(ratio))]
     below = math.floor(ratio)
     return [(below + 1 - ratio, below), (ratio - below, below + 1)]

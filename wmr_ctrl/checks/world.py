@@ -72,12 +72,12 @@ class World:
         slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
         own = _pose_slope(e, x[2])
         now, later = (_pose_slope(level, theta) for theta in (x[2], x[2] + T * x[4]))
-        before, after = [own, ca.SX.eye(self.size - 3)], [own, ca.SX.eye(ROBOT + HELD - 3)]
+        before, after = [ca.inv(own), ca.SX.eye(self.size - 3)], [own, ca.SX.eye(ROBOT + HELD - 3)]
         for item in self.slow:
             other = ca.SX.eye(item.signal.size)
-            before.append(now if item.signal.unit == POSE else other)
+            before.append(ca.inv(now) if item.signal.unit == POSE else other)
             after.append(later if item.signal.unit == POSE else other)
-        slopes = ca.diagcat(*after) @ slopes @ ca.inv(ca.diagcat(*before))
+        slopes = ca.diagcat(*after) @ slopes @ ca.diagcat(*before)
         given = [graphs.sample.clock.sym, x, m, graphs.p]
         self.shown = ca.Function("shown", given, [shown])
         self.sensed = ca.Function("sensed", [*given, e], [ca.densify(slopes)])
