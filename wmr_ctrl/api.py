@@ -46,9 +46,8 @@ def scenario_of(
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
 
-    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches the
-    velocity guard on or off (None: as the scenario says).  Gains and guard are checked too.
-    Raises ScenarioError or UnknownNameError, each naming the key.
+    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches the guard
+    (None: as the scenario says).  Raises ScenarioError or UnknownNameError, each naming the key.
 
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
@@ -300,8 +299,7 @@ def prove(
 
 def bench(progress: types.Progress | None = None) -> types.BenchReport:
     """Measure the generated code against hand-written C, NumPy and CasADi; about a minute."""
-    # In a checkout they lie beside wmr_ctrl, so whatever process imports the one finds the other.
-    installed = find_spec("wmr_ctrl._benchmarks")
+    installed = find_spec("wmr_ctrl._benchmarks")  # in a checkout they lie beside wmr_ctrl
     module = import_module("wmr_ctrl._benchmarks.bench" if installed else "benchmarks.bench")
     measured: types.Measurements = module.run_bench(progress)
     return {**measured, "text": module.table(measured)}
