@@ -163,3 +163,35 @@ def test_presets_of_the_paper_are_unguarded_and_ours_are_not() -> None:
     assert load_scenario("safe-simulation").guard.enabled
     assert load_scenario("safe-experiment").guard.enabled
     assert load_scenario("safe-experiment").clock.control == 0.1
+
+
+@pytest.mark.parametrize("changed", [
+    {"disturbance.std": 6.0},
+    {"guard.dbar": [300.0, 100.0]},
+    {"guard.dbar": [2500.0, 1.0]},
+    {"actuator.lag": 0.3},
+    {"actuator.delay": 0.3},
+    {"guard.alpha": 1.0, "clock.control": 0.05},
+    {"guard.alpha": 1.7, "clock.control": 0.05, "guard.dbar": [130.0, 15.0]},
+])  # fmt: skip
+def test_every_number_that_is_proposed_is_enough_as_it_is_printed(
+    changed: dict[str, object],
+) -> None:
+    def told(more: dict[str, object]) -> str:
+        try:
+            settle(scenario_of("safe-experiment", {**ON, **changed, **more}), "prox")
+        except ScenarioError as error:
+            return str(error)
+        return ""
+
+    text = told({})
+    stated = r"(guard\.(?:dbar|M_min)\[\d\]|guard\.alpha) [<>]= ([\d.e+-]+\d)"
+    remedies = re.findall(stated, text)
+    left, right = re.search(r"but (\S+) > (?:.* = )?(\S+) N", text).groups()
+
+    assert remedies
+    assert left != right
+    for key, number in remedies:
+        largest = {key.replace("min", "max"): float(number)} if "M_min" in key else {}
+        again = told({key: float(number), **largest})
+        assert key[-3:] not in again or not again.startswith(text[:60]), again

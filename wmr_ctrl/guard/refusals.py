@@ -28,6 +28,8 @@ from wmr_ctrl.world.effect import Bound
 BoundOf: TypeAlias = Callable[[Scenario], Bound]
 DOUBLINGS, HALVINGS = 20, 40
 """How far, and how closely, a torque limit is searched that is enough."""
+SLACK = 1e-9
+"""By how much a number that is proposed is on the safe side at least; more than its rounding."""
 
 
 def settled_guard(
@@ -103,15 +105,16 @@ def _check_push(scenario: Scenario, guard: Stated, i: int) -> None:
     late = lateness_time(scenario, guard, i)
     room = scenario.limits.v_u1[i] - guard.f_speed[i]
     said, divided = _lateness_words(guard, i, late, alpha)
+    shown = _told_apart(need, have)
     who = "no force" if late <= guard.latest else "the guard"
     can = "can" if late <= guard.latest else "cannot"
     raise ScenarioError(
         f"guard: {who} {can} keep limits.v_u1[{i + 1}] = {scenario.limits.v_u1[i]:g}: "
         f"2 (dbar - f_min) <= M_min alpha (v_u1 - f_speed){said} is needed on axis {i + 1}, but "
-        f"{need:g} > {low:g} * {alpha:g} * {room:g}{divided} = {have:.6g} {UNITS[i]}. It holds "
+        f"{shown[0]} > {low:g} * {alpha:g} * {room:g}{divided} = {shown[1]} {UNITS[i]}. It holds "
         f"{_sooner(low * room / need, alpha, late, guard.latest, scenario.clock.control)}"
-        f"with guard.dbar[{i + 1}] <= {have / 2 + guard.f_min[i]:.4g} {UNITS[i]}, or with "
-        f"guard.M_min[{i + 1}] >= {need * (1 / alpha + late) / room:.4g}."
+        f"with guard.dbar[{i + 1}] <= {_below(have / 2 + guard.f_min[i]):g} {UNITS[i]}, or with "
+        f"guard.M_min[{i + 1}] >= {_above(need * (1 / alpha + late) / room):g}."
     )
 
 
@@ -140,12 +143,13 @@ def _check_mixed(scenario: Scenario, guard: Stated, i: int) -> None:
     if need > have:
         lag, jitter = pair_of(guard.lag), f"jitter of {guard.jitter:g} s"
         varies = f"a lag between {lag[0]:g} and {lag[1]:g} s" if lag[0] < lag[1] else jitter
+        dbar = _below(have / (2 * mixed) + guard.f_min[i])
         raise ScenarioError(
             f"guard: {varies} and nbar[{i + 1}] = {nbar:g} together cannot be "
             f"met: 2 (dbar - f_min) mixed <= M_min (v_u1 - 2 nbar) is needed on axis {i + 1}, but "
             f"{2 * net(guard, i):g} * {mixed:.4g} = {need:.6g} > {have:.6g}. It holds with "
-            f"guard.nbar[{i + 1}] <= {max(u1 - need / low, 0) / 2:.4g} or guard.dbar[{i + 1}] <= "
-            f"{have / (2 * mixed) + guard.f_min[i]:.4g} {UNITS[i]}, or where the drives vary less."
+            f"guard.nbar[{i + 1}] <= {_below((u1 - need / low) / 2):g} or guard.dbar[{i + 1}] <= "
+            f"{dbar:g} {UNITS[i]}, or where the drives vary less."
         )
 
 
@@ -154,17 +158,17 @@ def _sooner(longest: float, alpha: float, late: float, delay: float, period: flo
     others = late - delay
     shorter = delay > 0 and longest >= 1.0 / alpha + others
     most = max(longest - 1 / alpha - others, 0.0)
-    remedies = [f"with actuator.delay <= {most:.4g} s"] * shorter
-    if longest > late:
+    remedies = [f"with actuator.delay <= {_below(most):g} s"] * shorter
+    if longest > late and 1.0 / (longest - late) > alpha * (1.0 + SLACK):
         remedies.append(_faster(1.0 / (longest - late), period))
     return "".join(f"{remedy}, or " for remedy in remedies)
 
 
 def _faster(alpha: float, period: float) -> str:
     """The remedy by rate: a larger alpha where T allows it, else a shorter T."""
-    if alpha * period <= 1.0:
-        return f"from guard.alpha >= {alpha:.4g} 1/s on"
-    return f"from clock.control <= {1.0 / alpha:.4g} s on (alpha = 1/T)"
+    if _above(alpha) * period <= 1.0:
+        return f"from guard.alpha >= {_above(alpha):g} 1/s on"
+    return f"from clock.control <= {_below(1.0 / alpha):g} s on (alpha = 1/T)"
 
 
 def _check_brake(scenario: Scenario, guard: Stated, tau_max: float, bound_of: BoundOf) -> None:
@@ -224,7 +228,7 @@ def _refuse_wheels(
     raise ScenarioError(
         f"guard: the wheels cannot hold the robot at both limits: {name}[1] + {name}[2]/l <= "
         f"2 tau_max/r is needed, but {pair[0]:g} + {pair[1] * robot.l:g}/{robot.l:g} = {need:g} > "
-        f"{most:g} N. {larger} with guard.{name} scaled by {most / need:.3g}."
+        f"{most:g} N. {larger} with guard.{name} scaled by {_below(most / need):g}."
     )
 
 
@@ -247,7 +251,31 @@ def _enough(needed: Callable[[float], float], least: float, r: float) -> float |
     return _four_digits_up(high)
 
 
+def _told_apart(larger: float, smaller: float) -> tuple[str, str]:
+    """Two numbers that differ, with as many digits, six at least, as it takes to see that."""
+    texts = ((f"{larger:.{n}g}", f"{smaller:.{n}g}") for n in range(6, 18))
+    return next(pair for pair in texts if pair[0] != pair[1])
+
+
+def _above(value: float) -> float:
+    """A number of four digits that is larger."""
+    return _four_digits_up(value * (1.0 + SLACK))
+
+
+def _below(value: float) -> float:
+    """A number of four digits that is smaller, 0 for 0."""
+    if value <= 0.0:
+        return 0.0
+    step = _step(value)
+    return float(f"{math.floor(value * (1.0 - SLACK) / step) * step:.4g}")
+
+
+def _step(value: float) -> float:
+    """The fourth digit's weight."""
+    return float(10.0 ** (math.floor(math.log10(value)) - 3))
+
+
 def _four_digits_up(value: float) -> float:
     """The next number of four digits that is not smaller."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 3)
+    step = _step(value)
     return float(f"{math.ceil(value / step - 1e-9) * step:.4g}")
