@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.campaign.intervals import StopRule, bootstrap, clopper_pearson, wilson
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.errors import ArgumentError, ScenarioError
 
 
 def at_most(hits, count, share):
@@ -49,10 +49,10 @@ def test_more_looks_need_a_narrower_interval(share):
     figure, key = ("violated", "position_rms")[not share], 3
     widths = []
     for confidence in (0.95, 0.995):
-        rule = StopRule(figure=figure, half_width=1.0, share=share)
+        rule = StopRule(figure=figure, half_width=1.0)
         low, high = rule.bounds(values, confidence, key)
         widths.append((high - low) / 2)
-    between = StopRule(figure=figure, half_width=sum(widths) / 2, share=share)
+    between = StopRule(figure=figure, half_width=sum(widths) / 2)
 
     assert widths[0] < 0.9 * widths[1]
     assert between.reached(values, 1, key)
@@ -61,7 +61,7 @@ def test_more_looks_need_a_narrower_interval(share):
 
 def test_a_rule_that_stops_early_still_covers_as_often_as_it_says():
     """At most 5 % of the studies may end with an interval that misses the share."""
-    rule = StopRule(figure="violated", half_width=0.12, first=16, share=True)
+    rule = StopRule(figure="violated", half_width=0.12, first=16)
     looks = rule.looks(512)
     missed, draw = 0, np.random.default_rng(0)
     for share in (0.05, 0.3, 0.5, 0.9):
@@ -84,5 +84,5 @@ def test_a_missing_value_never_stops_a_study():
     "wrong", [{"half_width": 0}, {"confidence": 1.0}, {"first": 1}, {"interval": "exact"}]
 )
 def test_a_rule_without_sense_is_refused(wrong):
-    with pytest.raises(ArgumentError, match="stop"):
-        StopRule(**{"figure": "violated", "half_width": 0.1, "share": True, **wrong})
+    with pytest.raises((ArgumentError, ScenarioError), match=r"stop\."):
+        StopRule(**{"figure": "violated", "half_width": 0.1, **wrong})

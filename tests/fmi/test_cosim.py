@@ -19,7 +19,7 @@ from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, FAILING, PLANT, PLANT_
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
 from wmr_ctrl.fmi.cosim.mapping import compiled, input_rows, load_map, output_rows
 from wmr_ctrl.fmi.cosim.parts import UNITS
@@ -361,7 +361,7 @@ def test_units_may_be_those_of_the_si(foreign, mapped):
     rows = output_rows(part.outputs, UNITS, file.unit, "plant", si=part.si)
     assert [row.plain for row in rows] == [True, True, True, True, False]
     assert rows[-1].terms == (("wheelL", pytest.approx(np.pi / 30)),)
-    with pytest.raises(ArgumentError, match=r"plant\.units = 'mm' must be"):
+    with pytest.raises(ScenarioError, match=r'plant\.units = "mm" is not known'):
         load_map(mapped(text.replace('"SI"', '"mm"')))
 
 
@@ -436,3 +436,29 @@ def test_units_are_read(name, factor, exponents):
     unit = unit_of(name)
     assert unit.factor == pytest.approx(factor)
     assert unit.exponents == exponents
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[plant]\nstep = -1\n", r"plant\.step = -1 must be above 0"),
+        ("[plant]\ninputs = 3\n", r"written as \[plant\.inputs\]"),
+        ("plant = 3\n", r"written as \[plant\]"),
+    ],
+)
+def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
+    with pytest.raises(ScenarioError, match=words):
+        load_map(mapped(text))
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ({"terms": {"theta": "far"}}, r'plant\.inputs\.x\.terms\.theta = "far" must be a number'),
+        ({"offset": 1.0}, r"plant\.inputs\.x\.terms is missing"),
+        ({"terms": {}, "ofset": 1.0}, r"plant\.inputs\.x\.ofset is not .*near: offset"),
+    ],
+)
+def test_entries_of_a_map_are_told_like_keys_of_a_scenario(row, words):
+    with pytest.raises(ScenarioError, match=words):
+        input_rows({"x": row}, UNITS, lambda _: "m", "plant")

@@ -9,41 +9,41 @@ Clopper and Pearson's interval of a share, nearly for Wilson's and for the boots
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fields.section import REQUIRED, Section, quantity
+from wmr_ctrl.results.figures import SHARES
 
 Floats = NDArray[np.float64]
 EXACT, WILSON, BOOTSTRAP = "clopper-pearson", "wilson", "bootstrap"
 RESAMPLES = 2000
 
 
-@dataclass(frozen=True, kw_only=True)
-class StopRule:
+class StopRule(Section, key="stop"):
     """When a case has runs enough: its figure's interval is as narrow as asked for.
 
-    ``half_width`` in the figure's unit; ``first``: seeds before the first look; ``interval``: ""
-    for Clopper-Pearson of a share and the bootstrap of a mean.
+    ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
     """
 
-    figure: str
-    half_width: float
-    confidence: float = 0.95
-    first: int = 32
-    interval: str = ""
-    share: bool = False
+    figure: str = quantity(REQUIRED, kind="text", unit="1", doc="figure that is looked at")
+    half_width: float = quantity(
+        REQUIRED, unit="1", doc="half-width of its interval, in the figure's unit", above=0
+    )
+    confidence: float = quantity(0.95, unit="1", doc="of the interval", above=0, below=1)
+    first: int = quantity(32, unit="1", doc="seeds before the first look", minimum=2)
+    interval: str = quantity("", unit="1", doc="kind of interval")
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.half_width, int | float) or not 0 < self.half_width < math.inf:
-            raise ArgumentError(f"stop.half_width = {self.half_width!r} must be above 0.")
-        if not isinstance(self.confidence, float) or not 0 < self.confidence < 1:
-            raise ArgumentError(f"stop.confidence = {self.confidence!r} must be between 0 and 1.")
-        if isinstance(self.first, bool) or not isinstance(self.first, int) or self.first < 2:
-            raise ArgumentError(f"stop.first = {self.first!r} must be a whole number from 2 up.")
+    @property
+    def share(self) -> bool:
+        """Whether the figure is 0 or 1 a run."""
+        return self.figure in SHARES
+
+    def relate(self) -> None:
+        """Raise ArgumentError where the interval is not one of such a figure."""
         allowed = ("", EXACT, WILSON) if self.share else ("", BOOTSTRAP)
         if self.interval not in allowed:
             raise ArgumentError(

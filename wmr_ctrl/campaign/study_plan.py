@@ -23,6 +23,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fields.limits import SEED_END
 from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.section import build
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
 from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
@@ -120,7 +121,7 @@ class StudyPlan:
             "sample": sample
             and {"method": sample.method, "n": sample.n, "seed": sample.seed,
                  "ranges": {key: list(pair) for key, pair in sample.ranges.items()}},
-            "stop": self.stop and vars(self.stop),
+            "stop": self.stop and {**vars(self.stop), "share": self.stop.share},
             "figures": list(self.figures),
         }  # fmt: skip
 
@@ -319,16 +320,7 @@ def _figures(given: object, plant: str) -> tuple[str, ...]:
 def _stop(given: object, figures: tuple[str, ...]) -> StopRule | None:
     if given is None:
         return None
-    names = ("figure", "half_width", "confidence", "first", "interval")
-    if not isinstance(given, Mapping):
-        raise ArgumentError("stop must be a table, written as [stop].")
-    for key in given:
-        if key not in names:
-            raise UnknownNameError("key of stop", str(key), names)
-    for key in ("figure", "half_width"):
-        if key not in given:
-            raise ArgumentError(f"stop.{key} is missing.")
-    rule = StopRule(**{"share": str(given.get("figure")) in SHARES, **given})
+    rule = build(StopRule, given)
     if rule.figure not in figures:
         raise UnknownNameError("figure of the study", rule.figure, figures)
     return rule

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from numbers import Real
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import choices, show
 from wmr_ctrl.fields.units import USUAL, is_usual, meant, written
 
@@ -168,6 +169,15 @@ class Quantity:
         if pair is None or len(pair) != 2:
             raise self.refuse(row, path, "a pair [x, y]")
         return self._number(pair[0], f"{path}[1]"), self._number(pair[1], f"{path}[2]")
+
+    def _mapping(self, value: object, path: str) -> Mapping[str, object]:
+        if not isinstance(value, Mapping):
+            raise self.refuse(value, path, f"a table, written as [{path}]")
+        return Frozen(value)
+
+    def _numbers(self, value: object, path: str) -> Mapping[str, float]:
+        table = self._mapping(value, path)
+        return Frozen({name: self._number(item, f"{path}.{name}") for name, item in table.items()})
 
 
 def as_list(value: object) -> list[object] | None:

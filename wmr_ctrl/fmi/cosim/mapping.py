@@ -25,18 +25,24 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
+from typing import Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
+from wmr_ctrl.fields.frozen import Frozen
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.fields.section import REQUIRED, Section, build, quantity
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 
 UnitOf = Callable[[str], NamedUnit | str | None]
 """From the name of their variable to its unit: as the FMU defines it, its mere name, or nothing."""
 Units = Callable[[str, str, str], NamedUnit]
 """From a name, the key of the row that needs it and a unit that would fit, to the name's unit."""
-_KEYS = {"terms", "offset", "unit", "coefficient_unit"}
-_SECTIONS = {"inputs", "outputs", "parameters", "start", "step", "units"}
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def _table(doc: str) -> Any:
+    return quantity(Frozen(), kind="mapping", unit="", doc=doc)
 
 
 @dataclass(frozen=True)
@@ -53,19 +59,34 @@ class MapRow:
         return self.offset == 0.0 and len(self.terms) == 1 and self.terms[0][1] == 1.0
 
 
-@dataclass(frozen=True)
-class PartMap:
-    """The map of one FMU, as read: raw rows, parameters by our key, start values, step [s].
+class PartMap(Section):
+    """The map of one FMU, as read: raw rows, parameters by our key, start values, step."""
 
-    ``si``: variables without a unit are in the SI unit of what they are mapped to.
-    """
+    inputs: Mapping[str, object] = _table("row of each of their inputs")
+    outputs: Mapping[str, object] = _table("row of each of our quantities")
+    parameters: Mapping[str, str] = _table("their name of each of our keys")
+    start: Mapping[str, float] = _table("their start values")
+    step: float | None = quantity(None, unit="s", doc="their communication step", above=0)
+    units: str = quantity(
+        "stated", unit="1", options=("stated", "SI"),
+        doc="units of variables of which the FMU gives none: stated in their rows, or SI",
+    )  # fmt: skip
 
-    inputs: Mapping[str, object]
-    outputs: Mapping[str, object]
-    parameters: Mapping[str, str]
-    start: Mapping[str, float]
-    step: float | None
-    si: bool = False
+    @property
+    def si(self) -> bool:
+        """Whether variables without a unit are in the SI unit of what they are mapped to."""
+        return self.units == "SI"
+
+
+class MapEntry(Section):
+    """A row as a table: target = sum of coefficient * source + offset."""
+
+    terms: Mapping[str, float] = quantity(
+        REQUIRED, kind="numbers", unit="1", doc="coefficient of each source"
+    )
+    offset: float = quantity(0.0, unit="1", doc="what is added, in the target's unit")
+    unit: str = quantity("", unit="1", doc="unit of their variables")
+    coefficient_unit: str = quantity("1", unit="1", doc="unit of the coefficients")
 
 
 def load_map(path: str | Path) -> dict[str, PartMap]:
@@ -74,28 +95,7 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     for part in raw:
         if part not in ("plant", "controller"):
             raise UnknownNameError(f"part of the map {path}", part, ("plant", "controller"))
-    return {part: _part(part, table) for part, table in raw.items()}
-
-
-def _part(part: str, table: object) -> PartMap:
-    if not isinstance(table, dict):
-        raise ArgumentError(f"{part} must be a table, written as [{part}].")
-    for key in table:
-        if key not in _SECTIONS:
-            raise UnknownNameError(f"key of the map's part {part}", key, _SECTIONS)
-    step = table.get("step")
-    if step is not None and not (isinstance(step, int | float) and step > 0):
-        raise ArgumentError(f"{part}.step = {step!r} must be a positive number of seconds.")
-    if table.get("units", "SI") != "SI":
-        raise ArgumentError(
-            f'{part}.units = {table["units"]!r} must be "SI", for variables of which the FMU gives '
-            "no unit. Others are stated in their rows."
-        )
-    inputs, outputs, parameters, start = (
-        table.get(name, {}) for name in ("inputs", "outputs", "parameters", "start")
-    )
-    seconds = None if step is None else float(step)
-    return PartMap(inputs, outputs, parameters, start, seconds, "units" in table)
+    return {part: build(PartMap, table, part) for part, table in raw.items()}
 
 
 def input_rows(
@@ -238,21 +238,14 @@ def _row(
     return MapRow(target, tuple(shares), offset + start / wanted.factor)
 
 
-def _entry(key: str, entry: object) -> tuple[dict[str, float], float, NamedUnit]:
+def _entry(key: str, entry: object) -> tuple[Mapping[str, float], float, NamedUnit]:
     """Terms, offset (in the target's unit) and the coefficients' unit."""
     if isinstance(entry, str):
         return {entry: 1.0}, 0.0, unit_of("1")
-    if (
-        not isinstance(entry, dict)
-        or not set(entry) <= _KEYS
-        or not isinstance(entry.get("terms"), dict)
-    ):
-        raise ArgumentError(
-            f"{key} must be a name, or a table with terms and, if need be, "
-            f"{', '.join(sorted(_KEYS - {'terms'}))}."
-        )
-    terms = {name: float(factor) for name, factor in entry["terms"].items()}
-    return terms, float(entry.get("offset", 0.0)), unit_of(entry.get("coefficient_unit", "1"))
+    if not isinstance(entry, Mapping):
+        raise ArgumentError(f"{key} = {show(entry)} must be a name, or a table with terms.")
+    row = build(MapEntry, entry, key)
+    return row.terms, row.offset, unit_of(row.coefficient_unit)
 
 
 def _check(key: str, wanted: NamedUnit, given: NamedUnit, factor: NamedUnit, name: str) -> None:
