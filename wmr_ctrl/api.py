@@ -46,8 +46,8 @@ def scenario_of(
 ) -> Scenario:
     """A checked scenario from a preset's name, a TOML file or a Scenario, with fields overridden.
 
-    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches it (None:
-    as the scenario says).  Raises ScenarioError or UnknownNameError, each naming the key.
+    ``overrides`` maps key paths to values (``{"clock.control": 0.02}``); ``guard`` switches it
+    (None: as the scenario says).  Raises ScenarioError or UnknownNameError, each naming the key.
 
     >>> scenario_of("far-start", {"robot.mu": 0.1}).robot.mu
     0.1
