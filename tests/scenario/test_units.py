@@ -67,6 +67,15 @@ def test_a_question_is_a_warning_of_every_law_and_stands_behind_a_refusal():
     assert "Millimetres?" in warnings_for(setup)[0].sentence
 
 
+@pytest.mark.parametrize("name", ["robot-10ms", "safe-experiment", "paper-experiment"])
+@pytest.mark.parametrize("more", [{}, {"clock.duration": 50}])
+def test_a_question_stands_once_behind_times_that_do_not_fit(name, more):
+    with pytest.raises(ScenarioError, match="whole multiple") as refused:
+        load_scenario(name, {"clock.control": 20, **more})
+
+    assert str(refused.value).count("Milliseconds? 20 ms is 0.02 s.") == 1
+
+
 def test_a_value_beyond_its_bound_is_asked_about():
     with pytest.raises(ScenarioError, match=r"at most 1.*Degrees\? 10 deg is 0\.1745 rad\.$"):
         load_scenario("far-start", {"slope.angle": 10})

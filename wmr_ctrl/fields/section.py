@@ -10,7 +10,8 @@ frozen dataclass that takes keywords; its fields are made by :func:`quantity`::
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
@@ -85,7 +86,8 @@ class Section:
         """Put every field into its own type, or raise ScenarioError that names the key."""
         for name, what in quantities(type(self)):
             object.__setattr__(self, name, what.clean(getattr(self, name), key(self.KEY, name)))
-        self.relate()
+        with asking((self.KEY, self)):
+            self.relate()
 
     def relate(self) -> None:
         """Check relations between the fields; a section that has some overrides this."""
@@ -126,6 +128,23 @@ def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
     for name, what in quantities(type(section)):
         for sentence in what.questions(getattr(section, name), key(path, name)):
             yield key(path, name), sentence
+
+
+@contextmanager
+def asking(*parts: tuple[str, Section]) -> Iterator[None]:
+    """Put questions about sections at their paths behind a refusal: a slip may be its cause."""
+    try:
+        yield
+    except ScenarioError as error:
+        put_behind(error, (said for path, part in parts for _, said in questions(part, path)))
+        raise
+
+
+def put_behind(error: ScenarioError, asked: Iterable[str]) -> None:
+    """Put those of the sentences behind the error's that are not yet in it."""
+    for sentence in asked:
+        if sentence not in str(error):
+            error.args = (f"{error} {sentence}",)
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:

@@ -11,7 +11,7 @@ from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section, number_of, numbers_in, quantities
+from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quantities
 from wmr_ctrl.fields.values import Quantity, Range, as_list
 from wmr_ctrl.results.html import table_html
 from wmr_ctrl.scenario.body import Body
@@ -130,7 +130,8 @@ class Scenario:
         object.__setattr__(self, "gains", clean_gains(self.gains))
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "effects", Frozen(self.effects))
-        relate(self)
+        with asking(("clock", self.clock)):
+            relate(self)
 
     def __repr__(self) -> str:
         title = f": {self.title}" if self.title else ""

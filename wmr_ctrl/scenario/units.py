@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.section import Section, questions
+from wmr_ctrl.fields.section import Section, put_behind, questions
 from wmr_ctrl.fields.units import USUAL, meant
 from wmr_ctrl.scenario.scenario import Scenario, sections
 from wmr_ctrl.world.references import Waypoints
@@ -55,6 +55,5 @@ def asking_about_units(scenario: Scenario) -> Iterator[None]:
     try:
         yield
     except ScenarioError as error:
-        asked = " ".join(sentence for _, sentence in unit_questions(scenario))
-        error.args = (f"{error} {asked}".rstrip(),)
+        put_behind(error, (sentence for _, sentence in unit_questions(scenario)))
         raise
