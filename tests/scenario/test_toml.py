@@ -181,16 +181,10 @@ def test_none_takes_back_what_the_extended_scenario_says():
     assert loads_scenario(text).believed.mu == 0.08
 
 
-def test_an_existing_file_needs_no_suffix(tmp_path, monkeypatch):
-    (tmp_path / "mine").write_text('title = "mine"')
-    monkeypatch.chdir(tmp_path)
-
-    assert load_scenario("mine").title == "mine"
-
-
 def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):
     (tmp_path / "far-start").write_text('title = "mine"')
     monkeypatch.chdir(tmp_path)
 
     assert load_scenario("far-start").title != "mine"
-    assert load_scenario("./far-start").title == "mine"
+    with pytest.raises(ScenarioError, match=r"must end in \.toml"):
+        load_scenario("./far-start")
