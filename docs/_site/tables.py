@@ -24,7 +24,7 @@ from wmr_ctrl.fields.values import Quantity, Range
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.paper.equations import equations
 from wmr_ctrl.paper.symbols import symbols
-from wmr_ctrl.results.figures import SUMMED
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.scenario import preset_titles
@@ -179,7 +179,7 @@ def paper_symbols() -> str:
 
 def figures() -> str:
     """Columns of tables of many runs."""
-    rows = ((code(c.name), c.unit, c.meaning) for c in SUMMED)
+    rows = ((code(c.name), c.unit, c.meaning) for c in FIGURES)
     return table(("column", "unit", "meaning"), rows)
 
 

@@ -14,8 +14,10 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, MissingExtraError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results import tau_peak
+from wmr_ctrl.results.figures import FIGURES, Figure
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import TrialFigures, tunable
+from wmr_ctrl.tuning import TrialFigures, judged, tunable
 
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
@@ -144,3 +146,12 @@ def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
     assert "gains.kanayama.k" not in found["gains"]
     assert set(found) >= {"gains", "before", "after", "objective", "test_seeds"}
     assert len(found["before"]) == len(found["after"]) == 9
+
+
+def test_figures_of_other_packages_are_judged_too(short, monkeypatch):
+    twice = Figure("twice_peak", "N.m", "two times tau_peak", lambda run: 2.0 * tau_peak(run))
+    monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
+    first = judged(short, "prox", [7])[0]
+    run = wmr_ctrl.simulate(short, "prox", seed=7)
+
+    assert first.figures == {"twice_peak": 2.0 * tau_peak(run)}

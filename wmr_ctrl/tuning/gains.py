@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.results import atomic_write, check_writable
+from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
 from wmr_ctrl.sim.finish import checked_seeds
@@ -50,8 +52,14 @@ LOST, SEARCH = 10.0, 0.9
 
 MOST_TRIALS = 100_000
 
-RunMany = Callable[[Sequence[Scenario], Sequence[int]], RunTable]
-"""How runs are made: a row of figures for each scenario and its seed."""
+
+class RunMany(Protocol):
+    """How runs are made, such as `wmr_ctrl.sim.many.run_many`."""
+
+    def __call__(
+        self, scenarios: Sequence[Scenario], seeds: Sequence[int], *, figures: Sequence[str] = ()
+    ) -> RunTable:
+        """A row of figures for each scenario and its seed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,7 +281,8 @@ def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[Tri
         on = scenario if kind == own else override(scenario, {"reference.kind": kind})
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
     rows = [(case, seed) for _, _, case in cases for seed in seeds]
-    table = run([case for case, _ in rows], [seed for _, seed in rows])
+    names = [figure.name for figure in FIGURES.plugins]
+    table = run([case for case, _ in rows], [seed for _, seed in rows], figures=names)
     count = len(seeds)
     parts = (slice(k * count, (k + 1) * count) for k in range(len(cases)))
     return tuple(
@@ -283,6 +292,7 @@ def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[Tri
             float(np.median(table["torque_change_rms"][part])),
             (float(table["max_abs_v"][part, 0].max()), float(table["max_abs_v"][part, 1].max())),
             int((table["stop"][part] > 0).sum()),
+            {name: float(np.median(table[name][part])) for name in names},
         )
         for part, (kind, ratio, _) in zip(parts, cases, strict=True)
     )  # fmt: skip

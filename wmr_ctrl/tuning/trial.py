@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 WORSE = 0.05
 """Share by which a figure of the test may grow before it is told to be worse: medians of few runs
@@ -15,7 +15,8 @@ class TrialFigures:
     """Medians over the test seeds on one reference, for one ratio of true to believed mass.
 
     ``position_rms`` [m] and ``torque_change_rms`` [N m] as in a run; ``max_abs_v`` [m/s, rad/s] and
-    ``lost``, runs that ended early, are the worst and the number of all.
+    ``lost``, runs that ended early, are the worst and the number of all; ``figures``: those of
+    other packages.
     """
 
     reference: str
@@ -24,6 +25,7 @@ class TrialFigures:
     torque_change_rms: float
     max_abs_v: tuple[float, float]
     lost: int
+    figures: Mapping[str, float] = field(default_factory=dict)
 
     def worse_than(
         self, before: TrialFigures, limits: tuple[float, float]
