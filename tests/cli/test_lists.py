@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import tomllib
 from collections import Counter
+from importlib import import_module
 
 import pytest
 
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.scenario import preset_names
+from wmr_ctrl.scenario import load_scenario, preset_names
 
 
 def test_every_scenario_is_listed_with_its_title(wmr):
@@ -99,6 +100,17 @@ def test_check_says_what_concerns_all_laws_once(wmr):
 
     assert found.count("actuator.tau_max = 1 N m gives") == 1
     assert found.index("all laws") < found.index("actuator.tau_max") < found.index("\npid,")
+
+
+def test_check_runs_no_law_for_longer_than_it_says(wmr, monkeypatch):
+    module = import_module("wmr_ctrl.cli.check")
+    monkeypatch.setattr(module, "MOST_STEPS", 20_000)
+    said = wmr("check", "paper-simulation-no-switch", "--law", "pid").stdout
+    found = json.loads(wmr("check", "paper-simulation", "--law", "pid", "--json").stdout)
+
+    assert "Each law is run for 20000 plant steps alone, not to its end." in said
+    assert found["nominal_duration"] == {"pid": 20.0}
+    assert load_scenario("paper-simulation").clock.duration == 80.0
 
 
 def test_check_of_one_law_without_objection(wmr):

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.page.story import STORY
+from wmr_ctrl.page.content import content_of
+from wmr_ctrl.page.story import STORY, PageScene
 from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import load_scenario, override
 
 STEPS = {step.key: step for step in STORY}
 
@@ -58,3 +60,13 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
     assert prox.summary()["tracked"]
     assert max(prox.summary()["guard_share"]) == pytest.approx(1 / 200)
     assert max(nn.summary()["guard_share"]) > 0.5
+
+
+def test_a_robot_has_room_for_delay_that_no_law_is_told() -> None:
+    known = {"actuator.delay": 0.01, "actuator.untold": 0.9, "clock.plant": 0.001}
+    scenario = override(load_scenario("paper-simulation-nominal"), known)
+    scene = PageScene("late", "Late", "", scenario, ("pid",))
+
+    room = content_of([scene], ("pid",), 0, lambda share: None).room
+
+    assert room.delay_steps > 900
