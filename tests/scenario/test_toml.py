@@ -9,6 +9,7 @@ import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import (
     Actuator,
     Change,
