@@ -160,3 +160,18 @@ def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
         assert asking not in text.replace("http://www.w3.org/2000/svg", ""), asking
     for step in STORY:
         assert step.text in text.replace("&#39;", "'")
+
+
+@pytest.mark.slow
+def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path: Path) -> None:
+    """Past the scenario's change at 40 s, with its noise; what a law keeps in a queue is empty."""
+    page = wmr_ctrl.write_page(tmp_path / "a.html", scenario="paper-simulation", laws=["mb"])
+    done = subprocess.run(
+        [where(*NODE), str(SCRIPT.with_name("going_on.mjs")), str(page)],
+        capture_output=True, text=True, check=False, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+
+    assert found["same"]
+    assert found["before"] == 0 < found["after"]
