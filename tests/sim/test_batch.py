@@ -203,7 +203,7 @@ def test_runs_have_the_seeds_that_were_asked_for() -> None:
 @pytest.mark.parametrize("jobs", [0, -1, 1.5, True])
 def test_jobs_that_cannot_be_are_named(jobs: object) -> None:
     with pytest.raises(ArgumentError, match="jobs"):
-        run_tasks(tasks_of("paper-simulation", "mb", range(1), SHORT), jobs=jobs)  # type: ignore[arg-type]
+        simulate_many("paper-simulation", "mb", [0], SHORT, jobs=jobs)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("start", [(0.0, 0.0), (0.0,) * 6, (0.0, np.nan, 0.0, 0.0, 0.0)])
