@@ -29,7 +29,7 @@ from wmr_ctrl.world.friction import Phase, drag
 from wmr_ctrl.world.pose_sensor import samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
 
-MANY = 4.0
+MANY = 16.0
 """Samples beyond which their nearest whole number stands for a time."""
 
 
