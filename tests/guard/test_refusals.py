@@ -24,7 +24,7 @@ ON = {"guard.enabled": True}
     ({"clock.control": 0.5, "guard.M_min": [25.0, 2.7]}, r"clock\.control <= 0\.2083 s"),
     ({"guard.alpha": 1.0}, r"axis 1.*guard\.alpha >= 2\.667 1/s"),
     ({"guard.alpha": 101.0}, r"alpha T <= 1.*Lower it to 100"),
-    ({"guard.nbar": [0.6, 0.0]}, r"2 nbar <= v_u1.*1\.2 >"),
+    ({"guard.nbar": [0.6, 0.0]}, r"2 nbar <= v_u1.*it is 1\.2, and"),
     ({"actuator.tau_max": 5.0}, r"dbar\[1\] \+ dbar\[2\]/l.*120 > 100 N.*tau_max >= 6 N m"),
     ({"guard.brake": [50.0, 20.0]}, r"guard\.brake\[1\] = 50.*at least.*60"),
     ({"guard.brake": [90.0, 30.0], "actuator.tau_max": 10.0}, r"brake\[1\] \+ brake\[2\]/l.*210"),

@@ -189,3 +189,11 @@ def test_a_preset_wins_over_a_file_of_its_name(tmp_path, monkeypatch):
     assert load_scenario("far-start").title != "mine"
     with pytest.raises(ScenarioError, match=r"must end in \.toml"):
         load_scenario("./far-start")
+
+
+def test_a_plan_of_a_study_is_told_to_be_one(tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 4\n', encoding="utf-8")
+
+    with pytest.raises(ScenarioError, match=r"plan\.toml is a plan of a study.*wmr-ctrl study"):
+        load_scenario(plan)

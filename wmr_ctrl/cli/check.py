@@ -234,7 +234,7 @@ def _sight(run: Run) -> str:
         for place, part in zip((driving(run), "end"), parts.values(), strict=True)
         if part is not None and part["position_rms"] is not None
     )
-    away = away or "it ended early"
+    away = away or ("it ended early" if run.monitor.stopped else "over before it could be judged")
     verdict = "tracked" if tracked(run) else "not tracked"
     held = ""
     if run.guard and shares is not None:

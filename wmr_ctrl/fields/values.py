@@ -219,7 +219,7 @@ def check_multiple(name: str, value: float, unit_name: str, unit: float, most: i
     ``most``: by how much at most, unless it is 0.
     """
     if multiple(value, unit) is None:
-        near = round(value / unit) * unit
+        near = max(1, round(value / unit)) * unit
         raise ScenarioError(
             f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
             f"nearest is {near:.9g} s."

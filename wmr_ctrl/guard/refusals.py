@@ -85,9 +85,9 @@ def _check_noise(scenario: Scenario, guard: Stated, i: int) -> None:
     u1, nbar = scenario.limits.v_u1[i], pair_of(guard.nbar)[i]
     if 2.0 * nbar > aim(scenario, guard, i):
         raise ScenarioError(
-            f"guard.nbar[{i + 1}] = {nbar:g} cannot be met: 2 nbar <= v_u1 is needed, but "
-            f"{2 * nbar:g} > limits.v_u1[{i + 1}] = {u1:g}. Measure the velocity to within "
-            f"{u1 / 2:g}, or raise the limit."
+            f"guard.nbar[{i + 1}] = {nbar:g} cannot be met: 2 nbar <= v_u1 is needed, with room "
+            f"for rounding, but it is {2 * nbar:g}, and limits.v_u1[{i + 1}] = {u1:g}. Measure the "
+            f"velocity to better than {u1 / 2:g}, or raise the limit."
         )
     if guard.f_speed[i] >= u1:
         raise ScenarioError(

@@ -129,12 +129,14 @@ class Run:
         """
         upward("film_run")(self, path)
 
+    @checks_arguments
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
         from wmr_ctrl.results.summary import summary  # it reads Runs, and so stands above
 
         return summary(self)
 
+    @checks_arguments
     def to_dataframe(self) -> pandas.DataFrame:
         """A column per logged number by element name, index ``t`` [s]; units in ``attrs``.
 
@@ -144,6 +146,7 @@ class Run:
 
         return run_frame(self)
 
+    @checks_arguments
     def to_xarray(self) -> xarray.Dataset:
         """A variable per signal over ``t`` [s], with units; raises MissingExtraError."""
         from wmr_ctrl.results.frames import run_dataset

@@ -35,6 +35,11 @@ def load_scenario(
     """
     source = os.fspath(name_or_path)
     raw = _resolved(source, Path(), ())
+    if "scenario" in raw:
+        raise ScenarioError(
+            f"{source} is a plan of a study, no scenario: it names one. Run it with `wmr-ctrl study "
+            f"{source} --out FOLDER`, or give the scenario that it names."
+        )
     name = Path(source).stem if is_path(source) else source
     with naming_file(source, overrides or {}):
         return from_dict(apply(raw, overrides or {}), name)

@@ -63,6 +63,7 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
         taken = {figure.name: column_of(figure, self.figures) for figure in summed}
         return heads | taken | {name: self.figures[name] for name in self.further}
 
+    @checks_arguments
     def to_dataframe(self) -> pandas.DataFrame:
         """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
         return table_frame(self.columns(), {figure.name: figure.unit for figure in FIGURES})
