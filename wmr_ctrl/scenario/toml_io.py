@@ -37,7 +37,7 @@ def load_scenario(
     raw = _resolved(source, Path(), ())
     if "scenario" in raw:
         raise ScenarioError(
-            f"{source} is a plan of a study, no scenario: it names one. Run it with `wmr-ctrl study "
+            f"{source} is a plan of a study, no scenario: it names one. Run it by `wmr-ctrl study "
             f"{source} --out FOLDER`, or give the scenario that it names."
         )
     name = Path(source).stem if is_path(source) else source
