@@ -114,8 +114,9 @@ def test_interruption_of_the_imports_is_no_traceback(environment, tmp_path, seco
     time.sleep(seconds)
     stdout, stderr = interrupted(process)
 
-    assert process.returncode in (130, -signal.SIGINT)  # a shell says 130 for both
-    assert stdout == ""
+    if process.returncode:  # else it ended before, or CasADi's own code took the interrupt
+        assert process.returncode in (130, -signal.SIGINT)  # a shell says 130 for both
+        assert stdout == ""
     assert "Traceback" not in stderr
 
 

@@ -137,7 +137,7 @@ def test_dbar_is_a_parameter_with_its_units(law: str) -> None:
     ({"actuator.tau_max": 6.5}, 1.0),
     ({"actuator.tau_max": 5.0}, 0.0),
     ({"guard.dbar": [1e4, 1.0]}, 0.0),
-    ({"guard.M_min": [80.0, 8.0]}, 0.0),
+    ({"guard.M_min": [0.1, 0.01]}, 0.0),
 ]))  # fmt: skip
 def test_bounds_that_cannot_be_met_are_told_not_refused(
     law: str, case: tuple[dict[str, Any], float]
@@ -158,7 +158,7 @@ def drawn(draw: np.random.Generator) -> dict[str, Any]:
         "guard.dbar": [10 ** draw.uniform(0, 3.5), 10 ** draw.uniform(-1, 3)],
         "guard.nbar": [draw.uniform(0, 0.7), draw.uniform(0, 1.0)],
         "guard.alpha": draw.uniform(10, 110),
-        "guard.M_min": [draw.uniform(20, 80), draw.uniform(2, 9)],
+        "guard.M_min": [draw.uniform(20, 70), draw.uniform(2, 7.5)],
         "guard.f_min": [10 ** draw.uniform(0, 3), draw.uniform(0, 10)],
         "guard.f_speed": [draw.uniform(0, 1.1), draw.uniform(0, 1.6)],
         "guard.brake": [draw.uniform(0, 200), draw.uniform(0, 40)],

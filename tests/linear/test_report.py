@@ -77,7 +77,7 @@ def test_figures_are_written(report_of, tmp_path):
 
 def test_command_prints_parseable_json_and_leaves_paths_to_stderr(report_of, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "wmr_ctrl.linear.report_linear", lambda scenario, law, at, guard: report_of(law)
+        "wmr_ctrl.linear.report_linear", lambda scenario, law, at, guard, progress: report_of(law)
     )
     line = ("linearize", "paper-simulation-nominal", "--law", "pid", "--json", "--plot", "figures")
     monkeypatch.chdir(tmp_path)

@@ -39,7 +39,7 @@ def explain(error: Exception, *, debug: bool) -> int:
 
 def _told(error: Exception) -> tuple[str, int]:
     match error:
-        case click.Abort():
+        case click.Abort() | SystemError(__cause__=KeyboardInterrupt()):  # met within a library
             return "Interrupted.", INTERRUPTED
         case click.UsageError(ctx=click.Context() as ctx):
             return f"{error.format_message()} See '{ctx.command_path} --help'.", WRONG_INPUT
