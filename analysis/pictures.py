@@ -21,7 +21,7 @@ from PIL import Image
 import wmr_ctrl
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
-from wmr_ctrl.guard.bounds import stated_guard, usable_speed
+from wmr_ctrl.guard.bounds import derived_guard, usable_speed
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
@@ -181,7 +181,7 @@ def priced(step: float, push: float, mean: bool) -> float:
     clock = {"clock.control": step, "clock.duration": 100 * step}
     scenario = wmr_ctrl.load_scenario("paper-simulation-nominal", {**numbers, **clock})
     bound = Bound(window=(step, step)) if mean else Bound()
-    return usable_speed(scenario, stated_guard(scenario, bound, math.inf), (39.0, 0.0))[0]
+    return usable_speed(scenario, derived_guard(scenario, bound, math.inf), (39.0, 0.0))[0]
 
 
 def guard_dbar() -> Figure:

@@ -14,12 +14,12 @@ from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.engines import ready_of
+from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import Task, run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
 from wmr_ctrl.sim.memory import VectorSet, laid_out, load, vector_sets
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 from .drive import out_of_place, plant_only
 from .inputs import plant_torques, tracking_rows
@@ -80,7 +80,7 @@ def virtual_machine(law: str, steps: int) -> Candidate:
 def closed_loop(law: str, control: float = 1e-3) -> Candidate:
     """80 s of closed loop in C, without a log; a step is one control sample."""
     setup = settled(law, control)
-    loop = ready_of(compiled(law, control), setup)
+    loop = runnable_of(compiled(law, control), setup)
     return Candidate(laid_out([Task(loop, 0)], []).run, scenario(control).clock.samples)
 
 
@@ -97,7 +97,7 @@ EXACT: Mapping[str, object] = {
 def robot(changes: Mapping[str, object]) -> Candidate:
     """80 s of the guarded NN loop of robot-10ms with some changes; a step is one control sample."""
     setup = settle(load_scenario("robot-10ms", changes), "nn")
-    loop = ready_of(build_loop(setup), setup)
+    loop = runnable_of(build_loop(setup), setup)
     return Candidate(laid_out([Task(loop, 0)], []).run, setup.scenario.clock.samples)
 
 
@@ -130,7 +130,7 @@ def batches(control: float = 1e-3) -> dict[str, Candidate]:
     return {"nn_batch": next(iter(found.values())), **found}
 
 
-def _batch(loop: Ready, vectors: VectorSet) -> Candidate:
+def _batch(loop: RunnableLoop, vectors: VectorSet) -> Candidate:
     tasks = [Task(loop, seed, vectors=vectors.name) for seed in range(vectors.lanes)]
     samples = loop.scenario.clock.samples * vectors.lanes
     return Candidate(partial(run_tasks, tasks, jobs=1), samples)

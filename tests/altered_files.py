@@ -63,7 +63,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     *_rows(
         WORLD, f"{OPTIONS}[pid-changed0]",
         ("lag.py", "wanted + decay", "wanted - decay"),
-        ("delay.py", '+ p.take("actuator.untold")', '+ p.take("clock.plant")'),
+        ("delay.py", '+ p.take("actuator.unmodelled_delay")', '+ p.take("clock.plant")'),
         ("torque_noise.py", "std * normal", "-std * normal"),
     ),
     *_rows(

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.report.reproduction import Facts, Verdicts
     from wmr_ctrl.sim.compiled_law import CompiledLaw
     from wmr_ctrl.sim.many import RunTable
-    from wmr_ctrl.sim.ready import Ready
+    from wmr_ctrl.sim.runnable import RunnableLoop
 
 ENGINES = ("native", "numpy", "fmu")
 
@@ -95,7 +95,7 @@ def simulate(
     >>> run.time.shape, run["v_c0"].shape, run.signal("v_c0").unit
     ((500,), (500, 2), 'm/s, rad/s')
     """
-    from wmr_ctrl.engines import check_plant, ready_plantless, run_compiled, run_numpy
+    from wmr_ctrl.engines import check_plant, run_compiled, run_numpy, runnable_plantless
 
     chosen = scenario_of(scenario, overrides, guard)
     checked_seeds([seed])
@@ -103,7 +103,7 @@ def simulate(
     if plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid
 
-        return run_rigid(ready_plantless(chosen, law), seed, progress)
+        return run_rigid(runnable_plantless(chosen, law), seed, progress)
     if engine == "native":
         return run_compiled(chosen, law, seed)
     if engine == "numpy":
@@ -330,14 +330,14 @@ def compile_loop(
     law: str,
     overrides: types.Overrides | None = None,
     guard: bool | None = None,
-) -> Ready:
+) -> RunnableLoop:
     """The closed loop of ``law`` on ``scenario``, compiled for many runs at a time.
 
     For `wmr_ctrl.linear.kinematic.endings` and `wmr_ctrl.sim.batch`.  Errors as in `compile_law`.
     """
-    from wmr_ctrl.engines import ready_batch
+    from wmr_ctrl.engines import runnable_batch
 
-    return ready_batch(scenario_of(scenario, overrides, guard), law)
+    return runnable_batch(scenario_of(scenario, overrides, guard), law)
 
 
 def law_table() -> list[dict[str, str]]:

@@ -12,35 +12,35 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.finish import finished, settings_of
+from wmr_ctrl.sim.finish import assemble_run, settings_of
 from wmr_ctrl.sim.interpreted import run_interpreted
 from wmr_ctrl.sim.many import RunTable, run_each, run_many
 from wmr_ctrl.sim.native import run_native
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Progress = Callable[[float], None]
 
 
-def ready_batch(scenario: Scenario, law: str) -> Ready:
+def runnable_batch(scenario: Scenario, law: str) -> RunnableLoop:
     """The closed loop of a law, compiled for many runs at a time.  Raises as `settle` does."""
     setup = settle(scenario, law)
-    return ready_of(build_batch(setup), setup)
+    return runnable_of(build_batch(setup), setup)
 
 
 def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
     """One run of the loop that is compiled for one robot."""
     setup = settle(scenario, law)
-    loop = ready_of(build_loop(setup), setup)
+    loop = runnable_of(build_loop(setup), setup)
     columns, monitor = run_native(loop, seed)
     logged = (loop.compiled.layout.columns, columns, monitor)
     facts = {"kernel_hash": loop.compiled.digest}
-    return finished(scenario, law, seed, "native", logged, facts, loop.bounds)
+    return assemble_run(scenario, law, seed, "native", logged, facts, loop.bounds)
 
 
-def ready_plantless(scenario: Scenario, law: str) -> Ready:
+def runnable_plantless(scenario: Scenario, law: str) -> RunnableLoop:
     """The loop of a law for one robot, compiled without its plant.  Raises as `settle` does."""
     setup = settle(scenario, law)
-    return ready_of(build_plantless(setup), setup)
+    return runnable_of(build_plantless(setup), setup)
 
 
 def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None = None) -> Run:
@@ -50,7 +50,7 @@ def run_numpy(scenario: Scenario, law: str, seed: int, progress: Progress | None
     columns, monitor = run_interpreted(loop, seed, settings_of(setup.scenario), progress)
     logged = (loop.numbers.layout.columns, columns, monitor)
     facts = {"kernel_hash": ""}
-    return finished(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
+    return assemble_run(scenario, law, seed, "numpy", logged, facts, setup.assumptions)
 
 
 def runs_of(
@@ -65,9 +65,9 @@ def runs_of(
     if plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid_each
 
-        apart = ready_plantless(scenario, law)
+        apart = runnable_plantless(scenario, law)
         return run_rigid_each([(apart, seed) for seed in seeds], jobs, progress)
-    loop = ready_batch(scenario, law)
+    loop = runnable_batch(scenario, law)
     return run_each([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
 
 
@@ -85,17 +85,17 @@ def table_of(
     if plant == "mujoco":
         from wmr_ctrl.physics.many import run_rigid_many
 
-        run, build = run_rigid_many, partial(ready_plantless, law=law)
+        run, build = run_rigid_many, partial(runnable_plantless, law=law)
     else:
-        run, build = run_many, partial(ready_batch, law=law)
+        run, build = run_many, partial(runnable_batch, law=law)
     return run(
         build, scenarios, seeds, starts=starts, figures=figures, jobs=jobs, progress=progress
     )
 
 
-def ready_of(compiled: CompiledLoop, setup: Setup) -> Ready:
+def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
     """What was compiled from a setup, with that setup's scenario, law and assumptions."""
-    return Ready(compiled, setup.scenario, setup.name, setup.assumptions)
+    return RunnableLoop(compiled, setup.scenario, setup.name, setup.assumptions)
 
 
 def check_plant(plant: str, engine: str = "native") -> None:

@@ -65,12 +65,12 @@ def _scenario(options: ExportOptions) -> Scenario:
 
 def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:
     """Film a run on the rigid body in three dimensions; as `Run.film`."""
-    from wmr_ctrl.engines import ready_plantless
+    from wmr_ctrl.engines import runnable_plantless
     from wmr_ctrl.physics.film import moments_of
     from wmr_ctrl.report.film import MOST_MOMENTS, check_film, write_moments
     from wmr_ctrl.scenario import loads_scenario
 
     check_film(path, run.settings.plant_kind)
-    loop = ready_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
+    loop = runnable_plantless(loads_scenario(str(run.provenance["scenario_toml"])), run.law)
     moments = moments_of(loop, run, MOST_MOMENTS[Path(path).suffix.lower()])
     write_moments(run, moments, path, progress)

@@ -12,12 +12,12 @@ import numpy as np
 from wmr_ctrl.codegen.build import Program, build_loop, program_of
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.engines import ready_of
+from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.batch import Task
 from wmr_ctrl.sim.figures import windows_of
 from wmr_ctrl.sim.memory import Memory, laid_out, noise_key
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 SEED = 5
 WIDEST = 8
@@ -56,10 +56,10 @@ class Case:
         return program_of(self.setup)
 
     @property
-    def loop(self) -> Ready:
+    def loop(self) -> RunnableLoop:
         """Ready to run."""
         setup = self.setup
-        return ready_of(self.compiled, setup)
+        return runnable_of(self.compiled, setup)
 
     @property
     def windows(self) -> list[tuple[int, int]]:

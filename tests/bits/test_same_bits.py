@@ -14,7 +14,7 @@ from tests.matrix import headed, turns
 from wmr_ctrl.codegen.build import build_batch, vector_sets
 from wmr_ctrl.codegen.compiler import UNFUSED
 from wmr_ctrl.compiled import elements
-from wmr_ctrl.engines import ready_of
+from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.batch import Task, run_logged
@@ -92,7 +92,7 @@ def test_platforms_agree(number: int, tmp_path: Path) -> None:
 def test_lanes_of_our_library_are_single_runs(law: str, vectors: str) -> None:
     """Each lane has a seed of its own."""
     one = case(law, "everything")
-    loop = ready_of(build_batch(one.setup), one.setup)
+    loop = runnable_of(build_batch(one.setup), one.setup)
     width = {item.name: item.lanes for item in usable(loop.compiled.library)}.get(vectors)
     if width is None:
         pytest.skip(f"NOT RUN: this processor or compiler has no {vectors}")

@@ -34,11 +34,16 @@ def test_prox_is_said_to_cycle_where_it_does(told, loop, name, period, delay):
         assert largest_period(loop("prox", {"clock.control": period})) > 0.13
 
 
-@pytest.mark.parametrize(("untold", "stable"), [(0.04, True), (0.05, False), (0.06, False)])
-def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, untold, stable):
+@pytest.mark.parametrize(
+    ("unmodelled_delay", "stable"), [(0.04, True), (0.05, False), (0.06, False)]
+)
+def test_a_delay_that_nobody_told_the_observer_counts_as_that(loop, unmodelled_delay, stable):
     """As long as a period it makes kanayama cycle, where the same delay told does not."""
     own = {"clock.control": 0.05, "initial.pose": (2.001, 0.0, 0.0), "initial.velocity": (0.2, 0.1)}
-    late, told = {"actuator.untold": untold}, {"actuator.delay": untold}
+    late, told = (
+        {"actuator.unmodelled_delay": unmodelled_delay},
+        {"actuator.delay": unmodelled_delay},
+    )
     seen = [_worst(loop("kanayama", own | how, NOMINAL), 0.05) for how in (late, told)]
     run = simulate(NOMINAL, "kanayama", overrides=own | late)
 

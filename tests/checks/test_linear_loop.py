@@ -28,7 +28,7 @@ EFFECTS = {
     "none": {},
     "delay": {"actuator.delay": 0.02},
     "part of a period": {"actuator.delay": 0.013},
-    "untold": {"actuator.untold": 0.007},
+    "unmodelled_delay": {"actuator.unmodelled_delay": 0.007},
     "lag": {"actuator.lag": 0.02},
     "delay and lag": {"actuator.delay": 0.013, "actuator.lag": 0.02},
     "window": {"sensor.velocity_window": 0.03},
@@ -189,7 +189,7 @@ def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> No
     ("law", "late"),
     [
         ("mb", {}), ("prox", {}), ("mb", {"actuator.lag": 0.02}),
-        ("kanayama", {"actuator.delay": 0.02}), ("prox", {"actuator.untold": 0.02}),
+        ("kanayama", {"actuator.delay": 0.02}), ("prox", {"actuator.unmodelled_delay": 0.02}),
         ("pid", {"actuator.delay": 0.005, "actuator.lag": 0.01}),
     ],
 )  # fmt: skip

@@ -52,7 +52,7 @@ OTHER: Mapping[str, Any] = {
     "clock.duration": 0.2,
     "sensor.pose_period": 0.02,
     "actuator.delay": 0.013,
-    "actuator.untold": 0.002,
+    "actuator.unmodelled_delay": 0.002,
     "sensor.pose_delay": 0.02,
     "sensor.pose_dropout": 0.5,
     "guard.M_min": [40.0, 4.0],

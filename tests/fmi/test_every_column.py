@@ -58,7 +58,7 @@ ACTING: Mapping[str, Mapping[str, object]] = {
     "gust": {"gust.size": [5.0, 1.0], "gust.time": 0.1},
     "slope": {"slope.angle": 0.01, "slope.direction": 0.5, "slope.offset": 0.02},
     "resistance": {"resistance.rolling": [0.01, 0.012], "resistance.viscous": [2.0, 0.1]},
-    "delay": {"actuator.delay": 0.003, "actuator.untold": 0.001},
+    "delay": {"actuator.delay": 0.003, "actuator.unmodelled_delay": 0.001},
     "jitter": {"actuator.jitter": 0.004},
     "motor": {"motor.step": 0.02, "motor.dead_zone": 0.01},
     "lag": {"actuator.lag": 0.004, "actuator.lag_spread": 0.3},

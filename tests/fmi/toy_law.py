@@ -10,8 +10,8 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
 
@@ -24,11 +24,11 @@ class ToyGains(Section, key="gains.toy"):
     K: tuple[float, float] = quantity((200.0, 20.0), unit="kg/s, kg.m2/s", doc="gain", above=0.0)
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = K (v_c0 - v), with a memory that nothing reads."""
-    memory, error = port(SUM), sample.v_c0 - sample.v
-    force = ca.vertcat(*(sample.gain("K")[i] * error[i] for i in (0, 1)))
-    return sample.system("toy law", force, (memory,), memory.sym + sample.period * error)
+    memory, error = port(SUM), context.v_c0 - context.v
+    force = ca.vertcat(*(context.gain("K")[i] * error[i] for i in (0, 1)))
+    return context.system("toy law", force, (memory,), memory.sym + context.period * error)
 
 
 LAW = Law(

@@ -13,7 +13,7 @@ from tests.guard.late_formula import LateGuard
 from tests.guard.varying_formula import VaryingGuard
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
@@ -95,7 +95,7 @@ def settled(case: Case) -> Setup:
         delay=case.hi * case.T, jitter=(case.hi - case.lo) * case.T, lag=(fast, lag),
         age=(old, old), window=(wide, wide),
     )  # fmt: skip
-    stated = settled_guard(scenario, bound, np.inf)
+    stated = feasible_guard(scenario, bound, np.inf)
     return replace(settle(scenario, None), guard=stated)
 
 

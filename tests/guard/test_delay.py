@@ -19,7 +19,7 @@ from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import early_speed, usable_speed
-from wmr_ctrl.guard.delay import UnderWay, under_way
+from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario
@@ -86,22 +86,22 @@ def test_hostile_robots_300_times() -> None:
     assert (fastest(300, 1) <= 1).all()
 
 
-UNDER_WAY = "wmr_ctrl.guard.delay.under_way"
+UNDER_WAY = "wmr_ctrl.guard.delay.in_flight"
 MUTATIONS = {
     "nothing under way is counted": (
-        "wmr_ctrl.guard.delay.under_way",
-        lambda *_: UnderWay(ca.SX(0), ca.SX(0)),
+        "wmr_ctrl.guard.delay.in_flight",
+        lambda *_: InFlight(ca.SX(0), ca.SX(0)),
     ),
     "one percent is not counted": (
-        "wmr_ctrl.guard.delay.under_way",
-        lambda *a: _scaled(under_way(*a), 0.99),
+        "wmr_ctrl.guard.delay.in_flight",
+        lambda *a: _scaled(in_flight(*a), 0.99),
     ),
     "commands are not capped": ("wmr_ctrl.guard.guard.largest_force", lambda _: ca.SX(1e30)),
 }
 
 
-def _scaled(coming: UnderWay, share: float) -> UnderWay:
-    return UnderWay(share * coming.ahead, share * coming.back)
+def _scaled(coming: InFlight, share: float) -> InFlight:
+    return InFlight(share * coming.ahead, share * coming.back)
 
 
 @pytest.mark.parametrize("name", MUTATIONS)

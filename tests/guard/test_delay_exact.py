@@ -14,14 +14,14 @@ from tests.codegen.compiled import compiled
 from tests.guard.test_graph import ASKED, BOUNDS, NAMES, SYMBOLS, Y
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.guard.bounds import rounding
-from wmr_ctrl.guard.delay import largest_force, under_way
+from wmr_ctrl.guard.delay import in_flight, largest_force
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 
 SHARES = (1.0, 0.5)
 """Two commands under way, for one and for half a period."""
 LATE = replace(BOUNDS, delay=sum(SHARES) * BOUNDS.period)
 SENT = ca.SX.sym("sent", 2)
-COMING = under_way([(ca.vertcat(SENT[i], 0), share) for i, share in enumerate(SHARES)], 0, LATE)
+COMING = in_flight([(ca.vertcat(SENT[i], 0), share) for i, share in enumerate(SHARES)], 0, LATE)
 FORCES = ca.vertcat(
     clipped(ASKED, Y, LATE, COMING), floor(Y, LATE, COMING), ceiling(Y, LATE, COMING)
 )

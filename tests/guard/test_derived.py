@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import early_speed, reach, stated_guard, unbeatable_speed
+from wmr_ctrl.guard.bounds import derived_guard, early_speed, reach, unbeatable_speed
 from wmr_ctrl.guard.counted import MODEL, STATED, counted
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
@@ -66,14 +66,14 @@ LATE = Bound(dbar=(20.0, 3.0), nbar=(0.05, 0.08), mass=(3.0, 0.2), age=(0.004, 0
 def late(**changed: object):
     """Scenario and numbers of a guard with everything that an effect can add."""
     scenario = load_scenario("far-start", {**ON, **changed})
-    return scenario, stated_guard(scenario, LATE, math.inf)
+    return scenario, derived_guard(scenario, LATE, math.inf)
 
 
 @pytest.mark.parametrize("i", [0, 1])
 def test_what_effects_add_to_a_mass_widens_what_is_counted(i) -> None:
     """By as much on both sides, and nothing where a mass is stated."""
     scenario, guard = late()
-    alone = stated_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
+    alone = derived_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
     _, stated = late(**{"guard.M_min": [40.0, 4.0], "guard.M_max": [60.0, 6.5]})
 
     assert guard.M_min[i] == pytest.approx(alone.M_min[i] - LATE.mass[i])
@@ -104,7 +104,7 @@ def test_where_drives_vary_the_mixed_time_caps_what_brakes() -> None:
     """M_min (v_u1 - 2 nbar)/mixed, with so much error that it is the smaller of the two."""
     noisy = replace(LATE, nbar=(0.49, 0.735))
     scenario, still = late()
-    guard = stated_guard(scenario, noisy, math.inf)
+    guard = derived_guard(scenario, noisy, math.inf)
     for i, limit in enumerate((1.0, 1.5)):
         mixed = LATE.age[i] + LATE.window[i] / 2 + 0.012 + 0.03
         capped = guard.M_min[i] * (limit - 2 * noisy.nbar[i]) / mixed

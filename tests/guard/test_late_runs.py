@@ -28,7 +28,7 @@ KINDS = {
     "mean over 100 ms": {**SLOW_SAMPLE, "sensor.velocity_window": 0.1},
     "late by 100 ms": {**SLOW_SAMPLE, "sensor.velocity_age": 0.1},
     "jitter of half a sample": {**SLOW_SAMPLE, "actuator.jitter": 0.05},
-    "untold delay": {**SLOW_SAMPLE, "actuator.untold": 0.05},
+    "untold delay": {**SLOW_SAMPLE, "actuator.unmodelled_delay": 0.05},
     "lag": {**SLOW_SAMPLE, "actuator.lag": 0.05},
     "as a robot has it, 10 ms": {
         "encoder.counts": 1024.0, "actuator.jitter": 0.005, "actuator.lag": 0.02,
@@ -42,7 +42,7 @@ DRIVES = {
 RANGES = {
     "lag between bounds": {**SLOW_SAMPLE, "actuator.lag": 0.05, "actuator.lag_spread": 0.4},
     "stated bounds of delay and lag": {
-        **SLOW_SAMPLE, "actuator.untold": 0.02, "actuator.lag": 0.05,
+        **SLOW_SAMPLE, "actuator.unmodelled_delay": 0.02, "actuator.lag": 0.05,
         "guard.delay": [0.0, 0.03], "guard.lag": [0.02, 0.06],
     },
 }  # fmt: skip

@@ -16,7 +16,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import unbeatable_speed, usable_speed
 from wmr_ctrl.guard.lateness import Counting, Times, lateness, since_last
-from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
 
@@ -206,8 +206,8 @@ def test_usable_speed_is_where_a_robot_settles_and_below_what_no_guard_can_beat(
         stated = {"guard.dbar": [60.0, 5.0], "guard.M_min": [45.0, 4.86], "guard.trust": True}
         changed = {**ON, **stated, "clock.control": period, "clock.duration": 80.0}
         scenario = load_scenario("paper-simulation-nominal", changed)
-        exact = settled_guard(scenario, Bound(), math.inf)
-        mean = settled_guard(scenario, Bound(window=(period, period)), math.inf)
+        exact = feasible_guard(scenario, Bound(), math.inf)
+        mean = feasible_guard(scenario, Bound(window=(period, period)), math.inf)
         told["exact"].append(usable_speed(scenario, exact, (39.0, 0.0))[0])
         told["mean"].append(usable_speed(scenario, mean, (39.0, 0.0))[0])
         told["best"].append(unbeatable_speed(scenario, mean, (39.0, 0.0))[0])
@@ -233,7 +233,7 @@ def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case: Case, sai
 def test_a_moving_start_of_a_late_sensor_is_refused() -> None:
     moving = load_scenario("paper-simulation-nominal", {**ON, "initial.velocity": [0.5, 0.0]})
     with pytest.raises(ScenarioError, match=r"initial\.velocity\[1\] = 0\.5.*Start at rest"):
-        settled_guard(moving, Bound(window=(0.01, 0.01)), math.inf)
+        feasible_guard(moving, Bound(window=(0.01, 0.01)), math.inf)
 
 
 def test_nothing_late_gives_the_graph_of_before() -> None:

@@ -11,7 +11,7 @@ from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
 
@@ -70,10 +70,10 @@ def test_a_command_may_take_over_one_period_late_and_no_later(beyond) -> None:
     scenario = load_scenario("far-start", ON)
     bound = Bound(delay=0.03, jitter=0.01 * beyond)
     if beyond == 1.0:
-        assert settled_guard(scenario, bound, math.inf).jitter == pytest.approx(0.01)
+        assert feasible_guard(scenario, bound, math.inf).jitter == pytest.approx(0.01)
         return
     with pytest.raises(ScenarioError, match=r"varies by 0\.011 s, more than clock\.control"):
-        settled_guard(scenario, bound, math.inf)
+        feasible_guard(scenario, bound, math.inf)
 
 
 @pytest.mark.parametrize("late", [{"age": (0.01, 0.0)}, {"window": (0.01, 0.0)}])
@@ -84,8 +84,8 @@ def test_a_moving_start_needs_a_velocity_that_is_not_late(late) -> None:
         for start in ([0.5, 0], [0, 1])
     )
     with pytest.raises(ScenarioError, match=r"initial\.velocity\[1\] = 0\.5.*Start at rest"):
-        settled_guard(moving, Bound(**late), math.inf)
-    assert settled_guard(turning, Bound(**late), math.inf)
+        feasible_guard(moving, Bound(**late), math.inf)
+    assert feasible_guard(turning, Bound(**late), math.inf)
 
 
 def reads_the_limit(share: float):
@@ -99,7 +99,7 @@ def reads_the_limit(share: float):
 def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share) -> None:
     def settled(limit: float):
         scenario = scenario_of("far-start", {"actuator.tau_max": limit})
-        return settled_guard(scenario, bound(scenario), limit, bound)
+        return feasible_guard(scenario, bound(scenario), limit, bound)
 
     bound = reads_the_limit(share)
     with pytest.raises(ScenarioError) as refused:
@@ -118,7 +118,7 @@ def test_a_torque_limit_is_not_proposed_where_none_is_enough(share) -> None:
     bound, scenario = reads_the_limit(share), scenario_of("far-start", {"actuator.tau_max": 4.0})
 
     with pytest.raises(ScenarioError, match=r"No tau_max is enough: .* with tau_max") as told:
-        settled_guard(scenario, bound(scenario), 4.0, bound)
+        feasible_guard(scenario, bound(scenario), 4.0, bound)
     assert "tau_max >=" not in str(told.value)
 
 

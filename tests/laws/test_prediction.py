@@ -15,9 +15,9 @@ from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.sample_time import stability
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.control.structure import structure_of
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.laws.prox import guide
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.linear import closed_loop as linear_loop
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -54,7 +54,7 @@ def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> N
     scenario = late("prox", 1.0)
     quiet = {"disturbance.std": 0.0, "clock.duration": 4.0}
     run = oracle.simulate(scenario, "prox", seed=3, overrides=quiet)
-    here = Sample(settle(scenario, "prox"))
+    here = LawContext(settle(scenario, "prox"))
     then, ports = ahead(here, ca.SX.zeros(2))
     numbers = here.parameters.ports
     graph = ca.Function(
@@ -84,7 +84,7 @@ def test_it_sees_robot_and_reference_where_they_are_when_its_command_acts() -> N
 def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed() -> None:
     """Two commands under way, 1.5 periods: the plain equations of motion in steps of 0.1 ms."""
     believed = {"model.m": 60.0, "model.I": 4.0, "model.mu": 0.1}
-    here = Sample(settle(late("prox", 1.5, **believed), "prox"))
+    here = LawContext(settle(late("prox", 1.5, **believed), "prox"))
     made_up = ca.SX.sym("made_up", 2)
     then, ports = ahead(here, made_up)
     symbols = [*(item.sym for item in (*here.inputs, *ports)), made_up]

@@ -7,8 +7,8 @@ import pytest
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.laws import registry
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 
 
@@ -18,10 +18,10 @@ class ToyGains(Section, key="gains.toy"):
     k: tuple[float, float] = quantity((200.0, 20.0), unit="N.s/m, N.m.s/rad", doc="gain on z")
 
 
-def build_toy(sample: Sample) -> System:
+def build_toy(context: LawContext) -> System:
     """F = F1 - k (v - v_c1)."""
-    pull = sample.gain("k") * (sample.v - sample.per_axis("v_c1"))
-    return sample.system("toy", sample.friction - pull)
+    pull = context.gain("k") * (context.v - context.per_axis("v_c1"))
+    return context.system("toy", context.friction - pull)
 
 
 TOY = Law(
@@ -42,11 +42,11 @@ class PlainGains(Section, key="gains.plain"):
     k: tuple[float, float] = quantity((1000.0, 100.0), unit="N.s/m, N.m.s/rad", doc="gain on v")
 
 
-def build_plain(sample: Sample) -> System:
+def build_plain(context: LawContext) -> System:
     """F = k (v_d + gains times errors - v): no Eq. (7), no barrier, no model, no memory."""
-    steer = sample.gain("aside") * sample.e[1] + sample.gain("turned") * sample.e[2]
-    wanted = sample.v_d + ca.vertcat(sample.gain("ahead") * sample.e[0], steer)
-    return sample.system("plain", sample.gain("k") * (wanted - sample.v))
+    steer = context.gain("aside") * context.e[1] + context.gain("turned") * context.e[2]
+    wanted = context.v_d + ca.vertcat(context.gain("ahead") * context.e[0], steer)
+    return context.system("plain", context.gain("k") * (wanted - context.v))
 
 
 PLAIN = Law(

@@ -13,11 +13,11 @@ from tests.oracle.loop import simulate_oracle
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.finish import assemble_run
 
 __all__ = ["simulate", "simulate_oracle"]
 
@@ -36,7 +36,9 @@ def simulate(
     if stated.delay is not None or stated.lag is not None:
         raise ValueError("the guard's twin knows no guard.delay and guard.lag")
     if stated.enabled and not setup.guard.knows_force(drives.delay, drives.lag):
-        raise ValueError("the guard's twin knows no actuator.untold and actuator.lag_spread")
+        raise ValueError(
+            "the guard's twin knows no actuator.unmodelled_delay and actuator.lag_spread"
+        )
     own = {signal.name: signal for signal in own_diagnostics(watched_controller(setup))}
     columns, numbers = simulate_oracle(
         setup.scenario,
@@ -48,4 +50,4 @@ def simulate(
     )
     signals = (*LOG_HEAD, *(own[name] for name in columns if name in own))
     logged = (signals, columns, Monitor(**numbers))
-    return finished(setup.scenario, law, seed, "oracle", logged, {}, setup.assumptions)
+    return assemble_run(setup.scenario, law, seed, "oracle", logged, {}, setup.assumptions)

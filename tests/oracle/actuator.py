@@ -15,7 +15,7 @@ class Drives:
     """Turns the commanded torques into those that act, one plant step at a time."""
 
     def __init__(self, settings: Actuator, clock: Clock, key: Words) -> None:
-        steps = round((settings.delay + settings.untold) / clock.plant)
+        steps = round((settings.delay + settings.unmodelled_delay) / clock.plant)
         self.waiting: deque[Pair] = deque([(0.0, 0.0)] * steps)
         self.settings, self.dt, self.every = settings, clock.plant, clock.substeps
         self.spread = settings.lag_spread * symmetric(key, clock.samples, LAG)[:, 0]

@@ -25,7 +25,7 @@ from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.ledger import load
 
 AXIS, SMOOTH = stable_barrier.Axis, smooth_barrier.SmoothAxis
-GRADIENT = '0.5 * sample.per_axis("w") / sample.per_axis("q")'
+GRADIENT = '0.5 * context.per_axis("w") / context.per_axis("q")'
 """A/2, which v' = -(rho/2) dV1/dv has where law (9) has V1/A."""
 ALTERATIONS = [
     (barrier.a_term, "v - c", "v + c", "eq74"),
@@ -39,9 +39,9 @@ ALTERATIONS = [
     (AXIS.divisor.func, "1 + curvature", "1 - curvature", "forms.q"),
     (AXIS.lyapunov.func, "0.5 *", "0.6 *", "forms.V1"),
     (stable_barrier._chi, "1 / order", "1 / (order + 1)", "forms.series"),
-    (mb.build, 'sample.per_axis("q")', '2 * sample.per_axis("q")', "P8"),
-    (mb.build, 'sample.per_axis("V1_over_A")', GRADIENT, "gain.none"),
-    (mb.build, 'sample.per_axis("V1_over_A")', GRADIENT, "gain.none-smooth"),
+    (mb.build, 'context.per_axis("q")', '2 * context.per_axis("q")', "P8"),
+    (mb.build, 'context.per_axis("V1_over_A")', GRADIENT, "gain.none"),
+    (mb.build, 'context.per_axis("V1_over_A")', GRADIENT, "gain.none-smooth"),
     (mb.decay_rate, "-ca.expm1", "-2 * ca.expm1", "prox.newton-side"),
     (mb.decay_rate, "-ca.expm1", "-2 * ca.expm1", "prox.newton"),
     (barrier.f, "(u1 - ca.fabs(v)) / (u1 - u2)", "(u1 - ca.fabs(v)) ** 2", "convex"),
@@ -51,7 +51,7 @@ ALTERATIONS = [
     (SMOOTH.p.func, "(product + 1)", "(product + 2)", "smooth.v_c1"),
     (AXIS.lyapunov.func, "0.5 *", "0.6 *", "smooth.slope"),
     (nn._adapted, "* weights - learning", "* weights + learning", "eq58"),
-    (nn.build, '-sample.gain("rho1")', 'sample.gain("rho1")', "eq57"),
+    (nn.build, '-context.gain("rho1")', 'context.gain("rho1")', "eq57"),
     (rbf.corner_basis, "-4 * node", "-2 * node", "eq58.basis"),
     (auxiliary.auxiliary_velocity, "k[2] * ca.sin", "-k[2] * ca.sin", "eq37"),
     (tracking.error_rate, "- v[0]", "+ v[0]", "eq33-35"),

@@ -78,7 +78,7 @@ LONG = 1e6
 @pytest.mark.parametrize(
     "key",
     ["sensor.velocity_window", "sensor.velocity_age", "sensor.pose_delay", "encoder.window",
-     "actuator.delay", "actuator.untold"],
+     "actuator.delay", "actuator.unmodelled_delay"],
 )  # fmt: skip
 def test_windows_and_ages_of_a_million_seconds(key):
     with pytest.raises(ScenarioError, match=rf"^{key} = 1000000.*at most"):

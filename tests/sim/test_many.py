@@ -13,8 +13,8 @@ from wmr_ctrl.api import compile_loop, scenario_of, simulate
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.laws import LAWS
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results.summary import summary
 from wmr_ctrl.sim.many import RunTable, run_many
@@ -31,7 +31,7 @@ class BlindGains(Section, key="gains.blind"):
     """None."""
 
 
-def blind(sample: Sample) -> System:
+def blind(sample: LawContext) -> System:
     """A thrust that is no number any more above 0.05 m/s."""
     return sample.system("blind law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
 

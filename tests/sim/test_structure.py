@@ -12,13 +12,13 @@ from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.control.structure import structure_of
-from wmr_ctrl.engines import ready_of
+from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.system import values
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.sim.many import run_many
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 BASES = {
     "plain": {},
@@ -103,9 +103,9 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
     masses = [{"robot.m": 40.0 + k, "clock.duration": 0.1} for k in range(20)]
     scenarios = [load_scenario("paper-simulation", mass) for mass in masses]
 
-    def ready(scenario: Scenario) -> Ready:
+    def ready(scenario: Scenario) -> RunnableLoop:
         setup = settle(scenario, "mb")
-        return ready_of(build_batch(setup), setup)
+        return runnable_of(build_batch(setup), setup)
 
     shares: list[float] = []
     table = run_many(ready, scenarios, [0] * 20, progress=shares.append)

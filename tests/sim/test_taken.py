@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate_many, simulate_runs
-from wmr_ctrl.physics.many import figures_taken
+from wmr_ctrl.physics.many import figures_from_run
 from wmr_ctrl.sim.figures import SHAPES
 
 
@@ -22,7 +22,7 @@ def test_every_figure_is_that_of_the_sums(law, overrides, guard):
     chosen = {"seeds": range(2), "overrides": overrides, "guard": guard}
     table = simulate_many("far-start", law, **chosen)
     for k, run in enumerate(simulate_runs("far-start", law, **chosen)):
-        taken = figures_taken(run, tuple(table["final_state"][k]))
+        taken = figures_from_run(run, tuple(table["final_state"][k]))
         assert taken.keys() == SHAPES.keys()
         for name, values in taken.items():
             summed = table[name][k]

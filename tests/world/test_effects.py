@@ -62,7 +62,7 @@ EFFECTS: Mapping[str, Changes] = {
     "lost poses": {"sensor.pose_dropout": 0.3, "sensor.pose_noise": 0.02},
     "jitter": {"actuator.jitter": 0.005},
     "jitter of a delay": {"actuator.jitter": 0.01, "actuator.delay": 0.007},
-    "untold delay": {"actuator.untold": 0.004},
+    "untold delay": {"actuator.unmodelled_delay": 0.004},
     "lag that varies": {"actuator.lag": 0.02, "actuator.lag_spread": 0.5},
     "motor": {"motor.step": 0.2, "motor.dead_zone": 0.1, "motor.stall": 20.0, "motor.free": 30.0},
     "wheels": {"wheels.radius": [0.02, -0.01], "wheels.track": 0.02},
@@ -472,7 +472,11 @@ def test_laws_see_what_is_measured_alone():
 
 
 def test_effects_add_up_and_two_means_are_none():
-    changes = {**EFFECTS["jitter of a delay"], "actuator.untold": 0.004, **EFFECTS["encoder"]}
+    changes = {
+        **EFFECTS["jitter of a delay"],
+        "actuator.unmodelled_delay": 0.004,
+        **EFFECTS["encoder"],
+    }
     bound = settle(scenario(changes), LAW).bound
 
     assert (bound.delay, bound.jitter) == (pytest.approx(0.021), 0.01)

@@ -13,7 +13,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.sim.many import run_each
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Overrides: TypeAlias = Mapping[str, object]
 """Fields of a scenario by key path, such as ``clock.control``."""
@@ -78,11 +78,14 @@ class Silent:
         """Show nothing."""
 
 
-def build_loop(case: PlannedCase) -> Ready:
+def build_loop(case: PlannedCase) -> RunnableLoop:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
-    from wmr_ctrl.engines import ready_batch, ready_plantless  # a worker that builds none is light
+    from wmr_ctrl.engines import (
+        runnable_batch,
+        runnable_plantless,
+    )  # a worker that builds none is light
 
-    build = ready_batch if case.plant == "ode" else ready_plantless
+    build = runnable_batch if case.plant == "ode" else runnable_plantless
     return build(scenario_of(case), case.law)
 
 
@@ -96,14 +99,14 @@ def scenario_of(case: PlannedCase) -> Scenario:
 
 def built_loops(
     cases: Iterable[PlannedCase], progress: PhaseProgress, text: str
-) -> list[Ready | Refusal]:
+) -> list[RunnableLoop | Refusal]:
     """The loop of each case, in their order, each different one compiled once.
 
     A guard that refuses gives its Refusal; what cannot be without the guard either is raised.
     """
-    known: dict[str, Ready | Refusal] = {}
+    known: dict[str, RunnableLoop | Refusal] = {}
 
-    def built(case: PlannedCase) -> Ready | Refusal:
+    def built(case: PlannedCase) -> RunnableLoop | Refusal:
         key = case_key(case)
         if key not in known:
             try:
@@ -146,7 +149,7 @@ def run_cases(
     Nothing depends on ``jobs``.
     """
     loops = built_loops((case for case, _ in runs), progress, texts[0])
-    ready: list[tuple[Ready, int]] = []
+    ready: list[tuple[RunnableLoop, int]] = []
     places: list[int] = []
     for place, (loop, (_, seed)) in enumerate(zip(loops, runs, strict=True)):
         if not isinstance(loop, Refusal):

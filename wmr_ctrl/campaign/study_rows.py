@@ -16,12 +16,12 @@ from wmr_ctrl.results.figures import RIGID, SHARES, SUMMED
 from wmr_ctrl.sim.batch import Task, run_tasks
 from wmr_ctrl.sim.figures import SHAPES, column_of, monitor, tracked
 from wmr_ctrl.sim.many import logged_figures
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 Columns: TypeAlias = dict[str, np.ndarray]
-Runs: TypeAlias = Sequence[tuple[Ready, int]]
+Runs: TypeAlias = Sequence[tuple[RunnableLoop, int]]
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class StudyChunk:
 
     runs: tuple[tuple[PlannedCase, int], ...]
     figures: tuple[str, ...]
-    loops: tuple[Ready | Refusal, ...] = ()
+    loops: tuple[RunnableLoop | Refusal, ...] = ()
 
     def with_loops(self) -> StudyChunk:
         """The same with its loops; as it is where almost every run has a case of its own."""

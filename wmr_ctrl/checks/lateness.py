@@ -14,7 +14,7 @@ from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.registry import EFFECTS
 
 
-def late_words(setup: Setup) -> dict[str, float]:
+def delays_by_name(setup: Setup) -> dict[str, float]:
     """What is late [s], by word; a window of one sample goes with the period itself."""
     bound, late = setup.bound, setup.scenario.section(PoseDelay).pose_delay
     window = max(bound.window)

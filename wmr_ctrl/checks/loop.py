@@ -70,12 +70,12 @@ class Loop:
     """A law on a scenario, settled.
 
     Estimates and weights of a law that learns keep their start values; any other memory (a
-    previous sample, a filter) is part of the loop.  ``under_way`` commands are what its graph
+    previous sample, a filter) is part of the loop.  ``in_flight`` commands are what its graph
     predicts over; those of the scenario's clock unless given.
     """
 
     setup: Setup
-    under_way: int | None = None
+    in_flight: int | None = None
 
     @property
     def scenario(self) -> Scenario:
@@ -95,7 +95,7 @@ class Loop:
     @cached_property
     def core(self) -> System:
         """The law's System, whose output is the generalised force."""
-        return law_graph(self.setup, self.under_way)
+        return law_graph(self.setup, self.in_flight)
 
     @cached_property
     def around(self) -> Surroundings:
@@ -104,7 +104,7 @@ class Loop:
 
     def over(self, commands: int) -> Loop:
         """The same law, built to predict over so many commands."""
-        own = self.setup.predicted if self.under_way is None else self.under_way
+        own = self.setup.predicted if self.in_flight is None else self.in_flight
         return self if commands == own else _built_over(self.setup, commands)
 
     @property

@@ -15,7 +15,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.lateness import late_words, oldest_shown
+from wmr_ctrl.checks.lateness import delays_by_name, oldest_shown
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import largest_radius
 from wmr_ctrl.checks.remedies import gains_that_fit
@@ -65,7 +65,7 @@ def kink_limits(loop: Loop) -> Floats:
 
 def _linear(loop: Loop) -> Iterator[Warning]:
     period, (low, limit) = loop.scenario.clock.control, stable_periods(loop)
-    words = late_words(loop.setup)
+    words = delays_by_name(loop.setup)
     late = "".join(f"a {word} of {value:g} s and " for word, value in words.items())
     if limit == 0:
         lower = f"the {' and '.join(words)}, or its gains" if late else "its gains"

@@ -56,8 +56,8 @@ class SampledPlant:
     @property
     def sent(self) -> NDArray[np.intp]:
         """Which elements are commands under way, the latest first."""
-        under_way = [name.startswith(SENT) for name in self.names]
-        return ROBOT + np.flatnonzero(under_way)
+        in_flight = [name.startswith(SENT) for name in self.names]
+        return ROBOT + np.flatnonzero(in_flight)
 
 
 def by_age(unit: Floats, now: int, sent: slice) -> list[Floats]:

@@ -73,7 +73,7 @@ class Surroundings:
                          for item in present for key in item.shape
                          if not key.startswith(("clock.", "actuator."))}  # fmt: skip
         actuator = scenario.actuator
-        late = actuator.delay + actuator.untold + actuator.jitter
+        late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
 
@@ -196,7 +196,7 @@ class Surroundings:
 
 def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Scenario:
     """The scenario at a control period [s], its drives in time and constant, its guard off."""
-    none = ("actuator.delay", "actuator.untold", "actuator.jitter", "actuator.lag_spread")
+    none = ("actuator.delay", "actuator.unmodelled_delay", "actuator.jitter", "actuator.lag_spread")
     changed: dict[str, object] = {**dict.fromkeys((*none, "sensor.pose_dropout"), 0.0), **times}
     clock, changed["guard.enabled"] = scenario.clock, False
     if period != clock.control:

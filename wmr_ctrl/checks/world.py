@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.control.loop import OutsideGraphs
+from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.graph import unrounded
@@ -42,7 +42,7 @@ class World:
 
     def __init__(self, scenario: Scenario) -> None:
         """Differentiate."""
-        graphs = OutsideGraphs(settle(scenario, next(iter(LAWS))))
+        graphs = PlantlessGraphs(settle(scenario, next(iter(LAWS))))
         moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
         self.fast, self.slow, self.ports = graphs.fast, graphs.slow, graphs.parameters.ports
         self.size, self.held = len(names_of(self.fast)), graphs.u.sym.numel()
@@ -65,7 +65,7 @@ class World:
             )
         )  # fmt: skip
 
-    def _sense(self, graphs: OutsideGraphs, x: ca.SX, m: ca.SX) -> None:
+    def _sense(self, graphs: PlantlessGraphs, x: ca.SX, m: ca.SX) -> None:
         shown = ca.vertcat(graphs.measured[: ROBOT + HELD], *graphs.sample.following)
         shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
         e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")

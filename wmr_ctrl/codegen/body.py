@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
 from wmr_ctrl.codegen.fold import folded
+from wmr_ctrl.codegen.interleave import interleave, turns
 from wmr_ctrl.codegen.items import (
     Four,
     IfElse,
@@ -21,8 +22,7 @@ from wmr_ctrl.codegen.items import (
     ordered,
     writing,
 )
-from wmr_ctrl.codegen.rolls import in_fours, rolled
-from wmr_ctrl.codegen.together import together, turns
+from wmr_ctrl.codegen.reroll import in_fours, rolled
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
@@ -33,7 +33,7 @@ def body(graph: Graph, dialect: Dialect) -> list[str]:
     lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
     scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
     scope = branched(graph, scope)
-    scope = together(graph, scope) if dialect.together else scope
+    scope = interleave(graph, scope) if dialect.together else scope
     items, places = rolled(graph, turns(graph, scope) if dialect.turns else scope)
     items = in_fours(items, places) if dialect.fours else items
     return _Writer(graph, dialect, items, places).text()

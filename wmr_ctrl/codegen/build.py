@@ -35,7 +35,7 @@ from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
-from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
@@ -87,16 +87,16 @@ def build_plantless(setup: Setup) -> CompiledLoop:
 
     That plant tells the state of ours, and the way and skid where a sensor asks for them.
     """
-    program = program_of(setup, apart=True)
+    program = program_of(setup, external_plant=True)
     return filled(program, setup, program.plantless, program.digest)
 
 
 class Program:
     """Graphs, C text and libraries of one structure, made when they are asked for."""
 
-    def __init__(self, setup: Setup, structure: Hashable, *, apart: bool = False) -> None:
+    def __init__(self, setup: Setup, structure: Hashable, *, external_plant: bool = False) -> None:
         """Compose the graphs of a setup of this structure; ``apart``: its plant is elsewhere."""
-        self.loop = LoopGraphs(setup, apart=apart)
+        self.loop = LoopGraphs(setup, external_plant=external_plant)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         self.layout = layout_of(self.loop)
 
@@ -164,14 +164,14 @@ _PROGRAMS: dict[Hashable, Program] = {}
 _MOST_PROGRAMS = 256
 
 
-def program_of(setup: Setup, *, apart: bool = False) -> Program:
+def program_of(setup: Setup, *, external_plant: bool = False) -> Program:
     """The program of a setup's structure, kept for the next setup that shares it."""
     structure = structure_of(setup)
-    place = structure, apart, setup.effects, setup.scenario.reference_kind
+    place = structure, external_plant, setup.effects, setup.scenario.reference_kind
     if place not in _PROGRAMS:
         if len(_PROGRAMS) >= _MOST_PROGRAMS:
             _PROGRAMS.pop(next(iter(_PROGRAMS)))
-        _PROGRAMS[place] = Program(setup, structure, apart=apart)
+        _PROGRAMS[place] = Program(setup, structure, external_plant=external_plant)
     return _PROGRAMS[place]
 
 
@@ -227,7 +227,7 @@ def law_layout(setup: Setup, system: System) -> LawLayout:
     )
 
 
-def build_outside(setup: Setup, loop: OutsideGraphs) -> CompiledLoop:
+def build_outside(setup: Setup, loop: PlantlessGraphs) -> CompiledLoop:
     """Compile what lies between a controller and a plant that are elsewhere.
 
     Raises CompilerError without a working compiler.

@@ -8,7 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, WINDOW, Graphs, LoopGraphs, OutsideGraphs
+from wmr_ctrl.control.loop import CLOCK, SEEN, SUMS, WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.wiring import Stream
 from wmr_ctrl.model.system import System, stack, values
 from wmr_ctrl.signals import VELOCITY
@@ -55,7 +55,7 @@ def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
     )
 
 
-def outside_kernels(loop: OutsideGraphs) -> tuple[Kernel, ...]:
+def outside_kernels(loop: PlantlessGraphs) -> tuple[Kernel, ...]:
     """The C functions of what lies between a controller and a plant that are elsewhere."""
     sampled = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
     return (
@@ -113,7 +113,7 @@ def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
     return {**sizes, **_constants(loop)}
 
 
-def outside_constants(loop: OutsideGraphs) -> Mapping[str, int | str]:
+def outside_constants(loop: PlantlessGraphs) -> Mapping[str, int | str]:
     """The same for what lies between a controller and a plant."""
     return {"MEASURED": loop.measured.numel(), **_beside_plant(loop), **_constants(loop)}
 

@@ -32,8 +32,8 @@ _EMITTER = (
     "fold",
     "items",
     "preparation",
-    "rolls",
-    "together",
+    "reroll",
+    "interleave",
 )
 _LENGTH = re.compile(r"#define WMR_(\w+) (\d+)\n")
 

@@ -13,8 +13,8 @@ from wmr_ctrl.guard.delay import Tails, counted
 from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
 from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.guard.wheel_map import MAPS, linear_first
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
@@ -57,12 +57,12 @@ def asking_controller(setup: Setup) -> System:
     return _composed(setup, watched=True, asking=True)
 
 
-def law_graph(setup: Setup, under_way: int | None = None) -> System:
+def law_graph(setup: Setup, in_flight: int | None = None) -> System:
     """The law by itself, whose output is the generalised force (N, N m).
 
-    ``under_way`` commands are what it predicts over, those of the scenario's clock unless given.
+    ``in_flight`` commands are what it predicts over, those of the scenario's clock unless given.
     """
-    return setup.control_law.build(Sample(setup, under_way))
+    return setup.control_law.build(LawContext(setup, in_flight))
 
 
 def guard(setup: Setup) -> System:

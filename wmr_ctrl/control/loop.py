@@ -25,7 +25,7 @@ from wmr_ctrl.control.wiring import (
     pushes,
 )
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import Port, System, port, stack, values
@@ -153,14 +153,14 @@ class LoopGraphs(Graphs):
     ``columns`` and ``row``: a line of the log; ``seen``: see SEEN.
     """
 
-    def __init__(self, setup: Setup, *, apart: bool = False) -> None:
+    def __init__(self, setup: Setup, *, external_plant: bool = False) -> None:
         """Compose all Systems of ``setup``; ``apart``: for a plant that is elsewhere, and skids."""
         self.setup, self.parameters = setup, Parameters(setup)
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
         sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sampled.effects(EffectRole.SENSOR)
         rolling = rolling_of(sensors)
-        self.plant = plant(setup.scenario, rolling=rolling if apart else rolling[:1])
+        self.plant = plant(setup.scenario, rolling=rolling if external_plant else rolling[:1])
         true = {item.signal.name: item.sym for item in self.plant.state}
         sampled.known |= {SKID.name: ca.SX(0), **true}
         self.sample = sampled
@@ -248,7 +248,7 @@ class LoopGraphs(Graphs):
         self.next_fast = self.plant_step()
 
 
-class OutsideGraphs(Graphs):
+class PlantlessGraphs(Graphs):
     """The loop without reference, controller and plant, which are coupled from outside.
 
     ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
-from wmr_ctrl.guard.bounds import Stated, assumptions, stated_guard
+from wmr_ctrl.guard.bounds import GuardNumbers, assumptions, derived_guard
 from wmr_ctrl.guard.contradictions import (
     Contradiction,
     beyond_belief,
@@ -20,7 +20,7 @@ from wmr_ctrl.guard.contradictions import (
     refuse_contradictions,
 )
 from wmr_ctrl.guard.price import speed_price
-from wmr_ctrl.guard.refusals import settled_guard
+from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.laws.law import Law, OwnKinematics, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
@@ -54,7 +54,7 @@ class Setup:
     law: Law | None
     gains: Section
     kinematics: KinematicGains
-    guard: Stated
+    guard: GuardNumbers
     effects: tuple[Effect, ...]
 
     @property
@@ -165,7 +165,9 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     """
     chosen = None if law is None else LAWS[law]
     with asking_about_units(scenario):
-        return _settled(with_kinematics(gripping(scenario), chosen), chosen, tuple(EFFECTS))
+        return _settled(
+            with_kinematics(with_traction_limit(scenario), chosen), chosen, tuple(EFFECTS)
+        )
 
 
 @lru_cache(maxsize=4096)
@@ -179,9 +181,9 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
         _check_bounds(present)
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
     guard = (
-        settled_guard(scenario, bound, limit, partial(bound_of, present=present))
+        feasible_guard(scenario, bound, limit, partial(bound_of, present=present))
         if scenario.guard.enabled or chosen is None
-        else stated_guard(scenario, bound, limit)
+        else derived_guard(scenario, bound, limit)
     )
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
@@ -255,7 +257,7 @@ def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
     return total([b for item in present if (b := item.bounded(scenario)) is not None])
 
 
-def gripping(scenario: Scenario) -> Scenario:
+def with_traction_limit(scenario: Scenario) -> Scenario:
     """The scenario with wheel torques that its tyres are sure to pass on, if it asks for that.
 
     With actuator.traction, tau_max is at most `Grip.keep`.  Raises ScenarioError where that is 0.

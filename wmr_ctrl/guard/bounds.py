@@ -26,12 +26,12 @@ LATENESS = ("delay", "lag", "age", "window")
 """What of Stated says how late velocities and drives are."""
 
 
-def rounding(under_way: int) -> float:
-    """Share of v_u1 that is kept back against rounding, with commands ``under_way``."""
-    return ROUNDING * (1 + under_way)
+def rounding(in_flight: int) -> float:
+    """Share of v_u1 that is kept back against rounding, with commands ``in_flight``."""
+    return ROUNDING * (1 + in_flight)
 
 
-class Stated(Guard):
+class GuardNumbers(Guard):
     """A guard's numbers as they were stated or implied, whether or not they can be met.
 
     ``age`` and ``window`` are what all sensors together add up to (`Bound`).
@@ -105,9 +105,9 @@ def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
     )
 
 
-def stated_guard(scenario: Scenario, bound: Bound, tau_max: float) -> Stated:
-    """What `settled_guard` gives, and the same derivation where that refuses."""
-    given = Stated(**asdict(scenario.guard), age=bound.age, window=bound.window)
+def derived_guard(scenario: Scenario, bound: Bound, tau_max: float) -> GuardNumbers:
+    """What `feasible_guard` gives, and the same derivation where that refuses."""
+    given = GuardNumbers(**asdict(scenario.guard), age=bound.age, window=bound.window)
     (low, high), add = mass_bounds(scenario), bound.mass
     stated = replace(
         given,
@@ -131,23 +131,23 @@ def net(guard: Guard, axis: int) -> float:
     return pair_of(guard.dbar)[axis] - guard.f_min[axis]
 
 
-def aim(scenario: Scenario, guard: Stated, axis: int) -> float:
+def aim(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     """v_u1 less what is kept back against rounding [m/s or rad/s]."""
     count = max(item.roundings for item in guard.lateness(scenario.clock))
     return scenario.limits.v_u1[axis] * (1.0 - rounding(count))
 
 
-def lateness_time(scenario: Scenario, guard: Stated, axis: int) -> float:
+def lateness_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     """All that may count of what was sent, window, delay and lag together [s]."""
     return scenario.clock.control * guard.lateness(scenario.clock)[axis].most
 
 
-def mixed_time(scenario: Scenario, guard: Stated, axis: int) -> float:
+def mixed_time(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     """Time in which either of two commands may act, as the mean counts it [s]."""
     return scenario.clock.control * guard.lateness(scenario.clock)[axis].mixed
 
 
-def reach(scenario: Scenario, guard: Stated, axis: int) -> float:
+def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     """M_min (v_u1 - f_speed)/(1/alpha + lateness) of one axis [N or N m]: what slows it down.
 
     With jitter at most M_min (v_u1 - 2 nbar)/mixed, too.
@@ -161,7 +161,7 @@ def reach(scenario: Scenario, guard: Stated, axis: int) -> float:
     return min(braking, mass * (u1 - 2.0 * pair_of(guard.nbar)[axis]) / mixed)
 
 
-def usable_speed(scenario: Scenario, guard: Stated, friction: Pair) -> Pair:
+def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
     v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M_min [m/s,
@@ -172,7 +172,7 @@ def usable_speed(scenario: Scenario, guard: Stated, friction: Pair) -> Pair:
     return first, second
 
 
-def _usable(scenario: Scenario, guard: Stated, friction: float, i: int) -> float:
+def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
     late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
     u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
     first = 1.0 / float(guard.alpha or 0.0)
@@ -181,7 +181,7 @@ def _usable(scenario: Scenario, guard: Stated, friction: float, i: int) -> float
     return mean if rest >= 0 else min(mean, rest)
 
 
-def unbeatable_speed(scenario: Scenario, guard: Stated, friction: Pair) -> Pair:
+def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """No guard can admit larger steady speeds; arguments as in `usable_speed`.
 
     v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M_min: the friction that a steady
@@ -199,7 +199,7 @@ def unbeatable_speed(scenario: Scenario, guard: Stated, friction: Pair) -> Pair:
     return first, second
 
 
-def early_speed(guard: Stated) -> Pair:
+def early_speed(guard: GuardNumbers) -> Pair:
     """What a push can add to a speed before the first command acts, or behind a lag after it.
 
     (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
@@ -215,7 +215,7 @@ def pair_of(pair: Pair | None) -> Pair:
     return pair
 
 
-def _derived_brake(scenario: Scenario, guard: Stated, tau_max: float) -> Pair:
+def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> Pair:
     """All that is allowed without torque limits, else dbar and a share of what is to spare."""
     caps = tuple(max(reach(scenario, guard, i) - net(guard, i), 0.0) for i in AXES)
     if math.isinf(tau_max):

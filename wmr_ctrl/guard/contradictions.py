@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import AXES, UNITS, Stated, pair_of
+from wmr_ctrl.guard.bounds import AXES, UNITS, GuardNumbers, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.friction import Phase, drag, phases
@@ -104,7 +104,7 @@ def _friction(scenario: Scenario) -> Iterator[Contradiction]:
             yield _too_much_friction(scenario, i, believed, "the laws believe in")
 
 
-def beyond_belief(scenario: Scenario, guard: Stated, bound: Bound) -> Iterator[Contradiction]:
+def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iterator[Contradiction]:
     """Yield where the true robot, or a change of it, is not what the guard's numbers say.
 
     Laws and guard are told what is believed (model.*, guard.*), so this is a trial like others:
@@ -118,7 +118,7 @@ def beyond_belief(scenario: Scenario, guard: Stated, bound: Bound) -> Iterator[C
             yield _too_much_friction(scenario, i, there, "the robot is sure to have")
 
 
-def _mass(scenario: Scenario, guard: Stated, bound: Bound, i: int) -> Iterator[Contradiction]:
+def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iterator[Contradiction]:
     low, high, spread = pair_of(guard.M_min)[i], pair_of(guard.M_max)[i], bound.mass[i]
     name, unit = ("m", "I")[i], MASS_UNITS[i]
     changed = [(item.t, item.values()[name]) for item in scenario.changes if name in item.values()]

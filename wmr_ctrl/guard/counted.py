@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from wmr_ctrl.guard.bounds import Pair, Stated, pair_of
+from wmr_ctrl.guard.bounds import GuardNumbers, Pair, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound, Effect
 
@@ -34,7 +34,9 @@ class Counted:
     """What each adds, by effect or key; None where a source is no sum."""
 
 
-def counted(scenario: Scenario, guard: Stated, effects: Iterable[Effect]) -> dict[str, Counted]:
+def counted(
+    scenario: Scenario, guard: GuardNumbers, effects: Iterable[Effect]
+) -> dict[str, Counted]:
     """The numbers of a settled guard by name, in SI units; ``effects`` are those present."""
     bounds = {item.name: b for item in effects if (b := item.bounded(scenario)) is not None}
     return {

@@ -47,7 +47,7 @@ Sent = Sequence[tuple[ca.SX, ca.SX | float]]
 
 
 @dataclass(frozen=True)
-class UnderWay:
+class InFlight:
     """What one axis' commands under way can add to v (ahead) and to -v (back) [m/s or rad/s].
 
     ``since_rest``: the same counted from the window's oldest instant; ``again``: what the last
@@ -57,19 +57,19 @@ class UnderWay:
 
     ahead: ca.SX
     back: ca.SX
-    since_rest: UnderWay | None = None
-    again: UnderWay | None = None
+    since_rest: InFlight | None = None
+    again: InFlight | None = None
     slow: Lagging | None = None
 
-    def plus(self, other: UnderWay, share: float) -> UnderWay:
+    def plus(self, other: InFlight, share: float) -> InFlight:
         """The sums with a share of others'."""
-        return UnderWay(self.ahead + share * other.ahead, self.back + share * other.back)
+        return InFlight(self.ahead + share * other.ahead, self.back + share * other.back)
 
     @property
-    def mirrored(self) -> UnderWay:
+    def mirrored(self) -> InFlight:
         """The same seen in the other direction."""
         rest, again = (item and item.mirrored for item in (self.since_rest, self.again))
-        return UnderWay(self.back, self.ahead, rest, again, self.slow and self.slow.mirrored)
+        return InFlight(self.back, self.ahead, rest, again, self.slow and self.slow.mirrored)
 
     def reached(self, fastest: ca.SX, b: Bounds) -> ca.SX:
         """Largest v+ when the new command takes over at the earliest, from ``fastest`` measured."""
@@ -90,14 +90,14 @@ class UnderWay:
         return reduce(ca.fmin, lines)
 
 
-def under_way(sent: Sent, axis: int, b: Bounds) -> UnderWay:
+def in_flight(sent: Sent, axis: int, b: Bounds) -> InFlight:
     """Of forces that were sent, with the periods for which each counts."""
     ahead, back = ca.SX(0), ca.SX(0)
     for force, periods in sent:
         ways = ca.horzsplit(force[axis, :])
         ahead += periods * ca.fmax(reduce(ca.fmax, ways) + b.net, 0)
         back += periods * ca.fmax(b.net - reduce(ca.fmin, ways), 0)
-    return UnderWay(ahead * b.period / b.M_min, back * b.period / b.M_min)
+    return InFlight(ahead * b.period / b.M_min, back * b.period / b.M_min)
 
 
 def largest_force(b: Bounds) -> ca.SX:
@@ -112,7 +112,7 @@ def largest_force(b: Bounds) -> ca.SX:
 
 def counted(
     forces: Sequence[ca.SX], late: Counting, axis: int, b: Bounds, tails: Tails
-) -> UnderWay | None:
+) -> InFlight | None:
     """What ``forces`` (2,), the latest first, and the older ones in ``tails`` count for.
 
     None where nothing is late.
@@ -121,20 +121,20 @@ def counted(
         return None
     if late.varying:
         return _felt(forces, late, late.varying, axis, b, tails)
-    mean = tails.added(under_way(acting(late.mean, forces), axis, b), axis, b, averaged=True)
+    mean = tails.added(in_flight(acting(late.mean, forces), axis, b), axis, b, averaged=True)
     if not (late.averaged or late.jitter):
         return mean
     rest = again = None
     if late.averaged:
-        rest = tails.added(under_way(acting(late.rest, forces), axis, b), axis, b)
+        rest = tails.added(in_flight(acting(late.rest, forces), axis, b), axis, b)
     if late.jitter:
-        again = under_way([(forces[0], late.jitter)], axis, b)
-    return UnderWay(mean.ahead, mean.back, rest, again)
+        again = in_flight([(forces[0], late.jitter)], axis, b)
+    return InFlight(mean.ahead, mean.back, rest, again)
 
 
 def _felt(
     forces: Sequence[ca.SX], late: Counting, numbers: Varying, axis: int, b: Bounds, tails: Tails
-) -> UnderWay:
+) -> InFlight:
     """Behind a lag that varies: integrals of the push that may be felt, and b times its end."""
     starts = tails.felt(axis, b)
     ahead, back = (
@@ -142,7 +142,7 @@ def _felt(
     )
     left = b.period * numbers.longest
     mean, rest = (
-        UnderWay((first + left * ahead.end) / b.M_min, (second + left * back.end) / b.M_min)
+        InFlight((first + left * ahead.end) / b.M_min, (second + left * back.end) / b.M_min)
         for first, second in ((ahead.mean, back.mean), (ahead.rest, back.rest))
     )
     again, now = None, (ahead.end, back.end)
@@ -151,16 +151,16 @@ def _felt(
         p = [push([forces[0][axis]], b, way) for way in (1, -1)]
         times = b.period * late.jitter, b.period * numbers.rises[0]
         more = [waiting(now[i], p[i], *times) / b.M_min for i in (0, 1)]
-        again = UnderWay(more[0], more[1])
+        again = InFlight(more[0], more[1])
         after = moved(now[0], p[0], numbers.stays), moved(now[1], p[1], numbers.stays)
     rises = [b.period * time for time in numbers.rises[1:]]
     slow = Lagging(now, after, rises[0], rises[1])
-    return UnderWay(mean.ahead, mean.back, rest if late.averaged else None, again, slow)
+    return InFlight(mean.ahead, mean.back, rest if late.averaged else None, again, slow)
 
 
 def moved_since(
     sent: Sequence[ca.SX], since: Since, axis: int, b: Bounds, tails: Tails
-) -> tuple[UnderWay, UnderWay]:
+) -> tuple[InFlight, InFlight]:
     """What ``sent`` explains of a motion since the previous sample, as mean and rest count."""
     if since.varying:
         starts = tails.felt(axis, b)
@@ -169,10 +169,10 @@ def moved_since(
             for i, way in enumerate((1, -1))
         )
         return (
-            UnderWay(ahead.mean / b.M_min, back.mean / b.M_min),
-            UnderWay(ahead.rest / b.M_min, back.rest / b.M_min),
+            InFlight(ahead.mean / b.M_min, back.mean / b.M_min),
+            InFlight(ahead.rest / b.M_min, back.rest / b.M_min),
         )
-    mean, rest = (under_way(acting(pieces, sent), axis, b) for pieces in (since.mean, since.rest))
+    mean, rest = (in_flight(acting(pieces, sent), axis, b) for pieces in (since.mean, since.rest))
     return tails.added(mean, axis, b, averaged=True), tails.added(rest, axis, b)
 
 
@@ -200,14 +200,14 @@ class Tails:
         )
         self.state: tuple[Port, ...] = (port(signal),) if late[0].lag or late[1].lag else ()
 
-    def added(self, sums: UnderWay, axis: int, b: Bounds, *, averaged: bool = False) -> UnderWay:
+    def added(self, sums: InFlight, axis: int, b: Bounds, *, averaged: bool = False) -> InFlight:
         """The sums of listed commands with those of older ones."""
         tail = self.late[axis].tail
         if tail is None:
             return sums
         steady = tail.steady * b.period * ca.fmax(b.net, 0)
         ahead, back = (self.state[0].sym[2 * axis + i] + steady for i in (0, 1))
-        older = UnderWay(ahead / b.M_min, back / b.M_min)
+        older = InFlight(ahead / b.M_min, back / b.M_min)
         return sums.plus(older, tail.share if averaged else 1.0)
 
     def felt(self, axis: int, b: Bounds) -> tuple[ca.SX, ca.SX]:
@@ -232,7 +232,7 @@ class Tails:
             return ca.SX.zeros(2 if self.state else 0)
         n, (sure, mixed) = late.commands, late.tail.entering
         old = [((n + 1,), sure), *([((n + 1, n), mixed)] if mixed > 0 else [])]
-        joined = under_way(acting(old, forces), axis, b)
+        joined = in_flight(acting(old, forces), axis, b)
         steady = (sure + mixed) * b.period * ca.fmax(b.net, 0)
         stays = late.tail.decay * self.state[0].sym[2 * axis : 2 * axis + 2]
         return stays + ca.vertcat(joined.ahead, joined.back) * b.M_min - steady

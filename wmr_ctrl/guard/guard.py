@@ -23,7 +23,7 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.guard.bounds import ROUNDING, rounding
-from wmr_ctrl.guard.delay import UnderWay, largest_force
+from wmr_ctrl.guard.delay import InFlight, largest_force
 from wmr_ctrl.guard.lateness import Counting
 from wmr_ctrl.model.parameters import Parameters
 
@@ -107,7 +107,7 @@ def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
     return period * (each[0] if each[0] == each[1] else ca.SX(ca.DM(each)))
 
 
-def room(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+def room(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
     """What one axis has left to its limit at the measured velocity y [m/s or rad/s]."""
     fastest = ca.fmax(y + b.nbar, b.f_speed)
     if coming is None:
@@ -115,7 +115,7 @@ def room(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
     return coming.left(b.u1 - coming.reached(fastest, b), b)
 
 
-def ceiling(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
     """hi(y) of one axis [N or N m]: largest force that is safe at the measured velocity y.
 
     ``coming`` goes with bounds that have a delay.
@@ -126,12 +126,12 @@ def ceiling(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
     return hi if coming is None else ca.fmin(hi, largest_force(b))
 
 
-def floor(y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+def floor(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
     """lo(y) of one axis [N or N m]: smallest force that is safe."""
     return -ceiling(-y, b, None if coming is None else coming.mirrored)
 
 
-def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: UnderWay | None = None) -> ca.SX:
+def clipped(asked: ca.SX, y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
     """The nearest safe force of one axis; a force that is not a number becomes a safe one."""
     return ca.fmin(ca.fmax(asked, floor(y, b, coming)), ceiling(y, b, coming))
 
@@ -165,7 +165,7 @@ def guarded(
     asked: ca.SX,
     v: ca.SX,
     both: Bounds,
-    coming: tuple[UnderWay | None, UnderWay | None] = (None, None),
+    coming: tuple[InFlight | None, InFlight | None] = (None, None),
 ) -> Guarded:
     """Pass (thrust, moment) [N, N m] through both axes' guards at measured velocity (2,).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmr_ctrl.guard.bounds import Pair, Stated, unbeatable_speed, usable_speed
+from wmr_ctrl.guard.bounds import GuardNumbers, Pair, unbeatable_speed, usable_speed
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.friction import largest_friction
 from wmr_ctrl.world.references.evaluate import reference_bounds
@@ -30,7 +30,7 @@ class SpeedPrice:
 
 
 @lru_cache(maxsize=64)
-def speed_price(scenario: Scenario, guard: Stated) -> SpeedPrice:
+def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
     """Usable speeds by `usable_speed`; friction brakes the way ahead, and no turn."""
     friction = (largest_friction(scenario), 0.0)
     slowest, fastest, turning = reference_bounds(scenario)

@@ -11,15 +11,15 @@ from wmr_ctrl.guard.bounds import (
     AXES,
     ROUNDING,
     UNITS,
+    GuardNumbers,
     Pair,
-    Stated,
     aim,
+    derived_guard,
     lateness_time,
     mixed_time,
     net,
     pair_of,
     reach,
-    stated_guard,
 )
 from wmr_ctrl.guard.lateness import GRID
 from wmr_ctrl.scenario import Guard, Scenario, override
@@ -32,16 +32,16 @@ SLACK = 1e-9
 """By how much a number that is proposed is on the safe side at least; more than its rounding."""
 
 
-def settled_guard(
+def feasible_guard(
     scenario: Scenario, bound: Bound, tau_max: float, bound_of: BoundOf | None = None
-) -> Stated:
+) -> GuardNumbers:
     """The scenario's guard with every number in it, for wheels with ``tau_max`` [N m].
 
     ``bound`` is what the effects add up to, ``bound_of`` what they would with other numbers, by
     default the same.  Raises ScenarioError where no force keeps the limit, with inequality,
     numbers and remedy.
     """
-    complete = stated_guard(scenario, bound, tau_max)
+    complete = derived_guard(scenario, bound, tau_max)
     Guard.relate(complete)
     _check_times(scenario, complete)
     _check(scenario, complete)
@@ -49,7 +49,7 @@ def settled_guard(
     return complete
 
 
-def _check_times(scenario: Scenario, guard: Stated) -> None:
+def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
     """Refuse what the guard's theorem does not speak of."""
     period, step = scenario.clock.control, scenario.clock.plant
     for i in AXES:
@@ -68,7 +68,7 @@ def _check_times(scenario: Scenario, guard: Stated) -> None:
         )
 
 
-def _check(scenario: Scenario, guard: Stated) -> None:
+def _check(scenario: Scenario, guard: GuardNumbers) -> None:
     period, alpha = scenario.clock.control, float(guard.alpha or 0.0)
     if alpha * period > 1.0 + ROUNDING:
         raise ScenarioError(
@@ -81,7 +81,7 @@ def _check(scenario: Scenario, guard: Stated) -> None:
         _check_push(scenario, guard, i)
 
 
-def _check_noise(scenario: Scenario, guard: Stated, i: int) -> None:
+def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
     u1, nbar = scenario.limits.v_u1[i], pair_of(guard.nbar)[i]
     if 2.0 * nbar > aim(scenario, guard, i):
         raise ScenarioError(
@@ -96,7 +96,7 @@ def _check_noise(scenario: Scenario, guard: Stated, i: int) -> None:
         )
 
 
-def _check_push(scenario: Scenario, guard: Stated, i: int) -> None:
+def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
     _check_mixed(scenario, guard, i)
     need, have = 2.0 * net(guard, i), reach(scenario, guard, i)
     if need <= have:
@@ -118,7 +118,7 @@ def _check_push(scenario: Scenario, guard: Stated, i: int) -> None:
     )
 
 
-def _lateness_words(guard: Stated, i: int, late: float, alpha: float) -> tuple[str, str]:
+def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> tuple[str, str]:
     """What stands behind the inequality and behind its numbers where something is late."""
     if late == 0:
         return "", ""
@@ -136,7 +136,7 @@ def _lateness_words(guard: Stated, i: int, late: float, alpha: float) -> tuple[s
     return f"/(1 + alpha late), late = {listed} s,", divided
 
 
-def _check_mixed(scenario: Scenario, guard: Stated, i: int) -> None:
+def _check_mixed(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
     mixed = mixed_time(scenario, guard, i)
     u1, nbar, low = aim(scenario, guard, i), pair_of(guard.nbar)[i], pair_of(guard.M_min)[i]
     need, have = 2.0 * net(guard, i) * mixed, low * (u1 - 2.0 * nbar)
@@ -171,7 +171,9 @@ def _faster(alpha: float, period: float) -> str:
     return f"from clock.control <= {_below(1.0 / alpha):g} s on (alpha = 1/T)"
 
 
-def _check_brake(scenario: Scenario, guard: Stated, tau_max: float, bound_of: BoundOf) -> None:
+def _check_brake(
+    scenario: Scenario, guard: GuardNumbers, tau_max: float, bound_of: BoundOf
+) -> None:
     robot, brake = scenario.robot, pair_of(guard.brake)
 
     def pushed(limit: float) -> float:
@@ -180,7 +182,7 @@ def _check_brake(scenario: Scenario, guard: Stated, tau_max: float, bound_of: Bo
         inf where the guard would be refused for another reason then.
         """
         other = override(scenario, {"actuator.tau_max": limit})
-        numbers = stated_guard(other, bound_of(other), limit)
+        numbers = derived_guard(other, bound_of(other), limit)
         try:
             _check(other, numbers)
         except ScenarioError:
@@ -201,7 +203,7 @@ def _check_brake(scenario: Scenario, guard: Stated, tau_max: float, bound_of: Bo
             )
 
 
-def _pushed(guard: Stated, half_track: float) -> Pair:
+def _pushed(guard: GuardNumbers, half_track: float) -> Pair:
     """dbar - f_min of both axes as forces at the wheels [N]; nothing where friction is larger."""
     return max(net(guard, 0), 0.0), max(net(guard, 1), 0.0) / half_track
 

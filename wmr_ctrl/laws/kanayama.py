@@ -21,10 +21,10 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import Law, Predicting, Traits
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.prediction import ahead
-from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
 
@@ -51,16 +51,16 @@ class KanayamaGains(Predicting, key="gains.kanayama"):
     )
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = M1 a + F1(v + T a) + observer, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
-    observer = Observer(sample, sample.gain("wo"), sample.friction_at)
+    observer = Observer(context, context.gain("wo"), context.friction_at)
     last = port(COMMAND)
-    then, sent = ahead(sample, observer.force)
+    then, sent = ahead(context, observer.force)
     command = _limited(then, ca.if_else(observer.started > 0, last.sym, then.v))
-    pull = -ca.expm1(-sample.gain("rate") * sample.period) / sample.period
+    pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
     a = then.v_d_dot + pull * (command - then.v)
-    asked = sample.mass * a + sample.friction_at(then.v + sample.period * a)
-    return sample.system(
+    asked = context.mass * a + context.friction_at(then.v + context.period * a)
+    return context.system(
         "kinematic tracking with limited commands (kanayama)",
         asked + observer.force,
         (last, *observer.state),
@@ -70,17 +70,17 @@ def build(sample: Sample) -> System:
     )
 
 
-def wanted_velocity(sample: Sample) -> ca.SX:
+def wanted_velocity(context: LawContext) -> ca.SX:
     """Kanayama's velocity (2,) [m/s, rad/s], before any limit."""
-    kx, ky, kt = ca.vertsplit(sample.gain("k"))
-    (e1, e2, e3), (v1_d, v2_d) = ca.vertsplit(sample.e), ca.vertsplit(sample.v_d)
+    kx, ky, kt = ca.vertsplit(context.gain("k"))
+    (e1, e2, e3), (v1_d, v2_d) = ca.vertsplit(context.e), ca.vertsplit(context.v_d)
     return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
 
 
-def _limited(sample: Sample, last: ca.SX) -> ca.SX:
+def _limited(context: LawContext, last: ca.SX) -> ca.SX:
     """The command (2,) [m/s, rad/s] after ``last``: within share v_u1, a_max T away at most."""
-    top, most = sample.gain("share") * sample.u1, sample.gain("a_max") * sample.period
-    wanted = _cut(wanted_velocity(sample), top)
+    top, most = context.gain("share") * context.u1, context.gain("a_max") * context.period
+    wanted = _cut(wanted_velocity(context), top)
     return last + _cut(wanted - last, most)
 
 

@@ -11,7 +11,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import System
 
 if TYPE_CHECKING:
-    from wmr_ctrl.laws.sample import Sample
+    from wmr_ctrl.laws.context import LawContext
 
 BARRIERS = ("paper", "smooth")
 """Forms of the barrier function: the paper's, and the one whose slope is continuous."""
@@ -40,13 +40,13 @@ class Traits:
 class Law:
     """A control law: name, gains, graph, traits and what its file says.
 
-    ``build(sample)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
+    ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
     names those of its gains that a search may move, all positive.
     """
 
     name: str
     gains: type[Section]
-    build: Callable[[Sample], System]
+    build: Callable[[LawContext], System]
     traits: Traits
     doc: str
     tuned: tuple[str, ...] = ()

@@ -14,8 +14,8 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System
 
 
@@ -30,20 +30,21 @@ class ModelBasedGains(BarrierChoice, key="gains.mb"):
     )
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = M1 (-rho V1/A + q vc0') + F1, Eq. (9)."""
     command = (
-        -decay_rate(sample) * sample.per_axis("V1_over_A") + sample.per_axis("q") * sample.v_c0_dot
+        -decay_rate(context) * context.per_axis("V1_over_A")
+        + context.per_axis("q") * context.v_c0_dot
     )
-    return sample.system("model-based (MB)", sample.mass * command + sample.friction)
+    return context.system("model-based (MB)", context.mass * command + context.friction)
 
 
-def decay_rate(sample: Sample) -> ca.SX:
+def decay_rate(context: LawContext) -> ca.SX:
     """Rate (2,) [1/s] in front of V1/A: rho, or (1 - exp(-rho T))/T."""
-    rho = sample.gain("rho")
-    if sample.own(ModelBasedGains).decay == "rate":
+    rho = context.gain("rho")
+    if context.own(ModelBasedGains).decay == "rate":
         return rho
-    return -ca.expm1(-rho * sample.period) / sample.period
+    return -ca.expm1(-rho * context.period) / context.period
 
 
 LAW = Law(

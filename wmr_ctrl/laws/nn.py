@@ -15,9 +15,9 @@ import math
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
 from wmr_ctrl.laws.rbf import corner_basis, dot
-from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import Signal
 
@@ -58,34 +58,34 @@ class NetworkGains(BarrierChoice, key="gains.nn"):
     )
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = -rho1 V1/A + q (W^ S(Z)), Eq. (57), then the weights' step, Eq. (58)."""
     weights = tuple(port(signal) for signal in WEIGHTS)
-    basis = corner_basis(regressor(sample), sample.gain("eta"), sample.gain("node"))
+    basis = corner_basis(regressor(context), context.gain("eta"), context.gain("node"))
     network = ca.vertcat(*(dot(item.sym, basis) for item in weights))
-    force = -sample.gain("rho1") * sample.per_axis("V1_over_A") + sample.per_axis("q") * network
-    following = [_adapted(sample, i, weights[i].sym, basis) for i in AXES]
+    force = -context.gain("rho1") * context.per_axis("V1_over_A") + context.per_axis("q") * network
+    following = [_adapted(context, i, weights[i].sym, basis) for i in AXES]
     norms = ca.vertcat(*(ca.sqrt(dot(item, item)) for item in following))
-    return sample.system(
+    return context.system(
         "adaptive network (NN)", force, weights, ca.vertcat(*following), (Output(W_NORM, norms),)
     )
 
 
-def regressor(sample: Sample) -> ca.SX:
+def regressor(context: LawContext) -> ca.SX:
     """Z = (v_c0', min(A/(v - v_c1), cap), v), 6x1; the ratio is 1/q, or q itself if so chosen."""
-    q = sample.per_axis("q")
-    if sample.own(NetworkGains).regressor == "q":
-        return ca.vertcat(sample.v_c0_dot, q, sample.v)
-    cap = sample.gain("ratio_cap")
+    q = context.per_axis("q")
+    if context.own(NetworkGains).regressor == "q":
+        return ca.vertcat(context.v_c0_dot, q, context.v)
+    cap = context.gain("ratio_cap")
     ratio = [ca.if_else(q[i] * cap > 1, 1 / ca.if_else(q[i] * cap > 1, q[i], 1), cap) for i in AXES]
-    return ca.vertcat(sample.v_c0_dot, *ratio, sample.v)
+    return ca.vertcat(context.v_c0_dot, *ratio, context.v)
 
 
-def _adapted(sample: Sample, axis: int, weights: ca.SX, basis: ca.SX) -> ca.SX:
+def _adapted(context: LawContext, axis: int, weights: ca.SX, basis: ca.SX) -> ca.SX:
     """Weights after one Euler step of W' = -Gamma (S w + sigma W), w = v - v_c1, Eq. (58)."""
-    rate = sample.period * sample.gain("Gamma")[axis]
-    learning, leak = rate * sample.barrier[axis].w, rate * sample.gain("sigma")[axis]
-    if sample.own(NetworkGains).integrator == "semi-implicit":
+    rate = context.period * context.gain("Gamma")[axis]
+    learning, leak = rate * context.barrier[axis].w, rate * context.gain("sigma")[axis]
+    if context.own(NetworkGains).integrator == "semi-implicit":
         return (weights - learning * basis) / (1 + leak)
     return (1 - leak) * weights - learning * basis
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.system import Output, port
 from wmr_ctrl.signals import D_HAT, TAU_APPLIED, Signal
@@ -31,19 +31,21 @@ class Observer:
     The law takes a further input, tau_applied (2,) [N m].
     """
 
-    def __init__(self, sample: Sample, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]) -> None:
+    def __init__(
+        self, context: LawContext, rate: ca.SX, friction: Callable[[ca.SX], ca.SX]
+    ) -> None:
         """Observe with bandwidth ``rate`` [1/s]; ``friction`` gives F1 (2,) at a velocity."""
         applied, f_hat, old, started = (
             port(item) for item in (TAU_APPLIED, FORCE_HAT, OLD_VELOCITY, STARTED)
         )
-        take = sample.parameters.take
+        take = context.parameters.take
         force = wheel_to_force(take("robot.r"), take("robot.l"), applied.sym)
-        gained = (sample.v - old.sym) / sample.period
-        residual = force - sample.mass * gained - friction(0.5 * (sample.v + old.sym))
-        share = -ca.expm1(-rate * sample.period)
+        gained = (context.v - old.sym) / context.period
+        residual = force - context.mass * gained - friction(0.5 * (context.v + old.sym))
+        share = -ca.expm1(-rate * context.period)
         updated = f_hat.sym + share * (residual - f_hat.sym)
         self.force = ca.if_else(started.sym > 0, updated, f_hat.sym)
         self.input, self.started = applied, started.sym
         self.state = (f_hat, old, started)
-        self.update = ca.vertcat(self.force, sample.v, 1)
+        self.update = ca.vertcat(self.force, context.v, 1)
         self.diagnostics = (Output(D_HAT, -self.force),)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, OwnKinematics, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import Signal
 
@@ -31,13 +31,13 @@ class PidGains(OwnKinematics, key="gains.pid"):
     )
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = -Kp z - Kd z', z = v - v_c0; z' = 0 at the first sample."""
     old, started = port(Z_OLD), port(STARTED)
-    z = sample.v - sample.v_c0
-    rate = ca.if_else(started.sym > 0, (z - old.sym) / sample.period, 0)
-    force = -sample.gain("Kp") * z - sample.gain("Kd") * rate
-    return sample.system("PID", force, (old, started), ca.vertcat(z, 1))
+    z = context.v - context.v_c0
+    rate = ca.if_else(started.sym > 0, (z - old.sym) / context.period, 0)
+    force = -context.gain("Kp") * z - context.gain("Kd") * rate
+    return context.system("PID", force, (old, started), ca.vertcat(z, 1))
 
 
 LAW = Law(

@@ -22,32 +22,32 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.model.kinematics import pose_rate
 from wmr_ctrl.model.system import Port, port
 from wmr_ctrl.signals import tau_sent
 
 
-def ahead(sample: Sample, made_up: ca.SX) -> tuple[Sample, tuple[Port, ...]]:
+def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, ...]]:
     """The sample one delay later, and the inputs of the commands under way that this takes.
 
     ``made_up`` (2,) [N, N m] is the observer's force f.  Without delay the sample itself.
     """
-    if not sample.under_way:
-        return sample, ()
-    delay = ca.fmin(sample.gain("delay"), sample.under_way * sample.period)
-    take = sample.parameters.take
-    sent = tuple(port(tau_sent(age)) for age in range(1, sample.under_way + 1))
-    pose, v = sample.pose, sample.v
-    for age in range(sample.under_way, 0, -1):
+    if not context.in_flight:
+        return context, ()
+    delay = ca.fmin(context.gain("delay"), context.in_flight * context.period)
+    take = context.parameters.take
+    sent = tuple(port(tau_sent(age)) for age in range(1, context.in_flight + 1))
+    pose, v = context.pose, context.v
+    for age in range(context.in_flight, 0, -1):
         force = wheel_to_force(take("robot.r"), take("robot.l"), sent[age - 1].sym)
-        time = acts_for(age, delay, sample.period)
-        after = pushed(sample, v, force - made_up, time)
+        time = acts_for(age, delay, context.period)
+        after = pushed(context, v, force - made_up, time)
         pose, v = carried(pose, v, after, time), after
-    v_d = sample.v_d + delay * sample.v_d_dot
-    pose_d = carried(sample.pose_d, sample.v_d, v_d, delay)
-    return sample.at((pose_d, v_d, sample.v_d_dot), pose, v), sent
+    v_d = context.v_d + delay * context.v_d_dot
+    pose_d = carried(context.pose_d, context.v_d, v_d, delay)
+    return context.at((pose_d, v_d, context.v_d_dot), pose, v), sent
 
 
 def acts_for(age: int, delay: ca.SX, period: ca.SX) -> ca.SX:
@@ -55,10 +55,10 @@ def acts_for(age: int, delay: ca.SX, period: ca.SX) -> ca.SX:
     return ca.fmax(delay - (age - 1) * period, 0) - ca.fmax(delay - age * period, 0)
 
 
-def pushed(sample: Sample, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
+def pushed(context: LawContext, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
     """v+ (2,) after a ``force`` (2,) [N, N m] that is held for ``time`` [s], friction in it."""
-    free = v + time * force / sample.mass
-    return slowed(free, time * sample.friction_at(free) / sample.mass)
+    free = v + time * force / context.mass
+    return slowed(free, time * context.friction_at(free) / context.mass)
 
 
 def slowed(free: ca.SX, taken: ca.SX) -> ca.SX:

@@ -33,10 +33,10 @@ import casadi as ca
 from wmr_ctrl.barrier.resolvent import resolvent
 from wmr_ctrl.barrier.transport import transported
 from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Predicting, TorqueLimited, Traits
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.prediction import ahead
-from wmr_ctrl.laws.sample import AXES, Sample
 from wmr_ctrl.model.system import System
 
 TRANSPORTS = ("two-part", "level")
@@ -90,13 +90,13 @@ def guide(period: float, delay: float, speed: float, predicted: bool = False) ->
     return Guide(k, (rho1, rho2), min(10.0, 0.45 / (period + delay)))
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = M1 (v+ - v)/T + F1(v+) + observer, with the step v+ above."""
-    observer = Observer(sample, sample.gain("wo"), sample.friction_at)
-    then, sent = ahead(sample, observer.force)
+    observer = Observer(context, context.gain("wo"), context.friction_at)
+    then, sent = ahead(context, observer.force)
     step = next_velocity(then)
-    asked = sample.mass * (step - then.v) / sample.period + sample.friction_at(step)
-    return sample.system(
+    asked = context.mass * (step - then.v) / context.period + context.friction_at(step)
+    return context.system(
         "sampled-data barrier law (prox)",
         asked + observer.force,
         observer.state,
@@ -106,30 +106,30 @@ def build(sample: Sample) -> System:
     )
 
 
-def next_velocity(sample: Sample) -> ca.SX:
+def next_velocity(context: LawContext) -> ca.SX:
     """v+ (2,) [m/s, rad/s]: where the law wants the velocity after one period."""
-    halves = -0.5 * sample.gain("rho") * sample.period
-    followed, target = targets(sample)
+    halves = -0.5 * context.gain("rho") * context.period
+    followed, target = targets(context)
     return ca.vertcat(
         *(
             prox_step(
-                sample.v[i],
-                (sample.v_c0[i], followed[i], target[i]),
+                context.v[i],
+                (context.v_c0[i], followed[i], target[i]),
                 (ca.exp(halves[i]), -ca.expm1(halves[i])),
-                (sample.u1[i], sample.u2[i]),
-                sample.smooth,
+                (context.u1[i], context.u2[i]),
+                context.smooth,
             )
             for i in AXES
         )
     )
 
 
-def targets(sample: Sample) -> tuple[ca.SX, ca.SX]:
+def targets(context: LawContext) -> tuple[ca.SX, ca.SX]:
     """c_m and c+, (2,) each [m/s, rad/s]: to where v is carried, and where v_c0 will be."""
-    target = sample.v_c0 + sample.period * sample.v_c0_dot
-    if sample.own(ProxGains).transport == "level":
+    target = context.v_c0 + context.period * context.v_c0_dot
+    if context.own(ProxGains).transport == "level":
         return target, target
-    return sample.v_c0 + sample.period * sample.v_c0_dot_reference, target
+    return context.v_c0 + context.period * context.v_c0_dot_reference, target
 
 
 def prox_step(

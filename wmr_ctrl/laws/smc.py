@@ -11,8 +11,8 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
-from wmr_ctrl.laws.sample import Sample
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import Signal
 
@@ -42,23 +42,23 @@ class SmcGains(Section, key="gains.smc"):
     )
 
 
-def build(sample: Sample) -> System:
+def build(context: LawContext) -> System:
     """F = m^ vc0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary); estimates by explicit Euler."""
     mass, force_hat = port(MASS), port(FRICTION)
-    s = sample.v_c0 - sample.v
-    shape = ca.tanh(sample.v / sample.gain("v_s"))
-    saturated = ca.fmax(-1, ca.fmin(1, s / sample.gain("boundary")))
+    s = context.v_c0 - context.v
+    shape = ca.tanh(context.v / context.gain("v_s"))
+    saturated = ca.fmax(-1, ca.fmin(1, s / context.gain("boundary")))
     force = (
-        mass.sym * sample.v_c0_dot
+        mass.sym * context.v_c0_dot
         + force_hat.sym * shape
-        + sample.gain("K") * s
-        + sample.gain("eta") * saturated
+        + context.gain("K") * s
+        + context.gain("eta") * saturated
     )
-    step = sample.period * sample.gain("axis_scale") * s
-    mass_next = mass.sym + step * sample.gain("g_m") * sample.v_c0_dot
-    force_next = force_hat.sym + step * sample.gain("g_F") * shape
+    step = context.period * context.gain("axis_scale") * s
+    mass_next = mass.sym + step * context.gain("g_m") * context.v_c0_dot
+    force_next = force_hat.sym + step * context.gain("g_F") * shape
     own = (Output(MASS, mass_next), Output(FRICTION, force_next))
-    return sample.system(
+    return context.system(
         "adaptive SMC (stand-in)", force, (mass, force_hat), ca.vertcat(mass_next, force_next), own
     )
 

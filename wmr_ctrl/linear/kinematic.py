@@ -29,7 +29,7 @@ from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TRACKING_ERROR
 from wmr_ctrl.sim.many import run_many
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 from wmr_ctrl.world.references import sample
 
 SADDLE = (0.0, 0.0, np.pi)
@@ -137,7 +137,7 @@ class Ending:
 
 
 def endings(
-    loop: Ready,
+    loop: RunnableLoop,
     starts: Iterable[Floats],
     jobs: int | None = None,
     progress: Callable[[float], None] | None = None,

@@ -26,7 +26,7 @@ from wmr_ctrl.codegen.items import (
     ordered,
     writing,
 )
-from wmr_ctrl.codegen.rolls import rolled
+from wmr_ctrl.codegen.reroll import rolled
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.graph import SELECT, Graph
 

@@ -16,8 +16,8 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
-from wmr_ctrl.page.stands import SettledStand, settled_stands
 from wmr_ctrl.page.story import PageScene
+from wmr_ctrl.page.variants import SettledStand, settled_stands
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import look, unit_text
 from wmr_ctrl.scenario import Scenario
@@ -81,7 +81,7 @@ def content_of(
 
 def _delay_steps(setup: Setup) -> int:
     actuator, step = setup.scenario.actuator, setup.scenario.clock.plant
-    return round((actuator.delay + actuator.untold) / step)
+    return round((actuator.delay + actuator.unmodelled_delay) / step)
 
 
 def _names(signals: Iterable[Signal]) -> Plain:

@@ -45,7 +45,14 @@ GROUPS = (
     Group("reference", "Reference", "", ("ref_",)),
 )  # fmt: skip
 """In the order in which they are listed; a parameter belongs to the first that names it."""
-HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.untold", "robot.g", "robot.v_s")
+HIDDEN = (
+    "clock.",
+    "limits.clip",
+    "actuator.delay",
+    "actuator.unmodelled_delay",
+    "robot.g",
+    "robot.v_s",
+)
 """Parameters that a stand decides, or that nobody wants to move; `run` sets them all."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),

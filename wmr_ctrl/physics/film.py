@@ -22,7 +22,7 @@ from wmr_ctrl.physics.rigid import mujoco
 from wmr_ctrl.physics.run import Coupling
 from wmr_ctrl.physics.workers import Worker
 from wmr_ctrl.results import Run
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Picture: TypeAlias = NDArray[np.uint8]
 HEIGHT, WIDTH = 480, 640
@@ -50,7 +50,7 @@ class Moments:
     slip_max: float
 
 
-def moments_of(loop: Ready, run: Run, most: int) -> Moments:
+def moments_of(loop: RunnableLoop, run: Run, most: int) -> Moments:
     """At most ``most`` moments of a run, the last sample among them, from the run made once more.
 
     ``loop`` is that of the run's scenario and law.  Raises ArgumentError for a run without a

@@ -18,14 +18,14 @@ from wmr_ctrl.results.monitor import STOP_REASONS
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.sim.figures import SHAPES
 from wmr_ctrl.sim.many import RunTable, later, not_summed, planned_tasks
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Row: TypeAlias = dict[str, NDArray[np.generic]]
 """Figures of one run by name, each of its shape."""
 
 
 def run_rigid_many(
-    build: Callable[[Scenario], Ready],
+    build: Callable[[Scenario], RunnableLoop],
     scenarios: Sequence[Scenario],
     seeds: Sequence[int],
     *,
@@ -57,7 +57,7 @@ def _started(scenario: Scenario, start: tuple[float, ...]) -> Scenario:
     return override(scenario, {"initial.pose": start[:3], "initial.velocity": start[3:]})
 
 
-def rigid_figures(loop: Ready, seed: int, further: Sequence[str] = ()) -> Row:
+def rigid_figures(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> Row:
     """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
 
     ``further``: names of figures of the catalogue that are taken besides.
@@ -65,11 +65,11 @@ def rigid_figures(loop: Ready, seed: int, further: Sequence[str] = ()) -> Row:
     run, end = run_to_end(loop, seed)
     taken = values_of(run, map(FIGURES.__getitem__, further))
     row = {name: np.array(np.nan if value is None else value) for name, value in taken.items()}
-    return {**figures_taken(run, end), **_judged(run), **row}
+    return {**figures_from_run(run, end), **_judged(run), **row}
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def figures_taken(run: Run, end: tuple[float, ...]) -> Row:
+def figures_from_run(run: Run, end: tuple[float, ...]) -> Row:
     """Every figure of `SHAPES` of one run, of its body too; ``end`` is its last state, (5,).
 
     They are those of `sim.many.run_many` but for the rounding of sums.

@@ -14,15 +14,15 @@ from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import RigidMonitor, Run
 from wmr_ctrl.signals import RIGID
 from wmr_ctrl.sim.coupled import Coupled
-from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.finish import assemble_run
 from wmr_ctrl.sim.native import split_columns
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 T = TypeVar("T")
 _ROWS_PER_REPORT = 100
 
 
-def run_rigid(loop: Ready, seed: int, progress: Progress | None = None) -> Run:
+def run_rigid(loop: RunnableLoop, seed: int, progress: Progress | None = None) -> Run:
     """One run of a loop from `codegen.build.build_plantless`; it ends where the robot has tipped.
 
     Raises MissingExtraError, CompilerError, or ScenarioError for what no rigid body can be.
@@ -31,7 +31,7 @@ def run_rigid(loop: Ready, seed: int, progress: Progress | None = None) -> Run:
 
 
 def run_to_end(
-    loop: Ready, seed: int, progress: Progress | None = None
+    loop: RunnableLoop, seed: int, progress: Progress | None = None
 ) -> tuple[Run, tuple[float, ...]]:
     """The Run, and the state in which it ended: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."""
     scenario, layout = loop.scenario, loop.compiled.layout
@@ -47,12 +47,14 @@ def run_to_end(
     monitor = replace(coupling.loop.monitor(), rigid=coupling.seen)
     logged = (signals, split_columns(signals, table), monitor)
     facts = {"kernel_hash": loop.compiled.digest, "mujoco": str(mujoco().__version__)}
-    run = finished(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
+    run = assemble_run(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
     return run, coupling.body.plane_state[:5]
 
 
 def run_rigid_each(
-    runs: Sequence[tuple[Ready, int]], jobs: int | None = None, progress: Progress | None = None
+    runs: Sequence[tuple[RunnableLoop, int]],
+    jobs: int | None = None,
+    progress: Progress | None = None,
 ) -> list[Run]:
     """The Run of each pair (loop, seed), in their order, on ``jobs`` processes (default: cores).
 
@@ -63,7 +65,7 @@ def run_rigid_each(
 
 
 def run_rigid_then(
-    runs: Sequence[tuple[Ready, int]],
+    runs: Sequence[tuple[RunnableLoop, int]],
     then: Callable[[int, Run], T],
     jobs: int | None = None,
     progress: Progress | None = None,
@@ -78,7 +80,7 @@ class Coupling:
     ``ended``: whether the run must end; ``seen``: what the body showed so far.
     """
 
-    def __init__(self, loop: Ready, seed: int) -> None:
+    def __init__(self, loop: RunnableLoop, seed: int) -> None:
         """Everything at t = 0."""
         self.scenario, self.clock = loop.scenario, loop.scenario.clock
         self.body, self.loop = (

@@ -21,7 +21,7 @@ from typing import TypeAlias, TypeVar
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.physics.rigid import mujoco
 from wmr_ctrl.sim.batch import check_jobs, cores
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Progress: TypeAlias = Callable[[float], None]
 T = TypeVar("T")
@@ -30,8 +30,8 @@ _ROOT = str(Path(__file__).parents[2])
 
 
 def make_each(
-    make: Callable[[Ready, int], T],
-    runs: Sequence[tuple[Ready, int]],
+    make: Callable[[RunnableLoop, int], T],
+    runs: Sequence[tuple[RunnableLoop, int]],
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
@@ -53,11 +53,11 @@ def make_each(
     return results
 
 
-ResultsOf: TypeAlias = Callable[[Sequence[tuple[Ready, int]]], Iterator[T]]
+ResultsOf: TypeAlias = Callable[[Sequence[tuple[RunnableLoop, int]]], Iterator[T]]
 
 
 @contextmanager
-def _makers(make: Callable[[Ready, int], T], count: int) -> Iterator[ResultsOf[T]]:
+def _makers(make: Callable[[RunnableLoop, int], T], count: int) -> Iterator[ResultsOf[T]]:
     """How to have runs made, here or by several processes; none is left at the end."""
     if count <= 1:
         yield lambda runs: (make(loop, seed) for loop, seed in runs)
@@ -67,7 +67,7 @@ def _makers(make: Callable[[Ready, int], T], count: int) -> Iterator[ResultsOf[T
     for worker in workers:
         free.put(worker)
 
-    def one(run: tuple[Ready, int]) -> T:
+    def one(run: tuple[RunnableLoop, int]) -> T:
         worker = free.get()
         try:
             return worker.ask(make, run)

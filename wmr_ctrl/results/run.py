@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.arguments import check_fields, checks_arguments
+from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.monitor import Monitor
 from wmr_ctrl.results.outcomes import Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.signals import REFERENCE, TIME, Signal
-from wmr_ctrl.upward import upward
 
 if TYPE_CHECKING:
     import pandas
@@ -99,7 +99,7 @@ class Run:
 
         Raises ResultFileError, or MissingExtraError for .parquet without pyarrow.
         """
-        upward("save_run")(self, path)
+        late_bound("save_run")(self, path)
 
     @checks_arguments
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -108,7 +108,7 @@ class Run:
         Returns matplotlib's figure, which notebooks show.  Raises ResultFileError for a path that
         cannot be written, ArgumentError for a run without any sample.
         """
-        return cast("Figure", upward("plot_run")(self, path))
+        return cast("Figure", late_bound("plot_run")(self, path))
 
     @checks_arguments
     def animate(self, path: str | os.PathLike[str]) -> None:
@@ -117,7 +117,7 @@ class Run:
         Raises ResultFileError, ArgumentError for a run without any sample, MissingExtraError for
         .mp4 without ffmpeg.
         """
-        upward("animate_run")(self, path)
+        late_bound("animate_run")(self, path)
 
     @checks_arguments
     def film(self, path: str | os.PathLike[str]) -> None:
@@ -127,7 +127,7 @@ class Run:
         plane model, without any sample or from elsewhere, MissingExtraError without the extra
         physics, OpenGL, or ffmpeg for .mp4.
         """
-        upward("film_run")(self, path)
+        late_bound("film_run")(self, path)
 
     @checks_arguments
     def summary(self) -> dict[str, object]:
@@ -184,12 +184,12 @@ class Run:
 
         None where scenario or law are not known here.
         """
-        return cast("Outlook | None", upward("outlook_of")(self))
+        return cast("Outlook | None", late_bound("outlook_of")(self))
 
     @cached_property
     def needed(self) -> FloatArray | None:
         """Wheel torques [N m] that the desired motion needs, (N, 2); None as `outlook`."""
-        return cast("FloatArray | None", upward("needed_by")(self))
+        return cast("FloatArray | None", late_bound("needed_by")(self))
 
     @cached_property
     def remarks(self) -> tuple[Remark, ...]:

@@ -13,6 +13,7 @@ from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quantities
 from wmr_ctrl.fields.values import Quantity, Range, as_list
+from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.html import table_html
 from wmr_ctrl.scenario.body import Body
 from wmr_ctrl.scenario.change import Change
@@ -24,7 +25,6 @@ from wmr_ctrl.scenario.metrics import Metrics
 from wmr_ctrl.scenario.relations import check_types, relate
 from wmr_ctrl.scenario.robot import Model, Robot
 from wmr_ctrl.signals import Signal
-from wmr_ctrl.upward import upward
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
 from wmr_ctrl.world.registry import EFFECTS, Actuator, Disturbance, Sensor
@@ -151,7 +151,7 @@ class Scenario:
         ``kinematics`` has those of Eq. (7).  Raises ScenarioError or UnknownNameError where
         ``gains`` names what does not exist.
         """
-        return cast("Mapping[str, Section]", upward("gains_by_law")(self))
+        return cast("Mapping[str, Section]", late_bound("gains_by_law")(self))
 
     @property
     def believed(self) -> Robot:

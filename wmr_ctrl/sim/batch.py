@@ -25,7 +25,7 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put, windows_of
 from wmr_ctrl.sim.memory import Memory, VectorSet, laid_out, vector_set
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -40,7 +40,7 @@ class Task:
     ``vectors``: the set of vector instructions; None for the best of this processor.
     """
 
-    loop: Ready
+    loop: RunnableLoop
     seed: int
     start: tuple[float, ...] | None = None
     vectors: str | None = None

@@ -14,7 +14,7 @@ from wmr_ctrl.results.monitor import STOP_REASONS
 from wmr_ctrl.results.tracking import at_rest, drive, last_quarter, working
 from wmr_ctrl.results.windows import WINDOWS, named
 from wmr_ctrl.sim.memory import Memory
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -55,7 +55,7 @@ class Runnable(Protocol):
     """What is read of a task."""
 
     @property
-    def loop(self) -> Ready:
+    def loop(self) -> RunnableLoop:
         """What ran: its clocks and windows."""
 
 

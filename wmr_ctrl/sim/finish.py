@@ -35,7 +35,7 @@ Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
 
-def finished(
+def assemble_run(
     scenario: Scenario,
     law: str,
     seed: int,

@@ -18,9 +18,9 @@ from wmr_ctrl.results.html import figure, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
 from wmr_ctrl.sim.figures import SHAPES, Figures, column_of, monitor, tracked
-from wmr_ctrl.sim.finish import finished
+from wmr_ctrl.sim.finish import assemble_run
 from wmr_ctrl.sim.native import split_columns
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 if TYPE_CHECKING:
     import pandas
@@ -82,7 +82,7 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
 
 
 def run_many(
-    build: Callable[[Scenario], Ready],
+    build: Callable[[Scenario], RunnableLoop],
     scenarios: Sequence[Scenario],
     seeds: Sequence[int],
     *,
@@ -128,7 +128,7 @@ def run_many(
 
 
 def planned_tasks(
-    build: Callable[[Scenario], Ready],
+    build: Callable[[Scenario], RunnableLoop],
     scenarios: Sequence[Scenario],
     seeds: Sequence[int],
     starts: Sequence[Sequence[float]] | None,
@@ -151,8 +151,8 @@ PREPARING = 0.1
 
 
 def _prepared(
-    build: Callable[[Scenario], Ready], different: list[Scenario], progress: Progress | None
-) -> dict[Scenario, Ready]:
+    build: Callable[[Scenario], RunnableLoop], different: list[Scenario], progress: Progress | None
+) -> dict[Scenario, RunnableLoop]:
     """The loop of each different scenario; progress is told from the first one on."""
     loops = {}
     for k, scenario in enumerate(different):
@@ -204,7 +204,7 @@ T = TypeVar("T")
 
 
 def run_each(
-    runs: Sequence[tuple[Ready, int]],
+    runs: Sequence[tuple[RunnableLoop, int]],
     then: Callable[[int, Run], T],
     jobs: int | None = None,
     progress: Callable[[float], None] | None = None,
@@ -230,7 +230,7 @@ def _each(
         logged = (signals, split_columns(signals, rows), watched)
         facts = {"kernel_hash": item.compiled.digest}
         return then(
-            place, finished(item.scenario, item.law, seed, "lanes", logged, facts, item.bounds)
+            place, assemble_run(item.scenario, item.law, seed, "lanes", logged, facts, item.bounds)
         )
 
     return run_logged(tasks, pass_on, jobs=jobs, progress=progress)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.compiled import CompiledLoop, LoopLayout, elements
 from wmr_ctrl.errors import CompilerError, UnknownNameError
 from wmr_ctrl.signals import PLANT_STATE
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 Numbers: TypeAlias = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
@@ -122,7 +122,7 @@ class Lane(Protocol):
     """What a lane needs of a task."""
 
     @property
-    def loop(self) -> Ready:
+    def loop(self) -> RunnableLoop:
         """The compiled loop with its scenario."""
 
     @property

@@ -10,12 +10,12 @@ from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.batch import Task
 from wmr_ctrl.sim.figures import monitors
 from wmr_ctrl.sim.memory import laid_out
-from wmr_ctrl.sim.ready import Ready
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 Floats = NDArray[np.float64]
 
 
-def run_native(loop: Ready, seed: int) -> tuple[dict[str, Floats], Monitor]:
+def run_native(loop: RunnableLoop, seed: int) -> tuple[dict[str, Floats], Monitor]:
     """One run: columns by signal name, (N,) or (N, size), and the monitor.
 
     The call releases Python's lock, so threads run in parallel.

@@ -24,7 +24,7 @@ from typing import Protocol
 import numpy as np
 
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.engines import ready_batch
+from wmr_ctrl.engines import runnable_batch
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
@@ -186,7 +186,7 @@ def tune(
         test_seeds=tuple(checked_seeds(test_seeds)), trials=trials, weight=weight, hold=tuple(hold),
     )  # fmt: skip
     return _searched(
-        plan, partial(run_many, partial(ready_batch, law=law), jobs=jobs), out, progress
+        plan, partial(run_many, partial(runnable_batch, law=law), jobs=jobs), out, progress
     )
 
 
@@ -269,7 +269,7 @@ def judged(
     scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
 ) -> tuple[TrialFigures, ...]:
     """Figures of a law on a scenario as `tune` tells them: its reference and others, each robot."""
-    run = partial(run_many, partial(ready_batch, law=law), jobs=jobs)
+    run = partial(run_many, partial(runnable_batch, law=law), jobs=jobs)
     return _judged(run, scenario_of(scenario), tuple(seeds))
 
 

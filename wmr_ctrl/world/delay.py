@@ -36,7 +36,7 @@ class Delay(Section, key="actuator"):
         multiple_of="clock.plant",
         most=MOST_QUEUED,
     )
-    untold: float = quantity(
+    unmodelled_delay: float = quantity(
         0.0,
         unit="s",
         doc="further delay that laws and observer do not know of, a multiple of clock.plant",
@@ -51,7 +51,7 @@ class Delay(Section, key="actuator"):
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: the torque that arrives [N m]."""
     torque, p = ports(TORQUE), Parameters(scenario)
-    late = p.take("actuator.delay") + p.take("actuator.untold")
+    late = p.take("actuator.delay") + p.take("actuator.unmodelled_delay")
     return System(
         "delay",
         "delay of the drives",
@@ -81,7 +81,7 @@ def bound(scenario: Scenario) -> Bound:
 
 def _all_of_it(scenario: Scenario) -> float:
     late = scenario.section(Delay)
-    return late.delay + late.untold
+    return late.delay + late.unmodelled_delay
 
 
 DELAY = Effect(
@@ -92,7 +92,7 @@ DELAY = Effect(
     acts=acts,
     bound=bound,
     rate=Rate.STEP,
-    shape=("actuator.delay", "actuator.untold"),
+    shape=("actuator.delay", "actuator.unmodelled_delay"),
     check=check,
 )
 

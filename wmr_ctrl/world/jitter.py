@@ -46,15 +46,16 @@ def build(scenario: Scenario) -> System:
     """
     torque, step, p = ports(TORQUE), port(STEP), Parameters(scenario)
     acting, waiting, due = port(ACTING), port(WAITING), port(DUE)
-    T, h, delay, untold, width = (
+    T, h, delay, unmodelled_delay, width = (
         p.take(key)
         for key in (
-            "clock.control", "clock.plant", "actuator.delay", "actuator.untold", "actuator.jitter",
+            "clock.control", "clock.plant", "actuator.delay", "actuator.unmodelled_delay",
+            "actuator.jitter",
         )
     )  # fmt: skip
     number = draw(NUMBERS, UNIFORM, width > 0, held=True)
     steps, most = whole(T / h), whole(width / h)
-    since = step.sym - whole((delay + untold) / h)
+    since = step.sym - whole((delay + unmodelled_delay) / h)
     phase = since - steps * ca.floor(since / steps)
     arrives = phase == 0
     drawn = ca.fmin(ca.floor((number.port.sym[0] + 1) / 2 * (most + 1)), steps)

@@ -66,7 +66,7 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
     @property
     def ideal(self) -> bool:
         """Whether the torque acts at once (it may still be limited)."""
-        return self.lag == 0 and self.delay == 0 and self.untold == 0 and self.jitter == 0
+        return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 
 class EffectRegistry:

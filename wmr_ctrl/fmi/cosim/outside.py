@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wmr_ctrl.codegen.build import build_outside
-from wmr_ctrl.control.loop import OutsideGraphs
+from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.sim.coupled import Coupled
@@ -40,7 +40,7 @@ class Outside:
 
     def __init__(self, setup: Setup, seed: int) -> None:
         """Everything at t = 0.  Raises CompilerError or ArgumentError."""
-        graphs = OutsideGraphs(setup)
+        graphs = PlantlessGraphs(setup)
         compiled = build_outside(setup, graphs)
         self.columns, self.steady, self.rolling = graphs.columns, graphs.steady, graphs.rolling
         self._coupled = Coupled(compiled, seed, setup.scenario.clock.plant)

@@ -40,7 +40,7 @@ from wmr_ctrl.fmi.export import model_of, scenario_given, write_fmu
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
-from wmr_ctrl.laws.sample import own_diagnostics
+from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.model.tracking import tracking_error
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Change, Scenario
@@ -53,7 +53,7 @@ from wmr_ctrl.signals import (
     TRACKING_ERROR,
     Signal,
 )
-from wmr_ctrl.sim.finish import checked_seeds, finished
+from wmr_ctrl.sim.finish import assemble_run, checked_seeds
 
 CHANGEABLE = ("m", "I", "mu")
 STAND_IN = "nn"
@@ -288,7 +288,7 @@ def _result(
     named = tuple(name for item in effects for name in item.elements)
     table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *controller.targets[2:]))
     logged = (signals, _columns(signals, table), loop.outside.monitor(failure))
-    return finished(loop.scenario, law, seed, "fmu", logged, facts, cast.own.assumptions)
+    return assemble_run(loop.scenario, law, seed, "fmu", logged, facts, cast.own.assumptions)
 
 
 def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:

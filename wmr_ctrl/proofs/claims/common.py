@@ -12,7 +12,7 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.laws.sample import Sample
+from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port, System
 from wmr_ctrl.proofs.statement import Relation, above, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario
@@ -111,9 +111,9 @@ class LawGraph:
         return scalars((*self.system.inputs, *self.system.state, *self.system.params))
 
     @cached_property
-    def sample(self) -> Sample:
+    def sample(self) -> LawContext:
         """The shared quantities, in symbols of their own (see `own`)."""
-        return Sample(settle(self.scenario, self.name))
+        return LawContext(settle(self.scenario, self.name))
 
     @property
     def force(self) -> ca.SX:

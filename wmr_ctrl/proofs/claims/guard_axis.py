@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay, largest_force, under_way
+from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
@@ -111,16 +111,16 @@ class LateAxis(GuardAxis):
         return replace(at_once, delay=self["delay"])
 
     @property
-    def coming(self) -> UnderWay:
+    def coming(self) -> InFlight:
         """What is under way, as its two sums."""
-        return UnderWay(self["ahead"], self["back"])
+        return InFlight(self["ahead"], self["back"])
 
     @cached_property
-    def one(self) -> UnderWay:
+    def one(self) -> InFlight:
         """What is under way where it is a single command ``sent`` for some ``periods``."""
         pair = [self["other"], self["other"]]
         pair[self.place] = self["sent"]
-        return under_way([(ca.vertcat(*pair), self["periods"])], self.place, self.bounds)
+        return in_flight([(ca.vertcat(*pair), self["periods"])], self.place, self.bounds)
 
     @cached_property
     def largest(self) -> ca.SX:
@@ -179,7 +179,7 @@ class LateAxis(GuardAxis):
         needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
         return at_least(b.u1 - b.f_speed, late + more * needed)
 
-    def room(self, coming: UnderWay, more: float = 1) -> Relation:
+    def room(self, coming: InFlight, more: float = 1) -> Relation:
         """M_min alpha (u1 - f_speed - ahead - back) >= max(brakes + net, 0)."""
         b = self.bounds
         left = b.M_min * b.alpha * (more * (b.u1 - b.f_speed) - coming.ahead - coming.back)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import under_way
+from wmr_ctrl.guard.delay import in_flight
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import LateAxis, both_ways
@@ -91,8 +91,8 @@ def queue(mutation: Mutation) -> Statement:
     goals = []
     for axis in (0, 1):
         for n in range(1, 6):
-            every, last = (under_way(part, axis, a.bounds) for part in (sent[:n], sent[n - 1 : n]))
-            rest = under_way(sent[: n - 1], axis, a.bounds)
+            every, last = (in_flight(part, axis, a.bounds) for part in (sent[:n], sent[n - 1 : n]))
+            rest = in_flight(sent[: n - 1], axis, a.bounds)
             goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
             goals.append(equal(every.back, rest.back + last.back))
     return Statement({**a.symbols, **t}, tuple(goals), (above(a.bounds.M_min),))

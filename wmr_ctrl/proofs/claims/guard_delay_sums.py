@@ -12,7 +12,7 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay, under_way
+from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -55,13 +55,13 @@ class Queue:
         """The symbol of a name."""
         return self.symbols[name]
 
-    def sums(self, count: int) -> UnderWay:
+    def sums(self, count: int) -> InFlight:
         """Of the first ``count`` commands."""
         one, none = ca.SX(1), ca.SX(0)
         b = Bounds(one, one, one, one, self["dbar"], none, one, none, self["f_min"], none)
         listed = range(1, count + 1)
         sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
-        return under_way(sent, self.axis, b)
+        return in_flight(sent, self.axis, b)
 
     @property
     def last(self) -> tuple[ca.SX, ca.SX]:
@@ -177,9 +177,9 @@ def scaled(mutation: Mutation) -> Statement:
     one, none = ca.SX(1), ca.SX(0)
     sent = [(ca.vertcat(t["F"], t["N"]), t["time"])]
 
-    def sums(period: ca.SX, mass: ca.SX) -> UnderWay:
+    def sums(period: ca.SX, mass: ca.SX) -> InFlight:
         numbers = (t["dbar"], none, one, none, t["f_min"], none)
-        return under_way(sent, 0, Bounds(one, period, mass, one, *numbers))
+        return in_flight(sent, 0, Bounds(one, period, mass, one, *numbers))
 
     raw, whole = sums(one, one), sums(t["period"], t["M_min"])
     goals = []

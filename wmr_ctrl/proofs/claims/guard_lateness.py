@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 
 from wmr_ctrl.guard.bounds import ROUNDING
-from wmr_ctrl.guard.delay import Tails, UnderWay, under_way
+from wmr_ctrl.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.guard.guard import clipped, feasible
 from wmr_ctrl.guard.lateness import AT_ONCE, Tail
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -93,7 +93,7 @@ def guard_late_piece(mutation: Mutation) -> Statement:
     b, time = a.bounds, a["periods"] * a["period"]
     first, second = a["sent"], a["asked"]
     both = ca.horzcat(ca.vertcat(first, a["other"]), ca.vertcat(second, a["other"]))
-    piece = under_way([(both, a["periods"])], 0, b)
+    piece = in_flight([(both, a["periods"])], 0, b)
     goals = []
     for force in (first, second):
         for way, counted in ((1, piece.ahead), (-1, piece.back)):
@@ -129,7 +129,7 @@ def guard_late_tail(mutation: Mutation) -> Statement:
     table = {**a.symbols, **t, **{f"tail{i}": state[i] for i in range(4)}}
     goals = []
     for axis in (0, 1):
-        now = tails.added(UnderWay(ca.SX(0), ca.SX(0)), axis, b)
+        now = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
         after = following[2 * axis] + tail.steady * b.period * ca.fmax(b.net, 0)
         old, new = forces[1][axis], forces[0][axis]
         joined = 0.25 * ca.fmax(old + b.net, 0) + 0.125 * ca.fmax(ca.fmax(old, new) + b.net, 0)

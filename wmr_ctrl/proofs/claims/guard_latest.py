@@ -11,7 +11,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay, under_way
+from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.guard.guard import Bounds, room
 from wmr_ctrl.proofs.claims.guard_axis import LATE, NUMBERS, PRESENT, LateAxis
 from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
@@ -63,16 +63,16 @@ class LatestAxis(LateAxis):
         return replace(at_once, delay=self["delay"], jitter=self.J, mixed=self.mixed)
 
     @cached_property
-    def again(self) -> UnderWay:
+    def again(self) -> InFlight:
         """What the last command adds where the new one comes late."""
         pair = ca.vertcat(self["sent"], self["other"])
-        return under_way([(pair, self.J / self["period"])], 0, self.bounds)
+        return in_flight([(pair, self.J / self["period"])], 0, self.bounds)
 
     @property
-    def coming(self) -> UnderWay:
+    def coming(self) -> InFlight:
         """What is under way, as its sums."""
-        rest = UnderWay(self["rest_ahead"], self["rest_back"])
-        return UnderWay(self["ahead"], self["back"], rest, self.again if self.varies else None)
+        rest = InFlight(self["rest_ahead"], self["rest_back"])
+        return InFlight(self["ahead"], self["back"], rest, self.again if self.varies else None)
 
     def sound(self, faster: float = 1) -> tuple[Relation, ...]:
         """Signs, and how the times lie to each other."""

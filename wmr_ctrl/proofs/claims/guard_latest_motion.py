@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay, under_way
+from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.guard.guard import clipped, room
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import LateAxis, both_ways
@@ -154,8 +154,8 @@ def guard_late_rest(mutation: Mutation, counts_rest: bool = True) -> Statement:
     v = share * window * p / b.M_min
     y = share * v / 2 - (1 - share) * t["V"]
     pair, periods = ca.vertcat(a["sent"], 0), window / b.period
-    mean, rest = (under_way([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
-    coming = UnderWay(mean.ahead, mean.back, rest if counts_rest else None)
+    mean, rest = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
+    coming = InFlight(mean.ahead, mean.back, rest if counts_rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
     given = (
         *a.sound(), above(window), at_least(share), at_least(1, share), at_least(t["V"]),
@@ -181,7 +181,7 @@ def unmixed(_: Mutation) -> Statement:
     """
     a = LatestAxis()
     over = a.takes_over(1)
-    coming = UnderWay(a["ahead"] + a.again.ahead, a["back"] + a.again.back)
+    coming = InFlight(a["ahead"] + a.again.ahead, a["back"] + a.again.back)
     force = clipped(a["asked"], a["y"], replace(a.bounds, jitter=None, mixed=None), coming)
     end = over + a["t"] * ca.fmax(force + a.net, 0) / a["mass"]
     exact = (equal(a.bounds.nbar), equal(a.bounds.f_speed), equal(a.bounds.f_min))

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay
+from wmr_ctrl.guard.delay import InFlight
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS
@@ -50,9 +50,9 @@ class QueuedAxis(GuardAxis):
         return 1 - self["share"]
 
     @property
-    def coming(self) -> UnderWay:
+    def coming(self) -> InFlight:
         """What is under way, as its two sums."""
-        return UnderWay(self["ahead"], self["back"])
+        return InFlight(self["ahead"], self["back"])
 
     @property
     def late(self) -> ca.SX:

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay
+from wmr_ctrl.guard.delay import InFlight
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.guard.lagging import Lagging, integral, moved, push, waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -44,9 +44,9 @@ class VaryingAxis(LatestAxis):
         return {**LatestAxis(varies=self.varies).symbols, **own}
 
     @cached_property
-    def again(self) -> UnderWay:
+    def again(self) -> InFlight:
         """What the last command adds where the new one comes late, as symbols."""
-        return UnderWay(self["again_ahead"], self["again_back"])
+        return InFlight(self["again_ahead"], self["again_back"])
 
     @property
     def slow(self) -> Lagging:
@@ -66,11 +66,11 @@ class VaryingAxis(LatestAxis):
         return self["mixed"]
 
     @property
-    def coming(self) -> UnderWay:
+    def coming(self) -> InFlight:
         """What is under way, as its sums."""
-        rest = UnderWay(self["rest_ahead"], self["rest_back"])
+        rest = InFlight(self["rest_ahead"], self["rest_back"])
         again = self.again if self.varies else None
-        return UnderWay(self["ahead"], self["back"], rest, again, self.slow)
+        return InFlight(self["ahead"], self["back"], rest, again, self.slow)
 
     @property
     def S(self) -> ca.SX:

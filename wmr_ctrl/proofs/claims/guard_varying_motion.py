@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import UnderWay
+from wmr_ctrl.guard.delay import InFlight
 from wmr_ctrl.guard.guard import clipped
 from wmr_ctrl.guard.lagging import waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -187,7 +187,7 @@ def unvaried(_: Mutation) -> Statement:
     a = LatestAxis(varies=False)
     t = symbols("z rise fast slow")
     b, z = a.bounds, t["z"]
-    force = clipped(a["asked"], a["y"], b, UnderWay(a["ahead"], a["back"]))
+    force = clipped(a["asked"], a["y"], b, InFlight(a["ahead"], a["back"]))
     p = ca.fmax(force + a.net, 0)
     end = a["arrived"] + waiting(z, p, b.period, t["rise"]) / b.M_min
     given = (

@@ -1,4 +1,4 @@
-"""Sample: what every law is given at one control sample, and how its System is put together."""
+"""LawContext: what every law is given at one control sample, and how its System is put together."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ class LawNumbers(Protocol):
         """Signal and value of a number by its key, gains included."""
 
 
-class Sample:
+class LawContext:
     """Ports and shared quantities of a sampled law named ``law``.
 
     Inputs in order: reference (7), measured pose (3), measured velocity (2).  ``v`` is the measured
     velocity; barrier quantities see it clipped to v_u1 - limits.clip, everything else does not.
     """
 
-    def __init__(self, setup: LawNumbers, under_way: int | None = None) -> None:
+    def __init__(self, setup: LawNumbers, in_flight: int | None = None) -> None:
         """Fresh symbols for a law's gains on a scenario.
 
-        ``under_way``: commands that the law predicts over; those of the scenario's clock unless
+        ``in_flight``: commands that the law predicts over; those of the scenario's clock unless
         given.
         """
         self.law, self.scenario, self.gains = setup.name, setup.scenario, setup.gains
@@ -67,10 +67,10 @@ class Sample:
         self.pose, self.v = u[7:10], u[10:12]
         self.period = self.parameters.take("clock.control")
         own = commands_predicted(self.gains, self.scenario.clock.control)
-        self.under_way = own if under_way is None else under_way
+        self.in_flight = own if in_flight is None else in_flight
         self._given = tuple(vars(self))
 
-    def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> Sample:
+    def at(self, desired: Desired, pose: ca.SX, v: ca.SX) -> LawContext:
         """The same law where pose, velocity and what is desired are these: another instant."""
         other = copy(self)
         for name in set(vars(other)) - {*self._given, "_given"}:

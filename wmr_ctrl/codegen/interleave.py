@@ -13,7 +13,7 @@ FEWEST = 4
 """Exponentials that are worth an array."""
 
 
-def together(graph: Graph, items: Sequence[Item]) -> list[Item]:
+def interleave(graph: Graph, items: Sequence[Item]) -> list[Item]:
     """The items with exponentials of one rank, of which none needs another, as one item each."""
     groups = [group for group in _ranks(graph, items).values() if len(group) >= FEWEST]
     gone = {number for group in groups for number in group}

@@ -11,7 +11,7 @@ from wmr_ctrl.sim.finish import settings_of
 
 
 @dataclass(frozen=True)
-class Ready:
+class RunnableLoop:
     """A compiled loop, its scenario and law, and what a guard assumes of the motion."""
 
     compiled: CompiledLoop

@@ -22,6 +22,6 @@ HOMES = {
 """Each function, and the module that it is found in."""
 
 
-def upward(name: str) -> Callable[..., object]:
+def late_bound(name: str) -> Callable[..., object]:
     """The function of that name, one of `HOMES`; its module is imported now."""
     return cast("Callable[..., object]", vars(import_module(HOMES[name]))[name])

@@ -23,7 +23,7 @@ LATE = (0, 2, 5)
 
 
 @dataclass(frozen=True)
-class Stand:
+class Variant:
     """One choice; period and delay [s]."""
 
     guard: bool
@@ -44,7 +44,7 @@ class Stand:
 class SettledStand:
     """A stand with the settled setup of each law, or why the product refuses it."""
 
-    stand: Stand
+    stand: Variant
     setups: Mapping[str, Setup]
     refusal: str = ""
 
@@ -54,7 +54,7 @@ def settled_stands(scenario: Scenario, laws: tuple[str, ...]) -> Iterator[Settle
 
     Raises as `settle` does where its own is refused.
     """
-    own = Stand(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
+    own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
     yield SettledStand(own, {law: settle(scenario, law) for law in laws})
     for stand in _others(scenario, own, laws[0]):
         try:
@@ -64,19 +64,19 @@ def settled_stands(scenario: Scenario, laws: tuple[str, ...]) -> Iterator[Settle
             yield SettledStand(stand, {}, str(error))
 
 
-def _others(scenario: Scenario, own: Stand, law: str) -> Iterator[Stand]:
+def _others(scenario: Scenario, own: Variant, law: str) -> Iterator[Variant]:
     periods = _periods(scenario, own, law)
     delays = {own.delay, *(round(count * own.period, 12) for count in LATE)}
     for guard in (own.guard, not own.guard):
         places = [(period, own.delay) for period in periods]
         places += [(own.period, delay) for delay in sorted(delays - {own.delay})]
         for place in places:
-            stand = Stand(guard, *place)
+            stand = Variant(guard, *place)
             if stand != own:
                 yield stand
 
 
-def _periods(scenario: Scenario, own: Stand, law: str) -> tuple[float, ...]:
+def _periods(scenario: Scenario, own: Variant, law: str) -> tuple[float, ...]:
     """Periods that the scenario's loop may have: its own, and more if nothing counts its steps."""
     clock = scenario.clock
     fitting = [p for p in PERIODS if multiple(p, clock.plant) and multiple(clock.duration, p)]
