@@ -20,10 +20,9 @@ from pathlib import Path
 
 from tests.altered_files import ALTERED_FILES, altered_copy, check_tests, copy_of_tree, failing
 from tests.proofs.test_alterations import ALTERATIONS, changes_a_verdict
-from wmr_ctrl.proofs.alterations import is_noticed
+from wmr_ctrl.proofs.alterations import CHANGES, is_noticed
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import Entry, load
-from wmr_ctrl.proofs.product import CHANGES
 
 WITNESSES = 20
 """Entries that are asked about one alteration."""

@@ -24,7 +24,7 @@ SNIFFED = {
     "wmr_ctrl.codegen.cache_folder": "os.getuid is not on Windows",
     "wmr_ctrl.fields.files": "only some errors of the system have a text",
     "wmr_ctrl.fields.values": "arrays of any library give their numbers by tolist",
-    "wmr_ctrl.proofs.product": "walks values of any class to the part that a claim alters",
+    "wmr_ctrl.proofs.alterations": "walks values of any class to the part that a claim alters",
     "wmr_ctrl.results.files": "only some errors of the system have a number",
     "wmr_ctrl.results.io": "only some errors of the system have a text",
     "wmr_ctrl.sim.batch": "os.sched_getaffinity is on Linux only",

@@ -11,10 +11,10 @@ import pytest
 
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.proofs import check, command, prove
+from wmr_ctrl.proofs.alterations import function_named
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import differences, exit_code, load, stale
-from wmr_ctrl.proofs.product import function_named
 from wmr_ctrl.proofs.runner import hashes, selected
 
 QUICK = [

@@ -6,10 +6,9 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.proofs.finding import PROVED, REFUTED
+from wmr_ctrl.proofs.ledger import PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import UNIT, Statement, above, at_least, equal, symbols
 from wmr_ctrl.scenario import load_scenario, preset_names
 
 

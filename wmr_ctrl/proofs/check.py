@@ -13,11 +13,11 @@ from typing import Any
 
 from wmr_ctrl.proofs.alterations import functions_of
 from wmr_ctrl.proofs.claim import CLAIMED, MUTATED, Claim
-from wmr_ctrl.proofs.finding import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Finding, written
-from wmr_ctrl.proofs.ledger import Entry
+from wmr_ctrl.proofs.ledger import LEMMA, NOT_CHECKED, OPEN, PROVED, REFUTED, Entry
 from wmr_ctrl.proofs.methods.spec import (
     Z3,
     Both,
+    Finding,
     Method,
     Ring,
     described,
@@ -145,7 +145,10 @@ def _described(method: Method, finding: Finding) -> str:
 
 
 def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:
-    return None if point is None else written(point)
+    """A point as exact text: ``p/q``, or ``1 pi``."""
+    if point is None:
+        return None
+    return {name: v if isinstance(v, str) else str(Fraction(v)) for name, v in point.items()}
 
 
 def _entry(claim: Claim, verdict: str, **found: Any) -> Entry:

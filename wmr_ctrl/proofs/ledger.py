@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 COMMITTED = Path(__file__).with_name("ledger.json")
-VERDICTS = ("PROVED", "REFUTED", "LEMMA", "DEFINITION", "HAND", "OPEN", "NOT_CHECKED")
+PROVED, REFUTED, LEMMA, DEFINITION = "PROVED", "REFUTED", "LEMMA", "DEFINITION"
+HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
+VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
     "id",
     "equations",

@@ -42,13 +42,14 @@ THEMES = (
     ("transport", "The level transport"),
     ("prox", "The sampled-data law"),
     ("prox_push", "The sampled-data law under a push"),
-    ("prox_mass", "The sampled-data law with a wrong mass"),
-    ("prediction", "Prediction over a delay"),
+    ("prox_push:wrong_mass_claim", "The sampled-data law with a wrong mass"),
+    ("composition:prediction_claim", "Prediction over a delay"),
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("composition", "How the parts are put together"),
     ("manual", "Arguments by hand, assumptions, open ends"),
 )
+"""(file, or file and name of its claims; title)."""
 DEFINITIONS = "Definitions"
 
 
@@ -56,9 +57,10 @@ DEFINITIONS = "Definitions"
 def all_claims() -> tuple[Claim, ...]:
     """Every claim, with its theme; definitions come last."""
     found: list[Claim] = []
-    for name, title in THEMES:
-        module = import_module(f"wmr_ctrl.proofs.claims.{name}")
-        found += [replace(claim, theme=title) for claim in module.claim.listed]
+    for place, title in THEMES:
+        file, _, name = place.partition(":")
+        claims = vars(import_module(f"wmr_ctrl.proofs.claims.{file}"))[name or "claim"]
+        found += [replace(claim, theme=title) for claim in claims.listed]
     return (*found, *_definitions())
 
 

@@ -21,7 +21,7 @@ from wmr_ctrl.proofs.claims.authority_table import (
     row_points,
 )  # fmt: skip
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
 from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols

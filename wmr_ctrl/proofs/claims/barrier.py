@@ -9,9 +9,8 @@ from wmr_ctrl.barrier.lyapunov import total_barrier
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis
-from wmr_ctrl.proofs.claims.pairs import paired_cases
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
-from wmr_ctrl.proofs.regions import AxisName, all_cases, open_cases, target_cases
+from wmr_ctrl.proofs.regions import AxisName, all_cases, open_cases, paired_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
 
 ONE, TWO = AxisName("1"), AxisName("2")

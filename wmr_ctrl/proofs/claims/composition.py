@@ -1,14 +1,17 @@
-"""How parts are put together: the sampled-data law's whole force, its observer, the guard's axes
-and what its flag promises, desired motions, dead reckoning.
+"""Parts put together: the guard's axes and what its flag promises, desired motions, dead reckoning,
+and the prediction to the time when a command acts.
 """
 
 from __future__ import annotations
+
+from functools import reduce
 
 import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import target_rate
 from wmr_ctrl.guard.bounds import ROUNDING
 from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
+from wmr_ctrl.laws.prediction import acts_for, slowed
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
@@ -147,3 +150,55 @@ def estimator_pose(mutation: Mutation) -> Statement:
         equal(estimate[i], gain * mutation * measured[i] + (1 - gain) * moved[i]) for i in range(3)
     )
     return Statement(t, goals)
+
+
+MOST = 5
+prediction_claim = Claims(by=Z3())
+
+
+@prediction_claim("prediction.times", given=f"0 <= delay <= {MOST} T; up to {MOST} commands")
+def prediction_times(mutation: Mutation) -> Statement:
+    """tau_1 + ... + tau_n = delay, 0 <= tau_j <= T, n = 5.
+
+    Over its delay the law counts on each command under way for as long as it acts.
+    """
+    t = symbols("delay period")
+    delay, period = t["delay"], t["period"]
+    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    total = reduce(ca.SX.__add__, times)
+    goals = [equal(total, mutation * delay)]
+    for time in times:
+        goals += [at_least(time), at_least(period, time)]
+    return Statement(t, tuple(goals), (at_least(delay), at_least(MOST * period, delay)))
+
+
+@prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
+def oldest_first(mutation: Mutation) -> Statement:
+    """tau_j = T wherever tau_(j+1) is not 0.
+
+    Only the oldest command under way acts for less than a period.
+    """
+    t = symbols("delay period")
+    delay, period = t["delay"], t["period"]
+    goals = []
+    for age in range(1, MOST):
+        newer, older = (acts_for(item, delay, period) for item in (age, age + 1))
+        goals.append(equal(older * (newer - mutation * period)))
+    return Statement(t, tuple(goals), (at_least(delay), above(period)))
+
+
+@prediction_claim("prediction.friction", given="F1(u) u >= 0")
+def friction(mutation: Mutation) -> Statement:
+    """v+ has the sign of u, |v+| <= |u|, and v+ = u - t F1(u)/M while that is smaller than u.
+
+    In the prediction friction slows the robot down and never turns it round.
+    """
+    t = symbols("free taken")
+    free, taken = t["free"], t["taken"]
+    after = slowed(free, taken)
+    goals = (
+        at_least(after * free),
+        at_least(mutation * ca.fabs(free), ca.fabs(after)),
+        equal(ca.fmax(ca.fabs(free) - ca.fabs(taken), 0) * (after - free + taken)),
+    )
+    return Statement(t, goals, (at_least(taken * free),))

@@ -27,7 +27,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES, BarrierAxis, LawGraph
 from wmr_ctrl.proofs.claims.sampled import SETTINGS
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_ctrl.proofs.regions import (
     CHARTED,

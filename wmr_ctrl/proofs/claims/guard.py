@@ -14,7 +14,7 @@ from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis, both_ways
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 from wmr_ctrl.scenario import load_scenario

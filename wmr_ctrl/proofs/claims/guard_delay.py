@@ -13,7 +13,7 @@ from wmr_ctrl.guard.delay import in_flight
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import LateAxis, both_ways
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, symbols
 

@@ -17,10 +17,9 @@ from wmr_ctrl.proofs.claims import guard_delay_sums as sums
 from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
 from wmr_ctrl.proofs.claims.guard_queued_axis import READ, SPREAD, WHEELS, QueuedAxis
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Statement, at_least
+from wmr_ctrl.proofs.statement import UNIT, Statement, at_least
 
 
 def _clipped(asked: ca.SX, a: QueuedAxis) -> dict[str, ca.SX]:

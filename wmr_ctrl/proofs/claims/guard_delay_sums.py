@@ -17,8 +17,7 @@ from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, column, symbols
+from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least, column, symbols
 
 SENT = 5
 """Commands of the queue that is written out."""

@@ -11,8 +11,7 @@ from wmr_ctrl.guard.delay import InFlight
 from wmr_ctrl.guard.guard import Bounds
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS
-from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
+from wmr_ctrl.proofs.statement import UNIT, Relation, above, at_least, symbols
 
 SPREAD = 16
 """Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""

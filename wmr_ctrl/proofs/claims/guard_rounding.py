@@ -1,7 +1,7 @@
 """The guard's rounding: the exact plant, pushed by the torques that the compiled text computes.
 
 A computed number is here whatever rounding each operation by at most 2^-53 (2^-24 in floats) can
-give (`wmr_ctrl.proofs.rounded`).  From |v| <= u1 to |v| <= u1: the guard's force, the map onto the
+give (`proofs.statement.rounded`).  From |v| <= u1 to |v| <= u1: the guard's force, the map onto the
 wheels, the conversion to torques and the motion, and `guard.rounding` puts them together.
 """
 
@@ -22,8 +22,7 @@ from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.rounded import UNIT
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least, symbols
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from wmr_ctrl.guard.lagging import waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
 from wmr_ctrl.proofs.claims.guard_varying import EXPONENTIALS, VaryingAxis, twice
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 

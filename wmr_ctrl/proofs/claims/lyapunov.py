@@ -12,10 +12,16 @@ from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
-from wmr_ctrl.proofs.claims.pairs import law_cases, paired_cases
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
-from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases, target_cases
+from wmr_ctrl.proofs.regions import (
+    AxisName,
+    law_cases,
+    off_target_cases,
+    open_cases,
+    paired_cases,
+    target_cases,
+)
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 

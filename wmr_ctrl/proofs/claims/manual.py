@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claim, Claims
-from wmr_ctrl.proofs.finding import HAND, OPEN
+from wmr_ctrl.proofs.ledger import HAND, OPEN
 
 
 def _hand(

@@ -9,7 +9,7 @@ from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.tracking import Tracking
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 

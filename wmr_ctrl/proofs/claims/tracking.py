@@ -13,7 +13,7 @@ from wmr_ctrl.model.auxiliary import auxiliary_velocity
 from wmr_ctrl.model.tracking import error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.finding import HAND
+from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
 

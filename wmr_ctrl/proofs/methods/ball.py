@@ -1,18 +1,192 @@
-"""Branch and bound: a box is cut until every goal holds on every part, or one is refuted."""
+"""INTERVAL: branch and bound with intervals over a box.
+
+The box is cut until every goal holds on every part, or one is refuted.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from fractions import Fraction
-from math import inf, nextafter
+from math import inf, isfinite, nextafter
+from typing import Any
 
-from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
+from flint import arb
+
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.proofs.methods import interval as iv
 from wmr_ctrl.proofs.methods.interval import Interval
-from wmr_ctrl.proofs.methods.interval_arithmetic import EmptyWayError, IntervalArithmetic
 from wmr_ctrl.proofs.methods.point import first_violation, judge
-from wmr_ctrl.proofs.methods.spec import Ball
+from wmr_ctrl.proofs.methods.spec import Ball, Finding
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
 from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
+
+
+class EmptyWayError(Exception):
+    """The conditions taken on this way contradict each other on the whole box."""
+
+
+class IntervalArithmetic:
+    """Values over a box; a condition that is taken one way narrows what it compares.
+
+    With ``doubles``, inputs are doubles: x < y means that x is at most the double below y.
+    """
+
+    def __init__(self, box: Mapping[str, tuple[float, float]], doubles: bool) -> None:
+        self.box, self.doubles = box, doubles
+        self.count = 0
+        self.known: dict[tuple[Hashable, ...], int] = {}
+        self.narrowed: dict[int, tuple[float, float]] = {}
+        self.inputs: dict[str, Interval] = {}
+
+    def constant(self, value: float) -> Interval:
+        """A double."""
+        return Interval(value, value)
+
+    def variable(self, name: str) -> Interval:
+        """Range of an input."""
+        if name not in self.inputs:
+            self.inputs[name] = Interval(*self.box[name], self._fresh())
+        return self.inputs[name]
+
+    def apply(self, op: str, args: list[Any]) -> Interval | None:
+        """Enclosure of an operation; None where it may be undefined."""
+        for arg in args:
+            if arg is None:
+                return None
+        given = [self._now(arg) for arg in args] if self.narrowed else args
+        found = _operation(op)(*given)
+        if found is None or not (isfinite(found.lo) and isfinite(found.hi)):
+            return None
+        if not found.key:
+            found.key = self._name(op, given)
+        return found
+
+    def compare(self, op: str, left: Any, right: Any, ask: Callable[[Hashable], bool]) -> bool:
+        """Truth of a comparison; where it is open, both ways are taken, each narrowed."""
+        if left is None or right is None:
+            raise UndecidedError("a comparison of what may be undefined")
+        a, b = self._now(left), self._now(right)
+        known = _decided(op, a, b)
+        if known is not None:
+            return known
+        truth = ask((op, a.key or ("number", a.lo), b.key or ("number", b.lo)))
+        if op in ("lt", "le"):
+            self._narrow(op, a, b, truth)
+        return truth
+
+    def logic(self, op: str, args: list[bool]) -> bool:
+        """Plain logic."""
+        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
+
+    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
+        """Never: conditions are decided, or both ways are taken."""
+        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
+
+    def number(self, condition: bool) -> Interval:
+        """1 or 0."""
+        return Interval(float(condition), float(condition))
+
+    def _fresh(self) -> int:
+        self.count += 1
+        return self.count
+
+    def _name(self, op: str, args: list[Interval]) -> int:
+        """The same name for the same operation on the same quantities, so that forms can meet."""
+        name: tuple[Hashable, ...] = (op, *[arg.key or ("number", arg.lo) for arg in args])
+        if op == "sub" and (op, name[2], name[1]) in self.known:
+            return -self.known[op, name[2], name[1]]
+        if name not in self.known:
+            self.known[name] = self._fresh()
+        return self.known[name]
+
+    def _now(self, value: Interval) -> Interval:
+        """The value with what conditions have added since."""
+        if abs(value.key) not in self.narrowed:
+            return value
+        low, high = self.narrowed[abs(value.key)]
+        if value.key < 0:
+            low, high = -high, -low
+        low, high = max(value.lo, low), min(value.hi, high)
+        if low > high:
+            raise EmptyWayError
+        return Interval(low, high, value.key, value.form)
+
+    def _narrow(self, op: str, a: Interval, b: Interval, truth: bool) -> None:
+        """a < b, a <= b or their opposites, as bounds for named quantities."""
+        strict = self.doubles and (op == "lt") == truth
+        small, large = (a, b) if truth else (b, a)
+        self._bound(small, -inf, _before(large.hi) if strict else large.hi)
+        self._bound(large, _after(small.lo) if strict else small.lo, inf)
+
+    def _bound(self, value: Interval, low: float, high: float) -> None:
+        if not value.key:
+            return
+        if value.key < 0:
+            low, high = -high, -low
+        old = self.narrowed.get(abs(value.key), (-inf, inf))
+        self.narrowed[abs(value.key)] = (max(old[0], low), min(old[1], high))
+
+
+def _before(value: float) -> float:
+    return nextafter(value, -inf)
+
+
+def _after(value: float) -> float:
+    return nextafter(value, inf)
+
+
+def _decided(op: str, a: Interval, b: Interval) -> bool | None:
+    if op in ("eq", "ne"):
+        same = a.lo == a.hi == b.lo == b.hi
+        apart = a.hi < b.lo or b.hi < a.lo
+        return None if not (same or apart) else (same == (op == "eq"))
+    if a.hi < b.lo or (op == "le" and a.hi <= b.lo):
+        return True
+    if b.hi < a.lo or (op == "lt" and b.hi <= a.lo):
+        return False
+    return None
+
+
+def _times(a: Interval, b: Interval) -> Interval:
+    for one, other in ((a, b), (b, a)):
+        if one.lo == one.hi == 1.0:
+            return other
+        if one.lo == one.hi == -1.0:
+            return iv.negative(other)
+    return iv.multiply(a, b)
+
+
+def _square(a: Interval) -> Interval:
+    return iv.multiply(iv.magnitude(a), iv.magnitude(a))
+
+
+def _operation(op: str) -> Callable[..., Interval | None]:
+    if op not in _OPERATIONS:
+        raise UndecidedError(f"no enclosure of {op} is known")
+    return _OPERATIONS[op]
+
+
+_OPERATIONS: dict[str, Callable[..., Interval | None]] = {
+    "add": iv.add,
+    "sub": lambda a, b: iv.add(a, iv.negative(b)),
+    "mul": _times,
+    "div": iv.divide,
+    "inv": lambda a: iv.divide(Interval(1.0, 1.0), a),
+    "neg": iv.negative,
+    "sq": _square,
+    "twice": lambda a: iv.multiply(Interval(2.0, 2.0), a),
+    "assign": lambda a: a,
+    "fabs": iv.magnitude,
+    "sqrt": iv.root,
+    "fmin": iv.smaller,
+    "fmax": lambda a, b: iv.negative(iv.smaller(iv.negative(a), iv.negative(b))),
+    "log": lambda a: iv.elementary(arb.log, a) if a.lo > 0 else None,
+    "exp": lambda a: iv.elementary(arb.exp, a),
+    "tanh": lambda a: iv.elementary(arb.tanh, a),
+    "sin": lambda a: iv.elementary(arb.sin, a, monotone=False),
+    "cos": lambda a: iv.elementary(arb.cos, a, monotone=False),
+}
+
 
 Box = dict[str, tuple[float, float]]
 WAYS = 64

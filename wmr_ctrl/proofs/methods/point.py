@@ -12,11 +12,10 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
-from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
-from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
-from wmr_ctrl.proofs.methods.spec import Point, Refute, Table
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.proofs.methods.spec import Finding, Point, Refute, Table
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import UndecidedError, Walk
+from wmr_ctrl.proofs.walk import ARITHMETIC, UndecidedError, Walk
 
 BITS = 300
 

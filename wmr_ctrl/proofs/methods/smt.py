@@ -1,4 +1,9 @@
-"""Z3: the graph as terms over the reals, roots and sines by their relations, the rest opaque."""
+"""Z3: the graph as terms over the reals, roots and sines by their relations, the rest opaque.
+
+A goal means something only where its operations are defined: a quotient needs a denominator that is
+not 0, a logarithm a positive argument, a root one that is not negative, wherever the goal reads
+them; the untaken side of a choice asks for nothing.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +16,12 @@ from typing import Any
 
 import z3
 
-from wmr_ctrl.proofs.finding import OPEN, PROVED, REFUTED, Finding
-from wmr_ctrl.proofs.methods.arithmetic import ARITHMETIC
-from wmr_ctrl.proofs.methods.domain import violations
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
-from wmr_ctrl.proofs.methods.spec import Z3, Point
+from wmr_ctrl.proofs.methods.spec import Z3, Finding, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import UndecidedError, Walk
+from wmr_ctrl.proofs.walk import ARITHMETIC, UndecidedError, Walk
 
 
 class TermArithmetic:
@@ -276,3 +279,52 @@ def _rational(value: Any) -> Fraction:
     if z3.is_algebraic_value(value):
         value = value.approx(40)
     return Fraction(value.numerator_as_long(), value.denominator_as_long())
+
+
+_OUTSIDE: dict[str, Callable[..., Any]] = {
+    "div": lambda _, below: below == 0,
+    "inv": lambda below: below == 0,
+    "log": lambda a: a <= 0,
+    "sqrt": lambda a: a < 0,
+}
+
+
+def violations(walk: Walk, goals: int) -> Iterator[Any]:
+    """Terms, each true where one operation behind the first ``goals`` outputs is undefined."""
+    guards = _guards(walk, goals)
+    for k, guard in guards.items():
+        node = walk.graph.nodes[k]
+        if node.op in _OUTSIDE:
+            outside = z3.simplify(_OUTSIDE[node.op](*(walk.values[arg] for arg in node.args)))
+            if not z3.is_false(outside):
+                yield z3.And(guard, outside)
+
+
+def _guards(walk: Walk, goals: int) -> dict[int, Any]:
+    """Of each node that a goal needs, the condition under which it is read."""
+    guards: dict[int, Any] = {
+        k: z3.BoolVal(True, walk.values[k].ctx) for k in walk.graph.outputs[:goals]
+    }
+    for k in range(len(walk.graph.nodes) - 1, -1, -1):
+        for arg, condition in _reads(walk, k) if k in guards else ():
+            _add(guards, arg, guards[k] if condition is None else z3.And(guards[k], condition))
+    return guards
+
+
+def _reads(walk: Walk, k: int) -> Iterator[tuple[int, Any]]:
+    """Operands of a node, each with the condition under which it is read (None: always)."""
+    node = walk.graph.nodes[k]
+    if node.op != "choose":
+        yield from ((arg, None) for arg in node.args)
+        return
+    truth = walk.truth(node.args[0])
+    yield node.args[0], None
+    yield node.args[1], truth
+    yield node.args[2], z3.Not(truth)
+
+
+def _add(guards: dict[int, Any], k: int, condition: Any) -> None:
+    if k not in guards:
+        guards[k] = condition
+    elif not z3.is_true(guards[k]):
+        guards[k] = condition if z3.is_true(condition) else z3.Or(guards[k], condition)

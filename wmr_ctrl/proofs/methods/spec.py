@@ -10,10 +10,23 @@ from importlib.metadata import packages_distributions, version
 from typing import Any, ClassVar
 
 from wmr_ctrl.proofs.case import Case
-from wmr_ctrl.proofs.finding import OPEN, REFUTED, Finding
+from wmr_ctrl.proofs.ledger import OPEN, REFUTED
 from wmr_ctrl.proofs.statement import Statement
 
 Point = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Verdict (PROVED, REFUTED or OPEN), what was counted on the way, and an exact point.
+
+    The point violates the statement where it is refuted, and satisfies its hypotheses where it is
+    proved (so that they are not empty).
+    """
+
+    verdict: str
+    evidence: Mapping[str, Any] = field(default_factory=dict)
+    point: Mapping[str, Fraction] | None = None
 
 
 @dataclass(frozen=True)
