@@ -21,7 +21,8 @@ from PIL import Image
 import wmr_ctrl
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
-from wmr_ctrl.guard.bounds import derived_guard, usable_speed
+from wmr_ctrl.guard.bounds import derived_guard
+from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.control.controller import controller, law_graph
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.wheel_map import linear_first
+from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, wheel_to_force
 from wmr_ctrl.model.system import System

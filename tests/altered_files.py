@@ -159,8 +159,8 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
         ("world/friction.py", "return max(phase.m for", "return min(phase.m for"),
-        ("guard/counted.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
-        ("guard/bounds.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
+        ("guard/bounds.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
+        ("guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
     *_rows(
         "wmr_ctrl/", "tests/control/test_delay_steps.py",

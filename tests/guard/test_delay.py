@@ -18,8 +18,8 @@ from wmr_ctrl.api import simulate
 from wmr_ctrl.control.controller import guard as guard_alone
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import early_speed, usable_speed
 from wmr_ctrl.guard.delay import InFlight, in_flight
+from wmr_ctrl.guard.price import early_speed, usable_speed
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario

@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import derived_guard, early_speed, reach, unbeatable_speed
-from wmr_ctrl.guard.counted import MODEL, STATED, counted
+from wmr_ctrl.guard.bounds import MODEL, STATED, assumption_sources, derived_guard, reach
+from wmr_ctrl.guard.price import early_speed, unbeatable_speed
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
 
@@ -119,7 +119,7 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
                "disturbance.push": [5.0, 1.0], "guard.d_model": [7.0, 3.0],
                "disturbance.truncate": 3.0}  # fmt: skip
     setup = settle(load_scenario("far-start", {**ON, **effects}), None)
-    known = counted(setup.scenario, setup.guard, setup.effects)
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
 
     assert set(known["dbar"].sources) == {"torque noise", "push", "guard.d_model"}
     for name in ("dbar", "nbar", "delay", "lag", "age", "window"):
@@ -133,6 +133,6 @@ def test_what_is_counted_adds_up_to_the_guard_s_numbers() -> None:
 def test_what_is_stated_is_counted_as_stated() -> None:
     stated = {**ON, "guard.dbar": [90.0, 20.0], "disturbance.truncate": 3.0}
     setup = settle(load_scenario("paper-simulation", stated), None)
-    found = counted(setup.scenario, setup.guard, setup.effects)["dbar"]
+    found = assumption_sources(setup.scenario, setup.guard, setup.effects)["dbar"]
 
     assert (found.value, dict(found.sources)) == ((90.0, 20.0), {STATED: None})

@@ -14,9 +14,8 @@ from tests.oracle.guard import VelocityGuard, axes_of
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, feasible, floor
+from wmr_ctrl.guard.guard import MAPS, Bounds, ceiling, clipped, feasible, floor
 from wmr_ctrl.guard.monitor import least_push
-from wmr_ctrl.guard.wheel_map import MAPS
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import load_scenario
 

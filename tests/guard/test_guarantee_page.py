@@ -11,7 +11,7 @@ import pytest
 from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import usable_speed
+from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.scenario import load_scenario
 
 U1, R, L = np.array((1.0, 1.5)), 0.1, 0.25

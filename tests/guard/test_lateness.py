@@ -14,8 +14,8 @@ from tests.guard.test_delay import ON
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import unbeatable_speed, usable_speed
 from wmr_ctrl.guard.lateness import Counting, Times, lateness, since_last
+from wmr_ctrl.guard.price import unbeatable_speed, usable_speed
 from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound

@@ -11,7 +11,7 @@ from tests import oracle
 from tests.matrix import turns
 from wmr_ctrl.api import simulate, simulate_runs
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import usable_speed
+from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Run, load_run, runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
-from wmr_ctrl.guard.bounds import early_speed
-from wmr_ctrl.guard.price import SpeedPrice, speed_price
+from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
 
 PLACE = "guard, docs/guarantee.md"
 REMEDIES = {

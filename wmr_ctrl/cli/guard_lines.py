@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wmr_ctrl.control.setup import Setup
-    from wmr_ctrl.guard.counted import Counted
+    from wmr_ctrl.guard.bounds import SourcedNumber
 
 PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
@@ -16,10 +16,10 @@ def guard_numbers(setup: Setup) -> dict[str, object] | None:
     """The guard's numbers for JSON, what each is made of, and what it leaves; None without one."""
     if not setup.scenario.guard.enabled:
         return None
-    from wmr_ctrl.guard.counted import counted
+    from wmr_ctrl.guard.bounds import assumption_sources
     from wmr_ctrl.guard.price import speed_price
 
-    known = counted(setup.scenario, setup.guard, setup.effects)
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
     price = speed_price(setup.scenario, setup.guard)
     return {
         **{name: item.value for name, item in known.items()},
@@ -33,11 +33,11 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     """The same in two sentences; none without guard."""
     if not setup.scenario.guard.enabled:
         return
-    from wmr_ctrl.guard.counted import counted
+    from wmr_ctrl.guard.bounds import assumption_sources
     from wmr_ctrl.guard.price import speed_price
     from wmr_ctrl.results import speeds
 
-    known = counted(setup.scenario, setup.guard, setup.effects)
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
     parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
     parts += [_late(known[name]) for name in ("delay", "lag")]
     parts += [_aged(known[name]) for name in ("age", "window") if any(known[name].value)]
@@ -49,7 +49,7 @@ def guard_lines(setup: Setup) -> Iterator[str]:
     )
 
 
-def _masses(known: Mapping[str, Counted]) -> str:
+def _masses(known: Mapping[str, SourcedNumber]) -> str:
     low, high = known["M_min"], known["M_max"]
     texts = [
         f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"
@@ -71,12 +71,12 @@ def _differs(setup: Setup) -> str:
     return f", and the robot has {', '.join(texts)}" if texts else ""
 
 
-def _bound(item: Counted) -> str:
+def _bound(item: SourcedNumber) -> str:
     pairs = zip(item.value, PER_AXIS[item.name], strict=True)
     return f"{item.name} {', '.join(f'{value:.4g} {unit}' for value, unit in pairs)}{_made(item)}"
 
 
-def _late(item: Counted) -> str:
+def _late(item: SourcedNumber) -> str:
     low, high = item.value
     if high == 0:
         return f"no {item.name}{_made(item)}"
@@ -84,7 +84,7 @@ def _late(item: Counted) -> str:
     return f"{item.name} {text} s{_made(item)}"
 
 
-def _aged(item: Counted) -> str:
+def _aged(item: SourcedNumber) -> str:
     """Of the measured velocities, per axis."""
     return f"{item.name} {', '.join(f'{value:.4g}' for value in item.value)} s{_made(item)}"
 
@@ -93,7 +93,7 @@ def _digits(value: float) -> str:
     return f"{value:.4g}"
 
 
-def _made(item: Counted) -> str:
+def _made(item: SourcedNumber) -> str:
     """What a number is made of, in brackets."""
     texts = [
         source

@@ -9,10 +9,9 @@ import casadi as ca
 from wmr_ctrl.control.applied import Applied, remembered
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.guard.bounds import ROUNDING, pair_of
-from wmr_ctrl.guard.delay import Tails, counted
-from wmr_ctrl.guard.guard import Bounds, bounds_of, guarded, possible
+from wmr_ctrl.guard.delay import Tails, delayed_push
+from wmr_ctrl.guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
 from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
-from wmr_ctrl.guard.wheel_map import MAPS, linear_first
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
@@ -93,7 +92,7 @@ def _guarded_torque(
     both, tails = bounds_of(p, late), Tails("guard_tail", late)
     sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
     first, second = (
-        counted(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
+        delayed_push(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
     )
     held = guarded(asked, v, both, (first, second))
     mapped = MAPS[setup.guard.map](held.force, phi, half_track, held.safe)

@@ -1,16 +1,17 @@
-"""The guard's numbers: what a scenario leaves out is derived, and what follows from them all."""
+"""The numbers that the guard counts on: stated, or derived from the scenario and its effects."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.assumptions import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
-from wmr_ctrl.world.effect import Bound
+from wmr_ctrl.world.effect import Bound, Effect
 from wmr_ctrl.world.masses import mass_bounds
 
 Pair = tuple[float, float]
@@ -161,54 +162,6 @@ def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     return min(braking, mass * (u1 - 2.0 * pair_of(guard.nbar)[axis]) / mixed)
 
 
-def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
-    """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
-
-    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M_min [m/s,
-    rad/s]; negative where the guard would not let the robot move at all, which is also where the
-    same with the whole window is above v_u1 - f_speed, the measured speed left out.
-    """
-    first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
-    return first, second
-
-
-def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
-    late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
-    u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
-    first = 1.0 / float(guard.alpha or 0.0)
-    mean = u1 - nbar - force * (first + period * late.usual) / pair_of(guard.M_min)[i]
-    rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / pair_of(guard.M_min)[i]
-    return mean if rest >= 0 else min(mean, rest)
-
-
-def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
-    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
-
-    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M_min: the friction that a steady
-    force has overcome may go and the push come right after what a sample sees of the velocity, and
-    the command of that sample acts until T + delay after it.
-    """
-    first, second = (
-        scenario.limits.v_u1[i]
-        - pair_of(guard.nbar)[i]
-        - (friction[i] + net(guard, i))
-        * (scenario.clock.control + guard.age[i] + guard.latest)
-        / pair_of(guard.M_min)[i]
-        for i in AXES
-    )
-    return first, second
-
-
-def early_speed(guard: GuardNumbers) -> Pair:
-    """What a push can add to a speed before the first command acts, or behind a lag after it.
-
-    (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
-    """
-    time = guard.latest + guard.slowest
-    first, second = (time * max(net(guard, i), 0.0) / pair_of(guard.M_min)[i] for i in AXES)
-    return first, second
-
-
 def pair_of(pair: Pair | None) -> Pair:
     """A pair that is there once the numbers are derived."""
     assert pair is not None
@@ -228,3 +181,54 @@ def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> P
         min(caps[0], first + share * spare),
         min(caps[1], second + (1.0 - share) * spare * half_track),
     )
+
+
+MODEL = "model.m, model.I, widened by guard.mass_margin"
+STATED = "stated"
+_PARTS: Mapping[str, Callable[[Bound], Pair]] = {
+    "M_min": lambda bound: bound.mass,
+    "M_max": lambda bound: bound.mass,
+    "dbar": lambda bound: bound.dbar,
+    "nbar": lambda bound: bound.nbar,
+    "delay": lambda bound: bound.takeover,
+    "lag": lambda bound: bound.lag,
+    "age": lambda bound: bound.age,
+    "window": lambda bound: bound.window,
+}
+"""What an effect adds to each number.  Masses are narrowed below and widened above."""
+
+
+@dataclass(frozen=True)
+class SourcedNumber:
+    """A number that the guard counts on, per axis or from least to most, and what it is made of."""
+
+    name: str
+    value: Pair
+    sources: Mapping[str, Pair | None]
+    """What each adds, by effect or key; None where a source is no sum."""
+
+
+def assumption_sources(
+    scenario: Scenario, guard: GuardNumbers, effects: Iterable[Effect]
+) -> dict[str, SourcedNumber]:
+    """The numbers of a settled guard by name, in SI units; ``effects`` are those present."""
+    bounds = {item.name: b for item in effects if (b := item.bounded(scenario)) is not None}
+    return {
+        name: SourcedNumber(
+            name, pair_of(getattr(guard, name)), dict(_sources(scenario, name, bounds))
+        )
+        for name in _PARTS
+    }
+
+
+def _sources(
+    scenario: Scenario, name: str, bounds: Mapping[str, Bound]
+) -> Iterable[tuple[str, Pair | None]]:
+    if getattr(scenario.guard, name, None) is not None:
+        yield STATED, None
+        return
+    if name in ("M_min", "M_max"):
+        yield MODEL, None
+    yield from ((effect, _PARTS[name](b)) for effect, b in bounds.items() if any(_PARTS[name](b)))
+    if name == "dbar" and any(scenario.guard.d_model):
+        yield "guard.d_model", scenario.guard.d_model

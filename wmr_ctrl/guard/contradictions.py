@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import AXES, UNITS, GuardNumbers, pair_of
+from wmr_ctrl.guard.bounds import AXES, UNITS, GuardNumbers, Pair, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.friction import Phase, drag, phases
 from wmr_ctrl.world.lag import stepped
 
-Pair = tuple[float, float]
 ROUNDING = 1e-9
 """Share by which a stated bound may be missed without contradiction: decimals of a file."""
 MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
@@ -55,9 +54,9 @@ def _disturbance(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
         if _below(scenario.guard.dbar, i, needed):
             yield Contradiction(
                 "guard.dbar",
-                f"guard.dbar[{i + 1}] = {_of(scenario.guard.dbar, i):g} {UNITS[i]} is below the "
-                f"{needed:.6g} {UNITS[i]} that noise, push and guard.d_model of the scenario add "
-                f"up to. State at least {needed:.6g}, leave it out, or lower the disturbance.",
+                f"guard.dbar[{i + 1}] = {pair_of(scenario.guard.dbar)[i]:g} {UNITS[i]} is below "
+                f"the {needed:.6g} {UNITS[i]} that noise, push and guard.d_model of the scenario "
+                f"add up to. State at least {needed:.6g}, leave it out, or lower the disturbance.",
             )
 
 
@@ -66,8 +65,8 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
         if _below(scenario.guard.nbar, i, bound.nbar[i]):
             yield Contradiction(
                 "guard.nbar",
-                f"guard.nbar[{i + 1}] = {_of(scenario.guard.nbar, i):g} {SPEED_UNITS[i]} is below "
-                f"the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be wrong. "
+                f"guard.nbar[{i + 1}] = {pair_of(scenario.guard.nbar)[i]:g} {SPEED_UNITS[i]} is "
+                f"below the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be wrong. "
                 "State at least that, leave it out, or measure better.",
             )
 
@@ -157,8 +156,3 @@ def _sure_friction(scenario: Scenario, *robots: Phase) -> Pair:
 
 def _below(stated: Pair | None, axis: int, needed: float) -> bool:
     return stated is not None and stated[axis] < needed * (1 - ROUNDING)
-
-
-def _of(stated: Pair | None, axis: int) -> float:
-    assert stated is not None
-    return stated[axis]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmr_ctrl.guard.bounds import GuardNumbers, Pair, unbeatable_speed, usable_speed
+from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, net, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.friction import largest_friction
 from wmr_ctrl.world.references.evaluate import reference_bounds
@@ -39,3 +39,51 @@ def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
         unbeatable_speed(scenario, guard, friction),
         (max(abs(slowest), abs(fastest)), turning),
     )
+
+
+def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
+    """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
+
+    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M_min [m/s,
+    rad/s]; negative where the guard would not let the robot move at all, which is also where the
+    same with the whole window is above v_u1 - f_speed, the measured speed left out.
+    """
+    first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
+    return first, second
+
+
+def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
+    late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
+    u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
+    first = 1.0 / float(guard.alpha or 0.0)
+    mean = u1 - nbar - force * (first + period * late.usual) / pair_of(guard.M_min)[i]
+    rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / pair_of(guard.M_min)[i]
+    return mean if rest >= 0 else min(mean, rest)
+
+
+def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
+    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
+
+    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M_min: the friction that a steady
+    force has overcome may go and the push come right after what a sample sees of the velocity, and
+    the command of that sample acts until T + delay after it.
+    """
+    first, second = (
+        scenario.limits.v_u1[i]
+        - pair_of(guard.nbar)[i]
+        - (friction[i] + net(guard, i))
+        * (scenario.clock.control + guard.age[i] + guard.latest)
+        / pair_of(guard.M_min)[i]
+        for i in AXES
+    )
+    return first, second
+
+
+def early_speed(guard: GuardNumbers) -> Pair:
+    """What a push can add to a speed before the first command acts, or behind a lag after it.
+
+    (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
+    """
+    time = guard.latest + guard.slowest
+    first, second = (time * max(net(guard, i), 0.0) / pair_of(guard.M_min)[i] for i in AXES)
+    return first, second

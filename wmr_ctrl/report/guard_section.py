@@ -20,8 +20,8 @@ from wmr_ctrl.campaign.comparison import (
 )
 from wmr_ctrl.campaign.table import REFUSED, median
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import net, usable_speed
-from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.guard.bounds import net
+from wmr_ctrl.guard.price import speed_price, usable_speed
 from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.style import look, shown
 from wmr_ctrl.report.tables import TextTable, clip_shares, comparison_tables

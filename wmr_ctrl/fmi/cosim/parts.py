@@ -12,7 +12,7 @@ import numpy as np
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, compiled, identity, input_rows, output_rows
 from wmr_ctrl.fmi.cosim.slave import FmuFile, Slave
-from wmr_ctrl.guard.wheel_map import linear_first
+from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import (

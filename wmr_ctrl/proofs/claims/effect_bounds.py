@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from wmr_ctrl.guard.lagging import integral, moved
+from wmr_ctrl.guard.delay import integral, moved
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.world import EffectGraph, positive, within

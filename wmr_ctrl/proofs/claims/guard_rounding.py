@@ -16,8 +16,7 @@ import casadi as ca
 
 from wmr_ctrl.codegen.single_precision import MARGIN
 from wmr_ctrl.guard.bounds import rounding
-from wmr_ctrl.guard.guard import Bounds, clipped, floor
-from wmr_ctrl.guard.wheel_map import MAPS
+from wmr_ctrl.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis

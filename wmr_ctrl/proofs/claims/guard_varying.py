@@ -13,9 +13,8 @@ from typing import TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import InFlight
+from wmr_ctrl.guard.delay import InFlight, Lagging, integral, moved, push, waiting
 from wmr_ctrl.guard.guard import Bounds
-from wmr_ctrl.guard.lagging import Lagging, integral, moved, push, waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
 from wmr_ctrl.proofs.methods.spec import Z3

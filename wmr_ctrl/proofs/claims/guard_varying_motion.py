@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import InFlight
+from wmr_ctrl.guard.delay import InFlight, waiting
 from wmr_ctrl.guard.guard import clipped
-from wmr_ctrl.guard.lagging import waiting
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_latest import CAPS, LatestAxis, rooms_of
 from wmr_ctrl.proofs.claims.guard_varying import EXPONENTIALS, VaryingAxis, twice

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.guard.wheel_map import MAPS
+from wmr_ctrl.guard.guard import MAPS
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
