@@ -66,8 +66,8 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
             yield Contradiction(
                 "guard.nbar",
                 f"guard.nbar[{i + 1}] = {pair_of(scenario.guard.nbar)[i]:g} {SPEED_UNITS[i]} is "
-                f"below the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be wrong. "
-                "State at least that, leave it out, or measure better.",
+                f"below the {bound.nbar[i]:.6g} {SPEED_UNITS[i]} by which the sensors may be "
+                "wrong. State at least that, leave it out, or measure better.",
             )
 
 
