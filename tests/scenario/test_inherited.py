@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from wmr_ctrl.scenario import inherited, load_scenario
-from wmr_ctrl.scenario.inherited import OF_A_ROBOT
+from wmr_ctrl.scenario.toml_io import OF_A_ROBOT
 
 
 def keys(path, overrides=None):

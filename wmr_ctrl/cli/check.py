@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
-    from wmr_ctrl.scenario.inherited import InheritedValue
+    from wmr_ctrl.scenario.toml_io import InheritedValue
 
     Warned = Mapping[str, Sequence[Warning]]
     Runs = Mapping[str, Run]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import choices, show
 from wmr_ctrl.fields.units import USUAL, is_usual, meant, written
 
@@ -18,6 +17,38 @@ LARGEST = 1e12
 """No finite quantity of a scenario may be larger in size: it would be a slip of units."""
 LONGEST = 1_000_000
 """Elements of an array; a path has some thousand points."""
+
+
+V = TypeVar("V")
+
+
+class Frozen(Mapping[str, V]):
+    """Read-only mapping from names to hashable values; it can be hashed and pickled."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, V] | Iterable[tuple[str, V]] = ()) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, name: str) -> V:
+        """Return the value of ``name``."""
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names, in the order in which they were given."""
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        """Return how many names there are."""
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        """Hash the content, whatever its order."""
+        return hash(frozenset(self._items.items()))
+
+    def __repr__(self) -> str:
+        """Show the content as a dictionary."""
+        return f"Frozen({self._items!r})"
 
 
 @dataclass(frozen=True)
@@ -213,19 +244,21 @@ def multiple(value: float, period: float) -> int | None:
     return whole if abs(ratio - whole) <= 1e-9 * max(1, whole) else None
 
 
-def check_multiple(name: str, value: float, unit_name: str, unit: float, most: int = 0) -> None:
+def check_multiple(
+    name: str, value: float, unit_name: str, unit: float, most: int = 0, least: int = 0
+) -> None:
     """Raise ScenarioError unless ``value`` [s] is a whole multiple of ``unit`` [s].
 
-    ``most``: by how much at most, unless it is 0.
+    ``least`` and ``most``: of how much; a ``most`` of 0 sets no bound.
     """
-    if multiple(value, unit) is None:
-        near = max(1, round(value / unit)) * unit
-        raise ScenarioError(
-            f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s; the "
-            f"nearest is {near:.9g} s."
-        )
     if most:
         check_count(name, value, unit_name, unit, most)
+    count, ratio = multiple(value, unit), value / unit
+    if count is None or count < least:
+        raise ScenarioError(
+            f"{name} = {value!r} s must be a whole multiple of {unit_name} = {unit!r} s, not "
+            f"{ratio:.9g} times it. The nearest is {max(1, round(ratio)) * unit:.9g} s."
+        )
 
 
 def check_count(name: str, value: float, unit_name: str, unit: float, most: int) -> None:
@@ -233,5 +266,5 @@ def check_count(name: str, value: float, unit_name: str, unit: float, most: int)
     if value > (most + 0.5) * unit:
         raise ScenarioError(
             f"{name} = {value!r} s is {value / unit:.3g} times {unit_name} = {unit!r} s; at most "
-            f"{most} are possible. Shorten {name} or lengthen {unit_name}."
+            f"{most:g} are possible. Shorten {name} or lengthen {unit_name}."
         )

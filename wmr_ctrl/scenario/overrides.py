@@ -16,8 +16,7 @@ from pathlib import Path
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.scenario.merge import Raw, drop_unreached, with_defaults
-from wmr_ctrl.scenario.raw import from_dict, scenario_dict
+from wmr_ctrl.scenario.raw import Raw, drop_unreached, from_dict, scenario_dict, with_defaults
 from wmr_ctrl.scenario.scenario import Scenario
 
 Step = str | int
@@ -116,38 +115,30 @@ def parse_key(key: str) -> list[Step]:
 
 
 def _assign(raw: Raw, steps: list[Step], value: object, key: str) -> None:
+    """Put a value in its place; missing tables are made, and an element after a list's last."""
     place: object = raw
     for step, following in pairwise(steps):
-        place = _enter(place, step, following, key)
-    _set(place, steps[-1], value, key)
+        fresh: object = {} if isinstance(following, str) else []
+        if isinstance(step, str) and isinstance(place, dict):
+            place = place.setdefault(step, fresh)
+            continue
+        items = _list_at(place, step, isinstance(following, str), fresh, key)
+        place = items[int(step)]
+    last = steps[-1]
+    if isinstance(last, str) and isinstance(place, dict):
+        place[last] = value
+    else:
+        _list_at(place, last, isinstance(value, Mapping), value, key)[int(last)] = value
 
 
-def _enter(place: object, step: Step, following: Step, key: str) -> object:
-    """Go one step down; a missing table is made, and so is the element after a list's last."""
-    fresh: object = {} if isinstance(following, str) else []
-    if isinstance(step, str) and isinstance(place, dict):
-        return place.setdefault(step, fresh)
+def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str) -> list[object]:
+    """The list that has the index ``step``, perhaps with ``fresh`` as a new last table."""
     if isinstance(step, int) and isinstance(place, list):
-        if step == len(place) and isinstance(following, str):
+        if step == len(place) and is_table:
             place.append(fresh)
         if 0 <= step < len(place):
-            return place[step]
+            return place
     raise _no_place(place, step, key)
-
-
-def _set(place: object, step: Step, value: object, key: str) -> None:
-    """Put the value in; a table may also be put after a list's last element."""
-    if isinstance(step, int) and isinstance(place, list):
-        if step == len(place) and isinstance(value, Mapping):
-            place.append(value)
-        elif 0 <= step < len(place):
-            place[step] = value
-        else:
-            raise _no_place(place, step, key)
-    elif isinstance(step, str) and isinstance(place, dict):
-        place[step] = value
-    else:
-        raise _no_place(place, step, key)
 
 
 def _no_place(place: object, step: Step, key: str) -> ScenarioError:

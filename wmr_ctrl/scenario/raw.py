@@ -1,17 +1,21 @@
-"""Scenario from and to plain dictionaries, as TOML and JSON have them."""
+"""Scenario from and to plain dictionaries, as TOML and JSON have them, and one put over another."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
+from numbers import Real
 from typing import Any
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.problems import UnknownKeyError, choices, show
 from wmr_ctrl.fields.section import Section, build
 from wmr_ctrl.fields.values import as_list
-from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
-from wmr_ctrl.world.references import REFERENCES, Reference
+from wmr_ctrl.scenario.sections import Change
+from wmr_ctrl.world.references import REFERENCES, Reference, Waypoints
+
+Raw = dict[str, object]
 
 
 def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
@@ -57,28 +61,84 @@ def _changes(raw: object) -> tuple[Change, ...]:
     return tuple(build(Change, item, f"changes[{i}]") for i, item in enumerate(items, start=1))
 
 
-def scenario_dict(scenario: Scenario) -> dict[str, object]:
+def scenario_dict(scenario: Scenario) -> Raw:
     """Return all of a scenario but its name, as plain values; fields left out are missing.
 
     ``from_dict(scenario_dict(s), s.name) == s`` for every scenario.
     """
-    kind = {"kind": scenario.reference_kind.name}
-    raw: dict[str, object] = {"title": scenario.title}
-    raw |= {key: section_dict(getattr(scenario, key)) for key in SECTIONS}
-    raw |= {key: section_dict(part) for key, part in scenario.effects.items()}
+    raw: Raw = {"title": scenario.title}
+    raw |= {key: _section_dict(getattr(scenario, key)) for key in SECTIONS}
+    raw |= {key: _section_dict(part) for key, part in scenario.effects.items()}
     raw["gains"] = {
         law: {name: _plain(value) for name, value in gains.items()}
         for law, gains in scenario.gains.items()
     }
-    raw["reference"] = kind | section_dict(scenario.reference)
-    raw["changes"] = [section_dict(change) for change in scenario.changes]
+    kind = {"kind": scenario.reference_kind.name}
+    raw["reference"] = kind | _section_dict(scenario.reference)
+    raw["changes"] = [_section_dict(change) for change in scenario.changes]
     return raw
 
 
-def section_dict(section: Section) -> dict[str, object]:
-    """Return a section's fields that have a value, arrays as lists."""
+def _section_dict(section: Section) -> Raw:
+    """A section's fields that have a value, arrays as lists."""
     return {key: _plain(value) for key, value in vars(section).items() if value is not None}
 
 
 def _plain(value: object) -> object:
     return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
+    """Return ``base`` with ``over`` put on top: tables key by key, everything else as a whole.
+
+    Another ``reference.kind`` replaces the whole reference.  A shorter ``clock.duration`` drops
+    the base's changes that the run no longer reaches.
+    """
+    result = _over(base, over)
+    if "reference" in over and _kind(over, _kind(base)) != _kind(base):
+        result["reference"] = deepcopy(over["reference"])
+    if "changes" not in over and "duration" in _table(over, "clock"):
+        drop_unreached(result)
+    return result
+
+
+def with_defaults(raw: Mapping[str, object]) -> Raw:
+    """Return ``raw`` with every field that has a default filled in, so that each can be indexed."""
+    defaults: Raw = {key: _section_dict(section()) for key, section in sections().items()}
+    kind = REFERENCES.get(str(_kind(raw)))
+    if kind is not None and kind.section is not Waypoints:  # points have no default
+        defaults["reference"] = _section_dict(kind.section())
+    return _over(defaults, raw)
+
+
+def _over(base: Mapping[str, Any], over: Mapping[str, Any]) -> Raw:
+    result = deepcopy(dict(base))
+    for key, value in over.items():
+        both = isinstance(value, Mapping) and isinstance(result.get(key), Mapping)
+        result[key] = _over(result[key], value) if both else deepcopy(value)
+    for name, other in (("file", "points"), ("points", "file")):
+        if name in over:
+            result.pop(other, None)
+            break
+    return result
+
+
+def _table(raw: Mapping[str, object], key: str) -> Mapping[str, object]:
+    table = raw.get(key)
+    return table if isinstance(table, Mapping) else {}
+
+
+def _kind(raw: Mapping[str, object], default: object = "circle") -> object:
+    return _table(raw, "reference").get("kind", default)
+
+
+def drop_unreached(raw: Raw) -> None:
+    """Remove the changes at or after the run's end."""
+    duration, changes = _table(raw, "clock").get("duration"), raw.get("changes")
+    if isinstance(duration, Real) and isinstance(changes, list):
+        raw["changes"] = [change for change in changes if not _late(change, duration)]
+
+
+def _late(change: object, duration: Real) -> bool:
+    time = change.get("t") if isinstance(change, Mapping) else None
+    return isinstance(time, Real) and time >= duration

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias, TypeVar, cast
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.fields.frozen import Frozen
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quantities
-from wmr_ctrl.fields.values import Quantity, Range, as_list
+from wmr_ctrl.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.html import table_html
-from wmr_ctrl.scenario.body import Body
-from wmr_ctrl.scenario.change import Change
-from wmr_ctrl.scenario.clock import Clock
-from wmr_ctrl.scenario.guard import Guard
-from wmr_ctrl.scenario.initial import Initial
-from wmr_ctrl.scenario.limits import Limits
-from wmr_ctrl.scenario.metrics import Metrics
-from wmr_ctrl.scenario.relations import check_types, relate
-from wmr_ctrl.scenario.robot import Model, Robot
+from wmr_ctrl.scenario.sections import (
+    Body,
+    Change,
+    Clock,
+    Guard,
+    Initial,
+    Limits,
+    Metrics,
+    Model,
+    Robot,
+)
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
@@ -56,15 +57,14 @@ def _gain(value: object, path: str) -> Gain:
     if isinstance(value, (bool, str)):
         return value
     items = as_list(value)
-    if items is not None:
-        return tuple(_number(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
-    return _number(value, path)
+    if items is None:
+        number: float = _NUMBER.clean(value, path)
+        return number
+    return tuple(_NUMBER.clean(item, f"{path}[{i}]") for i, item in enumerate(items, start=1))
 
 
-def _number(value: object, path: str) -> float:
-    number: float = _NUMBER.clean(value, path)
-    return number
-
+ROUNDING = 1e-9
+"""Share by which a difference of two times may miss a third."""
 
 S = TypeVar("S", bound=Section)
 
@@ -126,12 +126,12 @@ class Scenario:
 
     def __post_init__(self) -> None:
         """Freeze what is inside and check the relations between the sections."""
-        check_types(self)
+        _check_types(self)
         object.__setattr__(self, "gains", clean_gains(self.gains))
         object.__setattr__(self, "changes", tuple(self.changes))
         object.__setattr__(self, "effects", Frozen(self.effects))
         with asking(("clock", self.clock)):
-            relate(self)
+            _relate(self)
 
     def __repr__(self) -> str:
         title = f": {self.title}" if self.title else ""
@@ -142,7 +142,12 @@ class Scenario:
         """Every field with its value and unit, and the gains that laws run with, for notebooks."""
         parts = {key: self.table(key) for key in (*sections(), "reference")}
         parts |= {f"gains.{law}": gains for law, gains in self.gains_by_law().items()}
-        rows = (row for key, part in parts.items() for row in field_rows(key, part))
+        rows = []
+        for key, part in parts.items():
+            for name, what in quantities(type(part)):
+                value = getattr(part, name)
+                text = "–" if value is None else str(value)
+                rows.append((f"{key}.{name}", text, what.unit, what.doc))
         return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
 
     def gains_by_law(self) -> Mapping[str, Section]:
@@ -215,20 +220,79 @@ class Scenario:
         return numbers_in(self.table(section), name) if name else self._of_reference(key)[1]
 
     def _of_reference(self, name: str) -> tuple[Signal, tuple[float, ...]]:
-        for signal, value in self.reference_kind.numbers(self.reference):
-            if signal.name == name:
-                return signal, value
-        known = (signal.name for signal, _ in self.reference_kind.numbers(self.reference))
-        raise UnknownNameError("number of the reference", name, known)
+        numbers = {item[0].name: item for item in self.reference_kind.numbers(self.reference)}
+        if name not in numbers:
+            raise UnknownNameError("number of the reference", name, numbers)
+        return numbers[name]
 
 
-def field_rows(key: str, section: Section) -> Iterator[tuple[str, str, str, str]]:
-    """Key path, value, unit and meaning of each field of a section, as texts."""
-    for name, what in quantities(type(section)):
-        value = getattr(section, name)
-        yield f"{key}.{name}", "–" if value is None else str(value), what.unit, what.doc
+def _check_types(scenario: Scenario) -> None:
+    """Raise ScenarioError if a part of the scenario is not of its own class."""
+    for name in ("name", "title"):
+        if not isinstance(getattr(scenario, name), str):
+            raise ScenarioError(f"{name} = {show(getattr(scenario, name))} must be text in quotes.")
+    if REFERENCES.of(scenario.reference) is None:
+        raise ScenarioError(f"reference must be one of the kinds {', '.join(REFERENCES)}.")
+    if not isinstance(scenario.effects, Mapping):
+        raise ScenarioError(f"effects = {show(scenario.effects)} must map tables to sections.")
+    for key, part in scenario.effects.items():
+        if type(part) is not EFFECTS.sections().get(key):
+            raise ScenarioError(f"{key} = {show(part)} is not the section of an effect.")
+    if as_list(scenario.changes) is None:
+        raise ScenarioError(f"changes = {show(scenario.changes)} must be an array of changes.")
+    for key, cls in SECTIONS.items():
+        if type(part := getattr(scenario, key)) is not cls:
+            raise ScenarioError(f"{key} = {show(part)} must be a {cls.__name__}.")
 
 
-def section_defaults() -> Mapping[str, Section]:
-    """Return each one-dataclass section with its defaults, by key."""
-    return {name: cls() for name, cls in sections().items()}
+def _relate(scenario: Scenario) -> None:
+    """Check changes against the run's end, and effects against the rest of the scenario."""
+    _changes(scenario.changes, scenario.clock.duration)
+    _multiples(scenario)
+    clock = scenario.clock
+    for effect in EFFECTS:
+        effect.relate(scenario)
+    low, high = scenario.guard.delay or (0.0, 0.0)
+    if high - low > clock.control * (1 + ROUNDING):
+        raise ScenarioError(
+            f"guard.delay = [{low!r}, {high!r}] s may not vary by more than clock.control = "
+            f"{clock.control!r} s: a command could take over after the next one. Narrow it, or "
+            "lengthen clock.control."
+        )
+    split = scenario.metrics.split
+    if split is not None and not split < clock.duration:
+        raise ScenarioError(
+            f"metrics.split = {split!r} s must be below clock.duration = {clock.duration!r} s: it "
+            "splits the run in two. Leave it out to split at half the duration."
+        )
+
+
+def _multiples(scenario: Scenario) -> None:
+    """Times that are a multiple of another time are one."""
+    for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
+        section = scenario.table(part)
+        for name, what in quantities(type(section)):
+            if what.multiple_of:
+                key, other = f"{part}.{name}", what.multiple_of
+                (value,), (unit,) = scenario.value(key), scenario.value(other)
+                check_multiple(key, value, other, unit, what.most)
+
+
+def _changes(changes: tuple[Change, ...], duration: float) -> None:
+    before = -1.0
+    for i, change in enumerate(changes, start=1):
+        if not isinstance(change, Change):
+            raise ScenarioError(f"changes[{i}] must be a Change, or a table [[changes]] in TOML.")
+        if change.m is None and change.I is None and change.mu is None:
+            raise ScenarioError(f"changes[{i}] changes nothing: give it a new m, I or mu.")
+        if change.t <= before:
+            raise ScenarioError(
+                f"changes[{i}].t = {change.t!r} s must be later than changes[{i - 1}].t = "
+                f"{before!r} s: changes stand in the order of time. Sort or merge them."
+            )
+        if change.t >= duration:
+            raise ScenarioError(
+                f"changes[{i}].t = {change.t!r} s must be before the run's end, clock.duration = "
+                f"{duration!r} s. Make the run longer or remove the change."
+            )
+        before = change.t

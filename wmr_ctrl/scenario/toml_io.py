@@ -3,21 +3,52 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
+from dataclasses import dataclass
 from functools import lru_cache
+from importlib.resources import files
 from pathlib import Path
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.files import decode, parse_toml, read_text
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.scenario.merge import Raw, merge
+from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.scenario.overrides import absolute, apply
-from wmr_ctrl.scenario.presets import SUFFIX, preset_names, preset_text
-from wmr_ctrl.scenario.raw import from_dict
-from wmr_ctrl.scenario.scenario import Scenario
+from wmr_ctrl.scenario.raw import Raw, from_dict, merge
+from wmr_ctrl.scenario.scenario import Scenario, sections
+
+_SUFFIX = ".toml"
+_PRESETS = files("wmr_ctrl.scenario") / "presets"
+OF_A_ROBOT = (
+    *("robot.m", "robot.I", "robot.mu", "robot.r", "robot.l", "limits.v_u1"),
+    *("initial.pose", "disturbance.std"),
+)
+"""Fields that one robot does not share with another."""
+
+
+@lru_cache(maxsize=1)
+def preset_names() -> tuple[str, ...]:
+    """Return the names of all presets, those of the paper first."""
+    names = (item.name for item in _PRESETS.iterdir() if item.is_file())
+    presets = [name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)]
+    return tuple(sorted(presets, key=lambda name: (not name.startswith("paper"), name)))
+
+
+def preset_titles() -> dict[str, str]:
+    """Return the one-line title of every preset, by name."""
+    return {name: str(tomllib.loads(_preset_text(name))["title"]) for name in preset_names()}
+
+
+def _preset_text(name: str) -> str:
+    """A preset's TOML text; raises UnknownNameError, which lists the near names."""
+    if name not in preset_names():
+        remedy = "A file of your own is named by its path, such as ./mine.toml."
+        raise UnknownNameError("scenario", name, preset_names(), remedy)
+    return (_PRESETS / (name + _SUFFIX)).read_text(encoding="utf-8")
 
 
 @checks_arguments
@@ -68,19 +99,18 @@ def loads_scenario(
     """Return the scenario of TOML text; relative files in it are relative to ``folder``."""
     if isinstance(text, bytes):
         text = decode(text, name)
-    return from_dict(_extended(parse(text, name), Path(folder), ()), name)
+    return from_dict(_extended(_parse(text, name), Path(folder), ()), name)
 
 
 def is_path(source: str) -> bool:
     """Tell whether a text is the path of a scenario's file, not a preset's name."""
     separators = [os.sep, os.altsep or os.sep]
-    if source.endswith(SUFFIX) or any(separator in source for separator in separators):
+    if source.endswith(_SUFFIX) or any(separator in source for separator in separators):
         return True
     return source not in preset_names() and os.path.exists(source)
 
 
-def parse(text: str, what: str | Path) -> Raw:
-    """Return TOML text as a dictionary; errors start with ``what``."""
+def _parse(text: str, what: str | Path) -> Raw:
     remedy = "`wmr-ctrl scenarios paper-simulation --toml` prints a valid scenario to start from."
     return parse_toml(text, what, remedy)
 
@@ -93,13 +123,13 @@ def _resolved(source: str, folder: Path, seen: tuple[str, ...]) -> Raw:
     mark = os.path.abspath(path) if "\0" not in source else source
     if mark in seen:
         raise ScenarioError(f"extends = {show(source)} leads back to the same file: {path.name}.")
-    return _extended(parse(read_text(path, "scenario"), path), path.parent, (*seen, mark))
+    return _extended(_parse(read_text(path, "scenario"), path), path.parent, (*seen, mark))
 
 
 @lru_cache
 def _preset(name: str) -> Raw:
     """The dictionary of a preset, read once."""
-    return parse(preset_text(name), name)
+    return _parse(_preset_text(name), name)
 
 
 def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
@@ -114,3 +144,42 @@ def _extended(raw: Raw, folder: Path, seen: tuple[str, ...]) -> Raw:
             f"extends = {show(base)} must be a preset's name or a TOML file's path."
         )
     return merge(_resolved(base, folder, seen), raw)
+
+
+@dataclass(frozen=True, slots=True)
+class InheritedValue:
+    """A field that no file of the user states: key, value in effect, unit, meaning."""
+
+    key: str
+    value: object
+    unit: str
+    doc: str
+
+
+def inherited(
+    scenario: Scenario, source: str, overridden: Iterable[str] = ()
+) -> tuple[InheritedValue, ...]:
+    """Fields that describe the robot and that neither the file ``source`` nor overrides state.
+
+    Files that it extends count as stating, presets do not.  Empty for a preset: it is whole.
+    """
+    if not is_path(source):
+        return ()
+    stated = {key.partition("[")[0] for key in overridden} | _stated(Path(source))
+    values = []
+    for key in OF_A_ROBOT:
+        table, _, name = key.partition(".")
+        if key not in stated:
+            what = dict(quantities(sections()[table]))[name]
+            value = getattr(scenario.table(table), name)
+            values.append(InheritedValue(key, value, what.unit, what.doc))
+    return tuple(values)
+
+
+def _stated(file: Path) -> set[str]:
+    """Keys of a file and of the files that it extends; it has been loaded before."""
+    raw = _parse(read_text(file, "scenario"), file)
+    tables = {table: part for table, part in raw.items() if isinstance(part, Mapping)}
+    keys = {f"{table}.{name}" for table, part in tables.items() for name in part}
+    base = raw.get("extends")
+    return keys | _stated(file.parent / base) if isinstance(base, str) and is_path(base) else keys

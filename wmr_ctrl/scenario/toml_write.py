@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import tomlkit
-from tomlkit.items import AoT, Table
+from tomlkit.items import Table
 
 from wmr_ctrl.fields.section import Section, quantities
-from wmr_ctrl.scenario.change import Change
 from wmr_ctrl.scenario.raw import scenario_dict
-from wmr_ctrl.scenario.robot import Model
 from wmr_ctrl.scenario.scenario import Scenario
+from wmr_ctrl.scenario.sections import Change, Model
 from wmr_ctrl.world.references import REFERENCES
 
 GainsDocs: TypeAlias = Mapping[str, Mapping[str, tuple[Any, str, str]]]
@@ -32,30 +31,31 @@ def to_toml(scenario: Scenario, comments: bool = True, gains_docs: GainsDocs | N
     document.add("title", tomlkit.item(scenario.title))
     rest = [key for key in raw if key not in (*ORDER, "title", "changes")]
     for key in (*ORDER, *rest):
-        table = _gains(raw[key], gains_docs or {}, comments) if key == "gains" else None
-        document.add(key, _section(scenario, key, raw[key], comments) if table is None else table)
+        if key == "gains":
+            document.add(key, _gains(raw[key], gains_docs or {}, comments))
+            continue
+        table = tomlkit.table()
+        if key == "reference":
+            _add(table, "kind", raw[key]["kind"], f"one of {', '.join(REFERENCES)}" * comments)
+        cls = Model if key == "model" else type(scenario.table(key))
+        document.add(key, _fields(table, cls, raw[key], comments))
     if raw["changes"]:
-        document.add("changes", _changes(scenario, raw["changes"], comments))
+        array = tomlkit.aot()
+        for values in raw["changes"]:
+            array.append(_fields(tomlkit.table(), Change, values, comments))
+        document.add("changes", array)
     elif comments:
-        _no_changes(document)
+        head = "[[changes]]  # one such table for each sudden change; none here"
+        fields = (f"{name} = ...  # {_note(w.unit, w.doc)}" for name, w in quantities(Change))
+        document.add(tomlkit.nl())
+        for line in (head, *fields):
+            document.add(tomlkit.comment(line))
     return tomlkit.dumps(document)
-
-
-def _section(scenario: Scenario, key: str, raw: Mapping[str, Any], comments: bool) -> Table:
-    table = tomlkit.table()
-    if key == "reference":
-        _add(table, "kind", raw["kind"], "one of " + ", ".join(REFERENCES) if comments else "")
-    return _fields(table, _class_of(scenario, key), raw, comments)
-
-
-def _class_of(scenario: Scenario, key: str) -> type[Section]:
-    return Model if key == "model" else type(scenario.table(key))
 
 
 def _fields(table: Table, cls: type[Section], raw: Mapping[str, Any], comments: bool) -> Table:
     for name, what in quantities(cls):
-        note = _note(what.unit, what.doc) if comments else ""
-        _add_or_tell(table, name, raw.get(name), note)
+        _add_or_tell(table, name, raw.get(name), _note(what.unit, what.doc) if comments else "")
     return table
 
 
@@ -88,28 +88,11 @@ def _gains(raw: Mapping[str, Any], docs: GainsDocs, comments: bool) -> Table:
         for name in dict.fromkeys([*known, *raw.get(law, {})]):
             default, unit, doc = known.get(name, (None, "", ""))
             value = raw.get(law, {}).get(name, default)
-            _add_or_tell(table, name, _listed(value), _note(unit, doc) if comments else "")
+            listed = list(value) if isinstance(value, tuple) else value
+            _add_or_tell(table, name, listed, _note(unit, doc) if comments else "")
         gains.add(law, table)
     if comments and not gains:
         gains.add(
             tomlkit.comment("by law, as in [gains.mb]; those left out are the law's defaults")
         )
     return gains
-
-
-def _listed(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _changes(scenario: Scenario, raw: list[dict[str, Any]], comments: bool) -> AoT:
-    array = tomlkit.aot()
-    for values in raw:
-        array.append(_fields(tomlkit.table(), Change, values, comments))
-    return array
-
-
-def _no_changes(document: tomlkit.TOMLDocument) -> None:
-    document.add(tomlkit.nl())
-    document.add(tomlkit.comment("[[changes]]  # one such table for each sudden change; none here"))
-    for name, what in quantities(Change):
-        document.add(tomlkit.comment(f"{name} = ...  # {_note(what.unit, what.doc)}"))

@@ -1,0 +1,281 @@
+"""Tables of a scenario that are no effect's and no reference's, a Section each."""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import REQUIRED, Section, quantity
+from wmr_ctrl.fields.values import check_multiple
+
+MOST_SAMPLES = 10_000_000
+MOST_SUBSTEPS = 100_000
+
+
+class Robot(Section, key="robot"):
+    """Parameters of the plant, Eqs. (1)-(6): a two-wheeled robot with its mass on the axle."""
+
+    m: float = quantity(50.0, unit="kg", doc="mass", above=0, usual=(0.02, 5000))
+    I: float = quantity(5.4, unit="kg.m2", doc="moment of inertia about the vertical", above=0)
+    mu: float = quantity(
+        0.08, unit="1", doc="coefficient of Coulomb friction", minimum=0, usual=(0, 1)
+    )
+    r: float = quantity(
+        0.1, unit="m", doc="radius of the driving wheels", above=0, usual=(0.003, 1)
+    )
+    l: float = quantity(
+        0.25, unit="m", doc="half the track: axle's midpoint to wheel", above=0, usual=(0.005, 3)
+    )
+    g: float = quantity(9.81, unit="m/s2", doc="gravity", above=0)
+    v_s: float = quantity(
+        0.01, unit="m/s", doc="speed that smooths friction, mu m g tanh(v1/v_s)", above=0
+    )
+
+
+class Model(Section, key="model"):
+    """What the laws believe; a field that is left out is the robot's, before any change."""
+
+    m: float | None = quantity(
+        None, unit="kg", doc="mass that the laws believe; left out: robot.m", above=0
+    )
+    I: float | None = quantity(
+        None, unit="kg.m2", doc="inertia that the laws believe; left out: robot.I", above=0
+    )
+    mu: float | None = quantity(
+        None, unit="1", doc="friction that the laws believe; left out: robot.mu", minimum=0
+    )
+
+
+class Body(Section, key="body"):
+    """What a rigid body needs beside mass, inertia, friction, wheels and track of [robot].
+
+    The plane model does not read it.  Casters slide without friction.
+    """
+
+    tyre: float = quantity(0.8, unit="1", doc="friction between tyre and ground", above=0)
+    grip: float = quantity(
+        0.02, unit="s", doc="time in which a tread that slides is stopped", minimum=0.005
+    )
+    height: float = quantity(0.12, unit="m", doc="centre of mass above the ground", above=0)
+    caster: float = quantity(0.3, unit="m", doc="axle to the casters in front and behind", above=0)
+    caster_gap: float = quantity(5e-4, unit="m", doc="casters above the ground", minimum=0)
+    flatness: float = quantity(
+        0.55, unit="1", doc="inertia in pitch and in roll over that in yaw", minimum=0.5
+    )
+    wheel: str = quantity(
+        "sphere",
+        unit="1",
+        doc="tyre: touches in a point, or in a line that scrubs",
+        options=("sphere", "cylinder"),
+    )
+    wheel_width: float = quantity(0.04, unit="m", doc="width of a cylinder's tread", above=0)
+    wheel_mass: float = quantity(1.5, unit="kg", doc="mass of each wheel, part of robot.m", above=0)
+    slope: float = quantity(
+        0.0,
+        unit="rad",
+        doc="rise of the ground; the plane model has slope.angle",
+        minimum=0,
+        maximum=math.pi / 4,
+    )
+    uphill: float = quantity(0.0, unit="rad", doc="orientation theta that looks uphill")
+    slip_max: float = quantity(
+        0.1, unit="m/s", doc="tread over ground; beyond, the robot has slipped", above=0
+    )
+    tilt_max: float = quantity(
+        0.5, unit="rad", doc="axis from the ground's normal; beyond, it has tipped", above=0,
+        maximum=math.pi / 2,
+    )  # fmt: skip
+
+
+class Limits(Section, key="limits"):
+    """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20)."""
+
+    v_u1: tuple[float, float] = quantity(
+        (1.0, 1.5), unit="m/s, rad/s", doc="limits of |v1| and |omega|", above=0
+    )
+    v_u2: tuple[float, float] = quantity(
+        (0.8, 1.3), unit="m/s, rad/s", doc="thresholds from which the barrier acts", above=0
+    )
+    clip: float = quantity(
+        1e-6, unit="m/s, rad/s", doc="barrier terms see |v| clipped to v_u1 - clip", above=0
+    )
+
+    def relate(self) -> None:
+        """Each axis needs v_u2 < v_u1 and clip < v_u1 - v_u2."""
+        for axis, (high, low, unit) in enumerate(
+            zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True), 1
+        ):
+            if not low < high:
+                raise ScenarioError(
+                    f"limits.v_u2[{axis}] = {low!r} must be below limits.v_u1[{axis}] = {high!r} "
+                    f"{unit}: the barrier acts between the two. Lower v_u2 or raise v_u1."
+                )
+            if not self.clip < high - low:
+                raise ScenarioError(
+                    f"limits.clip = {self.clip!r} must be below v_u1[{axis}] - v_u2[{axis}] = "
+                    f"{high - low:g} {unit}, or the barrier never acts. The default is 1e-06."
+                )
+
+
+class Initial(Section, key="initial"):
+    """Pose and velocity at t = 0; the velocity may lie outside the limits."""
+
+    pose: tuple[float, float, float] = quantity(
+        (-0.5, -0.5, -0.7), unit="m, m, rad", doc="x, y, theta (theta = 0 along +Y)"
+    )
+    velocity: tuple[float, float] = quantity((0.0, 0.0), unit="m/s, rad/s", doc="v1, omega")
+
+
+class Clock(Section, key="clock"):
+    """Control period (zero-order hold), plant step (RK4) and duration of a run."""
+
+    control: float = quantity(
+        0.01, unit="s", doc="period of the control law", minimum=1e-9, usual=(1e-4, 1)
+    )
+    plant: float = quantity(
+        0.001, unit="s", doc="step of the plant's integration", minimum=1e-9, usual=(1e-6, 0.1)
+    )
+    duration: float = quantity(80.0, unit="s", doc="length of a run", minimum=1e-9)
+
+    @property
+    def substeps(self) -> int:
+        """Plant steps in one control period."""
+        return round(self.control / self.plant)
+
+    @property
+    def samples(self) -> int:
+        """Control periods in a run."""
+        return round(self.duration / self.control)
+
+    def relate(self) -> None:
+        """The control period is a whole number of plant steps, the run one of control periods."""
+        check_multiple("clock.control", self.control, "clock.plant", self.plant, MOST_SUBSTEPS, 1)
+        check_multiple(
+            "clock.duration", self.duration, "clock.control", self.control, MOST_SAMPLES, 1
+        )
+
+
+class Metrics(Section, key="metrics"):
+    """Where a run is split into before and after, where the RMS of the torque begins, tolerance.
+
+    The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
+    doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
+    reference leaves.
+    """
+
+    split: float | None = quantity(
+        None, unit="s", doc="split into before and after; left out: half the duration", above=0
+    )
+    rms_from: float = quantity(
+        2.0, unit="s", doc="the torque's RMS is taken from here on", minimum=0
+    )
+    tolerance: float = quantity(
+        0.05,
+        unit="m",
+        doc="RMS of the position error, in the drive and at the end, that counts as tracked",
+        above=0,
+    )
+
+
+class Change(Section, key="changes"):
+    """New parameters from the first plant step that starts at or after ``t``; others stay."""
+
+    t: float = quantity(REQUIRED, unit="s", doc="time of the change", minimum=0)
+    m: float | None = quantity(None, unit="kg", doc="mass from then on", above=0)
+    I: float | None = quantity(None, unit="kg.m2", doc="inertia from then on", above=0)
+    mu: float | None = quantity(None, unit="1", doc="friction from then on", minimum=0)
+
+    def values(self) -> dict[str, float]:
+        """What changes, by the robot's field."""
+        given = {"m": self.m, "I": self.I, "mu": self.mu}
+        return {key: value for key, value in given.items() if value is not None}
+
+
+class Guard(Section, key="guard"):
+    """Settings of the guard that keeps |v1|, |omega| within limits.v_u1 (linear, angular).
+
+    What is left out follows from the rest of the scenario: masses from what the laws believe of the
+    robot, dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the
+    control period, brake from the torque limit.  Whether the settings can be met is checked where
+    the guard is built, and there a stated bound that the scenario itself breaks is refused, unless
+    ``trust`` says that it is meant.  A robot that is not what is believed is run, without promise.
+    """
+
+    enabled: bool = quantity(False, unit="1", doc="whether the guard filters the law's force")
+    trust: bool = quantity(
+        False, unit="1", doc="whether stated bounds count though the scenario breaks them"
+    )
+    map: str = quantity(
+        "linear-first",
+        unit="1",
+        doc="which axis the wheels serve first behind the guard",
+        options=("linear-first", "rotation-first"),
+    )
+    mass_margin: float = quantity(
+        0.1, unit="1", doc="share by which M_min, M_max go beyond the model's", minimum=0, below=1
+    )
+    M_min: tuple[float, float] | None = quantity(
+        None, unit="kg, kg.m2", doc="smallest mass and inertia possible", above=0, size=2
+    )
+    M_max: tuple[float, float] | None = quantity(
+        None, unit="kg, kg.m2", doc="largest mass and inertia possible", above=0, size=2
+    )
+    dbar: tuple[float, float] | None = quantity(
+        None, unit="N, N.m", doc="bound of the disturbance force", minimum=0, size=2
+    )
+    d_model: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="what a derived dbar gets beside the noise", minimum=0
+    )
+    nbar: tuple[float, float] | None = quantity(
+        None, unit="m/s, rad/s", doc="bound of the velocity's error", minimum=0, size=2
+    )
+    delay: tuple[float, float] | None = quantity(
+        None,
+        unit="s",
+        doc="bounds of a command's delay, which may vary",
+        minimum=0,
+        maximum=10,
+        size=2,
+        usual=(0, 2),
+    )
+    lag: tuple[float, float] | None = quantity(
+        None,
+        unit="s",
+        doc="bounds of the drives' time constant, which may vary; the same twice: constant",
+        minimum=0,
+        size=2,
+        usual=(0, 2),
+    )
+    alpha: float | None = quantity(
+        None, unit="1/s", doc="rate at which the limit may be approached, at most 1/T", above=0
+    )
+    brake: tuple[float, float] | None = quantity(
+        None, unit="N, N.m", doc="largest force with which the guard brakes", minimum=0, size=2
+    )
+    brake_share: float = quantity(
+        0.5, unit="1", doc="share of spare wheel torque for linear braking", minimum=0, maximum=1
+    )
+    f_min: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="friction that is sure to act above f_speed", minimum=0
+    )
+    f_speed: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m/s, rad/s", doc="speed above which f_min acts", minimum=0
+    )
+
+    def relate(self) -> None:
+        """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
+        for name, what in (("delay", "a command's delay"), ("lag", "the time constant")):
+            first, second = getattr(self, name) or (0.0, 0.0)
+            if first > second:
+                raise ScenarioError(
+                    f"guard.{name} = [{first!r}, {second!r}] is the wrong way round: {what} lies "
+                    f"between the first and the second. Write [{second!r}, {first!r}]."
+                )
+        if self.M_min is None or self.M_max is None:
+            return
+        for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
+            if low > high:
+                raise ScenarioError(
+                    f"guard.M_min[{axis}] = {low!r} must be at most guard.M_max[{axis}] = "
+                    f"{high!r}: they bound the same mass. Give both, or leave both out."
+                )
