@@ -28,8 +28,8 @@ from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT
 from wmr_ctrl.scenario import preset_titles
-from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.scenario.scenario import sections
+from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import EFFECTS

@@ -10,8 +10,8 @@ from wmr_ctrl.fields.values import Quantity
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.auxiliary import KinematicGains
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.scenario.sections import Change
 from wmr_ctrl.world.references import REFERENCES
 
 Changed = tuple[str, dict[str, Any]]

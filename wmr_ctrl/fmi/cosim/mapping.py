@@ -29,9 +29,9 @@ from typing import Any
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
-from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import REQUIRED, Section, build, quantity
+from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
 
 UnitOf = Callable[[str], NamedUnit | str | None]
