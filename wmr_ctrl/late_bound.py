@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import cast
 
 HOMES = {
-    "save_run": "wmr_ctrl.results.io",
+    "save_run": "wmr_ctrl.results.formats",
     "plot_run": "wmr_ctrl.report.plot_run",
     "animate_run": "wmr_ctrl.report.animate",
     "film_run": "wmr_ctrl.outputs",

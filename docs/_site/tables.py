@@ -256,7 +256,7 @@ def public_names() -> str:
 RESULTS = (
     "wmr_ctrl.results.settings.Settings",
     "wmr_ctrl.results.outcomes.Outcome",
-    "wmr_ctrl.results.monitor.Monitor",
+    "wmr_ctrl.results.outcomes.Monitor",
     "wmr_ctrl.results.remarks.Remark",
     "wmr_ctrl.sim.many.RunTable",
     "wmr_ctrl.sim.compiled_law.CompiledLaw",

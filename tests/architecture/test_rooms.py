@@ -11,8 +11,6 @@ SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
 KEPT_SHORT = {
     "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
-    "wmr_ctrl.results.format_npz": "a file for each format of results",
-    "wmr_ctrl.results.format_parquet": "a file for each format of results",
 }
 """Short files with one user that are looked up by name, and why."""
 BY_NAME = ("wmr_ctrl.cli.", "wmr_ctrl.laws.")
@@ -26,7 +24,7 @@ SNIFFED = {
     "wmr_ctrl.fields.values": "arrays of any library give their numbers by tolist",
     "wmr_ctrl.proofs.alterations": "walks values of any class to the part that a claim alters",
     "wmr_ctrl.results.files": "only some errors of the system have a number",
-    "wmr_ctrl.results.io": "only some errors of the system have a text",
+    "wmr_ctrl.results.formats": "only some errors of the system have a text",
     "wmr_ctrl.sim.batch": "os.sched_getaffinity is on Linux only",
 }
 """Where an object may be asked for a name that it may not have, and why."""

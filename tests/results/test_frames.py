@@ -10,8 +10,7 @@ import pytest
 
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.results import load_run, runs_equal
-from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.html import table_html
+from wmr_ctrl.results.frames import library, table_html
 
 pandas = pytest.importorskip("pandas")
 

@@ -15,7 +15,7 @@ from wmr_ctrl.codegen.build import vector_sets
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.results.summary import summary
+from wmr_ctrl.results.frames import summary
 from wmr_ctrl.sim.batch import Task, run_logged, run_tasks
 from wmr_ctrl.sim.memory import vector_sets as usable
 from wmr_ctrl.sim.native import split_columns

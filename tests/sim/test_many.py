@@ -16,7 +16,7 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
 from wmr_ctrl.model.system import System
-from wmr_ctrl.results.summary import summary
+from wmr_ctrl.results.frames import summary
 from wmr_ctrl.sim.many import RunTable, run_many
 
 SHORT = {"clock.duration": 4.0, "changes": []}

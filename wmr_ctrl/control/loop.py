@@ -30,8 +30,8 @@ from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.plant import plant, rk4_step
 from wmr_ctrl.model.system import Port, System, port, stack, values
 from wmr_ctrl.model.tracking import tracking_error
-from wmr_ctrl.results.assumptions import admitted, stopping_force
-from wmr_ctrl.results.tracking import AT_LIMIT
+from wmr_ctrl.results.measures import AT_LIMIT
+from wmr_ctrl.results.settings import admitted, stopping_force
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DISTURBING,

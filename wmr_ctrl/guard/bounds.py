@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
 from wmr_ctrl.results import Assumptions
-from wmr_ctrl.results.assumptions import stopping_force
+from wmr_ctrl.results.settings import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
 from wmr_ctrl.world.effect import Bound, Effect
 from wmr_ctrl.world.masses import mass_bounds

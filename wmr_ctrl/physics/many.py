@@ -14,7 +14,7 @@ from wmr_ctrl.physics.run import run_to_end
 from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import Run, tracked
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
-from wmr_ctrl.results.monitor import STOP_REASONS
+from wmr_ctrl.results.outcomes import STOP_REASONS
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.sim.figures import SHAPES
 from wmr_ctrl.sim.many import RunTable, later, not_summed, planned_tasks

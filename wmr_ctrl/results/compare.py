@@ -3,22 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from textwrap import fill
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results.facts import Fact, differing_facts
 from wmr_ctrl.results.run import FloatArray, Run
 
 Verdict: TypeAlias = Literal["equal", "agree", "differ", "nothing shared"]
 
+_ABSENT = "(absent)"
 _TICK = 1e-9
 """Runs of different control periods are matched at sample times on a grid this fine [s]."""
+_LINE = 88
+"""Width of wrapped text, in characters."""
+_WIDTH = 42
+"""Longest value of a fact that is shown whole; a scenario's text is not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """A property that two runs do not share: its name, and its value in either as text."""
+
+    name: str
+    in_a: str
+    in_b: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +92,9 @@ def compare(run_a: Run, run_b: Run, tolerance: float = 1e-9) -> Comparison:
         if signal.name in run_b and len(rows_a)
     )
     facts = differing_facts(run_a, run_b, tolerance)
-    notes = (*_column_notes(run_a, run_b), *_sample_notes(run_a, run_b, len(rows_a)))
     same_span = len(rows_a) == run_a.rows == run_b.rows
     verdict = _verdict(columns, tolerance, same_span and run_a.outcome != run_b.outcome)
+    notes = tuple(_notes(run_a, run_b, len(rows_a)))
     return Comparison(columns, len(rows_a), facts, notes, tolerance, verdict)
 
 
@@ -135,38 +148,55 @@ def _verdict(
     return "agree" if any(column.largest > 0 for column in columns) else "equal"
 
 
-def _column_notes(run_a: Run, run_b: Run) -> list[str]:
-    notes = []
+def _notes(run_a: Run, run_b: Run, shared: int) -> Iterator[str]:
+    """What was left out, a sentence each."""
     for label, run, other in (("first", run_a, run_b), ("second", run_b, run_a)):
         alone = [signal.name for signal in run.elements if signal.name not in other]
         if alone:
-            notes.append(f"Only the {label} run logs {', '.join(alone)}.")
-    return notes
+            yield f"Only the {label} run logs {', '.join(alone)}."
+    if not shared == run_a.rows == run_b.rows:
+        yield (
+            f"The first run has {run_a.rows} samples and the second {run_b.rows}; "
+            f"they share {shared}, and only these are compared."
+        )
 
 
-def _sample_notes(run_a: Run, run_b: Run, shared: int) -> list[str]:
-    if shared == run_a.rows == run_b.rows:
-        return []
-    return [
-        f"The first run has {run_a.rows} samples and the second {run_b.rows}; "
-        f"they share {shared}, and only these are compared."
-    ]
+def differing_facts(run_a: Run, run_b: Run, tolerance: float) -> tuple[Fact, ...]:
+    """The labels, settings, monitor's readings and provenance that differ.
+
+    Numbers that differ by no more than ``tolerance``, times their size above 1, count as the same.
+    """
+    a, b = dict(_facts(run_a)), dict(_facts(run_b))
+    names = list(dict.fromkeys((*a, *b)))
+    return tuple(
+        Fact(name, str(a.get(name, _ABSENT)), str(b.get(name, _ABSENT)))
+        for name in names
+        if not _same(a.get(name, _ABSENT), b.get(name, _ABSENT), tolerance)
+    )
 
 
-if TYPE_CHECKING:
-    from wmr_ctrl.results.compare import ColumnDifference, Comparison
+def _facts(run: Run) -> Iterator[tuple[str, Any]]:
+    for name in ("scenario", "law", "guard", "seed", "engine"):
+        yield name, getattr(run, name)
+    yield "outcome", run.outcome.value
+    groups = {"settings": asdict(run.settings), "monitor": asdict(run.monitor)}
+    for group, values in {**groups, "provenance": run.provenance}.items():
+        yield from ((f"{group}.{key}", value) for key, value in values.items())
 
-_LINE = 88
-"""Width of wrapped text, in characters."""
 
-_WIDTH = 42
-"""Longest value of a fact that is shown whole; a scenario's text is not."""
+def _same(a: Any, b: Any, tolerance: float) -> bool:
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return all(_same(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    if isinstance(a, float) and isinstance(b, float):
+        close = abs(a - b) <= tolerance * max(1.0, min(abs(a), abs(b)))
+        return a == b or (math.isnan(a) and math.isnan(b)) or close
+    return bool(a == b)
 
 
 def comparison_text(comparison: Comparison) -> str:
     """Facts that differ, columns that differ, notes, and the verdict as the last line."""
     parts = (
-        _facts(comparison),
+        _fact_table(comparison),
         _columns(comparison.columns),
         "\n".join(comparison.notes),
         _closing(comparison),
@@ -174,7 +204,7 @@ def comparison_text(comparison: Comparison) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _facts(comparison: Comparison) -> str:
+def _fact_table(comparison: Comparison) -> str:
     if not comparison.facts:
         return ""
     rows = [(fact.name, _short(fact.in_a), _short(fact.in_b)) for fact in comparison.facts]

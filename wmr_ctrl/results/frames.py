@@ -1,13 +1,22 @@
-"""Runs as tables of pandas and data sets of xarray, which are imported when somebody asks."""
+"""Runs and their figures as plain values, tables of pandas, data sets of xarray, and HTML.
+
+pandas and xarray are imported when somebody asks.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from html import escape
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wmr_ctrl.errors import MissingExtraError
+from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
 from wmr_ctrl.signals import TIME
 
 if TYPE_CHECKING:
@@ -17,7 +26,54 @@ if TYPE_CHECKING:
 
     from wmr_ctrl.results.run import Run
 
-INSTALL = "pip install 'wmr_ctrl[data]'"
+ABSENT, _YES_NO = "–", ("no", "yes")
+PROVENANCE = ("version", "scenario_hash", "kernel_hash")
+"""The keys of a run's provenance that the summary repeats."""
+COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
+"""What it repeats of the numbers that a guard counts on."""
+COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_guard", "fmu_plant")
+"""Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def summary(run: Run) -> dict[str, object]:
+    """The run's identity, outcome and figures, as ``wmr-ctrl run --json`` prints them.
+
+    Plain Python values only; None stands for a window that the run did not cover and for a number
+    that is not finite.
+    """
+    known = run.settings
+    values = {
+        "scenario": run.scenario,
+        "law": run.law,
+        "guard": {name: getattr(known, name) for name in COUNTED} if run.guard else None,
+        "seed": run.seed,
+        "engine": run.engine,
+        "plant": known.plant_kind,
+        "outcome": run.outcome.value,
+        **{key: of(run) for key, of in READINGS.items()},
+        "figures": values_of(run, FIGURES.plugins),
+        "remarks": [asdict(item) for item in run.remarks],
+        "provenance": {key: run.provenance.get(key) for key in PROVENANCE}
+        | {key: run.provenance[key] for key in COUPLED if key in run.provenance},
+    }
+    return {key: json_safe(value) for key, value in values.items()}
+
+
+def json_safe(value: object) -> object:
+    """``value`` in plain dicts, lists, texts and numbers; null (None) for inf and NaN.
+
+    NumPy scalars and arrays become numbers and lists.
+    """
+    if isinstance(value, Mapping):
+        return {str(key): json_safe(item) for key, item in value.items()}
+    if isinstance(value, np.generic | np.ndarray):
+        return json_safe(value.tolist())
+    if isinstance(value, list | tuple):
+        return [json_safe(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 def run_frame(run: Run) -> pandas.DataFrame:
@@ -69,9 +125,51 @@ def labels(run: Run) -> dict[str, object]:
     }  # fmt: skip
 
 
-def library(name: str) -> ModuleType:
-    """The library of that name; raises MissingExtraError where it is not installed."""
+def library(name: str, extra: str = "data") -> ModuleType:
+    """A module of an optional package; raises MissingExtraError where it is not installed."""
     try:
         return import_module(name)
     except ImportError:
-        raise MissingExtraError(f"this needs {name}, which is not installed: {INSTALL}.") from None
+        raise MissingExtraError(
+            f"this needs {name.partition('.')[0]}, which is not installed: "
+            f"pip install 'wmr_ctrl[{extra}]'."
+        ) from None
+
+
+def run_html(run: Run) -> str:
+    """A run's labels, outcome and main figures."""
+    figures = summary(run)
+    position, ise = figures["position_rms"], figures["ise"]
+    assert isinstance(position, Mapping)
+    assert isinstance(ise, Mapping)
+    guarded = ", guarded" if run.guard else ""
+    rows = [
+        ("outcome", run.outcome.value),
+        ("tracked", ABSENT if figures["tracked"] is None else _YES_NO[bool(figures["tracked"])]),
+        ("position error, RMS [m]", figure(position["all"])),
+        ("position error, RMS of the last quarter [m]", figure(position["last_quarter"])),
+        ("ISE [m² s + rad² s]", figure(ise["total"])),
+        ("largest |v1| [m/s], |omega| [rad/s]", ", ".join(map(figure, run.monitor.max_abs_v))),
+        ("largest wheel torque [N m]", figure(figures["tau_peak"])),
+        *((remark.key, remark.text) for remark in run.remarks),
+    ]
+    title = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"
+    return table_html(title, rows)
+
+
+def table_html(title: str, rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
+    """A titled table; every cell is escaped."""
+    head = f"<tr>{''.join(f'<th>{escape(cell)}</th>' for cell in header)}</tr>" if header else ""
+    style = "text-align:left;vertical-align:top"
+    body = "".join(
+        f"<tr>{''.join(f'<td style={style!r}>{escape(cell)}</td>' for cell in row)}</tr>"
+        for row in rows
+    )
+    return f"<div><strong>{escape(title)}</strong><table>{head}{body}</table></div>"
+
+
+def figure(value: object) -> str:
+    """A number with four digits, a text as it is, – for None."""
+    if value is None:
+        return ABSENT
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.tracking import rows_of, torques, working
+from wmr_ctrl.results.measures import torques
+from wmr_ctrl.results.windows import rows_of, working
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import FloatArray, Run

@@ -5,32 +5,26 @@ Thresholds and why: docs/verdicts.md, whose labelled runs hold them to account.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.results.monitor import RigidMonitor
-from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import Outcome
-from wmr_ctrl.results.tracking import (
+from wmr_ctrl.results.measures import (
     arrival,
-    at_rest,
     change_rms,
-    drive,
-    driving,
     guard_share,
-    rows_of,
     saturated_share,
     torque_needed_rms,
     torques,
     tracked,
     tracking,
     velocity_sway,
-    working,
 )
-from wmr_ctrl.results.wording import percent
+from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
+from wmr_ctrl.results.outcomes import Outcome, RigidMonitor
+from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
@@ -69,6 +63,16 @@ class Remark:
 
     key: str
     text: str
+
+
+def percent(share: float) -> str:
+    """A share as "12.3 %": three digits, never as a power of ten from 1 % on."""
+    return f"{float(f'{100 * share:.3g}'):g} %"
+
+
+def speeds(pair: Sequence[float]) -> str:
+    """Speeds of both axes as "0.98 m/s, 1.4 rad/s"."""
+    return f"{pair[0]:.3g} m/s, {pair[1]:.3g} rad/s"
 
 
 def remarks_on(run: Run) -> tuple[Remark, ...]:

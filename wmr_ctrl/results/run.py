@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from types import MappingProxyType
@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.arguments import check_fields, checks_arguments
 from wmr_ctrl.late_bound import late_bound
-from wmr_ctrl.results.monitor import Monitor
-from wmr_ctrl.results.outcomes import Outcome, outcome_of
+from wmr_ctrl.results.outcomes import Monitor, Outcome, outcome_of
 from wmr_ctrl.results.settings import Settings
 from wmr_ctrl.signals import REFERENCE, TIME, Signal
 
@@ -89,7 +88,7 @@ class Run:
 
     def _repr_html_(self) -> str:
         """Labels, outcome and the main figures, for notebooks."""
-        from wmr_ctrl.results.html import run_html
+        from wmr_ctrl.results.frames import run_html
 
         return run_html(self)
 
@@ -132,7 +131,7 @@ class Run:
     @checks_arguments
     def summary(self) -> dict[str, object]:
         """Labels, outcome and figures as ``wmr-ctrl run --json`` prints them: plain values."""
-        from wmr_ctrl.results.summary import summary  # it reads Runs, and so stands above
+        from wmr_ctrl.results.frames import summary  # it reads Runs, and so stands above
 
         return summary(self)
 
@@ -255,6 +254,16 @@ class Run:
             if name == signal.name or name in signal.elements:
                 return signal
         raise UnknownNameError("column", name, (signal.name for signal in self.signals))
+
+
+def split_columns(signals: Sequence[Signal], rows: FloatArray) -> dict[str, FloatArray]:
+    """Rows of a log (N, numbers) as one array per signal, (N,) or (N, size)."""
+    columns, at = {}, 0
+    for signal in signals:
+        part = rows[:, at : at + signal.size]
+        columns[signal.name] = part[:, 0] if signal.size == 1 else part
+        at += signal.size
+    return columns
 
 
 def _scalars(signal: Signal) -> tuple[Signal, ...]:

@@ -1,9 +1,16 @@
-"""Which rows belong to a span of time, and whether the run lasted through it."""
+"""Windows of time and of samples in which runs are judged, and whether a run lasted through them.
+
+A path that stops is judged over its drive, less the first half in which the start fades, and over
+what follows its arrival; a motion that goes on for ever over the run's end.  So a longer run
+at rest hides no error of the drive.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
+
+from wmr_ctrl.results.settings import Settings
 
 if TYPE_CHECKING:
     from wmr_ctrl.results.run import Run
@@ -19,23 +26,17 @@ def named(span: Span) -> str:
     return f"{span[0]}_{span[1]}"
 
 
-def window(run: Run, start: float, end: float) -> slice | None:
+def window(run: Run, start: float, end: float | None = None) -> slice | None:
     """Rows k with ``start`` <= t_k < ``end`` [s], or None where the run does not cover them all.
 
     Samples are counted, not compared as floats, so that windows that touch share no sample.
+    Without ``end`` all later rows, never None: those of a run that ended early simply end earlier.
     """
-    first, last = run.settings.index(start), run.settings.index(end)
+    first = run.settings.index(start)
+    if end is None:
+        return slice(min(max(0, first), run.rows), run.rows)
+    last = run.settings.index(end)
     return slice(first, last) if 0 <= first <= last <= covered(run) else None
-
-
-def span(run: Run, start: float = 0.0, end: float | None = None) -> slice | None:
-    """Rows in [``start``, ``end``) [s] as :func:`window` has them; without ``end``, all later rows.
-
-    Without ``end`` it is never None: the rows of a run that ended early simply end earlier.
-    """
-    if end is not None:
-        return window(run, start, end)
-    return slice(min(max(0, run.settings.index(start)), run.rows), run.rows)
 
 
 def covered(run: Run) -> int:
@@ -47,3 +48,64 @@ def covered(run: Run) -> int:
         return run.rows
     time, _ = run.monitor.stopped
     return min(run.rows, math.floor(time / run.settings.control + 1e-6))
+
+
+def last_quarter(settings: Settings) -> Span:
+    """Samples [first, end) of the last quarter of a whole run."""
+    return 3 * settings.samples // 4, settings.samples
+
+
+def drive(settings: Settings) -> Span:
+    """Samples [first, end) in which driving is judged: the last quarter of a motion without end.
+
+    Of a path that stops, all from half of the time until its arrival on.
+    """
+    if settings.arrival is None:
+        return last_quarter(settings)
+    goal = settings.index(settings.arrival)
+    return goal // 2, min(goal, settings.samples)
+
+
+def driving(run: Run) -> str:
+    """The window of the drive, in words."""
+    if run.settings.arrival is None:
+        return "last quarter"
+    first, end = (sample * run.settings.control for sample in drive(run.settings))
+    return f"drive ({first:.4g} to {end:.4g} s)"
+
+
+def at_rest(settings: Settings) -> Span:
+    """Samples [first, end) from the arrival of a path that stops on; empty where none does."""
+    goal = settings.samples if settings.arrival is None else settings.index(settings.arrival)
+    return min(goal, settings.samples), settings.samples
+
+
+def working(settings: Settings) -> Span:
+    """Samples [first, end) in which torques are judged, without the very first sample.
+
+    The last half of a motion without end, and the drive of a path that stops.
+    """
+    first, end = drive(settings)
+    return max(settings.samples // 2 if settings.arrival is None else first, 1), end
+
+
+def rows_of(run: Run, samples: Span) -> slice | None:
+    """The rows of a window of samples; None where the run does not cover it or it is empty."""
+    first, end = samples
+    return slice(first, end) if first < end <= covered(run) else None
+
+
+def windows_of(settings: Settings) -> dict[str, Span]:
+    """Windows of samples over which a loop without a log adds up, by name."""
+    end, split = settings.samples, settings.index(settings.split)
+    return {
+        "all": (0, end),
+        "before": (0, split),
+        "after": (split, end),
+        "torque": (settings.index(settings.rms_from), end),
+        "last_quarter": last_quarter(settings),
+        "working": working(settings),
+        "drive": drive(settings),
+        "end": at_rest(settings),
+        **{named(span): (settings.index(span[0]), settings.index(span[1])) for span in WINDOWS},
+    }

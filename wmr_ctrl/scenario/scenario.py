@@ -13,7 +13,7 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quantities
 from wmr_ctrl.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.late_bound import late_bound
-from wmr_ctrl.results.html import table_html
+from wmr_ctrl.results.frames import table_html
 from wmr_ctrl.scenario.sections import (
     Body,
     Change,

@@ -9,7 +9,7 @@ import numpy as np
 
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.results.monitor import STOP_REASONS
+from wmr_ctrl.results.outcomes import STOP_REASONS
 from wmr_ctrl.sim.memory import LoopSettings, Numbers, aligned, noise_key, opened, pointer_to
 
 

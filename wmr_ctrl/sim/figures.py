@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.results import Monitor, Settings
 from wmr_ctrl.results.figures import Figure
-from wmr_ctrl.results.monitor import STOP_REASONS
-from wmr_ctrl.results.tracking import at_rest, drive, last_quarter, working
-from wmr_ctrl.results.windows import WINDOWS, named
+from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.results.windows import WINDOWS, at_rest, drive, last_quarter, named, working
 from wmr_ctrl.sim.memory import Memory
 from wmr_ctrl.sim.runnable import RunnableLoop
 
@@ -29,11 +28,11 @@ SHAPES: Mapping[str, tuple[int, ...]] = {
     "tracking_end": (2,), "final_state": (5,), "d_least": (2,), "bounds_left": (),
     "bounds_axis": (), "guard_share": (2,),
 }  # fmt: skip
-"""Figure to its shape for one run: ISE as in `results.metrics` [m2 s and rad2 s]; ``e_rms`` by
+"""Figure to its shape for one run: ISE as in `results.measures` [m2 s and rad2 s]; ``e_rms`` by
 window of `WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
 ``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
 into STOP_REASONS); ``samples`` made; torques [N m], their change and what the motion needs as in
-`results.tracking`; ``saturated_share`` of the samples with a wheel at its limit;
+`results.measures`; ``saturated_share`` of the samples with a wheel at its limit;
 ``position_rms`` over all and over the last quarter, ``position_max`` over the last quarter [m];
 ``tracking_drive`` and ``tracking_end``, RMS and largest distance [m]; ``final_state`` x, y [m],
 theta [rad],
@@ -84,7 +83,7 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
 
 
 def tracked(figures: Mapping[str, NDArray[np.float64]], settings: Sequence[Settings]) -> Flags:
-    """Whether each run tracked, as `results.tracking.tracked` has it."""
+    """Whether each run tracked, as `results.measures.tracked` has it."""
     allowed = np.array([item.tolerance for item in settings], dtype=float)
     stops = np.array([first < end for first, end in map(at_rest, settings)])
     drives, ends = (figures[f"tracking_{part}"][:, 0] <= allowed for part in ("drive", "end"))

@@ -13,8 +13,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.results import Monitor, Run, outcome_of
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
-from wmr_ctrl.results.frames import table_frame
-from wmr_ctrl.results.html import figure, table_html
+from wmr_ctrl.results.frames import figure, table_frame, table_html
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
 from wmr_ctrl.sim.figures import SHAPES, Figures, column_of, monitor, tracked

@@ -5,7 +5,7 @@ Objective, to be made small: the root of the mean over all training runs of
     position_rms^2 + (weight torque_change_rms)^2
 
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
-of a path that stops over its drive (`results.tracking`).  The runs: every training seed, once with
+of a path that stops over its drive (`results.measures`).  The runs: every training seed, once with
 the scenario as it is and once for each of `MASSES`, the true mass and inertia over the believed
 ones, without the scenario's changes.  A run that ends early
 counts as LOST metres.  Gains are searched as logarithms, from the scenario's own; the guard is off,

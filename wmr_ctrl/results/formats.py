@@ -1,0 +1,255 @@
+"""Runs saved to files and loaded again; the suffix of the path chooses the format.
+
+Everything of a run besides its columns is one JSON object, which each format keeps in its own way:
+.npz has it in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines
+above a header of ``name [unit]`` and a row per sample; .parquet in the file's metadata.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import zipfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.limits import may_unpack
+from wmr_ctrl.results.files import atomic_write
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.outcomes import Monitor, Outcome
+from wmr_ctrl.results.run import FloatArray, Run, split_columns
+from wmr_ctrl.results.settings import Settings
+from wmr_ctrl.signals import Signal
+
+_FORMAT = "wmr_ctrl run, version 1"
+_LABELS = ("scenario", "law", "guard", "seed", "engine")
+_JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
+
+
+@checks_arguments
+def save_run(run: Run, path: str | os.PathLike[str]) -> None:
+    """Write ``run`` to a .npz, .csv or .parquet file, whole or not at all.
+
+    Raises ResultFileError for another suffix or where the file cannot be written,
+    MissingExtraError for .parquet without pyarrow.
+    """
+    encode, _ = _FORMATS[check_suffix(path)]
+    data = encode(run)
+    with atomic_write(path) as file:
+        file.write(data)
+
+
+@checks_arguments
+def load_run(path: str | os.PathLike[str]) -> Run:
+    """Read a run that `Run.save` wrote; it compares equal to the one that was saved.
+
+    Raises ResultFileError where the file is missing, damaged, or something else.
+    """
+    _, decode = _FORMATS[check_suffix(path)]
+    try:
+        data = Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ResultFileError(
+            f"cannot read {os.fspath(path)!r}: {reason}. Give the path of a saved run."
+        ) from error
+    try:
+        return decode(data)
+    except MissingExtraError:
+        raise
+    except Exception as error:  # foreign bytes can break a decoder in any way
+        detail = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise ResultFileError(
+            f"{os.fspath(path)!r} is not a run that this release saved, or it is damaged "
+            f"({detail}). Save the run again."
+        ) from error
+
+
+@checks_arguments
+def runs_equal(run_a: Run, run_b: Run) -> bool:
+    """Whether two runs are the same in every bit, description included.
+
+    Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.
+    """
+    return metadata_text(run_a) == metadata_text(run_b) and all(
+        _same_bits(run_a.columns[name], run_b.columns[name]) for name in run_a.columns
+    )
+
+
+def _same_bits(a: FloatArray, b: FloatArray) -> bool:
+    same = (a == b) & (np.signbit(a) == np.signbit(b)) | np.isnan(a) & np.isnan(b)
+    return a.shape == b.shape and bool(same.all())
+
+
+def check_suffix(path: str | os.PathLike[str]) -> str:
+    """The lower-case suffix of ``path``; raises ResultFileError unless runs can be saved so."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in _FORMATS:
+        raise ResultFileError(
+            f"{os.fspath(path)!r} has the suffix {suffix!r}; runs are saved as "
+            f"{' or '.join(_FORMATS)}. Give the file one of these suffixes."
+        )
+    return suffix
+
+
+def metadata_text(run: Run) -> str:
+    """All of a run but its columns as indented JSON, in ASCII so that no encoding can harm it.
+
+    Floats that JSON cannot name stand as the texts "inf", "-inf" and "nan".
+    """
+    metadata = {
+        "format": _FORMAT,
+        **{name: getattr(run, name) for name in _LABELS},
+        "outcome": run.outcome.value,
+        "settings": _encoded(asdict(run.settings)),
+        "monitor": _encoded(asdict(run.monitor)),
+        "provenance": dict(run.provenance),
+        "rows": run.rows,
+        "signals": [asdict(signal) for signal in run.signals],
+    }
+    return json.dumps(metadata, indent=2, allow_nan=False)
+
+
+def _encoded(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _encoded(item) for key, item in value.items()}
+    if isinstance(value, tuple):
+        return [_encoded(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return repr(value)
+    return value
+
+
+def _parsed(text: str | bytes) -> Mapping[str, Any]:
+    """The JSON object that a file holds; raises ValueError unless this release can read it."""
+    metadata = json.loads(text)
+    if not isinstance(metadata, dict) or metadata.get("format") != _FORMAT:
+        raise ValueError(f"its description is not of the format {_FORMAT!r}")
+    return metadata
+
+
+def _signals_in(metadata: Mapping[str, Any]) -> tuple[Signal, ...]:
+    return tuple(Signal(**entry) for entry in metadata["signals"])
+
+
+def _run_from(metadata: Mapping[str, Any], columns: Mapping[str, FloatArray]) -> Run:
+    """The run that a file holds; raises ValueError where rows are missing, or as Run does."""
+    run = Run(
+        **{name: metadata[name] for name in _LABELS},
+        settings=Settings(**metadata["settings"]),
+        signals=_signals_in(metadata),
+        columns=columns,
+        monitor=Monitor(**metadata["monitor"]),
+        outcome=Outcome(metadata["outcome"]),
+        provenance=metadata["provenance"],
+    )
+    if run.rows != metadata["rows"]:
+        raise ValueError(f"it holds {run.rows} of {metadata['rows']} rows")
+    return run
+
+
+def _npz_of(run: Run) -> bytes:
+    """An archive's bytes, the same for equal runs whenever they are written."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        # ZipInfo without a date writes 1980, so that the bytes do not depend on the clock.
+        archive.writestr(zipfile.ZipInfo(_JSON_MEMBER), metadata_text(run))
+        for signal in run.signals:
+            column = io.BytesIO()
+            np.lib.format.write_array(column, run.columns[signal.name], allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{signal.name}.npy"), column.getvalue())
+    return buffer.getvalue()
+
+
+def _run_in_npz(data: bytes) -> Run:
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        if sum(item.file_size for item in archive.infolist()) > len(data):
+            raise ValueError("it says to hold more than its own size, and runs are not compressed")
+        metadata = _parsed(archive.read(_JSON_MEMBER))
+        names = [signal.name for signal in _signals_in(metadata)]
+        columns = {name: _array(archive.read(f"{name}.npy")) for name in names}
+    return _run_from(metadata, columns)
+
+
+def _array(data: bytes) -> FloatArray:
+    array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
+    if array.dtype != np.float64:
+        raise ValueError(f"a column holds {array.dtype}, not double precision")
+    return np.asarray(array, dtype=np.float64)
+
+
+def _csv_of(run: Run) -> bytes:
+    """UTF-8; numbers in the shortest form that reads back to the same bits."""
+    text = io.StringIO()
+    text.writelines(f"# {line}\n" for line in metadata_text(run).splitlines())
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([f"{signal.name} [{signal.unit}]" for signal in run.elements])
+    table = np.column_stack([run.columns[signal.name] for signal in run.signals])
+    writer.writerows([repr(number) for number in row] for row in table.tolist())
+    return text.getvalue().encode()
+
+
+def _run_in_csv(data: bytes) -> Run:
+    text = data.decode()
+    if not text.endswith("\n"):
+        raise ValueError("its last line is not complete")
+    lines = text.splitlines()
+    comments = [line[1:] for line in lines if line.startswith("#")]
+    metadata = _parsed("\n".join(comments))
+    signals = _signals_in(metadata)
+    header, *rows = csv.reader(lines[len(comments) :])
+    pairs = (pair for signal in signals for pair in zip(signal.elements, signal.units, strict=True))
+    if header != [f"{name} [{unit}]" for name, unit in pairs]:
+        raise ValueError("its header row does not name the columns of its description")
+    return _run_from(metadata, split_columns(signals, _numbers(rows, len(header))))
+
+
+def _numbers(rows: Iterable[Sequence[str]], width: int) -> FloatArray:
+    """The numbers of rows of text, shape (N, width)."""
+    numbers = []
+    for count, row in enumerate(rows, start=1):
+        if len(row) != width:
+            raise ValueError(f"row {count} has {len(row)} of {width} numbers")
+        numbers.append([float(cell) for cell in row])
+    return np.array(numbers, dtype=np.float64).reshape(-1, width)
+
+
+def _parquet_of(run: Run) -> bytes:
+    """A column per logged number.  Raises MissingExtraError without pyarrow."""
+    arrow, parquet = library("pyarrow"), library("pyarrow.parquet")
+    table = arrow.table({signal.name: run[signal.name] for signal in run.elements})
+    table = table.replace_schema_metadata({_JSON_KEY: metadata_text(run)})
+    buffer = io.BytesIO()
+    parquet.write_table(table, buffer)
+    return buffer.getvalue()
+
+
+def _run_in_parquet(data: bytes) -> Run:
+    file = library("pyarrow.parquet").ParquetFile(io.BytesIO(data))
+    numbers = file.metadata.num_rows * file.metadata.num_columns
+    if not may_unpack(len(data), np.dtype(float).itemsize * numbers):
+        raise ValueError(f"it says to hold {numbers} numbers, more than its size can be true of")
+    table = file.read()
+    metadata = _parsed((table.schema.metadata or {}).get(_JSON_KEY, b"null"))
+    columns = {}
+    for signal in _signals_in(metadata):
+        parts = [np.asarray(table[name].to_numpy(), float) for name in signal.elements]
+        columns[signal.name] = parts[0] if signal.size == 1 else np.column_stack(parts)
+    return _run_from(metadata, columns)
+
+
+_FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = {
+    ".npz": (_npz_of, _run_in_npz),
+    ".csv": (_csv_of, _run_in_csv),
+    ".parquet": (_parquet_of, _run_in_parquet),
+}
+"""How a run becomes the bytes of a file, and how it is read from them."""

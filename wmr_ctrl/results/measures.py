@@ -1,0 +1,328 @@
+"""Quantities taken from a run's log: tracking errors, torques, the guard's share, the barrier.
+
+Every window is half open, [start, end), over sample times; a run that ended early gives None for
+each window that it does not cover to the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wmr_ctrl.results.windows import (
+    BEFORE,
+    Span,
+    at_rest,
+    covered,
+    drive,
+    last_quarter,
+    rows_of,
+    window,
+    working,
+)
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results.run import FloatArray, Run
+
+Pair = tuple[float, float]
+
+AT_LIMIT = 1 - 1e-9
+"""Share of the torque limit that is the limit, but for rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rises:
+    """Increases from one sample to the next: their number, their sum, the largest of them."""
+
+    count: int
+    total: float
+    largest: float
+
+
+@dataclass(frozen=True, slots=True)
+class WeightNorm:
+    """Norm of each axis' network weights at the last sample, and its largest over the run."""
+
+    end: tuple[float, ...]
+    largest: tuple[float, ...]
+
+
+def distance(run: Run) -> FloatArray:
+    """Distance of the robot from its reference point [m] at each sample, shape (N,)."""
+    return np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])
+
+
+def torques(run: Run) -> FloatArray:
+    """Both wheels' commanded torques [N m], shape (rows, 2)."""
+    return np.stack([run["tau_right"], run["tau_left"]], axis=1)
+
+
+def distance_at_start(run: Run) -> float | None:
+    """Distance at the first sample [m]; None without any."""
+    return float(distance(run)[0]) if run.rows else None
+
+
+def distance_over(run: Run, span: tuple[float, float], *, largest: bool = False) -> float | None:
+    """RMS of the distance from the reference over [start, end) [m], or the largest."""
+    rows = window(run, *span)
+    if rows is None or rows.start == rows.stop:
+        return None
+    gap = distance(run)[rows]
+    return float(gap.max() if largest else np.sqrt(np.mean(gap**2)))
+
+
+def halving_time(run: Run) -> float | None:
+    """First sample time at which the distance is at most half of that at the start [s]."""
+    gap = distance(run)
+    reached = np.flatnonzero(gap <= 0.5 * gap[0]) if run.rows else np.array([])
+    return float(run.time[reached[0]]) if reached.size else None
+
+
+def ise_over(run: Run, start: float, end: float, *, position: bool = False) -> float | None:
+    """Sum of (dx^2 + dy^2 + dtheta^2) * control over [start, end), true pose less reference.
+
+    With ``position`` without the angle, then in m^2 s; else m^2 s and rad^2 s mixed one to one.
+    """
+    rows = window(run, start, end)
+    if rows is None:
+        return None
+    names = ("x", "y") if position else ("x", "y", "theta")
+    squares = sum(float(np.sum((run[name] - run[f"{name}_d"])[rows] ** 2)) for name in names)
+    return squares * run.settings.control
+
+
+def ise(run: Run) -> dict[str, float | None]:
+    """Integral squared errors: ``total``, ``before`` and ``after`` the split, and ``position``."""
+    split, duration = run.settings.split, run.settings.duration
+    return {
+        "total": ise_over(run, 0, duration),
+        "before": ise_over(run, 0, split),
+        "after": ise_over(run, split, duration),
+        "position": ise_over(run, 0, duration, position=True),
+    }
+
+
+def ise_orientation(run: Run) -> float | None:
+    """Integral squared error of theta alone over the whole run [rad2 s]."""
+    parts = ise(run)
+    total, position = parts["total"], parts["position"]
+    return None if total is None or position is None else total - position
+
+
+def mean_e1(run: Run, span: tuple[float, float]) -> float | None:
+    """Mean of |e1| over [start, end) [m]."""
+    rows = window(run, *span)
+    return None if rows is None else float(np.mean(np.abs(run["e"][rows, 0])))
+
+
+def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | None:
+    """RMS over [start, end) of the tracking errors e1 [m], e2 [m], e3 [rad] of Eq. (8)."""
+    rows = window(run, start, end)
+    if rows is None or rows.start == rows.stop:
+        return None
+    ahead, aside, angle = np.sqrt(np.mean(run["e"][rows] ** 2, axis=0)).tolist()
+    return ahead, aside, angle
+
+
+def distances(run: Run, samples: Span) -> dict[str, float | None]:
+    """RMS and largest distance from the desired position over a window of samples [m]."""
+    rows = rows_of(run, samples)
+    if rows is None:
+        return {"position_rms": None, "position_max": None}
+    gap = distance(run)[rows]
+    return {"position_rms": float(np.sqrt(np.mean(gap**2))), "position_max": float(np.max(gap))}
+
+
+def position_rms(run: Run) -> dict[str, float | None]:
+    """RMS distance from the desired position [m]: over ``all`` samples and the ``last_quarter``."""
+    spans = {"all": (0, run.settings.samples), "last_quarter": last_quarter(run.settings)}
+    return {name: distances(run, span)["position_rms"] for name, span in spans.items()}
+
+
+def position_max(run: Run) -> float | None:
+    """Largest distance from the desired position over the last quarter [m]."""
+    return distances(run, last_quarter(run.settings))["position_max"]
+
+
+def tracking(run: Run) -> dict[str, dict[str, float | None] | None]:
+    """RMS and largest distance from the desired position [m]: in the ``drive`` and at the ``end``.
+
+    The end is what follows the arrival of a path that stops; None where there is none.
+    """
+    end = at_rest(run.settings)
+    return {
+        "drive": distances(run, drive(run.settings)),
+        "end": distances(run, end) if end[0] < end[1] else None,
+    }
+
+
+def tracked(run: Run) -> bool | None:
+    """Whether the position's RMS is within metrics.tolerance, over the drive and over the end.
+
+    False for a run that ended early, None where the tolerance is not known.
+    """
+    allowed = run.settings.tolerance
+    if allowed is None:
+        return None
+    parts = [part["position_rms"] for part in tracking(run).values() if part is not None]
+    return all(value is not None and value <= allowed for value in parts)
+
+
+def arrival(run: Run) -> dict[str, float | None] | None:
+    """When ``reference`` and ``robot`` are at the goal [s]; None where there is no goal.
+
+    The robot's is the first sample from which it stays within metrics.tolerance of the goal to
+    the run's end; None where it never does, or the run ends before the reference is there.
+    """
+    settings = run.settings
+    if settings.arrival is None:
+        return None
+    there = None
+    if settings.tolerance is not None and run.rows > settings.index(settings.arrival):
+        away = np.hypot(run["x"] - run["x_d"][-1], run["y"] - run["y_d"][-1])
+        there = _stays(run, away, settings.tolerance)
+    return {"reference": settings.arrival, "robot": there if covered(run) == run.rows else None}
+
+
+def settling_time(run: Run, within: float) -> float | None:
+    """First sample time [s] from which the distance stays <= ``within`` [m] to the end.
+
+    None for a run that ended early, or whose last sample is farther away.
+    """
+    if covered(run) < run.settings.samples:
+        return None
+    return _stays(run, distance(run), within)
+
+
+def _stays(run: Run, gap: FloatArray, within: float) -> float | None:
+    """First sample time [s] from which ``gap`` stays <= ``within``; None if the last is not."""
+    outside = np.flatnonzero(~(gap <= within))
+    first = int(outside[-1]) + 1 if outside.size else 0
+    return float(run.time[first]) if first < run.rows else None
+
+
+def guard_share(run: Run, samples: Span | None = None) -> Pair | None:
+    """Share of the samples in which the guard changed the force, per axis; zeros without guard.
+
+    Over all rows, or a window of samples; None where the controller does not tell.
+    """
+    if not run.guard:
+        return 0.0, 0.0
+    rows = slice(0, run.rows) if samples is None else rows_of(run, samples)
+    if rows is None or run.rows == 0 or "clip_active" not in run:
+        return None
+    force, moment = np.mean(run["clip_active"][rows], axis=0).tolist()
+    return force, moment
+
+
+def tau_peak(run: Run, start: float = 0.0, end: float | None = None) -> float | None:
+    """Largest |commanded wheel torque| [N m] over [start, end), by default over all rows."""
+    torque = torques(run)[window(run, start, end) or slice(0, 0)]
+    return float(np.max(np.abs(torque))) if torque.size else None
+
+
+def tau_rms(run: Run, start: float | None = None, end: float | None = None) -> float | None:
+    """RMS [N m] of both commanded wheel torques together over [start, end).
+
+    By default from ``rms_from`` to the end of the duration.
+    """
+    begin = run.settings.rms_from if start is None else start
+    rows = window(run, begin, run.settings.duration if end is None else end)
+    torque = torques(run)[rows or slice(0, 0)]
+    return float(np.sqrt(np.mean(torque**2))) if torque.size else None
+
+
+def torque_change_rms(run: Run) -> float | None:
+    """RMS change of the commanded wheel torques from sample to sample, while `working` [N m]."""
+    rows = rows_of(run, working(run.settings))
+    return None if rows is None else change_rms(torques(run), rows)
+
+
+def change_rms(torque: FloatArray, rows: slice) -> float:
+    """RMS over rows and wheels of what a torque (N, 2) changes since the row before [N m]."""
+    steps = torque[rows] - torque[rows.start - 1 : rows.stop - 1]
+    return float(np.sqrt(np.mean(steps**2)))
+
+
+def torque_needed_rms(run: Run) -> float | None:
+    """RMS of the wheel torques that the desired motion needs, while `working` [N m]."""
+    rows, needed = rows_of(run, working(run.settings)), run.needed
+    return None if rows is None or needed is None else float(np.sqrt(np.mean(needed[rows] ** 2)))
+
+
+def saturated_share(run: Run) -> float | None:
+    """Share of the samples in which a wheel is at its torque limit, while `working`."""
+    rows, outlook = rows_of(run, working(run.settings)), run.outlook
+    if rows is None or outlook is None:
+        return None
+    largest = np.max(np.abs(torques(run)[rows]), axis=1)
+    return float(np.mean(largest >= AT_LIMIT * outlook.tau_max))
+
+
+def limit_ratios(run: Run) -> Pair:
+    """Largest |v1| and |omega| over their limits [1]."""
+    (linear, angular), limits = run.monitor.max_abs_v, run.settings.v_u1
+    return linear / limits[0], angular / limits[1]
+
+
+def velocity_sway(run: Run) -> Pair | None:
+    """Standard deviation of v1 and omega about the desired ones, over their limits [1]."""
+    rows = rows_of(run, working(run.settings))
+    if rows is None:
+        return None
+    pairs = zip((("v1", "v1_d"), ("omega", "v2_d")), run.settings.v_u1, strict=True)
+    linear, angular = (
+        float(np.std((run[name] - run[desired])[rows])) / limit for (name, desired), limit in pairs
+    )
+    return linear, angular
+
+
+def rises(run: Run, start: float = 0.0, end: float | None = None) -> Rises | None:
+    """Rises of the barrier function V1, Eq. (12), within [start, end) [s].
+
+    Without ``end``, up to the last row; None where the run does not cover the window.
+    """
+    rows = window(run, start, end)
+    if rows is None:
+        return None
+    steps = np.diff(run["V1"][rows])
+    up = steps[steps > 0]
+    return Rises(len(up), float(np.sum(up)), float(np.max(up, initial=0.0)))
+
+
+def barrier_start(run: Run) -> float | None:
+    """V1 at the first sample; None without any."""
+    return float(run["V1"][0]) if run.rows else None
+
+
+def barrier_late(run: Run) -> float | None:
+    """Mean of V1 over 30-40 s, divided by V1 at the first sample."""
+    rows = window(run, *BEFORE)
+    return None if rows is None else _relative(run, float(np.mean(run["V1"][rows])))
+
+
+def barrier_rises(run: Run) -> float | None:
+    """Number of samples before the split at which V1 is larger than one sample earlier."""
+    climb = rises(run, 0.0, run.settings.split)
+    return None if climb is None else float(climb.count)
+
+
+def barrier_rise_share(run: Run) -> float | None:
+    """Sum of the rises of V1 before the split, divided by V1 at the first sample."""
+    climb = rises(run, 0.0, run.settings.split)
+    return None if climb is None else _relative(run, climb.total)
+
+
+def _relative(run: Run, value: float) -> float | None:
+    start = barrier_start(run)
+    return value / start if start else None
+
+
+def weight_norm(run: Run) -> WeightNorm | None:
+    """Norms of the weights [1] per axis, or None for a law without weights or an empty run."""
+    if "W_norm" not in run or run.rows == 0:
+        return None
+    norms = run["W_norm"]
+    return WeightNorm(tuple(norms[-1].tolist()), tuple(np.max(norms, axis=0).tolist()))
