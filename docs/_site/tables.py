@@ -16,8 +16,8 @@ from markdown import code, number, table
 
 import wmr_ctrl
 from wmr_ctrl import errors, signals
+from wmr_ctrl.cli.lists import gains_docs
 from wmr_ctrl.cli.root import root
-from wmr_ctrl.cli.scenarios import gains_docs
 from wmr_ctrl.fields.section import REQUIRED, Section, quantities
 from wmr_ctrl.fields.units import OTHERS, USUAL, written
 from wmr_ctrl.fields.values import Quantity, Range

@@ -13,8 +13,8 @@ KEPT_SHORT = {
     "wmr_ctrl.outputs": "outputs for other tools, by the names that users type",
 }
 """Short files with one user that are looked up by name, and why."""
-BY_NAME = ("wmr_ctrl.cli.", "wmr_ctrl.laws.")
-"""Folders with a file for each name that users type: a command, a law."""
+BY_NAME = ("wmr_ctrl.laws.",)
+"""Folders with a file for each name that users type: a law."""
 ELSEWHERE = ("wmr_ctrl.proofs.", "wmr_ctrl.codegen.")
 
 NO_NOUNS = {"found", "made", "told", "settled", "kept"}
@@ -54,7 +54,7 @@ def users() -> dict[str, set[str]]:
 
 
 def asked_for_by_name(module: Module, by: dict[str, set[str]]) -> bool:
-    """A command, law or method; what its package shows to others; what runs by itself."""
+    """A law; what its package shows to others; what runs by itself."""
     package = module.name.rpartition(".")[0]
     shown = by[module.name] == {package}
     alone = "__main__" in module.text

@@ -14,7 +14,7 @@ from wmr_ctrl.report import animate, plot_run
 from wmr_ctrl.results import load_run, summary
 from wmr_ctrl.scenario import load_scenario
 
-module = import_module("wmr_ctrl.cli.run")
+module = import_module("wmr_ctrl.cli.runs")
 
 KEYS = ["scenario", "law", "guard", "seed", "engine", "plant", "outcome", "ise",
         "position_rms", "position_max", "tracking", "tracked", "arrival", "guard_share",

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from wmr_ctrl.cli.console import print_json, say, wrapped
-from wmr_ctrl.cli.guard_lines import guard_lines, guard_numbers
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import CompilerError
@@ -17,6 +16,7 @@ from wmr_ctrl.errors import CompilerError
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Stability, Warning
     from wmr_ctrl.control.setup import Setup
+    from wmr_ctrl.guard.bounds import SourcedNumber
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.toml_io import InheritedValue
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
+PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
@@ -73,7 +74,7 @@ def check(
             stable[law] = stability(case, law)
         runs = _runs(case, warned, progress)
     if as_json:
-        print_json({**_document(case, warned, stable, runs, taken), "guard": guard_numbers(first)})
+        print_json({**_document(case, warned, stable, runs, taken), "guard": _guard_numbers(first)})
     else:
         lines = [*_head(case, first, taken), *_lines(case, warned, stable, runs)]
         click.echo("\n".join(lines))
@@ -112,17 +113,13 @@ def _runs(scenario: Scenario, laws: Mapping[str, object], progress: Progress) ->
 def _document(
     scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, taken: Taken
 ) -> dict[str, Any]:
-    laws = {
-        law: {
-            "largest_stable_period": stable[law].period,
-            "warnings": [asdict(warning) for warning in warnings],
-        }
-        for law, warnings in warned.items()
-    }
     from wmr_ctrl.checks import reference_torque
     from wmr_ctrl.checks.outlook import verdict
+    from wmr_ctrl.results import summary
     from wmr_ctrl.world.grip import grip
 
+    shown = ("position_rms", "tracking", "tracked", "arrival", "guard_share", "outcome", "remarks")
+    figures = {law: summary(run) for law, run in runs.items()}
     return {
         "scenario": scenario.name,
         "valid": True,
@@ -130,19 +127,25 @@ def _document(
         "warnings": [*_merged(warned), *_inherited_warning(taken)],
         "inherited": {item.key: item.value for item in taken},
         "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
-        "nominal": {law: _nominal(run) for law, run in runs.items()},
+        "nominal": {law: {key: row[key] for key in shown} for law, row in figures.items()},
         "verdict": {law: verdict(theory, runs.get(law)) for law, theory in warned.items()},
         "min_period": {law: limits.shortest for law, limits in stable.items()},
         "max_period": {law: limits.period for law, limits in stable.items()},
         "max_delay": {law: limits.delay for law, limits in stable.items()},
         "mass_range": {law: limits.masses for law, limits in stable.items()},
         "arrival": scenario.reference.arrival,
-        "laws": laws,
+        "laws": {
+            law: {
+                "largest_stable_period": stable[law].period,
+                "warnings": [asdict(warning) for warning in warnings],
+            }
+            for law, warnings in warned.items()
+        },
     }
 
 
 def _inherited_warning(taken: Taken) -> Iterator[dict[str, str | None]]:
-    """What describes a robot and was not stated, with where to state it."""
+    """The robot's numbers that were not stated, with where to state them."""
     if taken:
         listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
         text = (
@@ -164,40 +167,51 @@ def _merged(warned: Warned) -> Iterator[dict[str, str | None]]:
                 yield {"key": warning.key, "law": law, "text": str(warning)}
 
 
-def _nominal(run: Run) -> dict[str, Any]:
-    from wmr_ctrl.results import summary
-
-    figures = summary(run)
-    keys = ("position_rms", "tracking", "tracked", "arrival", "guard_share", "outcome", "remarks")
-    return {key: figures[key] for key in keys}
+def _shared(warned: Warned) -> list[Warning]:
+    """Warnings that all of several laws get."""
+    if len(warned) < 2:
+        return []
+    first = next(iter(warned.values()))
+    return [item for item in first if all(item in warnings for warnings in warned.values())]
 
 
 def _head(scenario: Scenario, setup: Setup, taken: Taken) -> list[str]:
-    """What concerns the scenario, whatever the law."""
+    """Lines on the scenario, whatever the law."""
     title = f" ({scenario.title})" if scenario.title else ""
     lines = [wrapped(f"{scenario.name} is valid{title}.")]
-    if scenario.reference.arrival is not None:
-        lines.append(_goal(scenario, scenario.reference.arrival))
+    arrival, lasts = scenario.reference.arrival, scenario.clock.duration
+    if arrival is not None:
+        late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
+        early = f", but the run ends at {lasts:g} s: lengthen clock.duration"
+        end = early if arrival > lasts else ""
+        lines.append(wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}."))
     inherited = [warning["text"] or "" for warning in _inherited_warning(taken)]
-    return [*lines, *map(_item, (*guard_lines(setup), *inherited))]
+    return [*lines, *map(_item, (*_guard_lines(setup), *inherited))]
 
 
 def _lines(
     scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs
 ) -> list[str]:
-    """What theory and one run have against the laws."""
+    """Objections of theory and of one run to each law."""
+    from wmr_ctrl.checks.lateness import lost_poses, rounded_effects
+    from wmr_ctrl.results import OBJECTED
+
     lines, shared = list[str](), _shared(warned)
+    ignored = ", and ".join(filter(None, (lost_poses(scenario), rounded_effects(scenario))))
+    rest = f" ({ignored})" if ignored else ""
     if any(run.settings.duration < scenario.clock.duration for run in runs.values()):
-        lines += [
-            "",
-            wrapped(f"Each law is run for {MOST_STEPS} plant steps alone, not to its end."),
-        ]
+        short = f"Each law is run for {MOST_STEPS} plant steps alone, not to its end."
+        lines += ["", wrapped(short)]
     if shared:
         lines += ["", "all laws", *(_item(_told(warning)) for warning in shared)]
     for law, warnings in warned.items():
-        own = [_told(warning) for warning in warnings if warning not in shared]
-        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}{_rare(scenario)}")
-        lines += ["", said, *_of_law(own, runs.get(law))]
+        texts = [_told(warning) for warning in warnings if warning not in shared]
+        if law in runs:
+            seen = (item for item in runs[law].remarks if item.key != OBJECTED)
+            texts += [f"{item.key}: {item.text}" for item in seen]
+        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}{rest}")
+        lines += ["", said, *(map(_item, texts) if texts else ["  - no objection"])]
+        lines += [_item(_sight(runs[law]))] if law in runs else []
     return lines
 
 
@@ -206,29 +220,15 @@ def _told(warning: Warning) -> str:
     return str(warning) if warning.objects else f"note: {warning}"
 
 
-def _goal(scenario: Scenario, arrival: float) -> str:
-    """When the desired motion arrives, and whether the run lasts so long."""
-    lasts = scenario.clock.duration
-    end = "" if arrival <= lasts else f", but the run ends at {lasts:g} s: lengthen clock.duration"
-    late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
-    return wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}.")
-
-
-def _of_law(warnings: Sequence[str], run: Run | None) -> list[str]:
-    """What is said of one law: theory's objections, then what its run showed."""
-    from wmr_ctrl.results import OBJECTED
-
-    said = (item for item in run.remarks if item.key != OBJECTED) if run else ()
-    seen = [f"{item.key}: {item.text}" for item in said]
-    lines = [_item(text) for text in (*warnings, *seen)] or ["  - no objection"]
-    return [*lines, _item(_sight(run))] if run else lines
+def _item(text: str) -> str:
+    return wrapped(f"- {text}", indent="  ", hang="  ")
 
 
 def _sight(run: Run) -> str:
-    """What one run showed, in a sentence."""
+    """One run in a sentence."""
     from wmr_ctrl.results import arrival, driving, guard_share, percent, tracked, tracking
 
-    parts, shares = tracking(run), guard_share(run)
+    parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(
         f"{part['position_rms']:.3g} m RMS from its place in the {place}"
         for place, part in zip((driving(run), "end"), parts.values(), strict=True)
@@ -240,29 +240,8 @@ def _sight(run: Run) -> str:
     if run.guard and shares is not None:
         thrusts, moments = map(percent, shares)
         held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
-    times = arrival(run)
     goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
     return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
-
-
-def _shared(warned: Warned) -> list[Warning]:
-    """Warnings that all of several laws get."""
-    if len(warned) < 2:
-        return []
-    first = next(iter(warned.values()))
-    return [item for item in first if all(item in warnings for warnings in warned.values())]
-
-
-def _item(text: str) -> str:
-    return wrapped(f"- {text}", indent="  ", hang="  ")
-
-
-def _rare(scenario: Scenario) -> str:
-    """What the figures of stability leave out, if anything."""
-    from wmr_ctrl.checks.lateness import lost_poses, rounded_effects
-
-    said = ", and ".join(filter(None, (lost_poses(scenario), rounded_effects(scenario))))
-    return f" ({said})" if said else ""
 
 
 def _stable(limits: Stability, period: float) -> str:
@@ -281,3 +260,87 @@ def _stable(limits: Stability, period: float) -> str:
         parts.append(f"for a mass of {limits.mass_words}")
     here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
     return f"stable around the reference {limit}{here}"
+
+
+def _guard_numbers(setup: Setup) -> dict[str, object] | None:
+    """The guard's numbers for JSON, their sources, and the speeds it leaves; None without guard."""
+    if not setup.scenario.guard.enabled:
+        return None
+    from wmr_ctrl.guard.bounds import assumption_sources
+    from wmr_ctrl.guard.price import speed_price
+
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
+    price = speed_price(setup.scenario, setup.guard)
+    return {
+        **{name: item.value for name, item in known.items()},
+        "sources": {name: dict(item.sources) for name, item in known.items()},
+        "usable_speed": price.usable,
+        "reference_speed": price.asked,
+    }
+
+
+def _guard_lines(setup: Setup) -> Iterator[str]:
+    """The same in two sentences; none without guard."""
+    if not setup.scenario.guard.enabled:
+        return
+    from wmr_ctrl.guard.bounds import assumption_sources
+    from wmr_ctrl.guard.price import speed_price
+    from wmr_ctrl.results import speeds
+
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
+    parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
+    parts += [_late(known[name]) for name in ("delay", "lag")]
+    ages = [known[name] for name in ("age", "window") if any(known[name].value)]
+    parts += [f"{item.name} {_digits(item.value)} s{_made(item)}" for item in ages]
+    yield f"the guard counts on {'; '.join(parts)}"
+    price = speed_price(setup.scenario, setup.guard)
+    yield (
+        f"it leaves at most {speeds(price.usable)} against friction; the reference asks for at "
+        f"most {speeds(price.asked)}"
+    )
+
+
+def _masses(known: Mapping[str, SourcedNumber]) -> str:
+    low, high = known["M_min"], known["M_max"]
+    texts = [
+        f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"
+        for i, (name, unit) in enumerate((("M", "kg"), ("I", "kg m2")))
+    ]
+    origin, other = _made(low), _made(high)
+    return f"{', '.join(texts)}{origin if origin == other else f'{origin} to{other}'}"
+
+
+def _differs(setup: Setup) -> str:
+    """Mass or inertia of the robot where the laws believe another, within what is counted."""
+    texts = [
+        f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
+        for name, unit in (("m", "kg"), ("I", "kg m2"))
+        if setup.value(f"robot.{name}") != setup.value(f"model.{name}")
+    ]
+    return f", and the robot has {', '.join(texts)}" if texts else ""
+
+
+def _bound(item: SourcedNumber) -> str:
+    (a, b), (first, second) = item.value, PER_AXIS[item.name]
+    return f"{item.name} {a:.4g} {first}, {b:.4g} {second}{_made(item)}"
+
+
+def _late(item: SourcedNumber) -> str:
+    low, high = item.value
+    if high == 0:
+        return f"no {item.name}{_made(item)}"
+    text = f"{high:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return f"{item.name} {text} s{_made(item)}"
+
+
+def _digits(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)
+
+
+def _made(item: SourcedNumber) -> str:
+    """Sources of a number, in brackets."""
+    texts = [
+        source if added in (None, item.value) else f"{source} {_digits(added or ())}"
+        for source, added in item.sources.items()
+    ]
+    return f" ({'; '.join(texts)})" if texts else ""

@@ -1,14 +1,21 @@
-"""What the commands print: paragraphs on stderr, tables and JSON on stdout."""
+"""Output of the commands: paragraphs and errors on stderr, tables and JSON on stdout."""
 
 from __future__ import annotations
 
 import json
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+import traceback
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
 import click
 
+from wmr_ctrl.errors import WmrError
+
+DIFFERENCE, WRONG_INPUT, FMU_FAILED, FAULT, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 70, 130, 141
+"""Exit codes."""
 WIDEST = 100
 ROOM = 12
 """Columns that the last cell of a table's rows needs at least."""
@@ -78,3 +85,54 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
 def _before_last(rows: Sequence[Sequence[str]]) -> int:
     """Columns that all cells of a table but the last of each row take, with the gaps after them."""
     return sum(max(map(len, column)) + 2 for column in list(zip(*rows, strict=True))[:-1])
+
+
+@contextmanager
+def resumable(record: Path) -> Iterator[None]:
+    """Long work with a ``record`` of what is done: who interrupts it is told that it goes on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if record.exists():
+            say("note", f"what is done is kept in {record}; the same command goes on from there.")
+        raise
+
+
+def explain(error: Exception, *, debug: bool) -> int:
+    """Tell the user about ``error``, with its traceback if ``debug``; returns the exit code."""
+    if debug:
+        click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
+    text, code = _told(error)
+    say("error", text)
+    for note in vars(error).get("__notes__", ()):
+        click.echo(note, err=True)
+    return code
+
+
+def _told(error: Exception) -> tuple[str, int]:
+    match error:
+        case click.Abort() | SystemError(__cause__=KeyboardInterrupt()):  # met within a library
+            return "Interrupted.", INTERRUPTED
+        case click.UsageError(ctx=click.Context() as ctx):
+            return f"{error.format_message()} See '{ctx.command_path} --help'.", WRONG_INPUT
+        case click.ClickException():
+            return error.format_message(), WRONG_INPUT
+        case WmrError():
+            return str(error), WRONG_INPUT
+        case OSError():
+            return _system(error), WRONG_INPUT
+        case _:
+            return _fault(error), FAULT
+
+
+def _system(error: OSError) -> str:
+    reason = error.strerror or str(error) or type(error).__name__
+    where = f"{error.filename}: " if error.filename else ""
+    return f"{where}{reason}. Check that the file exists, may be accessed and fits on the disk."
+
+
+def _fault(error: Exception) -> str:
+    return (
+        f"{type(error).__name__}: {error or 'no message'}. This should not happen: rerun with "
+        "--debug to see where it comes from, and report it together with the command."
+    )

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Unpack
+
 import click
 
 from wmr_ctrl.cli.options import (
     LawName,
-    Seed,
     debug_option,
     examples,
     guard_option,
-    json_option,
     load,
     scenario_argument,
+    seed_option,
     set_option,
 )
 from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.cli.run import check_outputs, end, show, write_run
+from wmr_ctrl.cli.runs import check_outputs, deliver, figures_option, plot_option, save_option
+
+if TYPE_CHECKING:
+    from wmr_ctrl.api_types import CosimulationOptions
 
 
 @click.command(
@@ -48,29 +52,25 @@ from wmr_ctrl.cli.run import check_outputs, end, show, write_run
 )
 @click.option(
     "--know-delay",
+    "delay_known",
     is_flag=True,
     help="With jacobi: build the controller for torques that act one control period late.",
 )
-@click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
+@seed_option
 @set_option
-@click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
-@click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
-@json_option("Print outcome and figures as one JSON document.")
+@save_option
+@plot_option
+@figures_option
 @debug_option
 def cosim(
     scenario: str,
     law: str | None,
     guard: bool | None,
-    plant: str | None,
-    controller: str | None,
-    map_file: str | None,
-    master: str,
-    know_delay: bool,
-    seed: int,
     assignments: tuple[str, ...],
     out: str | None,
     plot: str | None,
     as_json: bool,
+    **options: Unpack[CosimulationOptions],
 ) -> None:
     """Run reference, controller and plant as FMUs, and print how it went.
 
@@ -81,13 +81,9 @@ def cosim(
     """
     from wmr_ctrl import api
 
-    check_outputs(out, plot, None)
+    check_outputs(out, plot)
     case = load(scenario, assignments, guard)
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
-        run = api.cosimulate(
-            case, law, plant=plant, controller=controller, map_file=map_file, master=master,
-            delay_known=know_delay, seed=seed, progress=progress,
-        )  # fmt: skip
-    write_run(run, out, plot, None)
-    show(run, as_json)
-    end(run)
+        options["progress"] = progress
+        run = api.cosimulate(case, law, **options)
+    deliver(run, as_json, out=out, plot=plot)

@@ -45,7 +45,16 @@ guard_option = click.option(
     default=None,
     help="Switch the velocity guard on or off.  [default: as the scenario says]",
 )
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Runs at the same time.  [default: one per processor]",
+)
 scenario_argument = click.argument("scenario", metavar="[SCENARIO]", default=SCENARIO)
+scenario_option = click.option(
+    "--scenario", default=SCENARIO, metavar="S", help="Preset or TOML file."
+)
 
 
 class Seed(click.ParamType):
@@ -83,6 +92,12 @@ class LawName(click.ParamType):
                 param, ctx,
             )  # fmt: skip
         return value
+
+
+law_option = click.option(
+    "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
+)
+seed_option = click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
 
 
 def json_option(text: str = "Print one JSON document instead.") -> Callable[[F], F]:

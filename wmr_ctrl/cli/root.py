@@ -12,24 +12,15 @@ from typing import Any, NoReturn
 import click
 
 from wmr_ctrl import __version__
-from wmr_ctrl.cli.bench import bench
 from wmr_ctrl.cli.check import check
-from wmr_ctrl.cli.codegen import codegen
-from wmr_ctrl.cli.compare import compare
+from wmr_ctrl.cli.console import BROKEN_PIPE, explain
 from wmr_ctrl.cli.cosim import cosim
-from wmr_ctrl.cli.export import export
-from wmr_ctrl.cli.failures import BROKEN_PIPE, explain
-from wmr_ctrl.cli.laws import laws
-from wmr_ctrl.cli.linearize import linearize
+from wmr_ctrl.cli.evidence import bench, linearize, prove, reproduce
+from wmr_ctrl.cli.exports import codegen, export, page
+from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
-from wmr_ctrl.cli.page import page
-from wmr_ctrl.cli.prove import prove
-from wmr_ctrl.cli.reproduce import reproduce
-from wmr_ctrl.cli.run import run
-from wmr_ctrl.cli.scenarios import scenarios
-from wmr_ctrl.cli.show import show_saved
-from wmr_ctrl.cli.study import study
-from wmr_ctrl.cli.tune import tune
+from wmr_ctrl.cli.runs import compare, run, show_saved
+from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
 
 PROGRAM = "wmr-ctrl"
@@ -120,11 +111,10 @@ def root(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-_COMMANDS = (
+for _command in (
     *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune),
     *(prove, linearize, page, export, cosim, codegen, bench),
-)
-for _command in _COMMANDS:
+):
     root.add_command(_command)
 
 

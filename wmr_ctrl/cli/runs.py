@@ -1,23 +1,23 @@
-"""``wmr-ctrl run``: one law on one scenario."""
+"""``wmr-ctrl run``, ``show`` and ``compare``: one run, a saved run, two saved runs."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli.console import print_json, say
-from wmr_ctrl.cli.failures import FMU_FAILED
+from wmr_ctrl.cli.console import DIFFERENCE, FMU_FAILED, print_json, say
 from wmr_ctrl.cli.options import (
-    LawName,
-    Seed,
     check_output,
     debug_option,
     examples,
     guard_option,
     json_option,
+    law_option,
     load,
     scenario_argument,
+    seed_option,
     set_option,
 )
 from wmr_ctrl.cli.progress import Progress
@@ -27,14 +27,18 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
 
-RUNS, PLOTS, ANIMATIONS = (
-    (".npz", ".csv", ".parquet"),
-    (".png", ".svg", ".pdf"),
-    (".gif", ".mp4", ".html"),
+RUNS = (".npz", ".csv", ".parquet")
+PLOTS = (".png", ".svg", ".pdf")
+ANIMATIONS = (".gif", ".mp4", ".html")
+save_option = click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
+plot_option = click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
+animate_option = click.option(
+    "--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html."
 )
 film_option = click.option(
     "--film", metavar="FILE", help="Film the rigid body in 3-D (--plant mujoco): .mp4 or .gif."
 )
+figures_option = json_option("Print outcome and figures as one JSON document.")
 
 
 @click.command(
@@ -47,11 +51,9 @@ film_option = click.option(
     ),
 )
 @scenario_argument
-@click.option(
-    "--law", type=LawName(), default="nn", metavar="NAME", help="Control law; see `wmr-ctrl laws`."
-)
+@law_option
 @guard_option
-@click.option("--seed", type=Seed(), default=0, metavar="S", help="Seed of all noise.")
+@seed_option
 @click.option(
     "--engine",
     default="native",
@@ -65,11 +67,11 @@ film_option = click.option(
     help="The plane model, or a rigid body on tyres (extra physics).",
 )
 @set_option
-@click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
-@click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
-@click.option("--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html.")
+@save_option
+@plot_option
+@animate_option
 @film_option
-@json_option("Print outcome and figures as one JSON document.")
+@figures_option
 @debug_option
 def run(
     scenario: str,
@@ -79,11 +81,8 @@ def run(
     engine: str,
     plant: str,
     assignments: tuple[str, ...],
-    out: str | None,
-    plot: str | None,
-    animate: str | None,
-    film: str | None,
     as_json: bool,
+    **files: str | None,
 ) -> None:
     """Run one law on one scenario, and print how it went.
 
@@ -92,20 +91,89 @@ def run(
     diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and
     the outcome says so. A file that is named for a result is replaced, once the new one is whole.
     """
-    check_outputs(out, plot, animate)
-    if film:
+    check_outputs(**files)
+    if files["film"]:
         from wmr_ctrl.report.film import check_film
 
-        check_film(film, plant)
-    case = load(scenario, assignments, guard)
-    finished = _simulated(case, law, seed, engine, plant)
-    write_run(finished, out, plot, animate, film)
-    show(finished, as_json)
-    end(finished)
+        check_film(files["film"], plant)
+    finished = _simulated(load(scenario, assignments, guard), law, seed, engine, plant)
+    deliver(finished, as_json, **files)
 
 
-def check_outputs(out: str | None, plot: str | None, animate: str | None) -> None:
-    """Raise, before anything is computed, where one of the files cannot be written."""
+@click.command(
+    "show",
+    short_help="Print, draw or film a saved run.",
+    epilog=examples(
+        "wmr-ctrl run far-start --law mb --out mb.npz",
+        "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
+        "wmr-ctrl show mb.npz --out mb.parquet",
+    ),
+)
+@click.argument("file", metavar="RUN")
+@click.option("--out", metavar="FILE", help="Save it once more: .npz, .csv or .parquet.")
+@plot_option
+@animate_option
+@film_option
+@figures_option
+@debug_option
+def show_saved(file: str, as_json: bool, **files: str | None) -> None:
+    """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
+
+    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote: .npz, .csv or .parquet.
+    """
+    from wmr_ctrl.results import load_run
+
+    check_outputs(**files)
+    saved = load_run(file)
+    write_run(saved, **files)
+    show(saved, as_json)
+
+
+@click.command(
+    short_help="Where two saved runs differ, and by how much.",
+    epilog=examples(
+        "wmr-ctrl run --out a.npz",
+        "wmr-ctrl run --engine numpy --out b.npz",
+        "wmr-ctrl compare a.npz b.npz",
+    ),
+)
+@click.argument("run_a")
+@click.argument("run_b")
+@click.option(
+    "--tolerance",
+    type=float,
+    default=1e-9,
+    metavar="X",
+    help="Columns this close, in their unit or relative to their range, agree.",
+)
+@json_option("Print the comparison as one JSON document.")
+@debug_option
+@click.pass_context
+def compare(ctx: click.Context, run_a: str, run_b: str, tolerance: float, as_json: bool) -> None:
+    """Show where two saved runs (.npz, .csv or .parquet) differ, by how much and when.
+
+    Compares the samples and columns that both have. The exit code is 0 if the runs are equal or
+    agree within the tolerance, 1 if they differ or share no sample.
+    """
+    from wmr_ctrl.results import compare as compare_runs
+    from wmr_ctrl.results import load_run
+
+    comparison = compare_runs(load_run(run_a), load_run(run_b), tolerance)
+    if as_json:
+        print_json(asdict(comparison))
+    else:
+        click.echo(str(comparison))
+    if comparison.verdict not in ("equal", "agree"):
+        ctx.exit(DIFFERENCE)
+
+
+def check_outputs(
+    out: str | None = None,
+    plot: str | None = None,
+    animate: str | None = None,
+    film: str | None = None,
+) -> None:
+    """Raise, before anything is computed, where a file cannot be written; films check theirs."""
     check_output(out, RUNS, "--out")
     if out and out.lower().endswith(".parquet"):
         from wmr_ctrl.results.frames import library
@@ -136,9 +204,18 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
 
 
+def deliver(run: Run, as_json: bool, **files: str | None) -> None:
+    """Write a new run's files and print it; then exit with code 3 where an FMU ended it."""
+    write_run(run, **files)
+    show(run, as_json)
+    if run.monitor.failure:
+        say("error", run.monitor.failure)
+        raise click.exceptions.Exit(FMU_FAILED)
+
+
 def write_run(
     run: Run,
-    out: str | None,
+    out: str | None = None,
     plot: str | None = None,
     animate: str | None = None,
     film: str | None = None,
@@ -166,13 +243,6 @@ def write_run(
         with Progress("film") as progress:
             film_run(run, film, progress)
         say("wrote", film)
-
-
-def end(run: Run) -> None:
-    """Exit with the code of a failure, and the reason, where an FMU ended the run."""
-    if run.monitor.failure:
-        say("error", run.monitor.failure)
-        raise click.exceptions.Exit(FMU_FAILED)
 
 
 def show(run: Run, as_json: bool) -> None:

@@ -1,19 +1,22 @@
-"""``wmr-ctrl tune``: gains of a law for a scenario, found by search."""
+"""``wmr-ctrl study`` and ``tune``: many runs by a plan, or in search of gains."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from operator import truediv
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from wmr_ctrl.cli.console import print_json, say, wrapped
-from wmr_ctrl.cli.failures import resumable
+from wmr_ctrl.cli.console import DIFFERENCE, print_json, resumable, say, wrapped
 from wmr_ctrl.cli.options import (
     LawName,
+    check_folder,
     check_output,
     debug_option,
     examples,
+    jobs_option,
     json_option,
     load,
     set_option,
@@ -23,6 +26,87 @@ from wmr_ctrl.fields.limits import SEED_END
 
 if TYPE_CHECKING:
     from wmr_ctrl.tuning import Tuning
+
+
+@click.command(
+    short_help="Run a plan of many runs; draw its results.",
+    epilog=examples(
+        "wmr-ctrl study plan.toml --out mass",
+        "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
+        "wmr-ctrl study plot mass",
+        "wmr-ctrl study parquet mass",
+    ),
+)
+@click.argument("words", metavar="PLAN.toml | plot DIR | parquet DIR", nargs=-1, required=True)
+@click.option("--out", metavar="DIR", help="Folder of the results; an interrupted one goes on.")
+@click.option(
+    "--executor",
+    default="threads",
+    metavar="E",
+    help="threads, dask (processes here) or dask://HOST:PORT.",
+)
+@jobs_option
+@json_option("Print what was made as one JSON document.")
+@debug_option
+def study(
+    words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
+) -> None:
+    """Run all that PLAN.toml asks for, and write DIR/table.csv, one row a run.
+
+    A plan names a scenario, laws, guards and seeds, values of fields ([grid]), ranges of fields
+    ([sample]) and a rule to stop ([stop]). The table has the same bytes for any executor, any
+    number of jobs and of interruptions. `study plot DIR` draws its pictures,
+    `study parquet DIR` writes the table by columns too. Where the guard refused
+    every run, the exit code is 1.
+    """
+    if words[0] in ("plot", "parquet") and len(words) == 2:
+        paths = (_plot if words[0] == "plot" else _columns)(words[1])
+        if as_json:
+            print_json([str(path) for path in paths])
+        for path in paths:
+            say("wrote", str(path))
+        return
+    if len(words) != 1 or out is None:
+        raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
+    check_folder(out, "--out")
+    from wmr_ctrl import api
+    from wmr_ctrl.campaign.study_plan import load_plan
+
+    plan = load_plan(words[0])
+    for text in plan.warnings:
+        say("warning", text)
+    with resumable(Path(out)), Progress("study") as progress:
+        result = api.study(plan, out, executor=executor, jobs=jobs, progress=progress)
+    if as_json:
+        print_json(
+            {key: str(v) if key in ("folder", "table") else v for key, v in asdict(result).items()}
+        )
+    else:
+        head, *refused = str(result).split("\n")
+        click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
+    if result.all_refused:
+        raise click.exceptions.Exit(DIFFERENCE)
+
+
+def _plot(folder: str) -> list[Path]:
+    from wmr_ctrl.report.study_figures import plot_study
+
+    with Progress("drawing", measured=False):
+        return plot_study(folder)
+
+
+def _columns(folder: str) -> list[Path]:
+    from wmr_ctrl.campaign.study_columns import write_columns
+
+    with Progress("writing", measured=False):
+        return [write_columns(folder)]
+
+
+WORSE = (
+    "Figures of the test are worse than before, in the rows that say so. Take these gains only if "
+    "the robot does not drive like that; or tune on that reference, or raise --weight where it is "
+    "the torque."
+)
 
 
 class SeedRange(click.ParamType):
@@ -80,7 +164,7 @@ class SeedRange(click.ParamType):
     metavar="KEY",
     help="A gain that stays, such as gains.kinematics.k, which laws share. May be repeated.",
 )
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at the same time.")
+@jobs_option
 @set_option
 @json_option("Print gains and figures, before and after, as one JSON document.")
 @debug_option
@@ -110,10 +194,17 @@ def tune(
 
     with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
         better = tuning.tune(
-            load(scenario, assignments), law, out,
-            seeds=seeds, test_seeds=test_seeds, trials=trials, weight=weight, hold=hold,
-            jobs=jobs, progress=progress,
-        )  # fmt: skip
+            load(scenario, assignments),
+            law,
+            out,
+            seeds=seeds,
+            test_seeds=test_seeds,
+            trials=trials,
+            weight=weight,
+            hold=hold,
+            jobs=jobs,
+            progress=progress,
+        )
     say("wrote", str(better.out))
     if as_json:
         print_json(better.to_json())
@@ -122,9 +213,9 @@ def tune(
 
 
 def _text(better: Tuning) -> str:
+    """Gains, the objective, and figures of the test seeds before and after."""
     first, last = better.objective
-    lines = [f"{key} = {', '.join(f'{number:g}' for number in value)}"
-             for key, value in better.gains.items()]  # fmt: skip
+    lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
     lines += [
         f"objective on the training seeds: {1e3 * first:.4g} mm before, {1e3 * last:.4g} mm after",
         "",
@@ -132,29 +223,20 @@ def _text(better: Tuning) -> str:
         f"{'worst |v|/limit':>20}",
         f"{'reference':<14}{'mass':>6}{'before':>14}{'after':>9}{'before':>16}{'after':>9}"
         f"{'before':>12}{'after':>8}",
-    ]  # fmt: skip
+    ]
     limits = better.scenario.limits.v_u1
     for old, new in zip(better.before, better.after, strict=True):
-        worst = [max(v / u for v, u in zip(item.max_abs_v, limits, strict=True))
-                 for item in (old, new)]  # fmt: skip
+        place = (new.reference, new.mass)
+        before, after = (max(map(truediv, item.max_abs_v, limits)) for item in (old, new))
+        worse = [item.figure for item in better.worse if (item.reference, item.mass) == place]
         lost = f"  {new.lost} runs ended early" if new.lost else ""
-        names = (item.figure for item in better.worse
-                 if (item.reference, item.mass) == (new.reference, new.mass))  # fmt: skip
-        if worse := ", ".join(names):
-            lost += f"  worse: {worse}"
+        lost += f"  worse: {', '.join(worse)}" if worse else ""
         lines.append(
             f"{old.reference:<14}{old.mass:>6g}"
             f"{1e3 * old.position_rms:>14.3g}{1e3 * new.position_rms:>9.3g}"
             f"{old.torque_change_rms:>16.3g}{new.torque_change_rms:>9.3g}"
-            f"{worst[0]:>12.3f}{worst[1]:>8.3f}{lost}"
+            f"{before:>12.3f}{after:>8.3f}{lost}"
         )
     if better.worse:
-        lines += ["", wrapped(_WORSE)]
+        lines += ["", wrapped(WORSE)]
     return "\n".join(lines)
-
-
-_WORSE = (
-    "Figures of the test are worse than before, in the rows that say so. Take these gains only if "
-    "the robot does not drive like that; or tune on that reference, or raise --weight where it is "
-    "the torque."
-)

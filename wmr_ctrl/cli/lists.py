@@ -1,4 +1,4 @@
-"""``wmr-ctrl scenarios``: the presets, and any scenario as TOML to edit."""
+"""``wmr-ctrl scenarios`` and ``laws``: what there is, and any scenario as TOML to edit."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ import click
 
 from wmr_ctrl.cli.console import print_json, table, wrapped
 from wmr_ctrl.cli.options import debug_option, examples, json_option, load, set_option
+
+Docs = dict[str, dict[str, tuple[Any, str, str]]]
+"""By law and gain its default, unit and meaning."""
 
 
 @click.command(
@@ -26,11 +29,7 @@ from wmr_ctrl.cli.options import debug_option, examples, json_option, load, set_
 @set_option
 @debug_option
 def scenarios(
-    name: str | None,
-    as_toml: bool,
-    as_json: bool,
-    kind: str | None,
-    assignments: tuple[str, ...],
+    name: str | None, as_toml: bool, as_json: bool, kind: str | None, assignments: tuple[str, ...]
 ) -> None:
     """List the scenarios that come along, one line each; or print one in full.
 
@@ -40,29 +39,35 @@ def scenarios(
     if as_toml and as_json:
         raise click.UsageError("--toml and --json exclude each other.")
     if kind is not None:
-        _check_alone(name, as_toml, as_json, assignments)
+        if name or as_toml or as_json or assignments:
+            raise click.UsageError("--reference KIND stands alone.")
         click.echo(reference_text(kind))
-    elif name is None:
-        _list(as_toml, as_json, assignments)
-    else:
+    elif name is not None:
         _print(name, as_json, assignments)
-
-
-def _list(as_toml: bool, as_json: bool, assignments: tuple[str, ...]) -> None:
-    from wmr_ctrl.scenario import preset_titles
-
-    if as_toml or assignments:
+    elif as_toml or assignments:
         raise click.UsageError("--toml and --set need the NAME of a scenario.")
-    titles = preset_titles()
-    if as_json:
-        print_json([{"name": name, "title": title} for name, title in titles.items()])
     else:
-        click.echo(table(titles.items()))
+        from wmr_ctrl.scenario import preset_titles
+
+        _list([{"name": name, "title": title} for name, title in preset_titles().items()], as_json)
 
 
-def _check_alone(*others: object) -> None:
-    if any(others):
-        raise click.UsageError("--reference KIND stands alone.")
+@click.command(short_help="List the control laws.")
+@json_option("Print the list as one JSON document.")
+@debug_option
+def laws(as_json: bool) -> None:
+    """List the control laws, one line each."""
+    from wmr_ctrl.api import law_table
+
+    _list(law_table(), as_json)
+
+
+def _list(rows: list[dict[str, str]], as_json: bool) -> None:
+    """Print names and titles."""
+    if as_json:
+        print_json(rows)
+    else:
+        click.echo(table([(row["name"], row["title"]) for row in rows]))
 
 
 def reference_text(kind: str) -> str:
@@ -74,23 +79,18 @@ def reference_text(kind: str) -> str:
     if kind not in REFERENCES:
         raise UnknownNameError("kind of reference", kind, REFERENCES)
     entry = REFERENCES[kind]
+    fields = dict(quantities(entry.section))
+    values = {
+        name: json.dumps(what.default) for name, what in fields.items() if what.default is not None
+    }
     rows = [
-        (
-            name,
-            "-" if what.default is None else json.dumps(what.default),
-            f"{what.doc} [{what.unit}]",
-        )
-        for name, what in quantities(entry.section)
+        (name, values.get(name, "-"), f"{what.doc} [{what.unit}]") for name, what in fields.items()
     ]
     about = [wrapped(part) for part in (entry.section.__doc__ or "").split("\n\n")]
     keys = table(rows, header=("key", "default", "meaning"))
-    return "\n\n".join((*about, keys, "Example:", entry.example or _example(kind, rows)))
-
-
-def _example(kind: str, rows: list[tuple[str, str, str]]) -> str:
-    """A table of the scenario file with every default that there is."""
-    head = ["[reference]", f'kind = "{kind}"']
-    return "\n".join(head + [f"{name} = {value}" for name, value, _ in rows if value != "-"])
+    defaults = [f"{name} = {value}" for name, value in values.items()]
+    example = "\n".join(["[reference]", f'kind = "{kind}"', *defaults])
+    return "\n\n".join((*about, keys, "Example:", entry.example or example))
 
 
 def _print(name: str, as_json: bool, assignments: tuple[str, ...]) -> None:
@@ -103,21 +103,16 @@ def _print(name: str, as_json: bool, assignments: tuple[str, ...]) -> None:
         click.echo(to_toml(scenario, gains_docs=gains_docs()), nl=False)
 
 
-Docs = dict[str, dict[str, tuple[Any, str, str]]]
-
-
 def gains_docs() -> Docs:
     """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
     from wmr_ctrl.control.setup import KINEMATICS
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.model.auxiliary import KinematicGains
+    from wmr_ctrl.scenario import quantities
 
     tables: dict[str, type] = {KINEMATICS: KinematicGains}
     tables |= {law: LAWS[law].gains for law in LAWS}
-    return {law: _documented(gains) for law, gains in tables.items()}
-
-
-def _documented(gains: type) -> dict[str, tuple[Any, str, str]]:
-    from wmr_ctrl.scenario import quantities
-
-    return {name: (what.default, what.unit, what.doc) for name, what in quantities(gains)}
+    return {
+        law: {name: (what.default, what.unit, what.doc) for name, what in quantities(gains)}
+        for law, gains in tables.items()
+    }

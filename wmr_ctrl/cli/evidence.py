@@ -1,0 +1,209 @@
+"""``wmr-ctrl reproduce``, ``prove``, ``linearize``, ``bench``: claims judged, proved, measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from wmr_ctrl.cli.console import DIFFERENCE, json_text, print_json, say
+from wmr_ctrl.cli.options import (
+    check_folder,
+    check_output,
+    debug_option,
+    examples,
+    jobs_option,
+    json_option,
+    law_option,
+    load,
+    scenario_argument,
+    set_option,
+)
+from wmr_ctrl.cli.progress import Progress
+
+SEEDS, QUICK = 20, 3
+
+
+@click.command(short_help="Rerun the paper's Sections V and VI and judge its claims.")
+@click.option("--quick", is_flag=True, help=f"{QUICK} seeds: the same claims, sooner.")
+@click.option(
+    "--seeds",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help=f"Runs of each law and scenario.  [default: {SEEDS}, or {QUICK} with --quick]",
+)
+@jobs_option
+@click.option(
+    "--with-ours",
+    is_flag=True,
+    help="Then compare all laws, ours too, with and without the guard: about a minute more.",
+)
+@click.option(
+    "--with-physics",
+    is_flag=True,
+    help="Then put the laws on a rigid body with tyres: minutes more; needs the extra physics.",
+)
+@click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
+@debug_option
+@click.pass_context
+def reproduce(
+    ctx: click.Context,
+    quick: bool,
+    seeds: int | None,
+    jobs: int | None,
+    with_ours: bool,
+    with_physics: bool,
+    out: str,
+) -> None:
+    """Rerun the paper's Sections V and VI with all laws, and judge its claims.
+
+    Writes DIR/report.html (one self-contained file), every panel of Fig. 3 and Fig. 5 as SVG and
+    PNG, table.csv and claims.json; with --with-ours also ours.csv, and a section on what lies past
+    the paper; with --with-physics rigid.csv, and a section on the robot as a rigid body on tyres.
+    The exit code is 0 if every verdict is the one that this release states, 1 if not.
+    """
+    check_folder(out, "--out")
+    from wmr_ctrl import api
+
+    with Progress("reproduce") as progress:
+        verdicts = api.reproduce(
+            out,
+            seeds=seeds or SEEDS,
+            quick=quick and seeds is None,
+            jobs=jobs,
+            with_ours=with_ours,
+            with_physics=with_physics,
+            progress=progress,
+        )
+    say("wrote", str(verdicts.report))
+    click.echo(str(verdicts))
+    if not verdicts.as_expected:
+        ctx.exit(DIFFERENCE)
+
+
+@click.command(
+    short_help="Check the paper's equations by machine.",
+    epilog=examples(
+        "wmr-ctrl prove",
+        "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
+        "wmr-ctrl prove --export obligations",
+    ),
+)
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="ID",
+    help="Only this entry: an id, its beginning, or a pattern such as 'guard.*'. May be repeated; "
+    "what was checked is then printed in full.",
+)
+@click.option("--json", "file", metavar="FILE", help="Also write all entries to FILE (.json).")
+@click.option(
+    "--export",
+    "folder",
+    metavar="DIR",
+    help="Check nothing; write the obligations of the z3 entries to DIR as SMT-LIB 2.",
+)
+@click.option(
+    "--anew",
+    is_flag=True,
+    help="Take nothing from the committed ledger: neither what altering functions did, nor what "
+    "another solver said, nor which engine to ask first.",
+)
+@debug_option
+def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
+    """Prove or refute the paper's numbered equations and theorems, and our own results.
+
+    Claims are about the very graphs that the C is made from. Every verdict is found again, and the
+    functions that an entry names are searched again. The exit code is 1 where a verdict
+    differs from the committed one, and 3 where a proving package is missing, so that entries are
+    NOT_CHECKED.
+    """
+    from wmr_ctrl.proofs.command import run_export, run_prove
+
+    if folder is not None:
+        run_export(Path(folder), only)
+        return
+    check_output(file, (".json",), "--json")
+    with Progress("proofs") as progress:
+
+        def tell(share: float, _entry: object) -> None:
+            progress(share)
+
+        code = run_prove(only, Path(file) if file else None, tell, anew)
+    raise click.exceptions.Exit(code)
+
+
+@click.command(short_help="Poles, margins and the largest stable sample time.")
+@scenario_argument
+@law_option
+@set_option
+@click.option(
+    "--at",
+    type=float,
+    metavar="SECONDS",
+    help="Time of the reference at which figures are taken.  [default: where it drives fastest]",
+)
+@click.option(
+    "--guard",
+    is_flag=True,
+    help="Switch the velocity guard on; refused where it acts on the reference at that time.",
+)
+@click.option(
+    "--plot",
+    metavar="DIR",
+    help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR.",
+)
+@json_option("Print all figures as one JSON document.")
+@debug_option
+def linearize(
+    scenario: str,
+    law: str,
+    assignments: tuple[str, ...],
+    at: float | None,
+    guard: bool,
+    plot: str | None,
+    as_json: bool,
+) -> None:
+    """Linearise the closed loop along the reference, exactly, and print what that tells.
+
+    Around the circle and the line the loop is time-invariant in error coordinates.  Along other
+    references poles and margins are those of a time, which is said; spectral radius, unless at a
+    time, and largest stable period are those of a whole period of the reference, or of its worst
+    point where it does not repeat.
+    """
+    from wmr_ctrl.linear import report_linear
+
+    if plot:
+        check_folder(plot, "--plot")
+    with Progress(f"{law}, linearised") as progress:
+        report = report_linear(load(scenario, assignments), law, at, guard=guard, progress=progress)
+        progress.start(1, "pictures")
+        paths = report.plots(plot, progress) if plot else ()
+    if as_json:
+        print_json(report.to_json())
+    else:
+        click.echo(report.table())
+    for path in paths:
+        say("wrote", str(path))
+
+
+@click.command(short_help="Measure the speed of the generated code, as ratios.")
+@click.option("--json", "file", metavar="FILE", help="Also write all measurements to FILE (.json).")
+@debug_option
+def bench(file: str | None) -> None:
+    """Measure generated C against hand-written C and NumPy, interleaved in one run.
+
+    Ratios carry over from one machine to another; FILE has the times too.
+    """
+    check_output(file, (".json",), "--json")
+    from wmr_ctrl import api
+
+    with Progress("benchmarks") as progress:
+        measured = api.bench(progress=progress)
+    if file:
+        from wmr_ctrl.results import atomic_write
+
+        with atomic_write(file, text=True) as stream:
+            stream.write(json_text(measured) + "\n")
+        say("wrote", file)
+    click.echo(measured["text"])

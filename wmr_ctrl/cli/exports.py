@@ -1,0 +1,148 @@
+"""``wmr-ctrl export``, ``codegen`` and ``page``: what is written for other tools."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import click
+
+from wmr_ctrl.cli.console import say
+from wmr_ctrl.cli.options import (
+    check_folder,
+    check_output,
+    debug_option,
+    examples,
+    load,
+    scenario_option,
+    seed_option,
+    set_option,
+)
+from wmr_ctrl.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from wmr_ctrl.api_types import ExportOptions
+
+
+@click.command(
+    short_help="Write FMUs for other simulation tools.",
+    epilog=examples(
+        "wmr-ctrl export plant --out fmus",
+        "wmr-ctrl export nn --fmi 2 --target all --out fmus",
+        "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
+        "wmr-ctrl export ssp --flat --law pid --out package",
+        "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
+        "wmr-ctrl export modelica --out models",
+        "wmr-ctrl export simulink --law mb --out kit",
+    ),
+)
+@click.argument("what", metavar="plant|LAW|reference|guard|closed-loop|ssp|modelica|simulink")
+@click.option("--law", default="nn", metavar="NAME", help="Law of closed-loop, ssp and simulink.")
+@scenario_option
+@set_option
+@click.option("--fmi", default="both", type=click.Choice(["2", "3", "both"]), help="FMI version.")
+@click.option(
+    "--target", default="host", metavar="host|all|PLATFORM", help="Platforms to build for."
+)
+@click.option("--plant", metavar="FILE.fmu", help="ssp: plant in place of ours, with a map.")
+@click.option("--controller", metavar="FILE.fmu", help="ssp: controller in place of ours.")
+@click.option("--map", "map_file", metavar="FILE.toml", help="ssp: names and units of these.")
+@click.option(
+    "--know-delay",
+    "delay_known",
+    is_flag=True,
+    help="ssp: build the law for torques that act a period late.",
+)
+@click.option(
+    "--flat", is_flag=True, help="ssp: without connectors of the system, for ecos and libcosim."
+)
+@click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
+@debug_option
+def export(
+    what: str, scenario: str, assignments: tuple[str, ...], out: str, **options: object
+) -> None:
+    """Write wmr_WHAT.fmi2.fmu and wmr_WHAT.fmi3.fmu, wmr.ssp or WheeledRobot.mo into a folder.
+
+    FMUs need no runtime and hold their sources, a page of documentation and a reference result.
+    The Modelica package has plant, every law and a loop of each, as equations and functions; the
+    Simulink kit an S-function of one law, and a script that builds the loop.
+    """
+    from wmr_ctrl import api
+    from wmr_ctrl.outputs import read_by
+
+    given = {name: value for name, value in options.items() if name in read_by(what)}
+    _refuse_unread(what, options.keys() - given)
+    check_folder(out, "--out")
+    given |= {"scenario": load(scenario, assignments), "out": out}
+    for path in api.export_fmu(what, **cast("ExportOptions", given)):
+        say("wrote", str(path))
+
+
+def _refuse_unread(what: str, names: Collection[str]) -> None:
+    """Refuse options on the command line that this output would not read."""
+    context = click.get_current_context()
+    for item in context.command.params:
+        source = context.get_parameter_source(str(item.name))
+        if item.name in names and source is click.core.ParameterSource.COMMANDLINE:
+            message = f"{what} does not read it. Leave it out."
+            raise click.BadParameter(message, param_hint=item.opts[0])
+
+
+@click.command(
+    short_help="Write a law as a C99 package for a robot.",
+    epilog=examples("wmr-ctrl codegen nn --out nn_c", "wmr-ctrl codegen mb --float32 --out mb_c"),
+)
+@click.argument("law")
+@scenario_option
+@set_option
+@click.option("--float32", is_flag=True, help="Single precision throughout.")
+@click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
+@debug_option
+def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool, out: str) -> None:
+    """Write header, source, example, test vectors and build files of one law into a folder.
+
+    No heap, no input or output, no globals: the caller owns the law's memory.
+    """
+    from wmr_ctrl.codegen.package import write_package
+
+    check_folder(out, "--out")
+    for path in write_package(law, Path(out), load(scenario, assignments), float32=float32):
+        say("wrote", str(path))
+
+
+@click.command(
+    short_help="Write a page in which the robot can be dragged and pushed.",
+    epilog=examples(
+        "wmr-ctrl page --out robot.html",
+        "wmr-ctrl page --out mine.html --scenario mine.toml --law nn --law prox",
+    ),
+)
+@click.option("--out", required=True, metavar="FILE.html", help="File to write.")
+@scenario_option
+@set_option
+@click.option(
+    "--law",
+    "laws",
+    multiple=True,
+    metavar="NAME",
+    help="A law that can be chosen on the page.  May be given several times.  [default: all]",
+)
+@seed_option
+@debug_option
+def page(
+    out: str, scenario: str, assignments: tuple[str, ...], laws: tuple[str, ...], seed: int
+) -> None:
+    """Write one HTML file, without server or network, that runs the closed loop in a browser.
+
+    It is the compiled loop of this program, with the same numbers to the bit. For the paper's
+    simulation it tells a story in five steps; for another scenario it shows that. The first page
+    takes a minute or two to compile.
+    """
+    from wmr_ctrl import api
+
+    check_output(out, (".html",), "--out")
+    case = load(scenario, assignments)
+    with Progress("compiling the page") as progress:
+        path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
+    say("wrote", str(path))
