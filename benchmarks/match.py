@@ -31,7 +31,7 @@ from benchmarks.contenders import (
     Step,
     contenders,
 )  # fmt: skip
-from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.results import atomic_write, percent
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.references import sample

@@ -32,7 +32,7 @@ FLAG = "changes nothing: a flag is read as 0 or not 0"
 EQUIVALENT: dict[tuple[str, str], str] = {
     ("wmr_ctrl.model.kinematics:constraint", "* 9/8"): ANY_SCALE,
     ("wmr_ctrl.model.kinematics:constraint", "* -1"): ANY_SCALE,
-    ("wmr_ctrl.barrier.theorem1:conditions", "* 9/8"): FLAG,
+    ("wmr_ctrl.barrier.lyapunov:conditions", "* 9/8"): FLAG,
     ("wmr_ctrl.guard.guard:feasible", "* 9/8"): FLAG,
     ("wmr_ctrl.barrier.paper:h", "* 9/8"): FLAG,
     ("wmr_ctrl.barrier.paper:h", "* -1"): FLAG,

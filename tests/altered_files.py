@@ -158,7 +158,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/", "tests/guard/test_derived.py",
         ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
-        ("world/friction.py", "return max(phase.m for", "return min(phase.m for"),
+        ("world/phases.py", "return max(phase.m for", "return min(phase.m for"),
         ("guard/bounds.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
         ("guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
@@ -168,7 +168,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
-        ("world/friction.py", "return max(phase.m * phase.mu", "return min(phase.m * phase.mu"),
+        ("world/phases.py", "return max(phase.m * phase.mu", "return min(phase.m * phase.mu"),
         ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),

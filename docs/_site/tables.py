@@ -276,7 +276,7 @@ BUILDING = (
     "wmr_ctrl.model.system.Port",
     "wmr_ctrl.model.system.Output",
     "wmr_ctrl.model.system.Draw",
-    "wmr_ctrl.model.parameters.Parameters",
+    "wmr_ctrl.model.system.Parameters",
     "wmr_ctrl.laws.law.Law",
     "wmr_ctrl.laws.law.Traits",
     "wmr_ctrl.laws.context.Sample",

@@ -13,7 +13,7 @@ from wmr_ctrl.checks.radius import largest_radius, radius, stretches_of
 from wmr_ctrl.checks.sample_time import largest_period
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.tracking import error_rotation
+from wmr_ctrl.model.kinematics import error_rotation
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.memory import laid_out
 from wmr_ctrl.world.references import sample

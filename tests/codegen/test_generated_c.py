@@ -19,7 +19,7 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.sim.memory import REALS, load
 from wmr_ctrl.world.effect import Rate

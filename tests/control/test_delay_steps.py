@@ -6,7 +6,7 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.control.loop import CLOCK, clock_numbers
-from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Parameters
 from wmr_ctrl.scenario import load_scenario
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.fields.values import Quantity
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.scenario import SECTIONS
 from wmr_ctrl.scenario.sections import Change

@@ -19,7 +19,7 @@ from wmr_ctrl.control.controller import asking_controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.scenario import load_scenario
 
 SCHEMA = Path(fmpy.__file__).parent / "schema"

@@ -8,7 +8,7 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
-from wmr_ctrl.barrier.resolvent import resolvent
+from wmr_ctrl.barrier.proximal import resolvent
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.prox import ProxGains, guide, prox_step

@@ -57,7 +57,7 @@ def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
 def test_python_control_linearises_the_plant_to_the_same_matrices(nominal):
     """Its own differences, as an independent check of ours."""
     from wmr_ctrl.linear import linearise
-    from wmr_ctrl.model.plant import plant
+    from wmr_ctrl.model.dynamics import plant
 
     x, u = np.array((0.1, -0.2, 0.4, 0.3, 0.2)), np.array((2.0, 1.0, 0.0, 0.0, 0.0, 0.0))
     theirs = plant_nlsys(nominal).linearize(x, u)

@@ -20,7 +20,7 @@ from wmr_ctrl.linear import (
     resting_point,
     stepper,
 )
-from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.scenario import Lemniscate, Line, StopAndGo, override
 
 LAWS = ("pid", "smc", "mb", "nn")

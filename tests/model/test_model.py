@@ -6,10 +6,22 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.model.dynamics import force_to_wheel, projected, reduced_mass, wheel_to_force
-from wmr_ctrl.model.kinematics import constraint, pose_rate, velocity_map
-from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.tracking import error_rate, error_rotation, tracking_error
+from wmr_ctrl.model.dynamics import (
+    force_to_wheel,
+    plant,
+    projected,
+    reduced_mass,
+    rk4_step,
+    wheel_to_force,
+)
+from wmr_ctrl.model.kinematics import (
+    constraint,
+    error_rate,
+    error_rotation,
+    pose_rate,
+    tracking_error,
+    velocity_map,
+)
 from wmr_ctrl.scenario import load_scenario
 
 ANGLES = np.linspace(-7.0, 7.0, 29)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.signals import BODY_FORCE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole

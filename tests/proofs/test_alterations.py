@@ -15,16 +15,15 @@ from types import FunctionType
 import pytest
 
 from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.barrier import smooth as smooth_barrier
 from wmr_ctrl.barrier import stable as stable_barrier
-from wmr_ctrl.laws import mb, nn, rbf
-from wmr_ctrl.model import auxiliary, dynamics, kinematics, tracking
+from wmr_ctrl.laws import mb, nn
+from wmr_ctrl.model import dynamics, kinematics
 from wmr_ctrl.proofs.check import graph_hash
 from wmr_ctrl.proofs.claim import CLAIMED, Claim
 from wmr_ctrl.proofs.claims import all_claims, forget
 from wmr_ctrl.proofs.ledger import load
 
-AXIS, SMOOTH = stable_barrier.Axis, smooth_barrier.SmoothAxis
+AXIS, SMOOTH = stable_barrier.Axis, stable_barrier.SmoothAxis
 GRADIENT = '0.5 * context.per_axis("w") / context.per_axis("q")'
 """A/2, which v' = -(rho/2) dV1/dv has where law (9) has V1/A."""
 ALTERATIONS = [
@@ -52,10 +51,10 @@ ALTERATIONS = [
     (AXIS.lyapunov.func, "0.5 *", "0.6 *", "smooth.slope"),
     (nn._adapted, "* weights - learning", "* weights + learning", "eq58"),
     (nn.build, '-context.gain("rho1")', 'context.gain("rho1")', "eq57"),
-    (rbf.corner_basis, "-4 * node", "-2 * node", "eq58.basis"),
-    (auxiliary.auxiliary_velocity, "k[2] * ca.sin", "-k[2] * ca.sin", "eq37"),
-    (tracking.error_rate, "- v[0]", "+ v[0]", "eq33-35"),
-    (tracking.tracking_error, "-c * d[0]", "c * d[0]", "eq33-35"),
+    (nn.corner_basis, "-4 * node", "-2 * node", "eq58.basis"),
+    (kinematics.auxiliary_velocity, "k[2] * ca.sin", "-k[2] * ca.sin", "eq37"),
+    (kinematics.error_rate, "- v[0]", "+ v[0]", "eq33-35"),
+    (kinematics.tracking_error, "-c * d[0]", "c * d[0]", "eq33-35"),
     (kinematics.pose_rate, "-ca.sin", "ca.sin", "eq03"),
     (dynamics.wheel_to_force, "tau[0] - tau[1]", "tau[0] + tau[1]", "eq04.wheels"),
     (dynamics.acceleration, "force - friction_force", "force + friction_force", "eq04.plant"),

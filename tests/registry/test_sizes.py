@@ -14,7 +14,7 @@ from wmr_ctrl.fields import limits
 from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.results import load_run
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.world.references.path_yaml import read_poses
+from wmr_ctrl.world.references.point_files import read_poses
 
 MOST = 100_000
 """Bytes that a packed file may hold in these tests; its own limit takes a second to pack."""

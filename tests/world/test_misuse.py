@@ -19,8 +19,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields import plugins
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import NORMAL, Output, System, draw, port, ports
+from wmr_ctrl.model.system import NORMAL, Output, Parameters, System, draw, port, ports
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import BODY_FORCE, REFERENCE, TIME, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate

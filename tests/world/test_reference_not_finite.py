@@ -12,12 +12,9 @@ from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references.evaluate import MOST_SAMPLES
-from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
+from wmr_ctrl.world.references.kind import Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.registry import REFERENCES
-
-WHEN = Signal("ref_when", "s", "time at which there is no desired speed")
 
 
 class Singular(Reference):
@@ -27,10 +24,6 @@ class Singular(Reference):
     when: float = quantity(0.37, unit="s", doc="time at which there is no desired speed")
 
 
-def numbers(reference: Singular) -> Numbers:
-    return ((WHEN, (reference.when,)),)
-
-
 def trajectory(t, p):
     lost = ca.fabs(t - p["ref_when"]) < 1e-9
     return ca.vertcat(0.2 * t, ca.if_else(lost, ca.SX.nan(), 0), -ca.pi / 2, 0.2, 0, 0, 0)
@@ -38,7 +31,7 @@ def trajectory(t, p):
 
 @pytest.fixture(autouse=True)
 def singular(monkeypatch):
-    kind = ReferenceKind("toy-singular", Singular, numbers, timed(trajectory))
+    kind = ReferenceKind("toy-singular", Singular, timed(trajectory))
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (kind,))
 
 

@@ -12,7 +12,7 @@ import pytest
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import Scenario, Waypoints, load_scenario, loads_scenario
 from wmr_ctrl.world.references import sample as sample_scenario
-from wmr_ctrl.world.references.path_yaml import read_poses
+from wmr_ctrl.world.references.point_files import read_poses
 from wmr_ctrl.world.references.waypoints import profile_of
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))

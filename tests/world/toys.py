@@ -10,11 +10,11 @@ import math
 import casadi as ca
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
 from wmr_ctrl.model.system import (
     NORMAL,
     UNIFORM,
     Output,
+    Parameters,
     System,
     draw,
     port,
@@ -33,7 +33,7 @@ from wmr_ctrl.signals import (
     Signal,
 )
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
-from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, outputs
+from wmr_ctrl.world.references.kind import Reference, ReferenceKind, outputs
 
 OMEGA = MEASURED_VELOCITY[1]
 THETA = PLANT_STATE[2]
@@ -239,19 +239,10 @@ class ToyClothoid(Reference):
     growth: float = quantity(0.2, unit="1/m2", doc="growth of the curvature over the way")
 
 
-SPEED = Signal("ref_speed", "m/s", "speed of the desired motion")
-GROWTH = Signal("ref_growth", "1/m2", "growth of the curvature over the way")
-
-
-def clothoid_numbers(reference: ToyClothoid) -> Numbers:
-    """Speed and growth."""
-    return ((SPEED, (reference.speed,)), (GROWTH, (reference.growth,)))
-
-
 def clothoid(scenario: Scenario) -> System:
     """Position by Simpson's rule from sample to sample; orientation and rates in closed form."""
     time, p = port(TIME), Parameters(scenario)
-    v, growth, T = p.take(SPEED.name), p.take(GROWTH.name), p.take("clock.control")
+    v, growth, T = p.take("ref_speed"), p.take("ref_growth"), p.take("clock.control")
     place = port(Signal("ref_place", "m", "desired position", 2))
 
     def angle(t: ca.SX) -> ca.SX:
@@ -275,7 +266,7 @@ def clothoid(scenario: Scenario) -> System:
     )
 
 
-CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid_numbers, clothoid)
+CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid)
 
 
 # A drive that is late by a number of its own: the loop's queue has room for it.

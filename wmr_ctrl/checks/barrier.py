@@ -13,7 +13,7 @@ from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.world.friction import Phase, drag, full_friction, phases
+from wmr_ctrl.world.phases import Phase, drag, full_friction, phases
 
 GRID = 200
 NOTABLE = 0.01

@@ -9,7 +9,7 @@ from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
 from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.scenario.units import unit_questions
-from wmr_ctrl.world.friction import largest_friction, phases, steepness
+from wmr_ctrl.world.phases import largest_friction, phases, steepness
 
 SHAKEN = 0.25
 """Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""

@@ -12,8 +12,8 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE
-from wmr_ctrl.world.demand import needed_torque
 from wmr_ctrl.world.grip import Grip, grip
+from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.references import sample
 
 KEY = "actuator.tau_max"

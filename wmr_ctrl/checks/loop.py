@@ -17,12 +17,16 @@ from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.laws.law import Traits, commands_predicted
-from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity
 from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.kinematics import (
+    auxiliary_rate,
+    auxiliary_velocity,
+    error_rotation,
+    tracking_error,
+)
 from wmr_ctrl.model.system import System
-from wmr_ctrl.model.tracking import error_rotation, tracking_error
 from wmr_ctrl.scenario import Robot, Scenario
-from wmr_ctrl.world.friction import Phase, drag
+from wmr_ctrl.world.phases import Phase, drag
 from wmr_ctrl.world.references import sample
 
 PERIOD = "clock.control"

@@ -13,8 +13,7 @@ from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.warning import SPEEDS, Warning
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.laws.nn import NetworkGains
-from wmr_ctrl.laws.rbf import corner_basis
+from wmr_ctrl.laws.nn import NetworkGains, corner_basis
 
 
 def network(loop: Loop) -> Iterator[Warning]:

@@ -13,7 +13,7 @@ from wmr_ctrl.checks.remedies import gains_that_fit
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.world.demand import needed_torque
+from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_sensor import PoseSensor
 from wmr_ctrl.world.references import sample
 

@@ -23,8 +23,8 @@ from wmr_ctrl.errors import WmrError
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.results import OBJECTED
 from wmr_ctrl.scenario import Scenario, loads_scenario
-from wmr_ctrl.world.demand import needed_torque
 from wmr_ctrl.world.encoder import Encoder
+from wmr_ctrl.world.phases import needed_torque
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor
 

@@ -11,7 +11,7 @@ from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.laws.law import WHOLE
-from wmr_ctrl.world.friction import largest_friction, phases
+from wmr_ctrl.world.phases import largest_friction, phases
 from wmr_ctrl.world.references import reference_bounds
 
 REACHED = 4.0

@@ -24,7 +24,7 @@ from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole

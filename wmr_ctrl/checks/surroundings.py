@@ -25,7 +25,7 @@ from wmr_ctrl.control.applied import followed
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Robot, Scenario, override
 from wmr_ctrl.world.effect import Effect
-from wmr_ctrl.world.friction import Phase, drag
+from wmr_ctrl.world.phases import Phase, drag
 from wmr_ctrl.world.pose_sensor import samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
 

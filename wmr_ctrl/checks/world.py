@@ -17,9 +17,8 @@ from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.graph import unrounded
-from wmr_ctrl.model.kinematics import pose_rate
+from wmr_ctrl.model.kinematics import error_rotation, pose_rate, tracking_error
 from wmr_ctrl.model.system import Port, stack, values
-from wmr_ctrl.model.tracking import error_rotation, tracking_error
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Rate
 

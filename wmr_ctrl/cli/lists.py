@@ -107,7 +107,7 @@ def gains_docs() -> Docs:
     """Default, unit and meaning of every gain, by law; the kinematic loop's first."""
     from wmr_ctrl.control.setup import KINEMATICS
     from wmr_ctrl.laws import LAWS
-    from wmr_ctrl.model.auxiliary import KinematicGains
+    from wmr_ctrl.model.kinematics import KinematicGains
     from wmr_ctrl.scenario import quantities
 
     tables: dict[str, type] = {KINEMATICS: KinematicGains}

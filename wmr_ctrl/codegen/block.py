@@ -14,9 +14,8 @@ from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.system import Output, System, port, stack
+from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.model.system import Output, Parameters, System, port, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.effect import EffectRole

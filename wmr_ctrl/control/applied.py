@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 import casadi as ca
 
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Port, System, port
+from wmr_ctrl.model.system import Parameters, Port, System, port
 from wmr_ctrl.signals import TAU_APPLIED, Signal, tau_sent
 from wmr_ctrl.world.delay import commands_under_way, delay_in_periods
 

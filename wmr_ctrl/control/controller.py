@@ -15,8 +15,7 @@ from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, Port, System, port, ports, stack
+from wmr_ctrl.model.system import Output, Parameters, Port, System, port, ports, stack
 from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
 
 

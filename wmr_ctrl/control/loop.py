@@ -26,10 +26,9 @@ from wmr_ctrl.control.wiring import (
 )
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.laws.context import own_diagnostics
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.plant import plant, rk4_step
-from wmr_ctrl.model.system import Port, System, port, stack, values
-from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.model.kinematics import tracking_error
+from wmr_ctrl.model.system import Parameters, Port, System, port, stack, values
 from wmr_ctrl.results.measures import AT_LIMIT
 from wmr_ctrl.results.settings import admitted, stopping_force
 from wmr_ctrl.signals import (
@@ -48,8 +47,8 @@ from wmr_ctrl.signals import (
     VELOCITY,
     Signal,
 )
-from wmr_ctrl.world.demand import KEYS, demanded
 from wmr_ctrl.world.effect import EffectRole, Rate
+from wmr_ctrl.world.phases import KEYS, demanded
 from wmr_ctrl.world.references.evaluate import reference
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")

@@ -8,7 +8,7 @@ from wmr_ctrl.control.setup import KINEMATICS
 from wmr_ctrl.fields.section import Section, quantities
 from wmr_ctrl.fields.values import Range as Admitted
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.signals import LARGEST

@@ -23,7 +23,7 @@ from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.guard.refusals import feasible_guard
 from wmr_ctrl.laws.law import Law, OwnKinematics, Predicting, TorqueLimited, commands_predicted
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.scenario import Scenario, override, preset_names
 from wmr_ctrl.scenario.units import asking_about_units

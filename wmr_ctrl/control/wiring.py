@@ -16,8 +16,7 @@ import casadi as ca
 
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import NORMAL, Draw, Port, System, port, stack
+from wmr_ctrl.model.system import NORMAL, Draw, Parameters, Port, System, port, stack
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DISTURBING,

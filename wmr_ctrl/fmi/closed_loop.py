@@ -14,8 +14,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, Port, port, stack
+from wmr_ctrl.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.scenario.scenario import SECTIONS
 from wmr_ctrl.signals import LARGEST, POSE, VELOCITY, Signal

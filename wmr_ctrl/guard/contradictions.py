@@ -9,8 +9,8 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import AXES, UNITS, GuardNumbers, Pair, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
-from wmr_ctrl.world.friction import Phase, drag, phases
 from wmr_ctrl.world.lag import stepped
+from wmr_ctrl.world.phases import Phase, drag, phases
 
 ROUNDING = 1e-9
 """Share by which a stated bound may be missed without contradiction: decimals of a file."""

@@ -32,7 +32,7 @@ import casadi as ca
 from wmr_ctrl.guard.bounds import ROUNDING, rounding
 from wmr_ctrl.guard.delay import InFlight, largest_force
 from wmr_ctrl.guard.lateness import Counting
-from wmr_ctrl.model.parameters import Parameters
+from wmr_ctrl.model.system import Parameters
 
 TIMES = ("delay", "jitter", "mixed")
 NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed")

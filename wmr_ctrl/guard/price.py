@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, net, pair_of
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.friction import largest_friction
+from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.references.evaluate import reference_bounds
 
 

@@ -9,15 +9,17 @@ from typing import Protocol, TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.barrier.smooth import smooth_barrier
-from wmr_ctrl.barrier.stable import Barrier, stable_barrier
+from wmr_ctrl.barrier.stable import Barrier, smooth_barrier, stable_barrier
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.laws.law import BarrierChoice, commands_predicted
-from wmr_ctrl.model.auxiliary import auxiliary_rate, auxiliary_velocity, reference_rate
 from wmr_ctrl.model.dynamics import friction, reduced_mass
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, Port, System, ports, stack
-from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.model.kinematics import (
+    auxiliary_rate,
+    auxiliary_velocity,
+    reference_rate,
+    tracking_error,
+)
+from wmr_ctrl.model.system import Output, Parameters, Port, System, ports, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
 

@@ -10,6 +10,7 @@ Choose it when mass and friction are unknown or change.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import casadi as ca
@@ -17,7 +18,6 @@ import casadi as ca
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Traits
-from wmr_ctrl.laws.rbf import corner_basis, dot
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.signals import Signal
 
@@ -98,3 +98,46 @@ LAW = Law(
     doc=__doc__ or "",
     tuned=("rho1", "Gamma"),
 )
+
+
+def corner_centres(dimensions: int, node: float) -> list[tuple[float, ...]]:
+    """Centres in the order of `corner_basis`: the first dimension varies slowest, -node first."""
+    return list(itertools.product((-node, node), repeat=dimensions))
+
+
+def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
+    """S(Z), 2^n x 1, for Z (n x 1), width eta and corner coordinate node (units of Z)."""
+    scale = 1 / (eta * eta)
+    right = [z[i] >= 0 for i in range(z.numel())]
+    size = [ca.if_else(right[i], z[i], -z[i]) for i in range(z.numel())]
+    distance = [(item - node) * (item - node) for item in size]
+    basis = [ca.exp(-scale * _sum(distance))]
+    for flag, item in reversed(list(zip(right, size, strict=True))):
+        far = ca.exp(-4 * node * scale * item)
+        low, high = ca.if_else(flag, far, 1), ca.if_else(flag, 1, far)
+        basis = [value * low for value in basis] + [value * high for value in basis]
+    return ca.vertcat(*basis)
+
+
+def gaussian_basis(z: ca.SX, eta: ca.SX, centres: list[tuple[float, ...]]) -> ca.SX:
+    """S(Z) by its definition, one exponential a node: what `corner_basis` must equal."""
+    return ca.vertcat(*(ca.exp(-ca.sumsqr(z - ca.DM(centre)) / (eta * eta)) for centre in centres))
+
+
+def dot(left: ca.SX, right: ca.SX, lanes: int = 8) -> ca.SX:
+    """Inner product, summed in independent lanes so that compilers may use vector instructions."""
+    partial = [
+        _sum([left[j] * right[j] for j in range(lane, left.numel(), lanes)])
+        for lane in range(lanes)
+    ]
+    while len(partial) > 1:
+        half = len(partial) // 2
+        partial = [partial[i] + partial[i + half] for i in range(half)]
+    return partial[0]
+
+
+def _sum(terms: list[ca.SX]) -> ca.SX:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total

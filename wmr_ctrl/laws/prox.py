@@ -30,8 +30,7 @@ from math import log1p
 
 import casadi as ca
 
-from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.barrier.transport import transported
+from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import BarrierChoice, Law, Predicting, TorqueLimited, Traits

@@ -22,9 +22,8 @@ from wmr_ctrl.control.setup import kinematic_gains
 from wmr_ctrl.linear.blocks import V_D
 from wmr_ctrl.linear.linearise import Floats, linearise
 from wmr_ctrl.linear.point import reference_velocity
-from wmr_ctrl.model.auxiliary import auxiliary_velocity
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate, error_rotation
 from wmr_ctrl.model.system import Output, System, port
-from wmr_ctrl.model.tracking import error_rate, error_rotation
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TRACKING_ERROR

@@ -18,7 +18,7 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import continuous_reading, holding
 from wmr_ctrl.linear.linearise import Floats, column, element_names
 from wmr_ctrl.linear.loop import MEMORY
-from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import BODY_FORCE, TORQUE_NOISE

@@ -19,7 +19,7 @@ from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop
 from wmr_ctrl.linear.point import Point
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.friction import Phase, drag
+from wmr_ctrl.world.phases import Phase, drag
 
 
 def dead_zone(scenario: Scenario) -> Floats:

@@ -23,7 +23,7 @@ from wmr_ctrl.control.setup import Setup, beyond_noise, check_scenario, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.modelica.diagram import (
     LOOP,

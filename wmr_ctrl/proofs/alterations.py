@@ -29,7 +29,7 @@ from wmr_ctrl.proofs.statement import Statement
 PRODUCT = tuple(
     f"wmr_ctrl.{part}." for part in ("barrier", "control", "guard", "laws", "model", "world")
 )
-TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.parameters", "wmr_ctrl.model.system")
+TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system", "wmr_ctrl.model.system")
 """What carries expressions without computing any."""
 
 Change = Callable[[ca.SX], ca.SX]

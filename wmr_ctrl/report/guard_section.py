@@ -27,7 +27,7 @@ from wmr_ctrl.report.style import look, shown
 from wmr_ctrl.report.tables import TextTable, clip_shares, comparison_tables
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.world.friction import largest_friction
+from wmr_ctrl.world.phases import largest_friction
 
 ALWAYS = 0.25
 """Share of samples in clip from which on it is the guard, not the law, that steers."""

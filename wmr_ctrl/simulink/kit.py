@@ -17,7 +17,7 @@ from wmr_ctrl.codegen.rendering import comment, text_engine
 from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import beyond_noise, settle
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.model.plant import plant
+from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario

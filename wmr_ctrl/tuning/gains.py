@@ -31,7 +31,7 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section, numbers_in
 from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.model.auxiliary import KinematicGains
+from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import atomic_write, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Scenario, override

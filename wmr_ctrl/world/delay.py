@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
-from wmr_ctrl.world.history import MOST_REMEMBERED
+from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, Rate
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

@@ -26,7 +26,7 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import NORMAL, UNIFORM, System
+from wmr_ctrl.model.system import NORMAL, UNIFORM, Port, System, port
 from wmr_ctrl.signals import (
     DISTURBING,
     MEASURED,
@@ -284,3 +284,48 @@ def total(bounds: list[Bound]) -> Bound:
 
 def _sum(pairs: list[Pair]) -> Pair:
     return sum((pair[0] for pair in pairs), 0.0), sum((pair[1] for pair in pairs), 0.0)
+
+
+def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
+    """Smallest and largest mass and inertia [kg, kg m2], before what effects add to them.
+
+    guard.M_min and guard.M_max; where one is not stated, model.m and model.I, narrowed or widened
+    by the share guard.mass_margin.  Of the true robot and its changes nothing is read.
+    """
+    guard = scenario.guard
+    (m,), (inertia,) = scenario.value("model.m"), scenario.value("model.I")
+    low, high = 1.0 - guard.mass_margin, 1.0 + guard.mass_margin
+    least, most = (low * m, low * inertia), (high * m, high * inertia)
+    return guard.M_min or least, guard.M_max or most
+
+
+def heaviest(scenario: Scenario) -> float:
+    """Largest mass that a guard counts on [kg]."""
+    return mass_bounds(scenario)[1][0]
+
+
+MOST_REMEMBERED = 500
+"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
+
+
+@dataclass(frozen=True)
+class History:
+    """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, the state for it and its update.
+
+    Before the first sample it was what it is then: the robot stood still.
+    """
+
+    aged: tuple[ca.SX, ...]
+    state: tuple[Port, ...]
+    update: ca.SX
+
+
+def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
+    """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
+    state = tuple(
+        port(Signal(f"{signal.name}_{age}", signal.unit, f"{signal.meaning}, {age} samples ago",
+                    signal.size))
+        for age in range(1, count + 1)
+    )  # fmt: skip
+    aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
+    return History(aged, state, ca.vertcat(*aged[:count]) if count else ca.SX(0, 1))

@@ -19,7 +19,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.world.friction import phases
+from wmr_ctrl.world.phases import phases
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

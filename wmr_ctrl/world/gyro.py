@@ -9,8 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port
+from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import UNIFORM, Output, System, draw, port, ports, stack
+from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
 from wmr_ctrl.signals import STEP, TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate

@@ -11,8 +11,17 @@ import math
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import UNIFORM, Draw, Output, System, draw, port, ports, stack
+from wmr_ctrl.model.system import (
+    UNIFORM,
+    Draw,
+    Output,
+    Parameters,
+    System,
+    draw,
+    port,
+    ports,
+    stack,
+)
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
-from wmr_ctrl.world.history import MOST_REMEMBERED, history
+from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, history
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

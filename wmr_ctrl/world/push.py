@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, ports, stack
+from wmr_ctrl.model.system import Output, Parameters, System, ports, stack
 from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole

@@ -9,12 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-from wmr_ctrl.world.masses import heaviest
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, heaviest
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

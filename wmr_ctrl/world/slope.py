@@ -11,12 +11,10 @@ import math
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-from wmr_ctrl.world.masses import heaviest
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, heaviest
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

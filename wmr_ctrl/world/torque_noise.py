@@ -9,8 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import NORMAL, Output, System, draw
+from wmr_ctrl.model.system import NORMAL, Output, Parameters, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
 

@@ -9,12 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port, ports, stack
+from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, on_axes
+from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, history, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
-from wmr_ctrl.world.history import MOST_REMEMBERED, history
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, ports
+from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Pair, Rate

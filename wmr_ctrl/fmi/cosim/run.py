@@ -41,7 +41,7 @@ from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.targets import targets_of
 from wmr_ctrl.fmi.variables import Role
 from wmr_ctrl.laws.context import own_diagnostics
-from wmr_ctrl.model.tracking import tracking_error
+from wmr_ctrl.model.kinematics import tracking_error
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import (

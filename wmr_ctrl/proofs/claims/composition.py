@@ -24,7 +24,7 @@ from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import target_cases
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
 from wmr_ctrl.world.pose_sensor import corrected, reckoned
-from wmr_ctrl.world.references import circle, line
+from wmr_ctrl.world.references import curves
 
 HARD = Z3(effort=150)
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
@@ -116,7 +116,7 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
     t = symbols(names, names.removeprefix("t "))
     given = {**t, "ref_origin": ca.vertcat(t["x0"], t["y0"])} if kind == "line" else t
-    y = {"circle": circle, "line": line}[kind].trajectory(t["t"], given)
+    y = {"circle": curves.circle, "line": curves.line}[kind](t["t"], given)
     first = ca.jacobian(y, t["t"])
     second = ca.jacobian(first, t["t"])
     turned = first[0] * second[1] - first[1] * second[0]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.barrier.smooth import SmoothAxis
+from wmr_ctrl.barrier.stable import SmoothAxis
 from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis

@@ -5,9 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.barrier import theorem1
-from wmr_ctrl.model.auxiliary import auxiliary_velocity
-from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis
@@ -62,7 +60,7 @@ def omega(_: Mutation) -> Statement:
     """
     t = Tracking()
     names = {**t.names, **symbols("eps0 l")}
-    radius = theorem1.ball_radius(names["eps0"], names["l"], t.k)
+    radius = analysis.ball_radius(names["eps0"], names["l"], t.k)
     given = (at_least(radius**2, ca.sumsqr(t.e)), above(names["l"], 5), above(names["eps0"]))
     other = ca.vertcat(0, 0, radius)
     return Statement(

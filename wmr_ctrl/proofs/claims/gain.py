@@ -19,8 +19,7 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.barrier.smooth import SmoothAxis, smooth_barrier
-from wmr_ctrl.barrier.stable import Axis
+from wmr_ctrl.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation

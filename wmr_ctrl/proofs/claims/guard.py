@@ -9,8 +9,7 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.guard.guard import ceiling, clipped, floor
-from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.plant import plant, rk4_step
+from wmr_ctrl.model.dynamics import plant, rk4_step, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard_axis import GuardAxis, both_ways

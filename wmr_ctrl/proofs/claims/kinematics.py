@@ -5,10 +5,15 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.model import dynamics
-from wmr_ctrl.model.auxiliary import auxiliary_rate
-from wmr_ctrl.model.kinematics import constraint, pose_rate, velocity_map
-from wmr_ctrl.model.plant import plant
-from wmr_ctrl.model.tracking import error_rate, tracking_error
+from wmr_ctrl.model.dynamics import plant
+from wmr_ctrl.model.kinematics import (
+    auxiliary_rate,
+    constraint,
+    error_rate,
+    pose_rate,
+    tracking_error,
+    velocity_map,
+)
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars

@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.laws import rbf
+from wmr_ctrl.laws import nn
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis
@@ -130,8 +130,8 @@ def basis_product(mutation: Mutation) -> Statement:
     """
     t = {**column("z", DIMENSIONS), **symbols("eta")}
     z = stacked(t, "z", DIMENSIONS)
-    plain = rbf.gaussian_basis(z, t["eta"], rbf.corner_centres(DIMENSIONS, mutation))
-    return Statement(t, every(rbf.corner_basis(z, t["eta"], ca.SX(1)), plain))
+    plain = nn.gaussian_basis(z, t["eta"], nn.corner_centres(DIMENSIONS, mutation))
+    return Statement(t, every(nn.corner_basis(z, t["eta"], ca.SX(1)), plain))
 
 
 @claim(

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.laws import nn, rbf
+from wmr_ctrl.laws import nn
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import LawGraph
 from wmr_ctrl.proofs.statement import Statement, column, stacked, symbols
@@ -48,7 +48,7 @@ class NetworkAxis:
         """What the free symbols stand for in the graph."""
         law, sample = self.law, self.law.sample
         axis = sample.barrier[self.axis]
-        basis = rbf.corner_basis(nn.regressor(sample), sample.gain("eta"), sample.gain("node"))
+        basis = nn.corner_basis(nn.regressor(sample), sample.gain("eta"), sample.gain("node"))
         found = {"quotient": axis.V1_over_A, "q": axis.q, "w": axis.w}
         found |= {f"S{j + 1}": basis[j] for j in range(NODES)}
         return {name: law.own(expr) for name, expr in found.items()}

@@ -12,8 +12,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.barrier.transport import transported
+from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.laws.prox import mixture, prox_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.barrier.resolvent import LARGEST, resolvent, root
+from wmr_ctrl.barrier.proximal import LARGEST, resolvent, root
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols

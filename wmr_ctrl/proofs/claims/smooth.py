@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
-from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.barrier.smooth import Barrier, smooth_barrier
+from wmr_ctrl.barrier.proximal import resolvent
+from wmr_ctrl.barrier.stable import Barrier, smooth_barrier
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis

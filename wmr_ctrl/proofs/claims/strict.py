@@ -8,8 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.barrier import paper as barrier
-from wmr_ctrl.model.auxiliary import auxiliary_velocity
-from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import BarrierAxis

@@ -5,7 +5,6 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.tracking import Tracking
@@ -22,7 +21,7 @@ def positive(*items: ca.SX) -> tuple[Relation, ...]:
 def conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
     """The six conditions on l, in the symbols of a table."""
     gains = ca.vertcat(1, names["k2"], names["k3"])
-    return theorem1.conditions(
+    return analysis.conditions(
         names["l"], gains, names["v1dmin"], names["v1dmax"], names["v2max"], printed
     )
 
@@ -55,7 +54,7 @@ def start(mutation: Mutation) -> Statement:
     if mutation < 0:
         sides = (above(l * ca.fabs(e[0]), ca.fabs(e[1])), sides[1])
     lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
-    goal = above(theorem1.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
+    goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
     return Statement(names, (goal,), (above(l, 5), above(k2), *sides, lemma))
 
 
@@ -118,7 +117,7 @@ def window_value(mutation: Mutation) -> Statement:
         *positive(k3, T, V0, E),
         above(1, 5 * T),
         above(1, k3 / (k2 * l**2)),
-        above(theorem1.start_bound(l, k2, E), V0),
+        above(analysis.start_bound(l, k2, E), V0),
     )
     limit = mutation(594, 500)
     return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
@@ -197,7 +196,7 @@ def angle_bound(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
     l, k2, k3, low, high, E, e3, z2 = t.values()
-    T = theorem1.window(l, k2, low)
+    T = analysis.window(l, k2, low)
     start = 10 * ca.fabs(e3) + (11 * k2 * high * E + 10 * ca.fabs(z2)) * T
     given = (
         above(l, 5),
@@ -209,7 +208,7 @@ def angle_bound(mutation: Mutation) -> Statement:
     )
     share = mutation(10, 5)
     return Statement(
-        t, (at_least(share * theorem1.angle_bound(l, k3, low, high, E), start),), given
+        t, (at_least(share * analysis.angle_bound(l, k3, low, high, E), start),), given
     )
 
 
@@ -231,8 +230,8 @@ def side_stays(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max E")
     l, k2, k3, low, high, v2, E = t.values()
-    T = theorem1.window(l, k2, low)
-    lost = (11 * v2 * E + 10 * high * theorem1.angle_bound(l, k3, low, high, E)) * T
+    T = analysis.window(l, k2, low)
+    lost = (11 * v2 * E + 10 * high * analysis.angle_bound(l, k3, low, high, E)) * T
     given = (*positive(l, k2, k3, low, high, v2, E), above(conditions(t)[4]))
     kept = mutation(8, 9.5)
     return Statement(t, (above(10 * E - lost, kept * E),), given)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.barrier import theorem1
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.theorem1 import conditions, positive
@@ -45,7 +44,7 @@ def angle_falls(mutation: Mutation) -> Statement:
         above(5 * t.e[1], 4 * E),
         above(t.k[2] * E, l * ca.fabs(t.z[1])),
     )
-    bound = theorem1.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
+    bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * ca.fabs(ca.sin(t.e[2])), E)
     return Statement(names, (above(bound, 5 * t.rate[2]),), given)
 
 
@@ -64,7 +63,7 @@ def printed_share(_: Mutation) -> Statement:
     """
     t = symbols("k2 k3 v1dmin v1dmax")
     k2, k3, low, high = t.values()
-    pair = [theorem1.angle_share(k2, k3, low, high, printed) for printed in (False, True)]
+    pair = [analysis.angle_share(k2, k3, low, high, printed) for printed in (False, True)]
     return Statement(t, (equal(*pair),), positive(k2, k3, low, high))
 
 
@@ -84,8 +83,8 @@ def share(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin v1dmax E")
     l, k2, k3, low, high, E = t.values()
-    share = theorem1.angle_share(k2, k3, low, high, printed=mutation < 0)
-    left = k3 * theorem1.angle_bound(l, k3, low, high, E)
+    share = analysis.angle_share(k2, k3, low, high, printed=mutation < 0)
+    left = k3 * analysis.angle_bound(l, k3, low, high, E)
     return Statement(t, (equal(left, k2 * low * E * (k3 / (l * k2 * low) * share)),))
 
 
@@ -108,11 +107,11 @@ def angle_speed(mutation: Mutation) -> Statement:
         *positive(l, k2, k3, low, E, six[3], six[5]),
         at_least(v1d, low),
         at_least(high, v1d),
-        at_least(theorem1.angle_bound(l, k3, low, high, E), sine),
+        at_least(analysis.angle_bound(l, k3, low, high, E), sine),
         at_least(sine),
     )
     gains = ca.vertcat(1, k2, k3)
-    bound = theorem1.angle_rate_bound(l, gains, v1d, sine, E)
+    bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
     speed = mutation(2.5, 3.5)
     return Statement(t, (above(-speed * k2 * low * E, bound),), given)
 
@@ -149,7 +148,7 @@ def angle_end(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
-    T = theorem1.window(l, k2, low)
+    T = analysis.window(l, k2, low)
     given = (
         *positive(l, k2, k3, low, E, eps0),
         at_least(root),
@@ -159,7 +158,7 @@ def angle_end(mutation: Mutation) -> Statement:
         above(E, 2 * l * (root + eps0 / (2 * k3)) * mutation(1, 0.25)),
     )
     moved = side * e3 - 3 * T * k2 * low * E / 10
-    end = theorem1.angle_after(l, side * e3, E)
+    end = analysis.angle_after(l, side * e3, E)
     passed = above(-4 * (root + ca.fabs(z2) / (2 * k3)), end)
     return Statement(t, (equal(moved, end), at_least(-2 * E, l * end), passed), given)
 
@@ -224,7 +223,7 @@ def mean(mutation: Mutation) -> Statement:
     """
     t = symbols("T eps1")
     return Statement(
-        t, (equal(theorem1.mean_rise(t["T"], t["eps1"]), -3 * mutation * t["T"] * t["eps1"]),)
+        t, (equal(analysis.mean_rise(t["T"], t["eps1"]), -3 * mutation * t["T"] * t["eps1"]),)
     )
 
 

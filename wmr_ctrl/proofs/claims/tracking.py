@@ -8,9 +8,7 @@ from functools import cached_property
 import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
-from wmr_ctrl.barrier import theorem1
-from wmr_ctrl.model.auxiliary import auxiliary_velocity
-from wmr_ctrl.model.tracking import error_rate
+from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
@@ -212,7 +210,7 @@ def twice_threshold(_: Mutation) -> Statement:
     """
     t = Tracking()
     names = {**t.names, **symbols("eps0")}
-    x = theorem1.threshold(names["eps0"], t.k)
+    x = analysis.threshold(names["eps0"], t.k)
     given = (
         above(ca.fabs(t.e[2]), 2 * x),
         above(7, 9 * x),

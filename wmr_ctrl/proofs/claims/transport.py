@@ -13,10 +13,8 @@ import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import smooth_f, smooth_lyapunov
 from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
-from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.barrier.smooth import smooth_barrier
-from wmr_ctrl.barrier.stable import stable_barrier
-from wmr_ctrl.barrier.transport import level_share, transported
+from wmr_ctrl.barrier.proximal import level_share, resolvent, transported
+from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols

@@ -8,8 +8,7 @@ from functools import cached_property
 import casadi as ca
 
 from wmr_ctrl.model.dynamics import wheel_to_force
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.system import Parameters, System
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3

@@ -10,9 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.parameters import Parameters
-from wmr_ctrl.model.system import Output, System, port
+from wmr_ctrl.fields.section import Section, number_of, quantities
+from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.signals import REFERENCE, TIME, Signal
 from wmr_ctrl.symbolic import ca
 
@@ -43,6 +42,13 @@ Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
 """From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 
 
+def field_numbers(reference: Reference) -> Numbers:
+    """The section's own numbers, each called ``ref_`` and the name of its field."""
+    fields = quantities(type(reference))
+    names = [name for name, what in fields if what.kind in ("number", "integer")]
+    return tuple(number_of(reference, name, f"ref_{name}") for name in names)
+
+
 def as_given(values: Raw) -> Raw:
     """Return a raw table as it is."""
     return values
@@ -50,18 +56,19 @@ def as_given(values: Raw) -> Raw:
 
 @dataclass(frozen=True)
 class ReferenceKind:
-    """One kind: its name in ``reference.kind``, its section, its numbers, its graph.
+    """One kind: its name in ``reference.kind``, its section, its graph, its numbers.
 
     ``build(scenario)`` gives a System from time to `signals.REFERENCE`: without state, or sampled
-    with the control period.  It takes its numbers from `Parameters`, by the names of ``numbers``.
+    with the control period.  It takes its numbers from `Parameters`, by the names of ``numbers``:
+    those of the section's fields, unless the graph reads a table that is made of them.
     ``read`` turns a raw table into the section's fields; ``example`` is a table to begin with,
     where the defaults alone are none.
     """
 
     name: str
     section: type[Reference]
-    numbers: Callable[..., Numbers]
     build: Callable[[Scenario], System]
+    numbers: Callable[..., Numbers] = field_numbers
     read: Callable[[Raw], Raw] = as_given
     example: str = ""
 

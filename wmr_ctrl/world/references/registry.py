@@ -11,19 +11,11 @@ from functools import cached_property
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import loaded
-from wmr_ctrl.world.references import (
-    circle,
-    lemniscate,
-    line,
-    rounded_square,
-    stop_and_go,
-    waypoints,
-)
+from wmr_ctrl.world.references import rounded_square, waypoints
+from wmr_ctrl.world.references.curves import CIRCLE, LEMNISCATE, LINE, STOP_AND_GO
 from wmr_ctrl.world.references.kind import Reference, ReferenceKind
 
-OURS = tuple(
-    module.KIND for module in (circle, line, lemniscate, rounded_square, stop_and_go, waypoints)
-)
+OURS = (CIRCLE, LINE, LEMNISCATE, rounded_square.KIND, STOP_AND_GO, waypoints.KIND)
 GROUP = "wmr_ctrl.references"
 
 

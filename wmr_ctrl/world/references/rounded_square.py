@@ -9,8 +9,7 @@ import numpy as np
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.world.references.kind import Numbers, Reference, ReferenceKind, timed
-from wmr_ctrl.world.references.spline import Array, SplinePath, fit
-from wmr_ctrl.world.references.spline_motion import path_numbers, trajectory
+from wmr_ctrl.world.references.spline import Array, SplinePath, fit, path_numbers, trajectory
 
 CORNER_STEPS = 6
 GROWTH = 2.5
@@ -50,7 +49,7 @@ def square_path(reference: RoundedSquare) -> SplinePath:
 
 
 def numbers(reference: RoundedSquare) -> Numbers:
-    """Return the table of the square's path (see ``spline_motion.path_numbers``)."""
+    """Return the table of the square's path (see `path_numbers`)."""
     return path_numbers(square_path(reference))
 
 
@@ -95,4 +94,4 @@ def _turned(points: Array, quarter: int, side: float) -> Array:
     return np.asarray((points - centre) @ turn.T + centre)
 
 
-KIND = ReferenceKind("rounded-square", RoundedSquare, numbers, timed(trajectory))
+KIND = ReferenceKind("rounded-square", RoundedSquare, timed(trajectory), numbers)

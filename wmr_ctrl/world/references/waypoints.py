@@ -24,12 +24,18 @@ from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.references.corners import rounded, simplified
-from wmr_ctrl.world.references.csv_points import SAME, read_points
 from wmr_ctrl.world.references.kind import Numbers, Raw, Reference, ReferenceKind, timed
-from wmr_ctrl.world.references.path_yaml import read_poses
+from wmr_ctrl.world.references.point_files import SAME, read_points, read_poses
 from wmr_ctrl.world.references.speed_profile import PathLimits, SpeedProfile, fastest
-from wmr_ctrl.world.references.spline import SAMPLES, Array, SplinePath, fit, headings
-from wmr_ctrl.world.references.spline_motion import on_path, path_numbers
+from wmr_ctrl.world.references.spline import (
+    SAMPLES,
+    Array,
+    SplinePath,
+    fit,
+    headings,
+    on_path,
+    path_numbers,
+)
 
 MOST_POINTS = 400
 SLOWEST = 0.1
@@ -222,7 +228,7 @@ _ROWS = (
 
 
 def numbers(reference: Waypoints) -> Numbers:
-    """Return the table of the path (see ``spline_motion.path_numbers``) and of its speed."""
+    """Return the table of the path (see `path_numbers`) and of its speed."""
     profile = profile_of(reference)
     path = [(s, v) for s, v in path_numbers(waypoint_path(reference)) if s.name != "ref_laps"]
     columns = profile.starts, profile.places, profile.rates, profile.accelerations
@@ -278,4 +284,4 @@ def read(values: Raw) -> Raw:
     return {"points": (read_poses if yaml else read_points)(Path(file)), **values}
 
 
-KIND = ReferenceKind("waypoints", Waypoints, numbers, timed(trajectory), read, EXAMPLE)
+KIND = ReferenceKind("waypoints", Waypoints, timed(trajectory), numbers, read, EXAMPLE)

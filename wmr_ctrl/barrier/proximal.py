@@ -1,7 +1,17 @@
-"""Level transport: a velocity carried along with its target, and V1 does not rise.
+"""The barrier's proximal map X_k, and the transport of a velocity along level sets of V1.
 
-From target c to target c+ on one axis, with x = X_1(c), x+ = X_1(c+), w = v - x, V0 = V1(v; c) and
-D1 = V1(x+ + w; c+) - w^2/2:
+    X_k(c) = argmin over x of (x - c)^2/2 + k f(x),      |x| < u1
+
+for the barrier f of Eqs. (14), (15): the nearest velocity inside the limit, with f weighed by k;
+X_1 is v_c1 of Eq. (18).  Mirrored to c >= 0, with delta = u1 - u2:
+
+    paper's f     c <= u2: c     c <= u2 + k/delta: u2    beyond: u1 - d,  t = c - u1
+    smooth f      c <= u2: c                              beyond: u1 - d,  t = c - u1 + k/delta
+
+where d is the positive root of d (d + t) = k.  Never expansive, and defined for every c.
+
+Transport from target c to target c+ on one axis, with x = X_1(c), x+ = X_1(c+), w = v - x,
+V0 = V1(v; c) and D1 = V1(x+ + w; c+) - w^2/2:
 
     theta = min(1, 2 V0/(D1 + sqrt(D1^2 + 2 w^2 V0)))
     v*    = v                   where the target is held, or comes nearer by a <= (1 - theta)|w|
@@ -17,9 +27,30 @@ from __future__ import annotations
 
 import casadi as ca
 
-from wmr_ctrl.barrier.resolvent import resolvent
-from wmr_ctrl.barrier.smooth import smooth_barrier
-from wmr_ctrl.barrier.stable import stable_barrier
+from wmr_ctrl.barrier.stable import root, smooth_barrier, stable_barrier
+
+LARGEST = 1e150
+"""|c| beyond this is treated as this: its square must not overflow."""
+
+
+def resolvent(c: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX, smooth: bool = False) -> ca.SX:
+    """X_k(c) [m/s or rad/s] for k > 0 [m2/s2 or rad2/s2], to full relative accuracy of u1 - |x|."""
+    size = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST)  # fabs has no slope at 0
+    delta = u1 - u2
+    if smooth:
+        far = u2 + _beyond(size, k, u1, u2)
+        x = ca.if_else(size <= u2, size, far)
+    else:
+        far = u1 - root(size - u1, k)
+        x = ca.if_else(size <= u2, size, ca.if_else(size <= u2 + k / delta, u2, far))
+    return ca.if_else(c >= 0, x, -x)
+
+
+def _beyond(size: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
+    """x - u2 under the smooth barrier: (c - u2)/(1 + k/(d delta)), which is 0 at c = u2."""
+    delta = u1 - u2
+    d = root(size - u1 + k / delta, k)
+    return (size - u2) * d * delta / (d * delta + k)
 
 
 def transported(

@@ -1,0 +1,129 @@
+"""References in closed form: straight line, circle of Section V, stop and go, figure of eight.
+
+Each trajectory gives the reference (7, 1) at time ``t`` [s], in the order of `signals.REFERENCE`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.references.kind import Reference, ReferenceKind, speeds, timed
+
+
+class Circle(Reference):
+    """Circle through the origin, as in Section V: x = R sin wt, y = R - R cos wt."""
+
+    radius: float = quantity(2.0, unit="m", doc="radius of the desired circle", minimum=1e-6)
+    rate: float = quantity(
+        0.1, unit="rad/s", doc="angular rate of the desired motion; negative: driven backwards"
+    )
+
+
+def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """x_d = R sin wt, y_d = R - R cos wt, theta_d = wt - pi/2."""
+    radius, rate = p["ref_radius"], p["ref_rate"]
+    angle = rate * t
+    return ca.vertcat(
+        radius * ca.sin(angle),
+        radius - radius * ca.cos(angle),
+        angle - ca.pi / 2,
+        radius * rate,
+        rate,
+        0,
+        0,
+    )
+
+
+class Line(Reference):
+    """Straight line at constant speed along (-sin heading, cos heading)."""
+
+    speed: float = quantity(0.2, unit="m/s", doc="speed of the desired motion")
+    heading: float = quantity(
+        -math.pi / 2, unit="rad", doc="orientation of the desired line, 0 along +Y; -pi/2: along +X"
+    )
+    origin: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m", doc="desired position x, y at t = 0"
+    )
+
+
+def line(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """(x_d, y_d) = origin + speed t (-sin heading, cos heading)."""
+    speed, heading, origin = p["ref_speed"], p["ref_heading"], p["ref_origin"]
+    x = origin[0] - ca.sin(heading) * speed * t
+    y = origin[1] + ca.cos(heading) * speed * t
+    return ca.vertcat(x, y, heading, speed, 0, 0, 0)
+
+
+class StopAndGo(Reference):
+    """The circle with a speed that rises from 0 and falls to 0 again in every period."""
+
+    radius: float = quantity(2.0, unit="m", doc="radius of the desired circle", minimum=1e-6)
+    speed: float = quantity(
+        0.4, unit="m/s", doc="largest speed of the desired motion; the mean is half of it", above=0
+    )
+    period: float = quantity(10.0, unit="s", doc="time from one stop to the next", minimum=1e-6)
+
+    @property
+    def cycle(self) -> float:
+        """Period of the velocities [s]."""
+        return self.period
+
+
+def stop_and_go(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """v1_d = V/2 (1 - cos 2 pi t/P) on the circle."""
+    radius, mean, rate = p["ref_radius"], p["ref_speed"] / 2, 2 * ca.pi / p["ref_period"]
+    angle = mean * (t - ca.sin(rate * t) / rate) / radius
+    v1 = mean * (1 - ca.cos(rate * t))
+    v1_dot = mean * rate * ca.sin(rate * t)
+    x = radius * ca.sin(angle)
+    y = radius - radius * ca.cos(angle)
+    return ca.vertcat(x, y, angle - ca.pi / 2, v1, v1 / radius, v1_dot, v1_dot / radius)
+
+
+class Lemniscate(Reference):
+    """Figure of eight (of Gerono): x = a sin wt, y = a sin wt cos wt."""
+
+    size: float = quantity(
+        2.0,
+        unit="m",
+        doc="half the width of the desired figure of eight; the height equals it",
+        minimum=1e-6,
+    )
+    rate: float = quantity(
+        0.1,
+        unit="rad/s",
+        doc="rate of the phase along the figure of eight; one lap is 2 pi/rate",
+        minimum=1e-6,
+    )
+
+    @property
+    def cycle(self) -> float:
+        """Time of one lap [s]."""
+        return 2 * math.pi / self.rate
+
+
+def lemniscate(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """x_d = a sin wt, y_d = a sin wt cos wt.
+
+    The direction swings by 135 degrees to either side of -Y, so that the angle from -Y, an atan2
+    that never meets its branch cut, gives a continuous theta_d.
+    """
+    size, rate = p["ref_size"], p["ref_rate"]
+    phase = rate * t
+    sin1, cos1 = ca.sin(phase), ca.cos(phase)
+    sin2, cos2 = ca.sin(2 * phase), ca.cos(2 * phase)
+    velocity = size * rate * ca.vertcat(cos1, cos2)
+    acceleration = -size * rate**2 * ca.vertcat(sin1, 2 * sin2)
+    jerk = -size * rate**3 * ca.vertcat(cos1, 4 * cos2)
+    theta = ca.atan2(cos1, -cos2) - ca.pi
+    position = size * ca.vertcat(sin1, sin2 / 2)
+    return ca.vertcat(position, theta, speeds(velocity, acceleration, jerk))
+
+
+CIRCLE = ReferenceKind("circle", Circle, timed(circle))
+LINE = ReferenceKind("line", Line, timed(line))
+STOP_AND_GO = ReferenceKind("stop-and-go", StopAndGo, timed(stop_and_go))
+LEMNISCATE = ReferenceKind("lemniscate", Lemniscate, timed(lemniscate))
