@@ -158,7 +158,8 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         "wmr_ctrl/", "tests/guard/test_derived.py",
         ("guard/bounds.py", "_sum(bound.dbar, given.d_model)",
          "_sum(bound.dbar, (given.d_model[0], 0.0))"),
-        ("world/phases.py", "return max(phase.m for", "return min(phase.m for"),
+        ("world/effect.py", "return mass_bounds(scenario)[1][0]",
+         "return mass_bounds(scenario)[0][0]"),
         ("guard/bounds.py", 'name == "dbar" and any(', 'name == "d_model" and any('),
         ("guard/price.py", "time * max(net(guard, i), 0.0)", "time * net(guard, i)"),
     ),
@@ -168,7 +169,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/checks/test_guard_price.py tests/checks/test_start.py",
-        ("world/phases.py", "return max(phase.m * phase.mu", "return min(phase.m * phase.mu"),
+        ("world/phases.py", "return max(full_friction", "return min(full_friction"),
         ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
