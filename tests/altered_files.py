@@ -173,7 +173,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("guard/price.py", "return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]",
          "return self.asked[0] > self.usable[0], False"),
         ("guard/price.py", "max(abs(slowest), abs(fastest))", "fastest"),
-        ("checks/guard_price.py", "start <= u1 <", "start < u1 <"),
+        ("checks/velocity_guard.py", "start <= u1 <", "start < u1 <"),
         ("checks/preconditions.py", "if abs(v) > u1:", "if abs(v) >= u1:"),
     ),
     *_rows(

@@ -6,7 +6,7 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import stability
-from wmr_ctrl.checks.lateness import lost_poses, rare_poses
+from wmr_ctrl.checks.surroundings import lost_poses, rare_poses
 from wmr_ctrl.linear.report import report_linear
 from wmr_ctrl.scenario import load_scenario
 

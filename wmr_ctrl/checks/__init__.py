@@ -11,19 +11,25 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 from wmr_ctrl.checks.barrier import pushed_through, unmodelled, wrong_model
-from wmr_ctrl.checks.contradictions import coarse_step, contradicted, units, violent_alpha
-from wmr_ctrl.checks.grip import first_torques as first_torques
-from wmr_ctrl.checks.grip import grip_warnings as grip_warnings
-from wmr_ctrl.checks.grip import reference_torque as reference_torque
-from wmr_ctrl.checks.guard_price import guard_price
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.checks.network import network
-from wmr_ctrl.checks.noise_gain import noise_gain
-from wmr_ctrl.checks.preconditions import drives, noise, preconditions, start
+from wmr_ctrl.checks.preconditions import (
+    coarse_step,
+    late_drives,
+    noise,
+    preconditions,
+    start,
+    units,
+)
 from wmr_ctrl.checks.sample_time import Stability as Stability
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.checks.sample_time import stability as stability
+from wmr_ctrl.checks.torques import first_torques as first_torques
+from wmr_ctrl.checks.torques import grip_warnings as grip_warnings
+from wmr_ctrl.checks.torques import noise_gain, weak_drives
+from wmr_ctrl.checks.torques import reference_torque as reference_torque
+from wmr_ctrl.checks.velocity_guard import contradicted, guard_price, violent_alpha
 from wmr_ctrl.checks.warning import Warning as Warning
 from wmr_ctrl.control.setup import Setup
 
@@ -36,7 +42,8 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     wrong_model,
     unmodelled,
     network,
-    drives,
+    weak_drives,
+    late_drives,
     noise,
     noise_gain,
     guard_price,
@@ -50,5 +57,5 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
 @lru_cache(maxsize=256)
 def warnings_for(setup: Setup) -> tuple[Warning, ...]:
     """What theory says against a law on a scenario; empty where it has no objection."""
-    loop = Loop(setup)
+    loop = loop_of(setup)
     return tuple(warning for check in CHECKS for warning in check(loop))

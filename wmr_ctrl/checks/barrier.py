@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import casadi as ca
 import numpy as np
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.radius import operating_points
+from wmr_ctrl.checks.torques import largest_force
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.world.phases import Phase, drag, full_friction, phases
 
 GRID = 200
@@ -42,18 +41,10 @@ def largest_pull(loop: Loop, phase: Phase) -> Floats:
     u1, u2 = (np.array(limit)[:, None] for limit in (limits.v_u1, limits.v_u2))
     sign = np.where(loop.start.v_c0 < 0, -1.0, 1.0)[:, None]
     speeds = sign * (u1 - (u1 - u2) * np.linspace(0, 1, GRID + 1)[1:] ** 2)
-    most = _largest_force(loop)[:, None]
+    most = largest_force(loop.scenario.robot, loop.setup.tau_max)[:, None]
     asked = np.clip(loop.force_towards(speeds, loop.start.v_c0), -most, most)
     net = asked - drag(loop.scenario.robot, phase, speeds)
     return np.asarray((-sign * net).max(axis=1))
-
-
-def _largest_force(loop: Loop) -> Floats:
-    """Thrust and moment (2) [N, N m] that the wheels give at most, each alone."""
-    robot, most = loop.scenario.robot, loop.setup.tau_max
-    r, l, torques = ca.SX(robot.r), ca.SX(robot.l), (ca.SX([most, most]), ca.SX([most, -most]))
-    forces = (ca.evalf(wheel_to_force(r, l, torque)) for torque in torques)
-    return np.array([float(force[axis]) for axis, force in enumerate(forces)])
 
 
 def _approach(loop: Loop) -> float:

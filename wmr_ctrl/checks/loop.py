@@ -109,7 +109,7 @@ class Loop:
     def over(self, commands: int) -> Loop:
         """The same law, built to predict over so many commands."""
         own = self.setup.predicted if self.in_flight is None else self.in_flight
-        return self if commands == own else _built_over(self.setup, commands)
+        return self if commands == own else loop_of(self.setup, commands)
 
     @property
     def has_barrier(self) -> bool:
@@ -304,8 +304,9 @@ def _once(whole: Floats, first: IntArray, second: IntArray) -> Floats:
 
 
 @lru_cache(maxsize=128)
-def _built_over(setup: Setup, commands: int) -> Loop:
-    return Loop(setup, commands)
+def loop_of(setup: Setup, in_flight: int | None = None) -> Loop:
+    """The Loop of a setup, built once."""
+    return Loop(setup, in_flight)
 
 
 INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")

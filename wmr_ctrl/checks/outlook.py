@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmr_ctrl.checks import grip_warnings, warnings_for
-from wmr_ctrl.checks.grip import PLACE as GRIP
+from wmr_ctrl.checks.torques import GRIP
 from wmr_ctrl.checks.warning import Warning
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import WmrError

@@ -1,4 +1,4 @@
-"""What promises ask of start, reference, gains, drives and noise, and a scenario does not give."""
+"""What promises ask of units, start, reference, gains, drives and noise, and is not given."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from wmr_ctrl.checks.barrier import largest_pull
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import FORCE_UNITS, SPEEDS, UNITS, Warning, joined
 from wmr_ctrl.laws.law import WHOLE
-from wmr_ctrl.world.phases import largest_friction, phases
+from wmr_ctrl.scenario.units import unit_questions
+from wmr_ctrl.world.phases import phases, steepness
 from wmr_ctrl.world.references import reference_bounds
 
 REACHED = 4.0
@@ -19,6 +20,14 @@ REACHED = 4.0
 STANDSTILL = 1e-9
 """Desired speed [m/s] that counts as none."""
 LIMIT = "limits.v_u1"
+COARSE, UNSTABLE = 1.0, 2.785
+"""Plant step times slope of the friction: what is coarse for RK4, and what makes it diverge."""
+
+
+def units(loop: Loop) -> Iterator[Warning]:
+    """Yield every value that is unusual in its unit, with the unit that may be meant."""
+    for key, question in unit_questions(loop.scenario):
+        yield Warning(key, question, "units, docs/reference/scenario.md")
 
 
 def start(loop: Loop) -> Iterator[Warning]:
@@ -145,22 +154,11 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
     )
 
 
-def drives(loop: Loop) -> Iterator[Warning]:
-    """Yield a torque limit that friction uses up, a delay of one sample, a prediction too far."""
-    scenario, actuator = loop.scenario, loop.scenario.actuator
-    thrust = 2 * actuator.tau_max / scenario.robot.r
-    friction = largest_friction(scenario)
-    if friction >= thrust:
-        yield Warning(
-            "actuator.tau_max",
-            f"actuator.tau_max = {actuator.tau_max:g} N m gives {thrust:.3g} N of thrust at most, "
-            f"and friction takes {friction:.3g} N: the robot cannot keep moving. Raise it above "
-            f"{friction * scenario.robot.r / 2:.3g} N m.",
-            "Eq. (4)",
-        )
+def late_drives(loop: Loop) -> Iterator[Warning]:
+    """Yield a delay of one sample, or a prediction over more than is sure to be late."""
     if loop.setup.prediction:
         yield from _overstated(loop)
-    elif actuator.delay >= scenario.clock.control:
+    elif loop.scenario.actuator.delay >= loop.scenario.clock.control:
         yield _late(loop)
 
 
@@ -219,4 +217,20 @@ def _unguarded_noise(loop: Loop) -> Warning:
         "several seeds, start nearer, or switch the guard on.",
         f"Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eqs. (4), (15)",
         objects=bool(pull[axis] < min(truncate, REACHED) * push[axis]),
+    )
+
+
+def coarse_step(loop: Loop) -> Iterator[Warning]:
+    """Yield where a plant step is long for mu m g tanh(v1/v_s) at rest, whose slope is steepest."""
+    robot, step = loop.scenario.robot, loop.scenario.clock.plant
+    slope = max(steepness(robot, phase) / phase.m for phase in phases(loop.scenario))
+    if step * slope <= COARSE:
+        return
+    yield Warning(
+        "clock.plant",
+        f"clock.plant = {step:g} s is too coarse for the friction: mu g tanh(v1/v_s) changes at up "
+        f"to {slope:.4g} 1/s, and the product of both, {step * slope:.3g}, should be at most "
+        f"{COARSE:g} (RK4 diverges from {UNSTABLE:g} on). Choose {COARSE / slope:.2g} s or less, "
+        "or a larger robot.v_s.",
+        "Eq. (4), RK4",
     )

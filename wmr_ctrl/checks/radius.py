@@ -1,9 +1,9 @@
-"""How fast a small error of the linear loop falls or grows, along the whole reference."""
+"""Spectral radius of the linear loop along the whole reference, and where it passes 1."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 
 import numpy as np
@@ -19,6 +19,13 @@ POINTS = 9
 INSIDE = 0.99
 SAME = 1e-6
 """Difference of velocities [m/s, rad/s] that is none."""
+
+SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
+"""Periods that are tried [s], and the factor from one to the next."""
+MARGIN = 1e-9
+"""A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
+RTOL = 1e-7
+"""Of an edge of stability; four digits of it are printed."""
 
 
 def largest_radius(
@@ -118,3 +125,50 @@ def operating_points(scenario: Scenario) -> list[Floats]:
     speeds = sample(scenario, np.linspace(0, end, POINTS))[:, 3:5]
     bound = INSIDE * np.array(scenario.limits.v_u2)
     return list(np.unique(np.clip(speeds, -bound, bound).round(9), axis=0))
+
+
+def supremum(
+    of: Callable[[float], float],
+    shortest: float = SHORTEST,
+    ratio: float = RATIO,
+    rtol: float = RTOL,
+) -> float:
+    """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
+    below, period = 0.0, shortest
+    while of(period) <= 1 + MARGIN:
+        if period >= LONGEST:
+            return math.inf
+        below, period = period, period * ratio
+    return edge(of, below, period, rtol) if below else 0.0
+
+
+def edge(of: Callable[[float], float], stable: float, unstable: float, rtol: float = RTOL) -> float:
+    """The last stable value on the way to an ``unstable`` one, ``of`` being the spectral radius."""
+    return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable, rtol)
+
+
+def crossing(
+    excess: Callable[[float], float], inside: float, outside: float, rtol: float = RTOL
+) -> float:
+    """The last x on the way from ``inside`` to ``outside`` with ``excess(x)`` <= 0.
+
+    Excess is positive at ``outside``, which may be the smaller of the two.  By the ITP method of
+    Oliveira and Takahashi: as sure as bisection, and mostly as fast as secants.
+    """
+    span, size = outside - inside, max(abs(inside), abs(outside))
+    tolerance = rtol * size / abs(span) / 2
+    low, high, below, above = 0.0, 1.0, excess(inside), min(excess(outside), 1.0)
+    spare = tolerance * 2.0 ** (math.ceil(math.log2(0.5 / tolerance)) + 1)
+    while high - low > 2 * tolerance:
+        middle, width = (low + high) / 2, high - low
+        secant = (high * below - low * above) / (below - above)
+        towards, shift = math.copysign(1.0, middle - secant), 0.2 * width**2
+        share = secant + towards * shift if shift <= abs(middle - secant) else middle
+        share = middle + min(max(share - middle, width / 2 - spare), spare - width / 2)
+        value = excess(inside + share * span)
+        if value <= 0:
+            low, below = share, value
+        else:
+            high, above = share, min(value, 1.0)
+        spare /= 2
+    return inside + low * span

@@ -10,22 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.lateness import delays_by_name, oldest_shown
-from wmr_ctrl.checks.loop import PERIOD, Loop
-from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.checks.remedies import gains_that_fit
-from wmr_ctrl.checks.supremum import MARGIN, RATIO, RTOL, SHORTEST, bisect, supremum
-from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, joined
+from wmr_ctrl.checks.loop import PERIOD, Loop, loop_of
+from wmr_ctrl.checks.radius import MARGIN, RATIO, SHORTEST, edge, largest_radius, supremum
+from wmr_ctrl.checks.surroundings import delays_by_name, oldest_shown
+from wmr_ctrl.checks.torques import first_torques
+from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning, gains_that_fit, joined
 from wmr_ctrl.checks.world import Floats
-from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import EffectRole
 
@@ -151,7 +148,7 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
     tried are unstable, inf if all longer ones (up to 10 s) are stable.  Raises UnknownNameError
     for a law.
     """
-    return largest_period(Loop(settle(scenario, law)))
+    return largest_period(loop_of(settle(scenario, law)))
 
 
 @dataclass(frozen=True)
@@ -178,7 +175,7 @@ class Stability:
 
 def stability(scenario: Scenario, law: str) -> Stability:
     """All three for a law on a scenario; raises UnknownNameError for a law."""
-    loop = Loop(settle(scenario, law))
+    loop = loop_of(settle(scenario, law))
     delay, masses = largest_stable_delay(loop), stable_masses(loop)
     return Stability(*stable_periods(loop), delay, masses, shortest_tried(loop))
 
@@ -197,6 +194,7 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
     """
     shortest, inside = shortest_tried(loop), loop.scenario.clock.control
 
+    @cache
     def of(period: float) -> float:
         return largest_radius(loop, period)
 
@@ -205,11 +203,11 @@ def stable_periods(loop: Loop) -> tuple[float, float]:
         outside, inside = inside, inside / RATIO
         if inside < shortest:
             return 0.0, 0.0
-    high = _edge(of, inside, outside) if outside < math.inf else supremum(of, inside)
+    high = edge(of, inside, outside) if outside < math.inf else supremum(of, inside)
     below = inside
     while below >= shortest and of(below) <= 1 + MARGIN:
         below /= RATIO
-    return (_edge(of, below * RATIO, below) if below >= shortest else 0.0), high
+    return (edge(of, below * RATIO, below) if below >= shortest else 0.0), high
 
 
 def shortest_tried(loop: Loop) -> float:
@@ -257,26 +255,22 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
 
 def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
     """How far from ``start`` the loop stays stable along ``tried``; None if it is not there."""
+    of = cache(of)
     if of(start) > 1 + MARGIN:
         return None
     inside = start
     for value in tried:
         if of(value) > 1 + MARGIN:
-            return _edge(of, inside, value)
+            return edge(of, inside, value)
         inside = value
     return math.inf if inside > start else 0.0
-
-
-def _edge(of: Callable[[float], float], inside: float, outside: float) -> float:
-    """Where between a stable and an unstable value the loop changes from one to the other."""
-    return bisect(lambda value: of(value) <= 1 + MARGIN, inside, outside, RTOL)
 
 
 def first_speeds(loop: Loop) -> Floats:
     """Largest |v1| [m/s] and |omega| [rad/s] while the first torque is held, drives ideal."""
     scenario, robot = loop.scenario, plant(loop.scenario)
-    torque = first_torque(loop)
-    inputs = np.concatenate((torque, np.zeros(robot.u.numel() - torque.size)))
+    inputs = np.zeros(robot.u.numel())
+    inputs[:2] = first_torques(loop.setup)
     steps = min(scenario.clock.substeps, MOST_STEPS)
     step = robot.function("step", [rk4_step(robot, ca.SX(scenario.clock.control / steps))])
     state, largest = np.array(robot.x0), np.abs(loop.start.v)
@@ -284,17 +278,3 @@ def first_speeds(loop: Loop) -> Floats:
         state = np.asarray(step(inputs, state, robot.p0)).ravel()
         largest = np.maximum(largest, np.abs(state[3:]))
     return largest
-
-
-def first_torque(loop: Loop) -> Floats:
-    """Torques (right, left) [N m] of the first sample, within the wheels' limit."""
-    law = controller(loop.setup)
-    first = law.function("first", [law.y])
-    return np.asarray(first(_first_inputs(loop, law), law.x0, law.p0)).ravel()
-
-
-def _first_inputs(loop: Loop, law: System) -> list[float]:
-    start, initial = loop.start, loop.scenario.initial
-    numbers = (*start.reference, *initial.pose, *initial.velocity)
-    sizes = sum(port.signal.size for port in law.inputs)
-    return [*numbers, *(0.0 for _ in range(sizes - len(numbers)))]

@@ -22,11 +22,16 @@ from wmr_ctrl.checks.sampled_plant import (
 )
 from wmr_ctrl.checks.world import COMMAND, Floats, World, world_of
 from wmr_ctrl.control.applied import followed
+from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.graph import rounds
+from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Robot, Scenario, override
+from wmr_ctrl.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.effect import Effect
 from wmr_ctrl.world.phases import Phase, drag
-from wmr_ctrl.world.pose_sensor import samples_a_pose
+from wmr_ctrl.world.pose_delay import PoseDelay
+from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
 from wmr_ctrl.world.registry import EFFECTS, OURS
 
 MANY = 16.0
@@ -76,6 +81,7 @@ class Surroundings:
         late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
+        self._plant = lru_cache(maxsize=1024)(self._built_plant)
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
         """Its graphs at a control period [s], with weights that sum to 1."""
@@ -126,7 +132,13 @@ class Surroundings:
         ``drives`` and ``robot`` default to the scenario's.
         """
         late = self.drives if drives is None else drives
-        return self._assembly(motion, period, robot).plant(late.delay, sample)
+        return self._plant(motion, period, late.delay, robot, sample)
+
+    def _built_plant(
+        self, motion: Motion, period: float, delay: float, robot: Robot | None, sample: int | None
+    ) -> SampledPlant:
+        """Kept for the next law, which is tried at the same periods, delays and masses."""
+        return self._assembly(motion, period, robot).plant(delay, sample)
 
     def rates(self, motion: Motion) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
         """Slopes of the rates of robot and drives without delay: by their state, force, push.
@@ -240,3 +252,57 @@ def wheels(robot: Robot) -> Floats:
 def surroundings(scenario: Scenario) -> Surroundings:
     """The Surroundings of a scenario, made once."""
     return Surroundings(scenario)
+
+
+def delays_by_name(setup: Setup) -> dict[str, float]:
+    """What is late [s], by word; a window of one sample goes with the period itself."""
+    bound, late = setup.bound, setup.scenario.section(PoseDelay).pose_delay
+    window = max(bound.window)
+    parts = {
+        "delay": bound.delay, "lag": bound.lag[1], "velocity's age": max(bound.age),
+        "velocity's window": window if window >= 1.5 * setup.scenario.clock.control else 0.0,
+        "pose's age": late,
+    }  # fmt: skip
+    return {word: value for word, value in parts.items() if value}
+
+
+def oldest_shown(setup: Setup) -> float:
+    """Age of the oldest velocity or pose that a sensor still shows [s]."""
+    bound = setup.bound
+    ages = [age + window for age, window in zip(bound.age, bound.window, strict=True)]
+    return max(*ages, setup.scenario.section(PoseDelay).pose_delay)
+
+
+def is_sampled(setup: Setup) -> bool:
+    """Whether there is more than a lag: what a differential equation has no place for."""
+    sensor = setup.scenario.section(PoseSensor)
+    filtered = sensor.correction < 1 or sensor.pose_period > 0
+    return setup.bound.delay > 0 or oldest_shown(setup) > 0 or filtered
+
+
+def lost_poses(scenario: Scenario) -> str:
+    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
+    lost = scenario.section(PoseSensor).pose_dropout
+    return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
+
+
+def rounded_effects(scenario: Scenario) -> str:
+    """Which effects round, which has no derivative, in words; empty if none."""
+    named = " and ".join(f"[{item.section.KEY}]" for item in EFFECTS.present(scenario)
+                         if _rounds(item.system(scenario)))  # fmt: skip
+    return f"as if there were no rounding in {named}" if named else ""
+
+
+def _rounds(system: System) -> bool:
+    clocks = (TIME, SAMPLE, STEP)
+    seen = (item.sym for item in system.inputs if item.signal not in clocks)
+    return rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x))
+
+
+def rare_poses(scenario: Scenario) -> str:
+    """What a loop that is the same at every sample leaves out of the pose sensor, in words."""
+    sensor, period = scenario.section(PoseSensor), scenario.clock.control
+    parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
+    parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)
+    said = " and ".join(parts)
+    return f"as if a pose came at every sample, though {said}" if said else ""

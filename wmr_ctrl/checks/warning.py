@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wmr_ctrl.laws.prox import ProxGains, guide
+from wmr_ctrl.world.references import reference_bounds
+
+if TYPE_CHECKING:
+    from wmr_ctrl.checks.loop import Loop
 
 SPEEDS = ("v1", "omega")
 UNITS = ("m/s", "rad/s")
@@ -34,3 +41,16 @@ def joined(parts: Iterable[str]) -> str:
     """The parts as in "a", "a and b" or "a, b and c"."""
     *head, last = parts
     return f"{', '.join(head)} and {last}" if head else last
+
+
+def gains_that_fit(loop: Loop) -> str:
+    """Where to get gains that fit the control period, as the end of a sentence."""
+    if not isinstance(loop.setup.gains, ProxGains):
+        return ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
+    period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))
+    fit = guide(period, loop.around.drives.delay, speed, loop.setup.predicted > 0)
+    k, rho = (", ".join(f"{value:.3g}" for value in values) for values in (fit.k, fit.rho))
+    return (
+        f": wmr_ctrl.laws.prox.guide gives gains.kinematics.k = [{k}], gains.prox.rho = [{rho}] "
+        f"and gains.prox.wo = {fit.wo:.3g}, `wmr-ctrl tune` searches for better ones"
+    )

@@ -193,7 +193,7 @@ def _lines(
     scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs
 ) -> list[str]:
     """Objections of theory and of one run to each law."""
-    from wmr_ctrl.checks.lateness import lost_poses, rounded_effects
+    from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
     from wmr_ctrl.results import OBJECTED
 
     lines, shared = list[str](), _shared(warned)

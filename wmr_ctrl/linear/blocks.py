@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import replace
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD as PERIOD
-from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.linearise import element_names
 from wmr_ctrl.model.system import System, stack
@@ -27,10 +26,9 @@ STATES = element_names((TRACKING_ERROR, *VELOCITY))
 """e (3), v1, omega: the robot seen from its reference."""
 
 
-@lru_cache(maxsize=64)
 def law_loop(scenario: Scenario, law: str) -> Loop:
-    """``law`` on ``scenario`` as the checks see it: what it uses, whether it adapts; built once."""
-    return Loop(settle(scenario, law))
+    """``law`` on ``scenario`` as the checks see it, built once."""
+    return loop_of(settle(scenario, law))
 
 
 def unguarded(scenario: Scenario) -> Scenario:

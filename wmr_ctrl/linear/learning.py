@@ -17,8 +17,7 @@ import control as ct
 import numpy as np
 
 from wmr_ctrl.checks.network import largest_square, square_bound
-from wmr_ctrl.checks.radius import radius
-from wmr_ctrl.checks.supremum import supremum
+from wmr_ctrl.checks.radius import radius, supremum
 from wmr_ctrl.control.setup import kinematic_gains, settle
 from wmr_ctrl.laws.nn import NetworkGains
 from wmr_ctrl.linear.blocks import law_loop

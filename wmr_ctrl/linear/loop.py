@@ -13,9 +13,8 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmr_ctrl.checks.lateness import is_sampled
 from wmr_ctrl.checks.radius import cycle
-from wmr_ctrl.checks.surroundings import DriveTimes, surroundings
+from wmr_ctrl.checks.surroundings import DriveTimes, is_sampled, surroundings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.linear.blocks import DISTURBANCES, FORCES, STATES, law_loop, unguarded

@@ -13,10 +13,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from wmr_ctrl.checks.radius import radius
+from wmr_ctrl.checks.radius import radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
-from wmr_ctrl.checks.supremum import supremum
 from wmr_ctrl.linear.blocks import PERIOD, law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import cycle_at

@@ -17,8 +17,8 @@ import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.radius import crossing
 from wmr_ctrl.checks.sampled_plant import steps_in
-from wmr_ctrl.checks.supremum import bisect
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.errors import ArgumentError
@@ -261,6 +261,6 @@ def _passing(
     if above[0] == 0:
         return float(grid[0])
     low, high = grid[above[0] - 1], grid[above[0]]
-    return bisect(
-        lambda a: given.deviation(a * np.array(direction)) <= level, float(low), float(high), 1e-3
+    return crossing(
+        lambda a: given.deviation(a * np.array(direction)) - level, float(low), float(high), 1e-3
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmr_ctrl.checks.lateness import lost_poses, rare_poses, rounded_effects
+from wmr_ctrl.checks.surroundings import lost_poses, rare_poses, rounded_effects
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import Margins
 from wmr_ctrl.linear.point import reference_velocity

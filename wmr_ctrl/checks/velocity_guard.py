@@ -1,12 +1,15 @@
-"""What the guard does not cover on this scenario, and whether it leaves enough speed."""
+"""The velocity guard: what breaks its bounds, what it does not cover, leaves and shakes."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
+from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
+from wmr_ctrl.world.phases import largest_friction
 
 PLACE = "guard, docs/guarantee.md"
 REMEDIES = {
@@ -19,6 +22,17 @@ OTHER_REMEDY = (
 AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
 MOTIONLESS = ("no motion at all", "no turn at all")
 """Words for the way ahead, and for a turn, which no friction brakes."""
+
+
+SHAKEN = 0.25
+"""Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
+
+
+def contradicted(loop: Loop) -> Iterator[Warning]:
+    """Yield what the scenario breaks: stated bounds, and with the guard on what is believed."""
+    setup = loop.setup
+    for item in setup.broken if loop.guarded else contradictions(setup.scenario, setup.bound):
+        yield Warning(item.key, item.sentence, PLACE)
 
 
 def guard_price(loop: Loop) -> Iterator[Warning]:
@@ -79,3 +93,33 @@ def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
         "guard.dbar if they are true.",
         PLACE,
     )
+
+
+def violent_alpha(loop: Loop) -> Iterator[Warning]:
+    """Yield where the velocity's error, through the guard's slope, shakes the torques at the limit.
+
+    The guard's ceiling falls by M_min alpha for each m/s of measured velocity.  At the limit errors
+    of -nbar to nbar move it, and the velocity that they cause moves it as much again: together by
+    up to 4 nbar M_min alpha, the sum of the response's absolute values being 2 for alpha T <= 1.
+    """
+    if not loop.guarded:
+        return
+    guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup
+    (alpha,), nbar, mass = (numbers.value(f"guard.{name}") for name in ("alpha", "nbar", "M_min"))
+    arms = (robot.r / 2, robot.r / (2 * robot.l))
+    usual = largest_friction(loop.scenario) * arms[0]
+    bound = usual if math.isinf(numbers.tau_max) else SHAKEN * numbers.tau_max
+    for axis, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
+        swing = 4 * nbar[axis] * mass[axis] * alpha * arms[axis]
+        if nbar[axis] and swing > bound > 0:
+            calm = alpha * bound / swing
+            origin = "" if guard.alpha is not None else " (1/T unless it is stated)"
+            yield Warning(
+                "guard.alpha",
+                f"guard.alpha = {alpha:g} 1/s{origin} turns the error of {speed}, "
+                f"{nbar[axis]:.3g} {unit} either way, into torques that swing by about {swing:.3g} "
+                f"N m a wheel while the guard acts, more than {bound:.3g} N m. Choose guard.alpha "
+                f"= {calm:.2g} 1/s or less, which costs usable speed, or measure better.",
+                PLACE,
+                objects=False,
+            )
