@@ -16,9 +16,9 @@ from wmr_ctrl.control.setup import Setup as Settled
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.scenario import Scenario, load_scenario
-from wmr_ctrl.sim.batch import Task, run_tasks
+from wmr_ctrl.sim.batch import run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
-from wmr_ctrl.sim.memory import VectorSet, laid_out, load, vector_sets
+from wmr_ctrl.sim.memory import Task, VectorSet, laid_out, load, vector_sets
 from wmr_ctrl.sim.runnable import RunnableLoop
 
 from .drive import out_of_place, plant_only

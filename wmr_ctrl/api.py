@@ -25,7 +25,8 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.results import load_run as load_run
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.toml_io import naming_file
-from wmr_ctrl.sim.finish import checked_seeds, checked_starts, versions
+from wmr_ctrl.sim.many import checked_seeds, checked_starts
+from wmr_ctrl.sim.runnable import versions
 
 if TYPE_CHECKING:
     from wmr_ctrl.linear import LinearReport

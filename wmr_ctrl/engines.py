@@ -12,11 +12,10 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.finish import assemble_run, settings_of
 from wmr_ctrl.sim.interpreted import run_interpreted
-from wmr_ctrl.sim.many import RunTable, run_each, run_many
-from wmr_ctrl.sim.native import run_native
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.sim.many import RunTable, each_task, run_each, run_many
+from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run, settings_of
 
 Progress = Callable[[float], None]
 
@@ -31,10 +30,8 @@ def run_compiled(scenario: Scenario, law: str, seed: int) -> Run:
     """One run of the loop that is compiled for one robot."""
     setup = settle(scenario, law)
     loop = runnable_of(build_loop(setup), setup)
-    columns, monitor = run_native(loop, seed)
-    logged = (loop.compiled.layout.columns, columns, monitor)
-    facts = {"kernel_hash": loop.compiled.digest}
-    return assemble_run(scenario, law, seed, "native", logged, facts, loop.bounds)
+    (run,) = each_task([Task(loop, seed)], lambda _, run: run, 1, engine="native")
+    return run
 
 
 def runnable_plantless(scenario: Scenario, law: str) -> RunnableLoop:

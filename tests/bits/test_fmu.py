@@ -13,8 +13,7 @@ from tests.matrix import headed, turns
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.sim.batch import Task
-from wmr_ctrl.sim.memory import laid_out
+from wmr_ctrl.sim.memory import Task, laid_out
 
 AFTER = {"x", "y", "theta", "v1", "omega", "psi"}
 """Columns that the log has before a sample, and an FMU after it."""

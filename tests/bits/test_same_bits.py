@@ -17,9 +17,10 @@ from wmr_ctrl.compiled import elements
 from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.sim.batch import Task, run_logged
+from wmr_ctrl.sim.batch import run_logged
+from wmr_ctrl.sim.many import each_task
+from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.memory import vector_sets as usable
-from wmr_ctrl.sim.native import run_native
 
 NATIVE = "-march=native"
 LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")
@@ -64,8 +65,9 @@ def test_compilers_and_lanes_agree(platform: Platform, tmp_path: Path) -> None:
 def test_cases_differ_and_the_guard_acts_in_its_own(law: str) -> None:
     assert len({bits_of(law, name) for name in CASES}) == len(CASES)
     for name in ("guarded", "everything"):
-        columns, _ = run_native(case(law, name).loop, SEED)
-        assert columns["clip_active"].any()
+        task = Task(case(law, name).loop, SEED)
+        (run,) = each_task([task], lambda _, run: run, engine="native")
+        assert run["clip_active"].any()
 
 
 @pytest.mark.slow

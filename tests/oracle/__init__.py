@@ -17,7 +17,7 @@ from wmr_ctrl.laws.context import own_diagnostics
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LOG_HEAD
-from wmr_ctrl.sim.finish import assemble_run
+from wmr_ctrl.sim.runnable import assemble_run
 
 __all__ = ["simulate", "simulate_oracle"]
 

@@ -12,10 +12,9 @@ from wmr_ctrl.codegen.build import build_batch, build_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.laws.registry import NAMES
+from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.batch import Task
-from wmr_ctrl.sim.figures import windows_of
-from wmr_ctrl.sim.memory import laid_out
+from wmr_ctrl.sim.memory import Task, laid_out
 from wmr_ctrl.sim.memory import vector_sets as usable
 from wmr_ctrl.world.references.registry import OURS
 

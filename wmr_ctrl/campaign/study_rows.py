@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
 from wmr_ctrl.campaign.engine import PlannedCase, Refusal, Silent, built_loops
 from wmr_ctrl.campaign.table import REFUSED
-from wmr_ctrl.results import outcome_of
-from wmr_ctrl.results.figures import RIGID, SHARES, SUMMED
-from wmr_ctrl.sim.batch import Task, run_tasks
-from wmr_ctrl.sim.figures import SHAPES, column_of, monitor, tracked
-from wmr_ctrl.sim.many import logged_figures
+from wmr_ctrl.results.figures import SHARES
+from wmr_ctrl.sim.many import RunTable, tabulated
+from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop
 
 MOST_LOOPS = 16
 """Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
 Columns: TypeAlias = dict[str, np.ndarray]
-Runs: TypeAlias = Sequence[tuple[RunnableLoop, int]]
 
 
 @dataclass(frozen=True)
@@ -61,50 +57,22 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     outcome = [REFUSED] * len(loops)
     refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
     if ready:
-        take = _take_in_lanes if chunk.runs[0][0].plant == "ode" else _take_on_tyres
-        taken = take(ready, chunk.figures, jobs)
-        for place, text in zip(places, taken["outcome"], strict=True):
+        table = _table(ready, chunk.runs[0][0].plant, chunk.figures, jobs)
+        for place, text in zip(places, table["outcome"], strict=True):
             outcome[place] = str(text)
+        columns = {"violated": table["violations"] > 0, **table.columns()}
         for name in chunk.figures:
-            rows[name][places] = taken[name]
+            rows[name][places] = columns[name]
     return {"outcome": np.array(outcome), "refusal": np.array(refusal), **rows}
 
 
-def _take_in_lanes(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
-    """On the plane model: figures that the loop adds up by itself; others by whole runs."""
-    tasks = [Task(loop, seed) for loop, seed in ready]
-    figures = run_tasks(tasks, jobs=jobs)
-    guarded = np.array([loop.scenario.guard.enabled for loop, _ in ready])
-    figures["guard_share"][~guarded] = 0.0
-    outcome = [
-        outcome_of(monitor({name: figures[name][k] for name in SHAPES}), bool(guarded[k])).value
-        for k in range(len(ready))
-    ]
-    judged = tracked(figures, [loop.settings for loop, _ in ready])
-    columns = _columns(figures, judged, np.array(outcome))
-    whole = [name for name in names if name not in columns]
-    return columns | (logged_figures(tasks, whole, jobs) if whole else {})
+def _table(
+    ready: Sequence[tuple[RunnableLoop, int]], plant: str, names: Sequence[str], jobs: int | None
+) -> RunTable:
+    """The table of loops and seeds on that plant, with the figures that are not shares of runs."""
+    further = [name for name in names if name not in SHARES]
+    if plant == "mujoco":
+        from wmr_ctrl.physics.many import rigid_table
 
-
-def _take_on_tyres(ready: Runs, names: Sequence[str], jobs: int | None) -> Columns:
-    """On the rigid body: all figures from whole runs, each made once."""
-    from wmr_ctrl.physics.many import rigid_figures
-    from wmr_ctrl.physics.workers import make_each
-
-    summed = {*SHARES, *(figure.name for figure in (*SUMMED, *RIGID))}
-    whole = [name for name in names if name not in summed]
-    rows = make_each(partial(rigid_figures, further=whole), ready, jobs)
-    figures = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    further = {name: figures[name] for name in whole}
-    return _columns(figures, figures["tracked"], figures["outcome"]) | further
-
-
-def _columns(
-    figures: Mapping[str, np.ndarray], tracked: np.ndarray, outcome: np.ndarray
-) -> Columns:
-    """One array a column: numbers, shares and outcome."""
-    known = [figure for figure in (*SUMMED, *RIGID) if figure.array in figures]
-    columns: Columns = {figure.name: column_of(figure, figures) for figure in known}
-    shares = {"violated": columns["violations"] > 0, "tracked": tracked}
-    columns |= {name: share.astype(float) for name, share in shares.items()}
-    return columns | {"outcome": outcome}
+        return rigid_table(ready, further, jobs)
+    return tabulated([Task(loop, seed) for loop, seed in ready], further, jobs)

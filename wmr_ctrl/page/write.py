@@ -17,7 +17,7 @@ from wmr_ctrl.page.module import build_module
 from wmr_ctrl.page.story import scenes
 from wmr_ctrl.results.files import atomic_write, check_writable
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.finish import checked_seeds
+from wmr_ctrl.sim.many import checked_seeds
 
 ALONE = ("engine.js", "run.js")
 """Scripts that need no document, in order: node runs them too."""

@@ -46,10 +46,20 @@ def run_rigid_many(
          task.seed)
         for task in tasks
     ]  # fmt: skip
+    return rigid_table(pairs, figures, jobs, later(progress))
+
+
+def rigid_table(
+    runs: Sequence[tuple[RunnableLoop, int]],
+    figures: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """The table of some runs, each made once for all of its figures."""
     whole = not_summed(figures)
-    rows = make_each(partial(rigid_figures, further=whole), pairs, jobs, later(progress))
+    rows = make_each(partial(rigid_figures, further=whole), runs, jobs, progress)
     table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    return RunTable({**table, "seed": np.array(seeds)}, whole)
+    return RunTable({**table, "seed": np.array([seed for _, seed in runs])}, whole)
 
 
 def _started(scenario: Scenario, start: tuple[float, ...]) -> Scenario:

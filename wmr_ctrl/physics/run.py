@@ -11,12 +11,10 @@ import numpy as np
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.physics.rigid import RigidBody, mujoco
 from wmr_ctrl.physics.workers import Progress, make_each
-from wmr_ctrl.results import RigidMonitor, Run
+from wmr_ctrl.results import RigidMonitor, Run, split_columns
 from wmr_ctrl.signals import RIGID
 from wmr_ctrl.sim.coupled import Coupled
-from wmr_ctrl.sim.finish import assemble_run
-from wmr_ctrl.sim.native import split_columns
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 T = TypeVar("T")
 _ROWS_PER_REPORT = 100

@@ -8,11 +8,9 @@ a run costs no memory; `run_logged` keeps the columns of a batch for as long as 
 from __future__ import annotations
 
 import ctypes as ct
-import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TypeVar
 
@@ -23,32 +21,13 @@ from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.limits import MOST_JOBS
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put, windows_of
-from wmr_ctrl.sim.memory import Memory, VectorSet, laid_out, vector_set
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.results.windows import windows_of
+from wmr_ctrl.sim.figures import Figures, empty_figures, monitors, put
+from wmr_ctrl.sim.memory import Memory, Task, laid_out, vector_set
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float], None]
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run: a loop, the seed of its noise, and its start.
-
-    ``start``: x, y [m], theta [rad], v1 [m/s], omega [rad/s]; None as the scenario has it.
-    ``vectors``: the set of vector instructions; None for the best of this processor.
-    """
-
-    loop: RunnableLoop
-    seed: int
-    start: tuple[float, ...] | None = None
-    vectors: str | None = None
-
-    def __post_init__(self) -> None:
-        start = self.start
-        if start is not None and not (len(start) == 5 and all(map(math.isfinite, start))):
-            raise ArgumentError(f"start = {start!r} must be five finite numbers: x, y, theta, v.")
 
 
 def run_tasks(
@@ -79,16 +58,15 @@ def run_logged(
 ) -> list[T]:
     """What ``then`` makes of each task's place, rows of the log and monitor, in their order.
 
-    Rows and monitor are those of `sim.native.run_native`.  ``then`` is called in the threads;
-    rows that it does not keep are given back before the next batch.  Otherwise as `run_tasks`.
+    ``then`` is called in the threads; rows that it does not keep are given back before the next
+    batch.  Otherwise as `run_tasks`.
     """
     results: dict[int, T] = {}
 
     def read(places: list[int], memory: Memory) -> None:
-        chosen = [tasks[k] for k in places]
-        for lane, (place, watched) in enumerate(zip(places, monitors(memory, chosen), strict=True)):
-            seen = replace(watched, d_least=None)  # what a log holds is not watched as well
-            results[place] = then(place, memory.logged(lane), seen)
+        watched = monitors(memory, tasks[places[0]].loop.settings)
+        for lane, place in enumerate(places):
+            results[place] = then(place, memory.logged(lane), watched[lane])
 
     _run_batches(tasks, read, True, jobs, progress)
     return [results[place] for place in range(len(tasks))]
@@ -117,7 +95,8 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
         groups.setdefault(_structure(task), []).append(place)
     batches = []
     for places in groups.values():
-        lanes = _vectors(tasks[places[0]]).lanes
+        first = tasks[places[0]]
+        lanes = vector_set(first.loop.compiled.library, first.vectors).lanes
         batches += [places[k : k + lanes] for k in range(0, len(places), lanes)]
     return batches
 
@@ -128,10 +107,6 @@ def _structure(task: Task) -> tuple[object, ...]:
     windows = tuple(windows_of(task.loop.settings).values())
     alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
     return (*alike, scenario.clock, compiled.delay_steps, windows)
-
-
-def _vectors(task: Task) -> VectorSet:
-    return vector_set(task.loop.compiled.library, task.vectors)
 
 
 def _run_batches(

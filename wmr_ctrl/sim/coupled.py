@@ -9,7 +9,7 @@ import numpy as np
 
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.sim.figures import monitor
 from wmr_ctrl.sim.memory import LoopSettings, Numbers, aligned, noise_key, opened, pointer_to
 
 
@@ -71,14 +71,4 @@ class Coupled:
         """What was watched."""
         numbers = (ct.c_double * len(self._findings))()
         self._library.wmr_outside_findings(self._at[1], numbers)
-        seen = dict(zip(self._findings, numbers, strict=True))
-        first = (seen["first_step"] * self._step, int(seen["first_axis"]))
-        stopped = (seen["stop_step"] * self._step, int(seen["stop_axis"]))
-        return Monitor(
-            (seen["max_v1"], seen["max_omega"]),
-            int(seen["violations"]),
-            first if seen["first_step"] >= 0 else None,
-            stopped if seen["stop"] else None,
-            STOP_REASONS[int(seen["stop"])],
-            failure=failure,
-        )
+        return monitor(dict(zip(self._findings, numbers, strict=True)), self._step, failure=failure)

@@ -1,120 +1,100 @@
-"""Figures of many runs as arrays, from the sums that the lanes' loop leaves behind."""
+"""Figures of many runs as arrays, from what the loop leaves behind without a log."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.results import Monitor, Settings
-from wmr_ctrl.results.figures import Figure
+from wmr_ctrl.results import Event, Monitor, Settings, outcome_of
+from wmr_ctrl.results.figures import SUMMED, Figure, Sum
 from wmr_ctrl.results.outcomes import STOP_REASONS
-from wmr_ctrl.results.windows import WINDOWS, at_rest, drive, last_quarter, named, working
-from wmr_ctrl.sim.memory import Memory
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.results.windows import at_rest, windows_of
+from wmr_ctrl.sim.memory import Memory, Task
 
 Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Figures = dict[str, NDArray[np.float64]]
 
+EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
+"""What there is of a run beside its figures: axes of its events (1, 2), ``stop`` (index into
+STOP_REASONS), and the number of samples made."""
+
+
+def _shape(array: str) -> tuple[int, ...]:
+    places = [figure.index for figure in SUMMED if figure.array == array]
+    return tuple(max(place) + 1 for place in zip(*places, strict=True))
+
+
 SHAPES: Mapping[str, tuple[int, ...]] = {
-    "ise_total": (), "ise_before": (), "ise_after": (), "ise_position": (),
-    "e_rms": (len(WINDOWS), 3), "max_abs_v": (2,), "violations": (),
-    "first_violation": (), "first_axis": (), "stop": (), "stopped": (), "stop_axis": (),
-    "samples": (), "tau_peak": (), "tau_rms": (), "torque_change_rms": (), "torque_needed_rms": (),
-    "saturated_share": (), "position_rms": (2,), "position_max": (), "tracking_drive": (2,),
-    "tracking_end": (2,), "final_state": (5,), "d_least": (2,), "bounds_left": (),
-    "bounds_axis": (), "guard_share": (2,),
-}  # fmt: skip
-"""Figure to its shape for one run: ISE as in `results.measures` [m2 s and rad2 s]; ``e_rms`` by
-window of `WINDOWS` [m, m, rad]; ``max_abs_v`` [m/s, rad/s]; ``violations`` (plant steps);
-``first_violation`` and ``stopped`` [s], ``first_axis`` and ``stop_axis`` (1, 2); ``stop`` (index
-into STOP_REASONS); ``samples`` made; torques [N m], their change and what the motion needs as in
-`results.measures`; ``saturated_share`` of the samples with a wheel at its limit;
-``position_rms`` over all and over the last quarter, ``position_max`` over the last quarter [m];
-``tracking_drive`` and ``tracking_end``, RMS and largest distance [m]; ``final_state`` x, y [m],
-theta [rad],
-v1 [m/s], omega [rad/s]; ``d_least`` [N, N m], the largest; ``bounds_left`` [s] and ``bounds_axis``,
-the first motion that a guard's bounds do not admit; ``guard_share``, share of samples in which the
-guard acted.  NaN where there was no such event or the run ended before its window
-did."""
+    **{figure.array: _shape(figure.array) for figure in SUMMED},
+    **dict.fromkeys(EVENTS, ()),
+}
+"""Array to its shape for one run: ``e_rms`` by window of `WINDOWS` and axis [m, m, rad];
+``position_rms`` over all and over the last quarter [m]; ``tracking_drive`` and ``tracking_end``,
+RMS and largest distance [m]; ``final_state`` x, y [m], theta [rad], v1 [m/s], omega [rad/s];
+``max_abs_v``, ``d_least`` and ``guard_share`` by axis; the others one number as in the catalogue of
+figures, or of `EVENTS`.  NaN where there was no such event or the run ended before its window did.
+"""
 
 
-def column_of(figure: Figure, arrays: Mapping[str, NDArray[np.float64]]) -> Floats:
-    """A figure that the loop adds up, one number a run."""
-    values: Floats = arrays[figure.array]
-    for place in figure.index:
-        values = values[:, place]
+def column_of(figure: Figure, arrays: Mapping[str, Floats]) -> Floats:
+    """A figure that the loop adds up, one number a run: a view of ``arrays``."""
+    values: Floats = np.moveaxis(arrays[figure.array], 0, -1)[figure.index]
     return values
 
 
-class Runnable(Protocol):
-    """What is read of a task."""
-
-    @property
-    def loop(self) -> RunnableLoop:
-        """What ran: its clocks and windows."""
-
-
-def windows_of(settings: Settings) -> dict[str, tuple[int, int]]:
-    """Windows of samples over which the loop adds up, by name."""
-    end, split = settings.samples, settings.index(settings.split)
-    return {
-        "all": (0, end), "before": (0, split), "after": (split, end),
-        "torque": (settings.index(settings.rms_from), end), "last_quarter": last_quarter(settings),
-        "working": working(settings), "drive": drive(settings), "end": at_rest(settings),
-        **{named(span): (settings.index(span[0]), settings.index(span[1])) for span in WINDOWS},
-    }  # fmt: skip
-
-
 def empty_figures(count: int) -> Figures:
-    """Arrays for ``count`` runs."""
-    return {name: np.full((count, *shape), np.nan) for name, shape in SHAPES.items()}
+    """Arrays for ``count`` runs, with ``outcome`` (text) and ``tracked`` (bool)."""
+    arrays = {name: np.full((count, *shape), np.nan) for name, shape in SHAPES.items()}
+    return arrays | {"outcome": np.full(count, "", "<U16"), "tracked": np.full(count, False)}
 
 
-def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Runnable]) -> None:
+def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Task]) -> None:
     """Write a batch's figures where its runs stand."""
-    settings = runs[0].loop.settings
-    columns = _from_findings(memory, settings) | _from_sums(memory, settings)
-    for name, values in columns.items():
-        figures[name][list(places)] = values
-
-
-def tracked(figures: Mapping[str, NDArray[np.float64]], settings: Sequence[Settings]) -> Flags:
-    """Whether each run tracked, as `results.measures.tracked` has it."""
+    where, settings = list(places), [run.loop.settings for run in runs]
+    guarded = [run.loop.scenario.guard.enabled for run in runs]
+    for name, values in _from_findings(memory, settings[0]).items():
+        figures[name][where] = values
+    figures["guard_share"][[place for place, on in zip(where, guarded, strict=True) if not on]] = (
+        0.0
+    )
+    for figure, values in _from_sums(memory, settings[0]):
+        column_of(figure, figures)[where] = values
+    seen = zip(monitors(memory, settings[0]), guarded, strict=True)
+    figures["outcome"][where] = [outcome_of(watched, guard).value for watched, guard in seen]
     allowed = np.array([item.tolerance for item in settings], dtype=float)
     stops = np.array([first < end for first, end in map(at_rest, settings)])
-    drives, ends = (figures[f"tracking_{part}"][:, 0] <= allowed for part in ("drive", "end"))
-    return np.asarray(drives & (ends | ~stops))
+    drives, ends = (figures[f"tracking_{part}"][where, 0] <= allowed for part in ("drive", "end"))
+    figures["tracked"][where] = drives & (ends | ~stops)
 
 
-def monitors(memory: Memory, runs: Sequence[Runnable]) -> list[Monitor]:
+def monitors(memory: Memory, settings: Settings) -> list[Monitor]:
     """What was watched in each run of a batch."""
-    columns = _from_findings(memory, runs[0].loop.settings)
-    return [
-        monitor({name: values[lane] for name, values in columns.items()})
-        for lane, _ in enumerate(runs)
-    ]
+    columns = memory.findings[:, : memory.count].T.tolist()
+    rows = [dict(zip(memory.layout.findings, numbers, strict=True)) for numbers in columns]
+    return [monitor(row, settings.plant, settings.control) for row in rows]
 
 
-def monitor(one: Mapping[str, NDArray[np.float64]]) -> Monitor:
-    """What was watched in one run, from its figures by name."""
-    first = None
-    if one["violations"] > 0:
-        first = (float(one["first_violation"]), int(one["first_axis"]))
-    reason = STOP_REASONS[int(one["stop"])]
-    stopped = (float(one["stopped"]), int(one["stop_axis"])) if reason else None
-    speeds = (float(one["max_abs_v"][0]), float(one["max_abs_v"][1]))
-    left = None
-    if one["bounds_left"] >= 0:
-        left = (float(one["bounds_left"]), int(one["bounds_axis"]))
-    least = None
-    if not np.isnan(one["d_least"]).any():
-        least = (float(one["d_least"][0]), float(one["d_least"][1]))
+def monitor(
+    seen: Mapping[str, float], step: float, period: float = 0.0, failure: str = ""
+) -> Monitor:
+    """What was watched in one run, from its findings by name; the plant's and the control step [s].
+
+    Without a ``period`` nothing is told of the guard's bounds.
+    """
+
+    def event(name: str, time: float) -> Event | None:
+        return (time, int(seen[f"{name}_axis"])) if time >= 0 else None
+
     return Monitor(
-        speeds, int(one["violations"]), first, stopped, reason, bounds_left=left, d_least=least
+        (seen["max_v1"], seen["max_omega"]),
+        int(seen["violations"]),
+        event("first", seen["first_step"] * step) if seen["violations"] > 0 else None,
+        event("stop", seen["stop_step"] * step) if seen["stop"] > 0 else None,
+        STOP_REASONS[int(seen["stop"])],
+        event("left", seen["left_sample"] * period) if period else None,
+        failure,
     )
 
 
@@ -123,6 +103,7 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
     step, left = settings.plant, row("left_sample")
     violated, ended, samples = row("violations") > 0, row("stop") > 0, row("samples")
     ran = (samples > 0)[:, None]
+    shares = row("clipped1", "clipped2") / np.maximum(samples[:, None], 1)
     return {
         "final_state": memory.final,
         "max_abs_v": row("max_v1", "max_omega"),
@@ -137,52 +118,35 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
         "d_least": np.where(ran, row("d_least1", "d_least2"), np.nan),
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
         "bounds_axis": np.where(left >= 0, row("left_axis"), np.nan),
-        "guard_share": np.where(
-            ran, row("clipped1", "clipped2") / np.maximum(samples[:, None], 1), np.nan
-        ),
+        "guard_share": np.where(ran, shares, np.nan),
     }
 
 
-def _from_sums(memory: Memory, settings: Settings) -> Figures:
+def _from_sums(memory: Memory, settings: Settings) -> Iterator[tuple[Figure, Floats]]:
+    """Each figure that has sums, and its numbers; NaN where a run did not last its window."""
     windows = windows_of(settings)
-    full = np.array([covered(w, settings, memory) for w in windows.values()])
+    full = {name: covered(span, settings, memory) for name, span in windows.items()}
     place = {name: k for k, name in enumerate(windows)}
 
-    def total(name: str, over: str) -> Floats:
-        k = place[over]
-        return np.where(full[k], memory.sum(name)[k], np.nan)
+    def total(sums: str, over: str) -> Floats:
+        added = sum(memory.sum(name)[place[over]] for name in sums.split(" + "))
+        return np.where(full[over], added, np.nan)
 
-    def rms(name: str, over: str, wheels: int = 1) -> Floats:
-        return np.sqrt(mean(name, over) / wheels)
+    for figure in SUMMED:
+        if figure.sum is not None:
+            added, samples = (total(n, figure.sum.over) for n in (figure.sum.sums, "samples"))
+            yield figure, _made(figure.sum, added, samples, settings.control)
 
-    def mean(name: str, over: str) -> Floats:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(total(name, over) / total("samples", over))
 
-    def farthest(over: str) -> Floats:
-        return np.where(np.isnan(mean("position", over)), np.nan, np.sqrt(total("farthest", over)))
-
-    def ise(over: str) -> Floats:
-        return (total("position", over) + total("angle", over)) * settings.control
-
-    errors = [[rms(f"e{axis}", named(span)) for axis in (1, 2, 3)] for span in WINDOWS]
-    return {
-        "ise_total": ise("all"),
-        "ise_before": ise("before"),
-        "ise_after": ise("after"),
-        "ise_position": total("position", "all") * settings.control,
-        "tau_rms": rms("torque", "torque", 2),
-        "torque_change_rms": rms("change", "working", 2),
-        "torque_needed_rms": rms("needed", "working", 2),
-        "saturated_share": mean("saturated", "working"),
-        "position_rms": np.stack((rms("position", "all"), rms("position", "last_quarter")), axis=1),
-        "position_max": farthest("last_quarter"),
-        **{
-            f"tracking_{part}": np.stack((rms("position", part), farthest(part)), axis=1)
-            for part in ("drive", "end")
-        },
-        "e_rms": np.moveaxis(np.array(errors), 2, 0),
-    }
+def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:
+    """A figure from what was added up in its window of so many samples."""
+    if how.how == "integral":
+        return added * period
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.asarray(added / samples)
+    if how.how == "largest":
+        return np.where(np.isnan(mean), np.nan, np.sqrt(added))
+    return mean if how.how == "mean" else np.sqrt(mean / how.count)
 
 
 def covered(window: tuple[int, int], settings: Settings, memory: Memory) -> NDArray[np.bool_]:

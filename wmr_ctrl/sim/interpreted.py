@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.results import Monitor, Settings
+from wmr_ctrl.results import Monitor, Settings, split_columns
 from wmr_ctrl.results.outcomes import DIVERGENCE, STOP_REASONS, Event
 from wmr_ctrl.signals import PLANT_STATE, VELOCITY
 from wmr_ctrl.sim.memory import noise_key
-from wmr_ctrl.sim.native import split_columns
 
 if TYPE_CHECKING:
     import casadi as ca

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from itertools import islice
+from typing import TYPE_CHECKING, SupportsIndex, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.arguments import checks_arguments
-from wmr_ctrl.results import Monitor, Run, outcome_of
+from wmr_ctrl.fields.limits import MOST_SEEDS, SEED_END
+from wmr_ctrl.fields.problems import show
+from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
 from wmr_ctrl.results.frames import figure, table_frame, table_html
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.batch import Floats, Progress, Task, run_logged, run_tasks
-from wmr_ctrl.sim.figures import SHAPES, Figures, column_of, monitor, tracked
-from wmr_ctrl.sim.finish import assemble_run
-from wmr_ctrl.sim.native import split_columns
-from wmr_ctrl.sim.runnable import RunnableLoop
+from wmr_ctrl.sim.batch import Floats, Progress, run_logged, run_tasks
+from wmr_ctrl.sim.figures import column_of
+from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 if TYPE_CHECKING:
     import pandas
@@ -112,18 +115,25 @@ def run_many(
     ArgumentError
         If the numbers of scenarios, seeds and starts do not fit, or there is no run.
     """
-    whole = not_summed(figures)
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
-    summed = run_tasks(tasks, jobs=jobs, progress=later(progress))
-    outcomes = [_outcome(summed, place, task) for place, task in enumerate(tasks)]
-    summed["guard_share"][[not task.loop.scenario.guard.enabled for task in tasks]] = 0.0
-    further = {
-        "outcome": np.array(outcomes),
-        "seed": np.array(seeds),
-        "tracked": tracked(summed, [task.loop.settings for task in tasks]),
-        **(logged_figures(tasks, whole, jobs) if whole else {}),
-    }
-    return RunTable({**summed, **further}, whole)
+    return tabulated(tasks, figures, jobs, later(progress))
+
+
+def tabulated(
+    tasks: Sequence[Task],
+    figures: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """The table of some runs; ``figures`` that need a log are taken from runs made once more."""
+    whole = not_summed(figures)
+    arrays = run_tasks(tasks, jobs=jobs, progress=progress)
+    arrays["seed"] = np.array([task.seed for task in tasks])
+    if whole:
+        chosen = [FIGURES[name] for name in whole]
+        rows = each_task(tasks, lambda _, run: list(values_of(run, chosen).values()), jobs)
+        arrays |= dict(zip(whole, np.array(rows, dtype=float).T, strict=True))
+    return RunTable(arrays, whole)
 
 
 def planned_tasks(
@@ -169,11 +179,6 @@ def later(progress: Progress | None) -> Progress | None:
     return lambda share: report(PREPARING + (1.0 - PREPARING) * share)
 
 
-def _outcome(figures: Figures, place: int, task: Task) -> str:
-    watched = monitor({name: figures[name][place] for name in SHAPES})
-    return outcome_of(watched, task.loop.scenario.guard.enabled).value
-
-
 def _check(
     count: int, scenarios: Sequence[Scenario], starts: Sequence[Sequence[float]] | None
 ) -> None:
@@ -214,36 +219,54 @@ def run_each(
     ``then`` is called too; results do not depend on the number.  ``progress`` is called with the
     share done.  Ctrl-C ends all threads within a sample.  Raises CompilerError.
     """
-    return _each([Task(item, seed) for item, seed in runs], then, jobs, progress)
+    return each_task([Task(item, seed) for item, seed in runs], then, jobs, progress)
 
 
-def _each(
+def each_task(
     tasks: Sequence[Task],
     then: Callable[[int, Run], T],
     jobs: int | None = None,
     progress: Callable[[float], None] | None = None,
+    engine: str = "lanes",
 ) -> list[T]:
+    """`run_each` for tasks; ``engine``: what made the runs."""
+
     def pass_on(place: int, rows: Floats, watched: Monitor) -> T:
         item, seed = tasks[place].loop, tasks[place].seed
-        signals = item.compiled.layout.columns
-        logged = (signals, split_columns(signals, rows), watched)
-        facts = {"kernel_hash": item.compiled.digest}
-        return then(
-            place, assemble_run(item.scenario, item.law, seed, "lanes", logged, facts, item.bounds)
-        )
+        signals, facts = item.compiled.layout.columns, {"kernel_hash": item.compiled.digest}
+        log = signals, split_columns(signals, rows), watched
+        run = assemble_run(item.scenario, item.law, seed, engine, log, facts, item.bounds)
+        return then(place, run)
 
     return run_logged(tasks, pass_on, jobs=jobs, progress=progress)
-
-
-def logged_figures(
-    tasks: Sequence[Task], names: Sequence[str], jobs: int | None = None
-) -> dict[str, NDArray[np.float64]]:
-    """Figures that need a whole log, an array by name, from runs made once more."""
-    chosen = [FIGURES[name] for name in names]
-    rows = _each(tasks, lambda _, run: list(values_of(run, chosen).values()), jobs)
-    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 
 def not_summed(names: Sequence[str]) -> tuple[str, ...]:
     """Those of the figures' names that need a whole log.  Raises UnknownNameError."""
     return tuple(name for name in dict.fromkeys(names) if not FIGURES[name].array)
+
+
+def checked_seeds(seeds: Iterable[int]) -> list[int]:
+    """The seeds; raises ArgumentError unless they are `MOST_SEEDS` whole numbers below SEED_END."""
+    listed = list(islice(seeds, MOST_SEEDS + 1))
+    if len(listed) > MOST_SEEDS:
+        raise ArgumentError(f"there are more than {MOST_SEEDS} seeds. Give them in parts.")
+    if not listed:
+        raise ArgumentError("seeds: there must be at least one.")
+    for seed in listed:
+        whole = isinstance(seed, SupportsIndex) and not isinstance(seed, bool)
+        if not (whole and 0 <= operator.index(seed) < SEED_END):
+            raise ArgumentError(
+                f"seed = {show(seed)} must be a whole number from 0 up, below {SEED_END}."
+            )
+    return listed
+
+
+def checked_starts(starts: Iterable[Iterable[float]]) -> list[tuple[float, ...]]:
+    """States at t = 0 as rows of numbers; raises ArgumentError for what is none."""
+    try:
+        return [tuple(map(float, row)) for row in starts]
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            "starts must hold five numbers a run: x, y [m], theta [rad], v1 [m/s], omega [rad/s]."
+        ) from None

@@ -11,13 +11,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import CompiledLoop, LoopLayout, elements
-from wmr_ctrl.errors import CompilerError, UnknownNameError
+from wmr_ctrl.errors import ArgumentError, CompilerError, UnknownNameError
 from wmr_ctrl.signals import PLANT_STATE
 from wmr_ctrl.sim.runnable import RunnableLoop
 
@@ -118,24 +118,23 @@ def vector_set(path: str, name: str | None = None) -> VectorSet:
     )
 
 
-class Lane(Protocol):
-    """What a lane needs of a task."""
+@dataclass(frozen=True)
+class Task:
+    """One run: a loop, the seed of its noise, and its start.
 
-    @property
-    def loop(self) -> RunnableLoop:
-        """The compiled loop with its scenario."""
+    ``start``: x, y [m], theta [rad], v1 [m/s], omega [rad/s]; None as the scenario has it.
+    ``vectors``: the set of vector instructions; None for the best of this processor.
+    """
 
-    @property
-    def seed(self) -> int:
-        """Seed of the noise."""
+    loop: RunnableLoop
+    seed: int
+    start: tuple[float, ...] | None = None
+    vectors: str | None = None
 
-    @property
-    def start(self) -> tuple[float, ...] | None:
-        """Plant state at t = 0, if it is not the scenario's."""
-
-    @property
-    def vectors(self) -> str | None:
-        """Name of the set of vector instructions; None for the best."""
+    def __post_init__(self) -> None:
+        start = self.start
+        if start is not None and not (len(start) == 5 and all(map(math.isfinite, start))):
+            raise ArgumentError(f"start = {start!r} must be five finite numbers: x, y, theta, v.")
 
 
 @dataclass(frozen=True)
@@ -187,7 +186,7 @@ class Memory:
 
 
 def laid_out(
-    runs: Sequence[Lane],
+    runs: Sequence[Task],
     windows: Sequence[tuple[int, int]],
     *,
     log: bool = False,
@@ -237,7 +236,7 @@ def _parameters(compiled: CompiledLoop) -> list[float]:
     return [number for row in compiled.parameters for number in row]
 
 
-def _start(run: Lane) -> list[float]:
+def _start(run: Task) -> list[float]:
     start = list(run.loop.compiled.start)
     if run.start is not None:
         start[: len(PLANT_STATE)] = run.start

@@ -1,13 +1,100 @@
-"""A law on a scenario, compiled and ready to run."""
+"""A compiled loop that is ready to run, and the Run that is made of what an engine found."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
+import numpy as np
+
+from wmr_ctrl import __version__
 from wmr_ctrl.compiled import CompiledLoop
-from wmr_ctrl.results import Assumptions, Settings
-from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.sim.finish import settings_of
+from wmr_ctrl.results import (
+    Assumptions,
+    Monitor,
+    Run,
+    Settings,
+    first_beyond,
+    largest_push,
+    outcome_of,
+)
+from wmr_ctrl.scenario import Scenario, to_toml
+from wmr_ctrl.signals import Signal
+
+COUNTED = ("dbar", "void", "usable", "asked", "M_min", "M_max", "nbar", "alpha")
+"""What of `Assumptions` a run's settings keep."""
+Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
+"""Signals, columns and monitor, as an engine leaves them."""
+
+
+def assemble_run(
+    scenario: Scenario,
+    law: str,
+    seed: int,
+    engine: str,
+    log: Log,
+    facts: Mapping[str, str],
+    bounds: Assumptions,
+    plant: str = "ode",
+) -> Run:
+    """The Run of what an engine found.
+
+    ``bounds`` are what a guard assumes, be it on or off: with them the monitor tells the first
+    motion that contradicts them, and how near the least disturbance came.  ``plant``: as in
+    `Settings`.
+    """
+    (signals, columns, seen), guard = log, scenario.guard.enabled
+    left, least = first_beyond(columns, bounds), largest_push(columns)
+    monitor = replace(seen, bounds_left=left, d_least=least)
+    known = {name: getattr(bounds, name) for name in COUNTED}
+    settings = replace(settings_of(scenario), plant_kind=plant, **known)
+    outcome, made_by = outcome_of(monitor, guard), {**provenance(scenario), **facts}
+    return Run(
+        scenario.name,
+        law,
+        guard,
+        seed,
+        engine,
+        settings,
+        signals,
+        columns,
+        monitor,
+        outcome,
+        made_by,
+    )
+
+
+def settings_of(scenario: Scenario) -> Settings:
+    """Clocks, limits and windows of a scenario."""
+    clock, metrics = scenario.clock, scenario.metrics
+    return Settings(
+        clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
+        metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def provenance(scenario: Scenario) -> Mapping[str, str]:
+    """What made a run: versions, the scenario as TOML and its hash."""
+    text = to_toml(scenario, comments=False)
+    return {
+        **versions(),
+        "scenario_hash": hashlib.sha256(text.encode()).hexdigest()[:16],
+        "scenario_toml": text,
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes."""
+    return {
+        "version": __version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "machine": platform.machine(),
+    }
 
 
 @dataclass(frozen=True)

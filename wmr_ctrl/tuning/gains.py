@@ -36,8 +36,7 @@ from wmr_ctrl.results import atomic_write, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
-from wmr_ctrl.sim.finish import checked_seeds
-from wmr_ctrl.sim.many import RunTable, run_many
+from wmr_ctrl.sim.many import RunTable, checked_seeds, run_many
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
 from wmr_ctrl.tuning.trial import TrialFigures, WorseFigure
 

@@ -53,7 +53,8 @@ from wmr_ctrl.signals import (
     TRACKING_ERROR,
     Signal,
 )
-from wmr_ctrl.sim.finish import assemble_run, checked_seeds
+from wmr_ctrl.sim.many import checked_seeds
+from wmr_ctrl.sim.runnable import assemble_run
 
 CHANGEABLE = ("m", "I", "mu")
 STAND_IN = "nn"
