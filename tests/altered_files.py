@@ -182,7 +182,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         "wmr_ctrl/", "tests/report/test_claims.py",
-        ("report/claims/judge.py", "return Verdict.FAILS\n    own",
+        ("report/claims.py", "return Verdict.FAILS\n    own",
          "return Verdict.HOLDS\n    own"),
     ),
 )  # fmt: skip

@@ -31,7 +31,8 @@ from wmr_ctrl.sim.runnable import versions
 if TYPE_CHECKING:
     from wmr_ctrl.linear import LinearReport
     from wmr_ctrl.proofs import Entry, Ledger
-    from wmr_ctrl.report.reproduction import Facts, Verdicts
+    from wmr_ctrl.report.page import Facts
+    from wmr_ctrl.report.write import Verdicts
     from wmr_ctrl.sim.compiled_law import CompiledLaw
     from wmr_ctrl.sim.many import RunTable
     from wmr_ctrl.sim.runnable import RunnableLoop
@@ -208,7 +209,7 @@ def reproduce(
     from wmr_ctrl.campaign.run import run_campaign
     from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all
-    from wmr_ctrl.report.reproduction import Reproduction
+    from wmr_ctrl.report.page import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
     from wmr_ctrl.sim.batch import check_jobs
 
@@ -230,7 +231,7 @@ def reproduce(
 def _facts(laws: Sequence[str], quick: bool) -> Facts:
     """Titles, times, versions, and whether the graphs are the ledger's (not if ``quick``)."""
     from wmr_ctrl.proofs.runner import stale_entries
-    from wmr_ctrl.report.reproduction import Facts
+    from wmr_ctrl.report.page import Facts
     from wmr_ctrl.sim.compiled_law import ROUNDS, seconds_of
 
     return Facts(

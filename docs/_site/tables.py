@@ -22,8 +22,7 @@ from wmr_ctrl.fields.section import REQUIRED, Section, quantities
 from wmr_ctrl.fields.units import OTHERS, USUAL, written
 from wmr_ctrl.fields.values import Quantity, Range
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.paper.equations import equations
-from wmr_ctrl.paper.symbols import symbols
+from wmr_ctrl.paper import equations, symbols
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.remarks import SHORT

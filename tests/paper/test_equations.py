@@ -10,8 +10,16 @@ from pathlib import Path
 import pytest
 
 import wmr_ctrl
-from wmr_ctrl.paper import CITATION, equation, equations, symbols
-from wmr_ctrl.paper.equations import COUNT, ROLES, STATUSES
+from wmr_ctrl.paper import (
+    BIBTEX,
+    CITATION,
+    COUNT,
+    ROLES,
+    STATUSES,
+    equation,
+    equations,
+    symbols,
+)
 
 TAG = re.compile(r"Eqs?\.\s*((?:\(\d+\)[\s,\-]*(?:and\s+)?)+)")
 ITEM = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")
@@ -85,4 +93,5 @@ def test_symbols_and_citation() -> None:
     names = [item.symbol for item in symbols()]
 
     assert len(names) == len(set(names)) > 40
+    assert "10.1109/TIE.2020.2989711" in BIBTEX
     assert "10.1109/TIE.2020.2989711" in CITATION

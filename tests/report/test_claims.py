@@ -24,7 +24,7 @@ from wmr_ctrl.report.claims import (
     load_claims,
     verdict_of,
 )
-from wmr_ctrl.report.measure_figures import slip_torque
+from wmr_ctrl.report.evidence_figures import slip_torque
 
 CLAIMS = load_claims()
 SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
@@ -191,7 +191,8 @@ def test_sentences_quote_the_runs_at_hand():
     some, none = (Quoted(Measured(spec, values)) for values in ({0: 0.5, 1: 1.2, 2: 1.0}, {}))
 
     assert f"{some:broken}, {some:range}, {some:%}" == "1 of 3 seeds, 500 to 1200 mm, 100 %"
-    assert f"{none:broken}, {none:range}" == "0 of 0 seeds, –"
+    assert f"{some}, {some:mm}" == "1.00, 1000 mm"
+    assert f"{none:broken}, {none:range}, {none}" == "0 of 0 seeds, –, –"
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)

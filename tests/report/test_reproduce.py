@@ -10,7 +10,7 @@ from tests.campaign.synthetic import made_up as made_up_runs
 from wmr_ctrl import api
 from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
-from wmr_ctrl.report.reproduction import Facts
+from wmr_ctrl.report.page import Facts
 
 
 def never(*_args: object) -> None:

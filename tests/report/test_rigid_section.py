@@ -6,9 +6,9 @@ import csv
 
 from wmr_ctrl.campaign import Campaign, FigureTable, PlannedCase, RunRow
 from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, E1_BEFORE, LIMITED
-from wmr_ctrl.report.data_files import write_rigid
 from wmr_ctrl.report.page import report_environment
-from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
+from wmr_ctrl.report.rigid_section import RigidSection, rigid_figures
+from wmr_ctrl.report.write import write_rigid
 
 
 def row(name, law, plant, seed=0, **values):
@@ -28,12 +28,12 @@ ROWS = FigureTable(
         row(LIMITED, "mb", "mujoco", 1, ise_total=0.99, slipped=0.5, limit_ratio=1.1),
     )
 )
+SECTION = RigidSection(Campaign(ROWS))
 
 
 def test_the_sentences_are_those_of_the_rows():
-    environment = report_environment()
-    shown = {"sections": {"rigid": {"title": "On tyres"}}, "picture": str}
-    page = environment.get_template("rigid.html.j2").render(rigid=rigid_section(ROWS, ()), **shown)
+    template = report_environment().get_template("rigid.html.j2")
+    page = template.render(rigid=SECTION, picture=str)
     text = " ".join(page.split())
 
     assert "MB falls over in 1 of 1 runs, first after 4.00 s." in text
@@ -41,7 +41,7 @@ def test_the_sentences_are_those_of_the_rows():
 
 
 def test_a_fall_has_no_ise_and_what_never_slips_no_time():
-    first, second = rigid_section(ROWS, ()).table.rows
+    first, second = SECTION.table.rows
 
     assert first[1:] == ("1.00", "–", "1.00", "–", "0.00300", "4.00")
     assert second[2] == "1.00 (0.990 … 1.02)"
@@ -63,7 +63,7 @@ def test_the_file_has_units_and_a_row_a_run(tmp_path):
 
 
 def test_verdicts_name_law_and_numbers():
-    rows = rigid_section(ROWS, ()).claims.rows
+    rows = SECTION.claims.rows
     asked = "With 10 N m the ISE is within 5 % of the plane model’s"
 
     assert (asked, "MB", "HOLDS", "1 to 2 %") in rows

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.report.drawing import running_mean, running_rms, thin, thin_path
-from wmr_ctrl.report.style import look, shown, spoken, unit_text
+from wmr_ctrl.report.style import look, shown, unit_text
 
 COUNTS = st.integers(1, 9000)
 
@@ -35,10 +35,6 @@ def test_numbers_keep_three_digits(value):
     text = shown(value).replace("·10", "e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
 
     assert float(text) == pytest.approx(value, rel=5.1e-3)
-
-
-def test_numbers_in_sentences():
-    assert f"{spoken(0.0273):%} {spoken(0.00072):mm} {spoken(2.41)}" == "2.7 % 0.72 mm 2.41"
 
 
 def test_units_are_written_for_readers():

@@ -10,14 +10,13 @@ import re
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
+from tests.report.test_drawings import EVIDENCE
 from wmr_ctrl.campaign import paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report.claims import Evidence, Verdict, judge_all
-from wmr_ctrl.report.guarantee_figures import STRESS
-from wmr_ctrl.report.guard_section import shortfalls
-from wmr_ctrl.report.measure_figures import HIDDEN
+from wmr_ctrl.report.guard_section import GuardSection
+from wmr_ctrl.report.page import Facts, Reproduction, report_environment
 from wmr_ctrl.report.paper_figures import PANELS
-from wmr_ctrl.report.reproduction import Facts, Reproduction
 from wmr_ctrl.report.tables import least, scenario_table
 from wmr_ctrl.report.write import FILES, write_reproduction
 
@@ -25,7 +24,7 @@ PNG = b"\x89PNG"
 PAST = ("ours_violations", "ours_position", "ours_ise_period", "ours_ise_torque")
 FIGURES = [
     *(f"fig{number}{p.letter}_{p.key}" for number in (3, 5) for p in PANELS),
-    "fig3_sheet", "fig5_sheet", *HIDDEN, *STRESS, *PAST,
+    "fig3_sheet", "fig5_sheet", *EVIDENCE, *PAST,
 ]  # fmt: skip
 FACTS = Facts(
     titles={"nn": "Adaptive <network>"},
@@ -125,7 +124,7 @@ def test_pictures_have_colours_for_light_and_dark(page):
 
 def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
     with_, without = (
-        [row[0] for row in scenario_table(campaign.table, name, "", changes=changes).rows]
+        [row[0] for row in scenario_table(campaign.table, name, changes=changes).rows]
         for name, changes in (("paper-simulation", True), ("paper-experiment", False))
     )
 
@@ -135,7 +134,7 @@ def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
 
 @pytest.mark.parametrize("short", [False, True])
 def test_the_distance_from_the_reference_is_told_first(campaign, written, short):
-    table = scenario_table(campaign.table, "paper-simulation", "", changes=True, short=short)
+    table = scenario_table(campaign.table, "paper-simulation", changes=True, short=short)
     first, second = (row[0] for row in table.rows[:2])
     header, rows = table_of(written.folder / "table.csv")
     names = ["position_rms_last_quarter [m]", "position_max [m]"]
@@ -258,7 +257,12 @@ def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
 
 
 def test_shortfalls_without_rows_are_not_told(comparison):
+    template = report_environment().get_template("ours.html.j2")
     few = type(comparison)(comparison.rows[:1])
+    none, some = (
+        template.render(guard=GuardSection(rows), picture=str).partition("Where it falls short")[2]
+        for rows in (few, comparison)
+    )
 
-    assert not any(shortfalls(few).values())
-    assert any(shortfalls(comparison).values())
+    assert "<li><b>" not in none.replace("<li><b>Wide bounds cost liveness", "")
+    assert "Too little torque is refused" in some

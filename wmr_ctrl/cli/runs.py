@@ -93,7 +93,7 @@ def run(
     """
     check_outputs(**files)
     if files["film"]:
-        from wmr_ctrl.report.film import check_film
+        from wmr_ctrl.report.animate import check_film
 
         check_film(files["film"], plant)
     finished = _simulated(load(scenario, assignments, guard), law, seed, engine, plant)

@@ -1,10 +1,82 @@
-"""The paper as data: its numbered equations, its symbols, how to cite it."""
+"""The paper as data: numbered equations, symbols, citation."""
 
 from __future__ import annotations
 
-from wmr_ctrl.paper.citation import CITATION as CITATION
-from wmr_ctrl.paper.equations import Equation as Equation
-from wmr_ctrl.paper.equations import equation as equation
-from wmr_ctrl.paper.equations import equations as equations
-from wmr_ctrl.paper.symbols import Symbol as Symbol
-from wmr_ctrl.paper.symbols import symbols as symbols
+import tomllib
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+CITATION = (
+    "Z. Chen, Y. Liu, W. He, H. Qiao, and H. Ji, “Adaptive-Neural-Network-Based Trajectory "
+    "Tracking Control for a Nonholonomic Wheeled Mobile Robot With Velocity Constraints,” "
+    "IEEE Transactions on Industrial Electronics, vol. 68, no. 6, pp. 5057–5067, June 2021, "
+    "doi:10.1109/TIE.2020.2989711."
+)
+BIBTEX = """\
+@article{chen2021,
+  author  = {Chen, Ziyu and Liu, Yang and He, Wei and Qiao, Hong and Ji, Haibo},
+  title   = {Adaptive-Neural-Network-Based Trajectory Tracking Control for a Nonholonomic
+             Wheeled Mobile Robot With Velocity Constraints},
+  journal = {IEEE Transactions on Industrial Electronics},
+  volume  = {68},
+  number  = {6},
+  pages   = {5057--5067},
+  year    = {2021},
+  doi     = {10.1109/TIE.2020.2989711},
+}
+"""
+
+COUNT = 88
+"""Number of numbered equations."""
+ROLES = ("definition", "identity", "inequality")
+STATUSES = ("as printed", "corrected", "stated only")
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One numbered equation.
+
+    ``home`` is where it lives: ``module:function``, or a module for what needs no function.
+    """
+
+    number: int
+    title: str
+    role: str
+    home: str
+    status: str
+    note: str
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A symbol, its meaning, its SI unit, and its name in the code (empty where it has none)."""
+
+    symbol: str
+    meaning: str
+    unit: str
+    code: str
+
+
+@lru_cache(maxsize=1)
+def equations() -> tuple[Equation, ...]:
+    """All equations in order."""
+    return tuple(Equation(**row) for row in _data("equations.toml")["equation"])
+
+
+def equation(number: int) -> Equation:
+    """One equation; LookupError for a number that the paper does not have."""
+    if not 1 <= number <= COUNT:
+        raise LookupError(f"the paper has equations 1 to {COUNT}, not {number}")
+    return equations()[number - 1]
+
+
+@lru_cache(maxsize=1)
+def symbols() -> tuple[Symbol, ...]:
+    """All symbols, by subject."""
+    return tuple(Symbol(**row) for row in _data("symbols.toml")["symbol"])
+
+
+def _data(name: str) -> dict[str, Any]:
+    return tomllib.loads(files("wmr_ctrl.paper").joinpath(name).read_text(encoding="utf-8"))

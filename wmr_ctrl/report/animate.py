@@ -1,36 +1,51 @@
-"""The robot on its path with its reference as a ghost, as a page, a GIF or a film."""
+"""Moving pictures of a run: the robot on its path as a page, a GIF or a film; on tyres a 3D film.
+
+Each shows the desired pose too.  A film of the rigid body has its figures below the picture.
+"""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from wmr_ctrl.campaign import PhaseProgress, Silent
-from wmr_ctrl.errors import MissingExtraError, ResultFileError
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.physics.film import HEIGHT, WIDTH, Moments, check_painter, pictures
+from wmr_ctrl.report.drawing import target_of
 from wmr_ctrl.report.scene import BODY, FRAME, TRACK, WHEEL, Picture, Scene, frames, scene_of
-from wmr_ctrl.report.style import AFTER_DARK, INK, LIMIT, MUTED, PAPER, RULE_LINE, driver, look
-from wmr_ctrl.report.web import page_environment
-from wmr_ctrl.results import Run, atomic_path, check_writable
+from wmr_ctrl.report.style import (
+    AFTER_DARK,
+    INK,
+    LIMIT,
+    MUTED,
+    PAPER,
+    RULE_LINE,
+    driver,
+    look,
+    page_environment,
+)
+from wmr_ctrl.results import Run, atomic_path
 
 SUFFIXES = (".gif", ".mp4", ".html")
+FILMS = (".mp4", ".gif")
 _FRAMES = {".gif": 250, ".mp4": 600, ".html": 2000}
 """At most as many frames are shown."""
-
+MOST_MOMENTS = {".mp4": 360, ".gif": 120}
+"""The same of the rigid body; each takes tenths of a second where there is no graphics card."""
 GIF_MILLISECONDS = 80
 """Time that a frame of a GIF is shown; whole runs thus take 20 s."""
-
 FILM_RATE = 30
 """Frames of a film per second; whole runs thus take 20 s."""
-
 _GIF_COLOURS = 48
 
 
@@ -43,38 +58,70 @@ def animate_run(
     the file cannot be written, MissingExtraError for .mp4 without ffmpeg, ArgumentError for a run
     without any sample.
     """
-    target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ResultFileError(
-            f"{str(target)!r} has the suffix {target.suffix!r}; a run is animated as "
-            f"{', '.join(SUFFIXES)}. Give the file one of these suffixes."
-        )
-    check_writable(target)
-    if suffix == ".mp4":
-        find_ffmpeg()
-    _animate(run, target, suffix, progress or Silent())
-
-
-def _animate(run: Run, target: Path, suffix: str, progress: PhaseProgress) -> None:
+    target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
+    suffix, shown = target.suffix.lower(), progress or Silent()
     scene = scene_of(run, _FRAMES[suffix])
-    progress.start(len(scene.t), "Drawing the animation")
+    shown.start(len(scene.t), "Drawing the animation")
     try:
         with atomic_path(target) as scratch:
-            if suffix == ".gif":
-                write_gif(frames(scene), scratch, progress)
-            elif suffix == ".mp4":
-                write_film(frames(scene), FRAME, scratch, progress)
-            else:
+            if suffix == ".html":
                 write_page(scene, scratch)
-                progress.advance(len(scene.t))
+                shown.advance(len(scene.t))
+            else:
+                _write_frames(frames(scene), FRAME, scratch, suffix, shown)
     finally:
-        progress.done()
+        shown.done()
+
+
+def check_film(path: str | os.PathLike[str], plant: str) -> None:
+    """Raise, before anything is computed, where a run on ``plant`` cannot be filmed there.
+
+    ArgumentError for the plane model, ResultFileError for the file, MissingExtraError without
+    OpenGL, or ffmpeg for .mp4.
+    """
+    target_of(path, FILMS, "a film is .mp4 or .gif", write=False)
+    if plant != "mujoco":
+        raise ArgumentError(
+            "a film shows the rigid body, and the run is of the plane model. Take the plant mujoco "
+            "(--plant mujoco), or draw the run (--animate)."
+        )
+    _film_target(path, FILMS, "a film is .mp4 or .gif")
+    check_painter()
+
+
+def write_moments(
+    run: Run,
+    moments: Moments,
+    path: str | os.PathLike[str],
+    progress: PhaseProgress | None = None,
+) -> None:
+    """Write the film of a run on tyres, whole or not at all; errors as `Run.film` says."""
+    target, shown = Path(path), progress or Silent()
+    shown.start(len(moments.rows), "Painting the film")
+    try:
+        with atomic_path(target) as scratch:
+            size = WIDTH, HEIGHT + _STRIP
+            _write_frames(_captioned(run, moments), size, scratch, target.suffix.lower(), shown)
+    finally:
+        shown.done()
+
+
+def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: str) -> Path:
+    target = target_of(path, suffixes, what)
+    if target.suffix.lower() == ".mp4":
+        find_ffmpeg()
+    return target
+
+
+# -- the page -----------------------------------------------------------------------------------
 
 
 def write_page(scene: Scene, path: Path) -> None:
     """Write the page."""
     run = scene.run
+    colours = {"law": look(run.law).colour, "muted": MUTED, "limit": LIMIT,
+               "ink": INK, "paper": PAPER, "line": RULE_LINE}  # fmt: skip
+    dark = {name: AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
     text = (
         page_environment()
         .get_template("animation.html.j2")
@@ -82,21 +129,10 @@ def write_page(scene: Scene, path: Path) -> None:
             title=f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}",
             explanation=run.explanation,
             data=_json(scene),
-            light=_colours(run.law, dark=False),
-            dark=_colours(run.law, dark=True),
+            schemes=(colours, dark),
         )
     )
     path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _colours(law: str, *, dark: bool) -> str:
-    """Colours of the drawing as the names that the style and the script know."""
-    named = {"law": look(law).colour, "muted": MUTED, "limit": LIMIT,
-             "ink": INK, "paper": PAPER, "line": RULE_LINE}  # fmt: skip
-    return " ".join(
-        f"--{name}: {AFTER_DARK.get(colour, colour) if dark else colour};"
-        for name, colour in named.items()
-    )
 
 
 def _json(scene: Scene) -> str:
@@ -113,16 +149,33 @@ def _json(scene: Scene) -> str:
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def write_gif(shown: Iterable[Picture], path: Path, progress: PhaseProgress) -> None:
+# -- frames as GIF or film ----------------------------------------------------------------------
+
+
+def _write_frames(
+    shown: Iterable[Picture],
+    size: tuple[int, int],
+    path: Path,
+    suffix: str,
+    progress: PhaseProgress,
+) -> None:
+    """Write frames of ``size`` (width, height) as ``suffix`` says."""
+    if suffix == ".gif":
+        _write_gif(shown, path, progress)
+    else:
+        _write_film(shown, size, path, progress)
+
+
+def _write_gif(shown: Iterable[Picture], path: Path, progress: PhaseProgress) -> None:
     """Write frames, all in the palette of the last one, which shows everything."""
-    pictures = []
+    images = []
     for picture in shown:
-        pictures.append(Image.fromarray(picture))
+        images.append(Image.fromarray(picture))
         progress.advance(1)
-    palette = pictures[-1].quantize(
+    palette = images[-1].quantize(
         _GIF_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
     )
-    first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
+    first, *others = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in images)
     first.save(
         path, save_all=True, append_images=others, duration=GIF_MILLISECONDS, loop=0, optimize=False
     )
@@ -140,12 +193,16 @@ def find_ffmpeg() -> str:
     return program
 
 
-def write_film(
+def _write_film(
     shown: Iterable[Picture], size: tuple[int, int], path: Path, progress: PhaseProgress
 ) -> None:
-    """Write frames of ``size`` (width, height) as a film; ResultFileError where ffmpeg fails."""
+    """Write frames as a film; ResultFileError where ffmpeg fails."""
+    kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
+    raw = (*kind, "-r", str(FILM_RATE), "-i", "-")
+    coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
+    command = [find_ffmpeg(), "-loglevel", "error", "-y", *raw, *coding, str(path)]
     with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(_command(path, size), stdin=subprocess.PIPE, stderr=errors)
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors)
         assert process.stdin is not None
         broken = _feed(shown, process.stdin, progress)
         if process.wait() or broken:
@@ -155,13 +212,6 @@ def write_film(
                 f"ffmpeg could not write the film: {lines[-1] if lines else 'no reason given'}. "
                 "Choose .html or .gif instead."
             )
-
-
-def _command(path: Path, size: tuple[int, int]) -> list[str]:
-    kind = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "{}x{}".format(*size))
-    raw = (*kind, "-r", str(FILM_RATE), "-i", "-")
-    coding = ("-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart")
-    return [find_ffmpeg(), "-loglevel", "error", "-y", *raw, *coding, str(path)]
 
 
 def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) -> bool:
@@ -174,3 +224,38 @@ def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) ->
     except BrokenPipeError:
         return True
     return False
+
+
+# -- the rigid body's figures below its picture -------------------------------------------------
+
+_STRIP = 60
+"""Height of the strip below the picture [pixels]."""
+_LEFT = (10, 135, 290, 500)
+"""Where its figures begin [pixels]."""
+
+
+def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:
+    """Pictures with the figures of their rows; red beyond a limit."""
+    font = ImageFont.load_default(15)
+    title = f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}, on tyres"
+    for row, picture in zip(moments.rows.tolist(), pictures(moments), strict=True):
+        whole = Image.new("RGB", (WIDTH, HEIGHT + _STRIP), "white")
+        whole.paste(Image.fromarray(picture))
+        draw = ImageDraw.Draw(whole)
+        draw.text((10, HEIGHT + 8), title, INK, font)
+        draw.text((WIDTH - 100, HEIGHT + 8), f"t = {run.time[row]:.2f} s", INK, font)
+        for left, (text, bad) in zip(_LEFT, _texts(run, row, moments.slip_max), strict=True):
+            draw.text((left, HEIGHT + 32), text, LIMIT if bad else INK, font)
+        yield np.asarray(whole)
+
+
+def _texts(run: Run, row: int, slip_max: float) -> tuple[tuple[str, bool], ...]:
+    """Figures of a row, and whether each is beyond its limit."""
+    v1, omega, slip = run["v1"][row], run["omega"][row], np.abs(run["slip"][row]).max()
+    limit_v, limit_w = run.settings.v_u1
+    return (
+        (f"v1 {v1:+.2f} m/s", abs(v1) > limit_v),
+        (f"omega {omega:+.2f} rad/s", abs(omega) > limit_w),
+        (f"tread slides {slip:.2f} m/s", slip > slip_max),
+        (f"leans {math.degrees(run['tilt'][row]):.0f} degrees", False),
+    )

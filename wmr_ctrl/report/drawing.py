@@ -1,7 +1,8 @@
-"""The figures' tool box: a figure as a value, axes placed by inches, marks, and thinned traces."""
+"""Helpers of the figures: a figure as a value, axes placed by inches, marks, thinned traces."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,25 +15,24 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, house_style, look
-from wmr_ctrl.results import FloatArray, atomic_path
+from wmr_ctrl.errors import ResultFileError
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, RULE_LINE, Dash, house_style, look
+from wmr_ctrl.results import FloatArray, atomic_path, check_writable
 
 SUFFIXES = (".svg", ".png")
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """One figure of the report.
+    """One figure: the name of its files, width and height [inch], and what draws it.
 
-    ``name`` is that of its files, ``title`` stands above it, ``caption`` says what to see in it;
-    ``size`` is its width and height [inch].
+    ``title``: what a reader of the page without pictures is told of a panel.
     """
 
     name: str
-    title: str
-    caption: str
     size: tuple[float, float]
     draw: Callable[[Figure], None]
+    title: str = ""
 
     def figure(self) -> Figure:
         """The drawn figure, independent of any window or global state."""
@@ -56,6 +56,25 @@ def save_figure(figure: Figure, path: Path) -> None:
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
     with atomic_path(path) as scratch:
         figure.savefig(scratch, metadata=metadata)
+
+
+def target_of(
+    path: str | os.PathLike[str], suffixes: Sequence[str], what: str, *, write: bool = True
+) -> Path:
+    """The path of a file to be written; ``what`` says which suffixes are known.
+
+    Raises ResultFileError for another suffix or, unless ``write`` is off, where nothing can be
+    written.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in suffixes:
+        raise ResultFileError(
+            f"{str(target)!r} has the suffix {target.suffix!r}; {what}. "
+            "Give the file one of these suffixes."
+        )
+    if write:
+        check_writable(target)
+    return target
 
 
 Place: TypeAlias = Figure | SubFigure
@@ -98,42 +117,51 @@ def row_of_axes(
     return tuple(axes)
 
 
-def heading(place: Place, text: str) -> None:
-    """A panel's title at its upper left corner."""
+def heading(place: Place, text: str, handles: Sequence[Line2D] = (), below: float = 0.24) -> None:
+    """A title at the upper left corner, and a legend in one row, ``below`` inches under the edge.
+
+    Neither ever lies over data.
+    """
     width, height = size_of(place)
     place.text(0.06 / width, 1 - 0.06 / height, text, ha="left", va="top", weight="bold",
                size=8.5, color=INK)  # fmt: skip
+    if handles:
+        place.legend(handles=handles, ncols=len(handles), loc="upper left",
+                     bbox_to_anchor=(0.06 / width, 1 - below / height))  # fmt: skip
+
+
+def line_handle(label: str, colour: str, width: float = 1.4, dash: Dash = "-") -> Line2D:
+    """A legend's entry for a line."""
+    return Line2D([], [], color=colour, lw=width, ls=dash, label=label)
+
+
+def dot_handle(
+    label: str, colour: str = INK, face: str = INK, marker: str = "o", size: float = 4.0
+) -> Line2D:
+    """A legend's entry for marks of a colour, filled with the colour ``face``."""
+    return Line2D([], [], ls="", marker=marker, ms=size, mec=colour, mfc=face, label=label)
 
 
 def law_handles(laws: Iterable[str]) -> list[Line2D]:
     """One line per law, as legends want them."""
-    return [
-        Line2D([], [], color=look(law).colour, ls=look(law).dash, lw=1.4, label=look(law).label)
-        for law in laws
-    ]
+    return [line_handle(one.label, one.colour, dash=one.dash) for one in map(look, laws)]
 
 
-def plot_reference(axes: Axes, x: FloatArray, y: FloatArray) -> Line2D:
+def law_marks(laws: Iterable[str]) -> list[Line2D]:
+    """One mark per law, as legends of dots want them."""
+    seen = map(look, laws)
+    return [dot_handle(one.label, one.colour, one.colour, one.marker) for one in seen]
+
+
+def plot_reference(axes: Axes, x: FloatArray, y: FloatArray) -> None:
     """Points of the reference's path (N,) [m]: dots with a rim, to be seen on any law's line."""
-    (line,) = axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
-    return line
+    axes.plot(x, y, ls="", marker="o", ms=2.6, mfc=INK, mec="white", mew=0.6, zorder=3.5)
 
 
-def reference_handle() -> Line2D:
-    """The legend's entry for the reference."""
-    return Line2D([], [], ls="", marker="o", ms=3.2, mfc=INK, mec="white", label="reference")
-
-
-def switch_handle(time: float) -> Line2D:
-    """The legend's entry for :func:`mark_switch`."""
-    return Line2D([], [], color=MUTED, lw=0.9, ls=(0, (2, 2)), label=f"new parameters, {time:g} s")
-
-
-def legend_row(place: Place, handles: Sequence[Line2D], below: float = 0.24) -> None:
-    """A legend in one row, its upper edge ``below`` inches under the place's; never over data."""
-    width, height = size_of(place)
-    place.legend(handles=handles, ncols=len(handles), loc="upper left",
-                 bbox_to_anchor=(0.06 / width, 1 - below / height))  # fmt: skip
+def shade_beyond(axes: Axes, limit: float) -> None:
+    """A vertical line at ``limit``, and shade right of it; the view stays as it is."""
+    axes.axvline(limit, color=LIMIT, lw=1.0)
+    axes.axvspan(limit, axes.get_xlim()[1], color=LIMIT, alpha=0.08, lw=0)
 
 
 def include(axes: Axes, levels: Iterable[float]) -> None:
@@ -153,10 +181,18 @@ def shade_limits(axes: Axes, limit: float, *, both: bool = True) -> None:
     axes.set_ylim(low, high)
 
 
+_SWITCH: Dash = (0, (2, 2))
+
+
+def switch_handles(time: float | None) -> list[Line2D]:
+    """Legend's entries for :func:`mark_switch`: one, or none."""
+    return [] if time is None else [line_handle(f"new parameters, {time:g} s", MUTED, 0.9, _SWITCH)]
+
+
 def mark_switch(axes: Axes, time: float | None) -> None:
     """A thin vertical line where the robot's parameters change, if they do."""
     if time is not None:
-        axes.axvline(time, color=MUTED, lw=0.8, ls=(0, (2, 2)), zorder=1.2)
+        axes.axvline(time, color=MUTED, lw=0.8, ls=_SWITCH, zorder=1.2)
 
 
 def dots(
@@ -189,12 +225,6 @@ def _offsets(count: int) -> np.ndarray:
     return np.asarray(np.arange(count) * 0.6180339887 % 1.0) - 0.5
 
 
-def seed_handle(label: str, *, filled: bool) -> Line2D:
-    """A legend's entry for the marks of one kind, whatever the law."""
-    return Line2D([], [], ls="", marker="o", ms=4, mec=INK, mew=0.8,
-                  mfc=INK if filled else "white", label=label)  # fmt: skip
-
-
 def plain_ticks(axes: Axes, steps: Sequence[float] = (1, 2, 5)) -> None:
     """Label a logarithmic horizontal axis with plain numbers at ``steps`` of each decade."""
     axes.xaxis.set_major_locator(LogLocator(subs=steps))
@@ -212,13 +242,9 @@ def rows_of(axes: Axes, labels: Sequence[str]) -> None:
         axes.axhline(edge - 0.5, color=RULE_LINE, lw=0.8, zorder=0)
 
 
-def law_marks(laws: Iterable[str]) -> list[Line2D]:
-    """One mark per law, as legends of dots want them."""
-    seen = [look(law) for law in laws]
-    return [
-        Line2D([], [], ls="", marker=one.marker, color=one.colour, ms=4, label=one.label)
-        for one in seen
-    ]
+def law_rows(axes: Axes, laws: Iterable[str]) -> None:
+    """One row per law."""
+    rows_of(axes, [look(law).label for law in laws])
 
 
 POINTS = 1500

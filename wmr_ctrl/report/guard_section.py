@@ -1,8 +1,8 @@
-"""The numbers of the section past the paper; its words are in templates/ours.html.j2."""
+"""Numbers of the section past the paper; its words are in templates/ours.html.j2."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
@@ -12,6 +12,7 @@ from wmr_ctrl.campaign.comparison import (
     BASE,
     BASES,
     E1,
+    E1_BEFORE,
     FAR_START,
     OUTSIDE,
     PUSHED,
@@ -22,11 +23,11 @@ from wmr_ctrl.campaign.table import REFUSED, median
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import net
 from wmr_ctrl.guard.price import speed_price, usable_speed
-from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.style import look, shown
-from wmr_ctrl.report.tables import TextTable, clip_shares, comparison_tables
+from wmr_ctrl.report.style import ABSENT, look, shown
+from wmr_ctrl.report.tables import TextTable, table_by_law
 from wmr_ctrl.results import Outcome
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.phases import largest_friction
 
 ALWAYS = 0.25
@@ -42,169 +43,197 @@ Cells: TypeAlias = list[tuple[str, float | None, float | None]]
 """A law's label, and a figure with and without the guard."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GuardSection:
-    """All that the section's template shows; ``tables`` by base, no ``price`` without its rows.
+    """The comparison's rows, and by sentence its numbers: None or empty where no row has them."""
 
-    ``findings`` and ``shortfalls``: numbers by sentence; None or nothing where no row has them.
-    """
+    rows: FigureTable
 
-    runs: int
-    seeds: Sequence[int]
-    findings: Numbers
-    shortfalls: Numbers
-    price: TextTable | None
-    tables: Mapping[str, tuple[TextTable, ...]]
-    drawings: Sequence[Drawing]
+    def by_base(self, of: Callable[[str], T]) -> list[tuple[str, T]]:
+        """The numbers of each base that has any."""
+        return [(base, numbers) for base in self.rows.bases if (numbers := of(base))]
 
+    def started(self, outside: bool) -> Numbers | None:
+        """Runs, broken ones, largest |v|/limit and most steps outside, with and without the guard.
 
-def guard_section(rows: FigureTable, drawings: Sequence[Drawing]) -> GuardSection:
-    """Numbers of the sentences, tables and figures."""
-    priced = tuple(
-        (base, factor)
-        for factor in (BASE, PUSHED)
-        for base in rows.bases
-        if factor in rows.scenarios(base)
-    )
-    return GuardSection(
-        runs=len(rows),
-        seeds=rows.seeds,
-        findings=findings(rows),
-        shortfalls=shortfalls(rows),
-        price=price_table(rows, priced) if priced else None,
-        tables={base: comparison_tables(rows, base) for base in rows.bases},
-        drawings=drawings,
-    )
-
-
-def findings(rows: FigureTable) -> Numbers:
-    """What the guard and the law do."""
-    outside = _both(rows, lambda row: row.case.name == OUTSIDE)
-    return {
-        "inside": _both(rows, lambda row: row.case.name != OUTSIDE),
-        "bounds_left": sum(row.outcome == Outcome.BOUNDS_LEFT for row in rows.guarded()),
-        "outside": outside and {**outside, "start": start_ratio(OUTSIDE)},
-        "after": _by_base(rows, lambda base: _cells(rows, base, BASE, AWAY)),
-        "steers": _by_base(rows, lambda base: _steered(rows, base)),
-    }
-
-
-def shortfalls(rows: FigureTable) -> Numbers:
-    """Where guard and law fall short."""
-    return {
-        "wind_up": _by_base(rows, lambda base: _wound_up(rows, base)),
-        "spins": _by_base(rows, lambda base: _spinning(rows, base)),
-        "refused": _refused(rows),
-        "prox": _by_base(rows, lambda base: _broken_by_prox(rows, base)),
-        "price": _by_base(rows, lambda base: _price(rows, base)),
-    }
-
-
-def _by_base(rows: FigureTable, of: Callable[[str], T]) -> list[tuple[str, T]]:
-    """What there is of each base."""
-    return [(base, numbers) for base in rows.bases if (numbers := of(base))]
-
-
-def _both(rows: FigureTable, chosen: Callable[[RunRow], bool]) -> Numbers | None:
-    """Runs, broken ones, largest |v|/limit and most steps outside, with and without the guard."""
-    pair = {
-        name: [row for row in rows.guarded(guard) if chosen(row)]
-        for name, guard in (("held", True), ("free", False))
-    }
-    if not all(pair.values()):
-        return None
-    return {
-        name: {
-            "runs": len(runs),
-            "broken": _broken(runs),
-            "fastest": _fastest(runs),
-            "steps": max(int(row["violations"] or 0) for row in runs),
+        ``outside``: of runs that start beyond the limits, or of all others.
+        """
+        pair = {
+            name: [r for r in self.rows.guarded(guard) if (r.case.name == OUTSIDE) is outside]
+            for name, guard in (("held", True), ("free", False))
         }
-        for name, runs in pair.items()
-    }
+        if not all(pair.values()):
+            return None
+        return {
+            name: {
+                "runs": len(runs),
+                "broken": _broken(runs),
+                "fastest": _fastest(runs),
+                "steps": max(int(row["violations"] or 0) for row in runs),
+            }
+            for name, runs in pair.items()
+        }
 
+    @property
+    def start_ratio(self) -> float:
+        """Largest |v|/limit at the start outside the limits."""
+        scenario = load_scenario(SCENARIO, overrides_of(next(iter(BASES)), OUTSIDE))
+        pairs = zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
+        return max(abs(v) / limit for v, limit in pairs)
 
-def _steered(rows: FigureTable, base: str) -> list[tuple[str, float]]:
-    shares = (
-        (
-            look(law).label,
-            median(map(_clipped, rows.of(BASE, law, base=base, guard=True))),
+    @property
+    def bounds_left(self) -> int:
+        """Guarded runs whose motion contradicts the guard's bounds."""
+        return sum(row.outcome == Outcome.BOUNDS_LEFT for row in self.rows.guarded())
+
+    def after(self, base: str) -> Cells:
+        """Distance after the change of parameters in the base case."""
+        return self._cells(base, BASE, AWAY)
+
+    def steered(self, base: str) -> list[tuple[str, float]]:
+        """Laws behind which the guard acts always, and the share of samples in which it does."""
+        shares = (
+            (look(law).label, median(map(_clipped, self._guarded(base, BASE, law))))
+            for law in self.rows.laws
         )
-        for law in rows.laws
-    )
-    return [(label, share) for label, share in shares if share and share > ALWAYS]
+        return [(label, share) for label, share in shares if share and share > ALWAYS]
 
+    def wound_up(self, base: str) -> Numbers | None:
+        """SMC from the far start, and the least and most ISE of the other laws."""
 
-def _wound_up(rows: FigureTable, base: str) -> Numbers | None:
-    ise = {law: rows.median("ise_total", base, FAR_START, law, True) for law in rows.laws}
-    smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
-    if smc is None or not others:
-        return None
-    share = rows.median("guard_share1", base, FAR_START, "smc", True)
-    return {
-        "ise": smc,
-        "least": min(others),
-        "most": max(others),
-        "left": rows.median(E1, base, FAR_START, "smc", True),
-        "share": share,
-    }
+        def far(figure: str, law: str) -> float | None:
+            return self.rows.median(figure, base, FAR_START, law, True)
 
+        ise = {law: far("ise_total", law) for law in self.rows.laws}
+        smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
+        if smc is None or not others:
+            return None
+        own = {"ise": smc, "left": far(E1, "smc"), "share": far("guard_share1", "smc")}
+        return {**own, "least": min(others), "most": max(others)}
 
-def _spinning(rows: FigureTable, base: str) -> Numbers | None:
-    lost: list[tuple[str, float]] = []
-    steady: list[tuple[str, float]] = []
-    for law in rows.laws:
-        there, usual = (rows.median("ise_total", base, f, law, True) for f in (PUSHED, BASE))
-        if there is not None and usual is not None:
-            (lost if there > SPINS * usual else steady).append((look(law).label, there))
-    return {"lost": lost, "steady": steady} if lost else None
+    def spinning(self, base: str) -> Numbers | None:
+        """Laws that the adversary makes spin, and those that stay on the path, with their ISE."""
+        lost, steady = list[tuple[str, float]](), list[tuple[str, float]]()
+        for law in self.rows.laws:
+            there, usual = (
+                self.rows.median("ise_total", base, factor, law, True) for factor in (PUSHED, BASE)
+            )
+            if there is not None and usual is not None:
+                (lost if there > SPINS * usual else steady).append((look(law).label, there))
+        return {"lost": lost, "steady": steady} if lost else None
 
+    @property
+    def refused(self) -> Numbers | None:
+        """Runs that the guard refused, and the same cases without it."""
+        refused = [row for row in self.rows if row.outcome == REFUSED]
+        if not refused:
+            return None
+        cases = tuple(dict.fromkeys(row.case.name for row in refused))
+        alone = [row for row in self.rows.guarded(False) if row.case.name in cases]
+        return {
+            "cases": cases,
+            "runs": len(refused),
+            "words": refused[0].refusal,
+            "alone": len(alone),
+            "broken": _broken(alone),
+        }
 
-def _refused(rows: FigureTable) -> Numbers | None:
-    refused = [row for row in rows if row.outcome == REFUSED]
-    if not refused:
-        return None
-    cases = tuple(dict.fromkeys(row.case.name for row in refused))
-    alone = [r for r in rows.guarded(False) if r.case.name in cases]
-    return {
-        "cases": cases,
-        "runs": len(refused),
-        "words": refused[0].refusal,
-        "alone": len(alone),
-        "broken": _broken(alone),
-    }
+    def broken_by_prox(self, base: str) -> list[Numbers]:
+        """Cases in which prox breaks a limit without the guard."""
+        cases = {
+            factor: self.rows.of(factor, "prox", base=base, guard=False)
+            for factor in self.rows.scenarios(base)
+            if factor != OUTSIDE
+        }
+        return [
+            {"factor": f, "broken": _broken(runs), "runs": len(runs), "fastest": _fastest(runs)}
+            for f, runs in cases.items()
+            if _broken(runs)
+        ]
 
+    def price(self, base: str) -> dict[str, Cells]:
+        """ISE from the far start, and distances of the base case that the guard makes larger."""
+        far = _grown(self._cells(base, FAR_START, "ise_total"), 0.0)
+        worse = _grown(self._cells(base, BASE, AWAY), NOTICED)
+        return {"far": far, "worse": worse} if far or worse else {}
 
-def _broken_by_prox(rows: FigureTable, base: str) -> list[Numbers]:
-    cases = (
-        (f, rows.of(f, "prox", base=base, guard=False))
-        for f in rows.scenarios(base)
-        if f != OUTSIDE
-    )
-    return [
-        {"factor": f, "broken": _broken(runs), "runs": len(runs), "fastest": _fastest(runs)}
-        for f, runs in cases
-        if _broken(runs)
-    ]
+    def _cells(self, base: str, factor: str, figure: str) -> Cells:
+        """A figure of each law that was run so."""
+        median_of = self.rows.median
+        return [
+            (
+                look(law).label,
+                median_of(figure, base, factor, law, True),
+                median_of(figure, base, factor, law, False),
+            )
+            for law in self.rows.laws
+            if self._guarded(base, factor, law)
+        ]
 
+    def _guarded(self, base: str, factor: str, law: str) -> tuple[RunRow, ...]:
+        return self.rows.of(factor, law, base=base, guard=True)
 
-def _price(rows: FigureTable, base: str) -> dict[str, Cells]:
-    far = _grown(_cells(rows, base, FAR_START, "ise_total"), 0.0)
-    worse = _grown(_cells(rows, base, BASE, AWAY), NOTICED)
-    return {"far": far, "worse": worse} if far or worse else {}
+    # -- tables -------------------------------------------------------------------------------
 
+    def broken_table(self, base: str) -> TextTable:
+        """Runs that broke a limit, and the median of plant steps beyond it, without | with it."""
+        return self._table(base, lambda case, law: self._pair(base, case, law, _broken_cell))
 
-def _cells(rows: FigureTable, base: str, factor: str, figure: str) -> Cells:
-    """A figure of each law that was run so."""
-    return [
-        (
-            look(law).label,
-            rows.median(figure, base, factor, law, True),
-            rows.median(figure, base, factor, law, False),
+    def median_table(self, base: str, figure: str) -> TextTable:
+        """Median of a figure, lengths in mm, without | with the guard.
+
+        A figure of the time before the change is told only of cases with that change.
+        """
+        factor = 1e3 if FIGURES[figure].unit == "m" else 1.0
+
+        def value(case: str, law: str) -> float | None:
+            return self.rows.median(figure, base, case, law, True)
+
+        def cell(runs: Sequence[RunRow]) -> str:
+            middle = median(row[figure] for row in runs)
+            return _refused(runs) or shown(None if middle is None else factor * middle)
+
+        cases = [
+            case
+            for case in self.rows.scenarios(base)
+            if figure != E1_BEFORE or "changes" not in overrides_of(base, case)
+        ]
+        return table_by_law(
+            {case: case for case in cases},
+            self.rows.laws,
+            lambda case, law: self._pair(base, case, law, cell),
+            value,
         )
-        for law in rows.laws
-        if rows.of(factor, law, base=base, guard=True)
-    ]
+
+    def clip_table(self, base: str) -> TextTable:
+        """Median share of samples in which the guard changed thrust and moment [%]."""
+        return self._table(base, lambda case, law: _clip(self._guarded(base, case, law)))
+
+    def _table(self, base: str, cell: Callable[[str, str], str]) -> TextTable:
+        cases = {case: case for case in self.rows.scenarios(base)}
+        return table_by_law(cases, self.rows.laws, cell)
+
+    def _pair(self, base: str, case: str, law: str, cell: Callable[[Sequence[RunRow]], str]) -> str:
+        both = (self.rows.of(case, law, base=base, guard=guard) for guard in (False, True))
+        return " | ".join(map(cell, both))
+
+    @property
+    def price_table(self) -> TextTable | None:
+        """Usable speeds under the bounds of two cases of each base; None where none was run."""
+        head = ("bounds of", "M_min [kg]", "d̄ [N]", "friction f [N]", "v_use [m/s]",
+                "reference v₁d [m/s]", "ω_use [rad/s]", "reference |ωd| [rad/s]",
+                "T with v_use = 0 [ms]", "samples changed: thrust, moment [%]")  # fmt: skip
+        body = tuple(
+            (
+                f"{factor}, {base}",
+                *map(shown, _prices(base, factor)),
+                _clip([r for law in self.rows.laws for r in self._guarded(base, factor, law)]),
+            )
+            for factor in (BASE, PUSHED)
+            for base in self.rows.bases
+            if factor in self.rows.scenarios(base)
+        )
+        return TextTable(head, body) if body else None
 
 
 def _grown(cells: Cells, least: float) -> Cells:
@@ -231,33 +260,36 @@ def _fastest(runs: Iterable[RunRow]) -> float | None:
     return max((ratio for ratio in fastest if ratio is not None), default=None)
 
 
-def start_ratio(factor: str) -> float:
-    """Largest |v|/limit at the start of a case."""
-    scenario = load_scenario(SCENARIO, overrides_of(next(iter(BASES)), factor))
-    pairs = zip(scenario.initial.velocity, scenario.limits.v_u1, strict=True)
-    return max(abs(v) / limit for v, limit in pairs)
+def _broken_cell(runs: Sequence[RunRow]) -> str:
+    if not runs or _refused(runs):
+        return _refused(runs) or ABSENT
+    broken = [row for row in runs if row.broke]
+    if not broken:
+        return f"0/{len(runs)}"
+    ended = any(row.outcome in (Outcome.DIVERGED, Outcome.NON_FINITE) for row in runs)
+    steps = median(row["violations"] for row in broken) or 0.0
+    return f"{len(broken)}/{len(runs)}: {'diverged' if ended else f'{steps:.0f}'}"
 
 
-@dataclass(frozen=True, slots=True)
-class GuardPrice:
-    """What the guard leaves in a case: friction and dbar [N], M_min [kg], T [s].
+def _clip(runs: Sequence[RunRow]) -> str:
+    """Median share of samples in which the guard changed thrust and moment [%]."""
+    first, second = (median(row[f"guard_share{axis}"] for row in runs) for axis in (1, 2))
+    if first is None or second is None:
+        return _refused(runs) or ABSENT
+    return f"{shown(100 * first, 2)}, {shown(100 * second, 2)}"
 
-    ``usable`` speed and turn rate beside those ``asked`` of it [m/s, rad/s]; ``standstill`` is the
-    period from which on the usable speed is negative [s].
+
+def _refused(runs: Sequence[RunRow]) -> str:
+    return REFUSED if runs and all(row.outcome == REFUSED for row in runs) else ""
+
+
+def _prices(base: str, factor: str) -> tuple[float, ...]:
+    """Bounds of a case, and the speeds that they leave.
+
+    M_min [kg], dbar and the largest friction of the paper's robot [N]; by axis the usable speed and
+    that asked of it [m/s, rad/s]; the period from which on the usable speed is negative [ms].
     """
-
-    friction: float
-    dbar: float
-    mass: float
-    period: float
-    usable: tuple[float, float]
-    asked: tuple[float, float]
-    standstill: float
-
-
-def price_of(base: str, factor: str) -> GuardPrice:
-    """Usable speeds of a case against the largest friction of the paper's robot."""
-    scenario = _scenario(base, factor)
+    scenario = load_scenario(SCENARIO, {**overrides_of(base, factor), "guard.enabled": True})
     guard = settle(scenario, None).guard
     friction = largest_friction(load_scenario(SCENARIO))
     usable, asked = (
@@ -266,38 +298,5 @@ def price_of(base: str, factor: str) -> GuardPrice:
     )
     mass, dbar = (guard.M_min or (0.0, 0.0))[0], (guard.dbar or (0.0, 0.0))[0]
     room = scenario.limits.v_u1[0] - (guard.nbar or (0.0, 0.0))[0]
-    standstill = mass * room / (friction + net(guard, 0))
-    return GuardPrice(friction, dbar, mass, scenario.clock.control, usable, asked, standstill)
-
-
-def price_table(rows: FigureTable, cases: tuple[tuple[str, str], ...]) -> TextTable:
-    """The usable speeds under the bounds of each case, and how often the guard acted there."""
-    body = tuple(
-        (f"{factor}, {base}", *_priced(price_of(base, factor)), _changed(rows, base, factor))
-        for base, factor in cases
-    )
-    head = ("bounds of", "M_min [kg]", "d̄ [N]", "friction f [N]", "v_use [m/s]",
-            "reference v₁d [m/s]", "ω_use [rad/s]", "reference |ωd| [rad/s]",
-            "T with v_use = 0 [ms]", "samples changed: thrust, moment [%]")  # fmt: skip
-    return TextTable(
-        "Largest steady speed and turn rate that the guard admits, beside the reference's own "
-        "largest; and the share of samples in which it changed the force, median over laws and "
-        "seeds",
-        head, body,
-    )  # fmt: skip
-
-
-def _priced(price: GuardPrice) -> tuple[str, ...]:
-    pairs = (pair[axis] for axis in (0, 1) for pair in (price.usable, price.asked))
-    known = (price.mass, price.dbar, price.friction, *pairs, 1e3 * price.standstill)
-    return tuple(map(shown, known))
-
-
-def _changed(rows: FigureTable, base: str, factor: str) -> str:
-    return clip_shares(
-        [r for law in rows.laws for r in rows.of(factor, law, base=base, guard=True)]
-    )
-
-
-def _scenario(base: str, factor: str) -> Scenario:
-    return load_scenario(SCENARIO, {**overrides_of(base, factor), "guard.enabled": True})
+    standstill = 1e3 * mass * room / (friction + net(guard, 0))
+    return mass, dbar, friction, usable[0], asked[0], usable[1], asked[1], standstill

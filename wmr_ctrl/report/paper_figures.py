@@ -9,25 +9,25 @@ from typing import TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
     Place,
+    dot_handle,
     heading,
     include,
     law_handles,
-    legend_row,
     mark_switch,
     one_axes,
     plot_reference,
-    reference_handle,
     row_of_axes,
     running_mean,
     shade_limits,
-    switch_handle,
+    switch_handles,
     thin,
     thin_path,
 )
@@ -278,51 +278,38 @@ def paper_figure(number: int, group: Group, what: str) -> Iterator[Drawing]:
     """The panels and the sheet of Fig. ``number``; ``what`` names it in titles."""
     for panel in PANELS:
         if panel.of(group):
-            yield _panel(number, panel, group)
-    yield Drawing(
-        f"fig{number}_sheet", f"Fig. {number}: {what}", "All panels on one sheet.", SHEET_SIZE,
-        partial(_draw_sheet, group=group, title=f"Fig. {number} rerun: {what}"),
-    )  # fmt: skip
-
-
-def _panel(number: int, panel: Panel, group: Group) -> Drawing:
-    return Drawing(
-        f"fig{number}{panel.letter}_{panel.key}", f"Fig. {number}({panel.letter})", panel.title,
-        PANEL_SIZE, partial(_draw_panel, panel=panel, group=group),
-    )  # fmt: skip
+            yield Drawing(
+                f"fig{number}{panel.letter}_{panel.key}",
+                PANEL_SIZE,
+                partial(_draw_panel, panel=panel, group=group),
+                f"Fig. {number}({panel.letter}): {panel.title}",
+            )
+    draw = partial(_draw_sheet, group=group, title=f"Fig. {number} rerun: {what}")
+    yield Drawing(f"fig{number}_sheet", SHEET_SIZE, draw)
 
 
 def _draw_panel(figure: Figure, panel: Panel, group: Group) -> None:
     visible = panel.of(group)
     panel.draw(figure, visible, Padding())
-    heading(figure, f"({panel.letter}) {panel.title}")
-    _legend(figure, visible, path=panel.path, switch=not panel.path)
+    handles = _handles(visible, path=panel.path, switch=not panel.path)
+    heading(figure, f"({panel.letter}) {panel.title}", handles)
 
 
 def _draw_sheet(figure: Figure, group: Group, title: str) -> None:
     width, height = SHEET_SIZE
     head = 0.62
     figure.text(0.1 / width, 1 - 0.12 / height, title, weight="bold", size=12, va="top")
-    _legend(figure, group, path=True, switch=True, below=0.40)
+    heading(figure, "", _handles(group, path=True, switch=True), 0.40)
     ratios = (head, *6 * ((height - head) / 6,))
     grid = figure.add_gridspec(7, 2, height_ratios=ratios, hspace=0.0, wspace=0.0)
     for index, panel in enumerate(PANELS):
-        part = figure.add_subfigure(grid[index // 2 + 1, index % 2])
-        _draw_part(part, panel, group)
+        part, visible = figure.add_subfigure(grid[index // 2 + 1, index % 2]), panel.of(group)
+        heading(part, f"({panel.letter}) {panel.title}")
+        if visible:
+            panel.draw(part, visible, _SHEET_PADDING)
 
 
-def _draw_part(part: SubFigure, panel: Panel, group: Group) -> None:
-    visible = panel.of(group)
-    heading(part, f"({panel.letter}) {panel.title}")
-    if visible:
-        panel.draw(part, visible, _SHEET_PADDING)
-
-
-def _legend(figure: Figure, group: Group, *, path: bool, switch: bool, below: float = 0.24) -> None:
-    handles = law_handles(group)
-    if path:
-        handles.append(reference_handle())
-    time = switch_time(next(iter(group.values())))
-    if switch and time is not None:
-        handles.append(switch_handle(time))
-    legend_row(figure, handles, below)
+def _handles(group: Group, *, path: bool, switch: bool) -> list[Line2D]:
+    reference = [dot_handle("reference", "white", INK, size=3.2)] if path else []
+    time = switch_time(next(iter(group.values()))) if switch else None
+    return [*law_handles(group), *reference, *switch_handles(time)]

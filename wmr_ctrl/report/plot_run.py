@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 import os
 from functools import partial
-from pathlib import Path
 from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -23,6 +22,7 @@ from wmr_ctrl.report.drawing import (
     running_mean,
     save_figure,
     shade_limits,
+    target_of,
     thin,
     thin_path,
 )
@@ -38,7 +38,7 @@ from wmr_ctrl.report.style import (
     shown,
     verbatim,
 )
-from wmr_ctrl.results import FloatArray, Run, check_writable, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
 from wmr_ctrl.world.references import Waypoints
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -53,7 +53,8 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     Raises ResultFileError for another suffix or where the file cannot be written, ArgumentError
     for a run without any sample.
     """
-    target = None if path is None else _target(path)
+    known = f"a run is drawn as {', '.join(SUFFIXES)}"
+    target = None if path is None else target_of(path, SUFFIXES, known)
     with house_style():
         figure = overview(run).figure()
         if target is not None:
@@ -61,23 +62,11 @@ def plot_run(run: Run, path: str | os.PathLike[str] | None = None) -> Figure:
     return figure
 
 
-def _target(path: str | os.PathLike[str]) -> Path:
-    """The path, which can be written and whose suffix names a format."""
-    target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
-        raise ResultFileError(
-            f"{str(target)!r} has the suffix {target.suffix!r}; a run is drawn as "
-            f"{', '.join(SUFFIXES)}. Give the file one of these suffixes."
-        )
-    check_writable(target)
-    return target
-
-
 def overview(run: Run) -> Drawing:
     """The page as a drawing; raises ArgumentError for a run without any sample."""
     if not run.rows:
         raise ArgumentError("the run has no sample to draw: it ended before the first one.")
-    return Drawing("run", f"{run.scenario}, {run.law}", "", _SIZE, partial(_draw, run=run))
+    return Drawing("run", _SIZE, partial(_draw, run=run))
 
 
 def _draw(figure: Figure, run: Run) -> None:

@@ -1,8 +1,8 @@
-"""The section on the rigid body: what came out, plant against rigid body, with its pictures."""
+"""Numbers, tables and figures of the section on the rigid body, beside the plane model."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,35 +11,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.campaign import Campaign, FigureTable, RunRow, Study, spread
+from wmr_ctrl.campaign import Campaign, FigureTable, RunRow, spread
 from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES
 from wmr_ctrl.campaign.rigid_claims import rigid_claims
-from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, legend_row, row_of_axes
+from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
-from wmr_ctrl.report.tables import TextTable, headed
+from wmr_ctrl.report.tables import TextTable, headed, ranged
 from wmr_ctrl.results import PLANTS, Run
-from wmr_ctrl.results.windows import LATE
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
-RIGID_FIGURES = ("rigid_fall", "rigid_film")
-"""Names of the figures, in the section's order."""
-
-
-@dataclass(frozen=True, slots=True)
-class RigidSection:
-    """All that the section's template shows; ``findings`` by case."""
-
-    seeds: Sequence[int]
-    findings: Sequence[tuple[str, Sequence[RigidFinding]]]
-    claims: TextTable
-    table: TextTable
-    drawings: Sequence[Drawing]
 
 
 @dataclass(frozen=True, slots=True)
 class RigidFinding:
-    """What a law did on the rigid body: how many of its runs fell, slid and broke a limit.
+    """Runs of a law on the rigid body: how many fell, slid and broke a limit.
 
     ``first_fall`` [s]; ``apart``: largest distance of a seed's ISE from the plane model's, a share.
     """
@@ -53,18 +39,74 @@ class RigidFinding:
     apart: float | None
 
 
-def rigid_section(rows: FigureTable, drawings: Sequence[Drawing]) -> RigidSection:
-    """Numbers of the sentences, the table and the figures."""
-    seeds = sorted({row.seed for row in rows})
-    cases = ((case.scenario, _findings(rows, case)) for case in RIGID_STUDIES["ode"])
-    findings = tuple((name, laws) for name, laws in cases if laws)
-    return RigidSection(seeds, findings, _claims(rows), _table(rows), tuple(drawings))
+@dataclass(frozen=True)
+class RigidSection:
+    """The rows on both plants, as the section's template shows them."""
 
+    campaign: Campaign
 
-def _findings(rows: FigureTable, case: Study) -> list[RigidFinding]:
-    name = case.scenario
-    pairs = {law: [rows.of(name, law, plant=p) for p in PLANTS] for law in case.laws or ()}
-    return [_finding(law, *pair) for law, pair in pairs.items() if all(pair)]
+    @property
+    def rows(self) -> FigureTable:
+        """The rows of both plants."""
+        return self.campaign.table
+
+    @property
+    def findings(self) -> dict[str, list[RigidFinding]]:
+        """Findings by case, of the laws that ran on both plants."""
+        by_case: dict[str, list[RigidFinding]] = {}
+        for name, law, plane, body in self._pairs():
+            if plane:
+                by_case.setdefault(name, []).append(_finding(law, plane, body))
+        return by_case
+
+    @property
+    def claims(self) -> TextTable:
+        """Expectations of a robot with tyres, and the verdicts."""
+        verdict = {True: "HOLDS", False: "DOES NOT HOLD"}
+        return TextTable(
+            ("asked", "law", "verdict", "found"),
+            tuple(
+                (claim.text, headed(claim.law), verdict[claim.holds], claim.numbers)
+                for claim in rigid_claims(self.rows)
+            ),
+        )
+
+    @property
+    def table(self) -> TextTable:
+        """Both plants side by side."""
+        head = ("case", "ISE, plane", "ISE, tyres", "e₁, plane [mm]", "e₁, tyres [mm]",
+                "slips [s]", "falls [s]")  # fmt: skip
+        body = tuple(
+            (f"{name}: {headed(law)}", *_cells(plane, tyres))
+            for name, law, plane, tyres in self._pairs()
+        )
+        return TextTable(head, body)
+
+    @property
+    def fallen(self) -> dict[str, Run]:
+        """First runs that fell as printed, by law."""
+        runs = {law: self.campaign.runs.get((AS_PRINTED, law)) for law in ("mb", "nn")}
+        return {
+            law: run
+            for law, run in runs.items()
+            if run and run.rows > 1 and run.monitor.rigid and run.monitor.rigid.tipped
+        }
+
+    @property
+    def last_fallen(self) -> str:
+        """Label of the law whose fall is drawn."""
+        return look([*self.fallen][-1]).label
+
+    def _pairs(self) -> list[tuple[str, str, tuple[RunRow, ...], tuple[RunRow, ...]]]:
+        """Case, law and the rows of both plants, of each case and law that ran on tyres."""
+        plane, body = PLANTS
+        rows = self.rows.of
+        return [
+            (case.scenario, law, rows(case.scenario, law, plant=plane), tyres)
+            for case in RIGID_STUDIES[plane]
+            for law in case.laws or ()
+            if (tyres := rows(case.scenario, law, plant=body))
+        ]
 
 
 def _finding(law: str, plane: Sequence[RunRow], body: Sequence[RunRow]) -> RigidFinding:
@@ -82,89 +124,26 @@ def _finding(law: str, plane: Sequence[RunRow], body: Sequence[RunRow]) -> Rigid
     )
 
 
-def _claims(rows: FigureTable) -> TextTable:
-    body = tuple(
-        (claim.text, headed(claim.law), "HOLDS" if claim.holds else "DOES NOT HOLD", claim.numbers)
-        for claim in rigid_claims(rows)
-    )
-    caption = (
-        "What a robot with tyres ought to do, and what came out: least … greatest of all seeds"
-    )
-    return TextTable(caption, ("asked", "law", "verdict", "found"), body)
-
-
-def _table(rows: FigureTable) -> TextTable:
-    body = tuple(
-        (f"{case.scenario}: {headed(law)}", *_cells(rows, case.scenario, law))
-        for case in RIGID_STUDIES["ode"]
-        for law in case.laws or ()
-        if rows.of(case.scenario, law, plant=PLANTS[1])
-    )
-    head = ("case", "ISE, plane", "ISE, tyres", "e₁, plane [mm]", "e₁, tyres [mm]", "slips [s]",
-            "falls [s]")  # fmt: skip
-    start, end = LATE
-    caption = (
-        f"Plane model and rigid body: ISE [m² s + rad² s] over the run, RMS of e₁ over "
-        f"{start:g}–{end:g} s, and when a tread first slides and the robot falls: median (least … "
-        "greatest) of the seeds in which it does"
-    )
-    return TextTable(caption, head, body)
-
-
-def _cells(rows: FigureTable, case: str, law: str) -> tuple[str, ...]:
-    plane, body = (rows.of(case, law, plant=plant) for plant in PLANTS)
+def _cells(plane: Sequence[RunRow], body: Sequence[RunRow]) -> tuple[str, ...]:
+    upright = [row for row in body if not row["tipped"]]
     return (
-        _range(row[ISE] for row in plane),
-        _range(row[ISE] if not row["tipped"] else None for row in body),
-        _range((row[E1] for row in plane), 1e3), _range((row[E1] for row in body), 1e3),
-        _range(row["slipped"] for row in body), _range(row["tipped"] for row in body),
-    )  # fmt: skip
-
-
-def _range(values: Iterable[float | None], factor: float = 1.0) -> str:
-    given = spread(None if value is None else factor * value for value in values)
-    low, middle, high = (shown(x) for x in (given.min, given.median, given.max))
-    return middle if low == high else f"{middle} ({low} … {high})"
+        *(ranged(spread(row[ISE] for row in rows)) for rows in (plane, upright)),
+        *(ranged(spread(row[E1] for row in rows), 1e3) for rows in (plane, body)),
+        *(ranged(spread(row[event] for row in body)) for event in ("slipped", "tipped")),
+    )
 
 
 # -- the figures --------------------------------------------------------------------------
 
 
-def rigid_figures(rows: Campaign) -> tuple[Drawing, ...]:
-    """Spin and fall over time, and the fall as a film, of the laws that fell as printed."""
-    laws = tuple(law for law in ("mb", "nn") if _fell(rows, law))
-    if not laws:
+def rigid_figures(campaign: Campaign) -> tuple[Drawing, ...]:
+    """Spin and fall over time, and the last fall as a film; none where no law fell as printed."""
+    runs = RigidSection(campaign).fallen
+    if not runs:
         return ()
-    runs = {law: rows.runs[AS_PRINTED, law] for law in laws}
-    law = laws[-1]
     return (
-        Drawing(
-            "rigid_fall",
-            "How the paper’s laws fall",
-            "The rigid body under the laws as printed, first seed, until it has tipped: how fast "
-            "the treads slide over the ground (right solid, left dashed), and how far it leans.",
-            (9.6, 2.6),
-            partial(_draw_fall, runs=runs),
-        ),
-        Drawing(
-            "rigid_film",
-            f"The last moments of {look(law).label}",
-            "From the side, drawn from the log at equal times up to the fall: the lean is that of "
-            "the axis from the ground’s normal, whichever way; the spoke is where the wheel "
-            "turned to; the figures are the speeds over ground and of the tread.",
-            (9.6, 2.0),
-            partial(_draw_film, run=runs[law]),
-        ),
-    )
-
-
-def _fell(rows: Campaign, law: str) -> bool:
-    run = rows.runs.get((AS_PRINTED, law))
-    return (
-        run is not None
-        and run.rows > 1
-        and (run.monitor.rigid is not None)
-        and bool(run.monitor.rigid.tipped)
+        Drawing("rigid_fall", (9.6, 2.6), partial(_draw_fall, runs=runs)),
+        Drawing("rigid_film", (9.6, 2.0), partial(_draw_film, run=[*runs.values()][-1])),
     )
 
 
@@ -178,8 +157,7 @@ def _draw_fall(figure: Figure, runs: dict[str, Run]) -> None:
         tilt.plot(run.time, np.degrees(run["tilt"]), color=colour)
     slip.set(xlabel="t [s]", ylabel="tread over ground [m/s]")
     tilt.set(xlabel="t [s]", ylabel="lean [degrees]")
-    heading(figure, "Spin and fall of the laws as printed, on tyres")
-    legend_row(figure, law_handles(runs), 0.26)
+    heading(figure, "Spin and fall of the laws as printed, on tyres", law_handles(runs), 0.26)
 
 
 FRAMES = 6
@@ -216,5 +194,4 @@ def _frame(axes: Axes, scenario: Scenario, tilt: float, turned: float) -> None:
     axes.plot([centre[0], spoke[0]], [centre[1], spoke[1]], color=INK, lw=1.0)
     axes.axhline(0, color=MUTED, lw=0.9)
     axes.set(xlim=(-0.45, 0.45), ylim=(-0.15, 0.5), aspect="equal", xticks=[], yticks=[])
-    for side in axes.spines.values():
-        side.set_visible(False)
+    axes.spines[:].set_visible(False)

@@ -1,20 +1,24 @@
-"""One look for every figure and number: laws' colours, a paper's sizes, digits, units' signs."""
+"""One look for every figure, number and page: colours, sizes, digits, units' signs, templates."""
 
 from __future__ import annotations
 
+import base64
 import math
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import matplotlib as mpl
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from wmr_ctrl.fields.problems import printable
 
 PAPER = "#ffffff"
-"""What drawings and pages stand on."""
+"""Background of drawings and pages."""
 
 INK = "#222222"
 """Axes, text and the robot."""
@@ -81,7 +85,7 @@ AFTER_DARK: Mapping[str, str] = MappingProxyType(
         "#4c4c9d": "#9f9ff0",
     }
 )
-"""What each colour of a drawing becomes where a reader has asked for dark pages."""
+"""Each colour of a drawing, and its counterpart where a reader has asked for dark pages."""
 
 
 def look(law: str) -> Look:
@@ -93,7 +97,7 @@ def look(law: str) -> Look:
 
 
 def driver(law: str, guarded: bool) -> str:
-    """Who drives a run, for its title."""
+    """Law and guard of a run, for its title."""
     return f"{look(law).label}{', guarded' if guarded else ''}"
 
 
@@ -174,34 +178,52 @@ def shown(value: float | None, digits: int = 3) -> str:
     """A number with ``digits`` significant digits, never in programmers' notation; – for None."""
     if value is None or math.isnan(value):
         return ABSENT
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return _plain(value, digits)
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa}·10{_raised(int(exponent))}".replace("-", "−")
-
-
-def _plain(value: float, digits: int) -> str:
     if value == 0:
         return "0"
-    exponent = int(f"{value:.{digits - 1}e}".split("e")[1])
-    places = digits - 1 - exponent
-    return f"{round(value, places):.{max(places, 0)}f}".replace("-", "−")
+    mantissa, power = f"{value:.{digits - 1}e}".split("e")
+    if 1e-3 <= abs(value) < 1e5:
+        places = digits - 1 - int(power)
+        return f"{round(value, places):.{max(places, 0)}f}".replace("-", "−")
+    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa}·10{raised}".replace("-", "−")
 
 
-def _raised(exponent: int) -> str:
-    signs = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-    return str(exponent).translate(signs)
+def page_environment() -> Environment:
+    """The templates; texts are escaped, and a name that is not given is an error."""
+    return Environment(
+        loader=PackageLoader("wmr_ctrl.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
 
 
-class SpokenNumber(float):
-    """A number for sentences: three digits, or by its format ``%`` per cent, ``mm`` millimetres."""
-
-    def __format__(self, spec: str) -> str:
-        if spec == "%":
-            return f"{shown(100 * self, 2)} %"
-        return f"{shown(1000 * self, 2)} mm" if spec == "mm" else shown(float(self))
+def picture(path: Path) -> str:
+    """An SVG file as the address of an image, so that the page needs no other file."""
+    text = two_schemes(path.read_text(encoding="utf-8"))
+    return "data:image/svg+xml;base64," + base64.b64encode(text.encode()).decode("ascii")
 
 
-def spoken(value: float | None) -> SpokenNumber:
-    """A number for sentences; NaN stands for one that is missing."""
-    return SpokenNumber(math.nan if value is None else value)
+_COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
+"""A colour in a style, as matplotlib writes it."""
+
+
+def two_schemes(svg: str) -> str:
+    """The drawing with its colours as names, and both meanings of each name: light and dark.
+
+    A colour that has no dark one stays as it is in both.
+    """
+    light = "".join(f"--{colour[1:]}:{colour};" for colour in AFTER_DARK)
+    dark = "".join(f"--{colour[1:]}:{after};" for colour, after in AFTER_DARK.items())
+    # Text without a style of its own inherits the drawing's.
+    style = (
+        f"<style>svg{{fill:var(--{INK[1:]});{light}}}"
+        f"@media (prefers-color-scheme:dark){{svg{{{dark}}}}}</style>"
+    )
+    before, tag, rest = re.split(r"(<svg[^>]*>)", svg, maxsplit=1)
+    return before + tag + style + _COLOUR.sub(_name, rest)
+
+
+def _name(colour: re.Match[str]) -> str:
+    return f"var(--{colour[1]})" if colour[0] in AFTER_DARK else colour[0]

@@ -1,33 +1,88 @@
-"""Writing a finished reproduction: its figures, tables, claims and page.  Nothing is run here."""
+"""Files of a finished reproduction: figures, tables, claims and page.  Nothing is run here."""
 
 from __future__ import annotations
 
+import csv
+import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
-from wmr_ctrl.errors import ArgumentError, ResultFileError
-from wmr_ctrl.report.comparison_figures import comparison_figures
-from wmr_ctrl.report.data_files import (
-    write_claims,
-    write_comparison,
-    write_rigid,
-    write_runs,
-    write_table,
+from wmr_ctrl.campaign import (
+    PAPER_LAWS,
+    STATISTICS,
+    Campaign,
+    FigureTable,
+    PhaseProgress,
+    RunRow,
+    Silent,
 )
+from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
+from wmr_ctrl.campaign.rigid import COMPARED
+from wmr_ctrl.campaign.table import reported
+from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.paper import CITATION
+from wmr_ctrl.report.claims import RULE, Judged, Measured, Verdict, load_readings
+from wmr_ctrl.report.comparison_figures import comparison_figures
 from wmr_ctrl.report.drawing import Drawing
-from wmr_ctrl.report.guarantee_figures import guarantee_figures
-from wmr_ctrl.report.guard_section import guard_section
-from wmr_ctrl.report.measure_figures import measure_figures
-from wmr_ctrl.report.page import Page, load_readings, write_page
+from wmr_ctrl.report.evidence_figures import evidence_figures
+from wmr_ctrl.report.page import Reproduction, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
-from wmr_ctrl.report.reproduction import Reproduction, Verdicts
-from wmr_ctrl.report.rigid_section import rigid_figures, rigid_section
-from wmr_ctrl.results import check_writable, make_folder
+from wmr_ctrl.report.rigid_section import rigid_figures
+from wmr_ctrl.results import atomic_write, check_writable, json_safe, make_folder
+from wmr_ctrl.results.windows import BEFORE, LATE
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """The verdict on every claim, the table behind them, and the files that were written."""
+
+    judged: tuple[Judged, ...]
+    table: FigureTable
+    folder: Path
+    files: tuple[Path, ...]
+
+    @property
+    def changed(self) -> tuple[Judged, ...]:
+        """Claims whose verdict is not the committed one."""
+        return tuple(one for one in self.judged if not one.as_expected)
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether every verdict is the committed one."""
+        return not self.changed
+
+    @property
+    def ok(self) -> bool:
+        """Short for :attr:`as_expected`."""
+        return self.as_expected
+
+    @property
+    def report(self) -> Path:
+        """The page to open."""
+        return self.folder / "report.html"
+
+    def count(self, verdict: Verdict) -> int:
+        """Number of claims with this verdict."""
+        return sum(1 for one in self.judged if one.verdict == verdict)
+
+    def __str__(self) -> str:
+        """One line per claim, then a summary; lines on changed verdicts if there are any."""
+        wide = max((len(one.verdict.value) for one in self.judged), default=0)
+        lines = [
+            f"{one.verdict.value:<{wide}} {one.claim.section:<18} {one.claim.title}"
+            for one in self.judged
+        ]
+        counts = ", ".join(f"{self.count(v)} {v.value}" for v in Verdict if self.count(v))
+        changed = [
+            f"CHANGED: {one.claim.id} is {one.verdict.value}, committed is {one.claim.expected}."
+            for one in self.changed
+        ]
+        return "\n".join((*lines, "", f"{len(self.judged)} claims: {counts}.", *changed))
 
 
 def write_reproduction(
@@ -46,16 +101,16 @@ def write_reproduction(
     figures = home / "figures"
     make_folder(figures)
     compared, rigid = reproduction.comparison, reproduction.rigid
-    past = comparison_figures(compared) if compared else ()
-    fall = rigid_figures(rigid) if rigid.table else ()
-    drawings = (*all_drawings(reproduction.campaign), *past, *fall)
+    drawings = (
+        *all_drawings(reproduction.campaign),
+        *(comparison_figures(compared) if compared else ()),
+        *rigid_figures(rigid),
+    )
     pictures = _draw(drawings, figures, progress or Silent())
-    section = guard_section(compared, past) if compared else None
-    body = rigid_section(rigid.table, fall) if rigid.table else None
     write_table(home / "table.csv", table)
     write_runs(home / "runs.csv", table)
-    write_claims(home / "claims.json", reproduction.judged, table, load_readings())
-    write_page(home / "report.html", Page(reproduction, drawings, figures, section, body))
+    write_claims(home / "claims.json", reproduction.judged, table)
+    write_page(home / "report.html", reproduction, drawings, figures)
     if compared:
         write_comparison(home / COMPARISON_FILE, compared)
     if rigid.table:
@@ -79,8 +134,7 @@ def all_drawings(campaign: Campaign) -> tuple[Drawing, ...]:
     return (
         *paper_figure(3, fig3, "simulation of Section V"),
         *paper_figure(5, fig5, "experiment of Section VI, simulated"),
-        *measure_figures(campaign),
-        *guarantee_figures(campaign),
+        *evidence_figures(campaign),
     )
 
 
@@ -120,3 +174,126 @@ def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress) ->
     finally:
         progress.done()
     return paths
+
+
+# -- the data: cells are empty, and JSON null, where there is no number ---------------------
+
+
+def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a header and rows, whole or not at all; None becomes an empty cell."""
+    with atomic_write(path, text=True) as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def write_table(path: Path, table: FigureTable) -> None:
+    """One row per scenario, law and statistic over the seeds; a column per figure."""
+    rows = []
+    for case in table.cases:
+        spreads = [table.spread(figure.name, *case).statistics for figure in reported()]
+        seeds = len(table.case(*case))
+        rows += [(*case, seeds, name, *(one[name] for one in spreads)) for name in STATISTICS]
+    figures = (figure.heading for figure in reported())
+    write_csv(path, ("scenario", "law", "seeds", "statistic", *figures), rows)
+
+
+def write_runs(path: Path, table: FigureTable) -> None:
+    """One row per run, with all of its figures."""
+    rows = (
+        (row.case.name, row.case.law, row.seed, row.outcome, *(row[f.name] for f in reported()))
+        for row in table
+    )
+    figures = (figure.heading for figure in reported())
+    write_csv(path, ("scenario", "law", "seed", "outcome", *figures), rows)
+
+
+_BEFORE, _LATE = (f"{start:g}-{end:g} s" for start, end in (BEFORE, LATE))
+_COMPARISON = {
+    "max |v1|/limit [1]": "limit_ratio1",
+    "max |omega|/limit [1]": "limit_ratio2",
+    f"RMS distance over {_LATE} [m]": AWAY,
+    f"largest distance over {_LATE} [m]": FARTHEST,
+    "ISE [m2.s + rad2.s]": "ise_total",
+    f"mean |e1| over {_BEFORE} [m]": E1_BEFORE,
+    f"mean |e1| over {_LATE} [m]": E1,
+    "peak wheel torque [N.m]": "tau_peak",
+}
+"""Columns of ours.csv by figure."""
+_CLIP = {
+    "share of time in clip, thrust [1]": "guard_share1",
+    "share of time in clip, moment [1]": "guard_share2",
+}
+"""Those that only guarded runs have."""
+
+
+def write_comparison(path: Path, table: Iterable[RunRow]) -> None:
+    """Every run of the comparison with its figures."""
+    rows = []
+    for row in table:
+        case, steps = row.case, row["violations"]
+        figures = (row[name] for name in _COMPARISON.values())
+        clip = (row[name] if case.guard else None for name in _CLIP.values())
+        guard, whole = "on" if case.guard else "off", None if steps is None else int(steps)
+        about = (case.base, case.name, case.law, guard, row.seed, row.outcome, whole)
+        rows.append((*about, *figures, *clip))
+    names = ("base", "case", "law", "guard", "seed", "outcome", "steps beyond a limit [1]")
+    write_csv(path, (*names, *_COMPARISON, *_CLIP), rows)
+
+
+def write_rigid(path: Path, table: Iterable[RunRow]) -> None:
+    """Every run on either plant."""
+    header = ("case", "law", "seed", "plant", "outcome", "ISE [m2.s + rad2.s]",
+              f"RMS of e1 over {_BEFORE} [m]", f"RMS of e1 over {_LATE} [m]",
+              "max |v|/limit [1]", "first slip [s]", "fall [s]")  # fmt: skip
+    rows = (
+        (r.case.name, r.case.law, r.seed, r.case.plant, r.outcome, *map(r.__getitem__, COMPARED))
+        for r in table
+    )
+    write_csv(path, header, rows)
+
+
+def write_claims(path: Path, judged: Sequence[Judged], table: FigureTable) -> None:
+    """Every claim with its tests and verdict, and the readings, as JSON."""
+    content = {
+        "paper": CITATION,
+        "seeds": table.seeds,
+        "rule": RULE,
+        "as_expected": all(one.as_expected for one in judged),
+        "claims": [_claim(one) for one in judged],
+        "read_into_the_paper": load_readings(),
+    }
+    with atomic_write(path, text=True) as file:
+        json.dump(json_safe(content), file, indent=1, ensure_ascii=False, allow_nan=False)
+        file.write("\n")
+
+
+def _claim(judged: Judged) -> dict[str, object]:
+    claim = judged.claim
+    return {
+        "id": claim.id,
+        "section": claim.section,
+        "title": claim.title,
+        "quote": claim.quote,
+        "threshold": claim.threshold,
+        "tests": [_test(test) for test in judged.tests],
+        "verdict": judged.verdict.value,
+        "expected": claim.expected.value,
+        "explanation": judged.explanation,
+    }
+
+
+def _test(test: Measured) -> dict[str, object]:
+    spec = test.spec
+    return {
+        "measure": spec.text,
+        "figure": spec.figure,
+        "scenarios": spec.scenarios,
+        "laws": spec.laws,
+        "at_least": spec.at_least,
+        "at_most": spec.at_most,
+        "unit": spec.unit or "1",
+        "found": {"seeds": len(test.values), **test.spread.statistics},
+        "seeds_that_keep_it": test.keeping if spec.decides else None,
+        "passed": test.passed,
+    }

@@ -1,0 +1,271 @@
+"""Figures past Fig. 3 and Fig. 5: what one ISE cannot show, and where the guarantee ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wmr_ctrl.campaign import Campaign, FigureTable
+from wmr_ctrl.report.drawing import (
+    Drawing,
+    Padding,
+    dot_handle,
+    dots,
+    heading,
+    law_handles,
+    law_marks,
+    law_rows,
+    line_handle,
+    mark_switch,
+    one_axes,
+    plain_ticks,
+    row_of_axes,
+    rows_of,
+    running_rms,
+    shade_beyond,
+    switch_handles,
+    thin,
+)
+from wmr_ctrl.report.paper_figures import switch_time
+from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
+from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.scenario import load_scenario
+
+Runs: TypeAlias = Mapping[tuple[str, str], Run]
+"""First runs by scenario and law."""
+WITH, WITHOUT = "paper-simulation", "paper-simulation-no-switch"
+NOMINAL = "paper-simulation-nominal"
+_TALL = 2.05
+
+
+def evidence_figures(campaign: Campaign) -> tuple[Drawing, ...]:
+    """Every figure, in the report's order."""
+    table, runs = campaign.table, campaign.runs
+    high = 0.9 + 0.07 * len(table.scenarios()) * len(table.laws)
+    return (
+        Drawing("measure", (9.6, 2.6), partial(_draw_measure, table=table)),
+        Drawing("switch", (9.6, 2.5), partial(_draw_switch, runs=runs, laws=table.laws)),
+        Drawing("lyapunov_noise_free", (9.6, 2.4), partial(_draw_barrier, runs=runs)),
+        Drawing("torque", (9.6, 2.0), partial(_draw_torque, table=table)),
+        Drawing("limits_all_seeds", (9.6, high), partial(_draw_limits, table=table)),
+        Drawing("stress_velocities", (9.6, 2 * _TALL + 0.55), partial(_draw_stress, runs=runs)),
+    )
+
+
+# -- ISE and late e1 of every seed, with and without the change of parameters ---------------
+
+
+def _draw_measure(figure: Figure, table: FigureTable) -> None:
+    padding = Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
+    left, right = row_of_axes(figure, padding, (1, 1), 0.95)
+    _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
+    _panel_measure(right, table, "e1_rms_70_80", "RMS of $e_1$ over 70–80 s [m]")
+    handles = [
+        dot_handle("parameters change at 40 s"),
+        dot_handle("the same seeds without the change", face="white"),
+    ]
+    heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
+
+
+def _panel_measure(axes: Axes, table: FigureTable, name: str, label: str) -> None:
+    law_rows(axes, table.laws)
+    axes.set(xscale="log", xlabel=label)
+    plain_ticks(axes)
+    for row, law in enumerate(table.laws):
+        changed, same = (table.values(name, case, law) for case in (WITH, WITHOUT))
+        dots(axes, changed.values(), row - 0.2, law)
+        dots(axes, same.values(), row + 0.2, law, filled=False)
+        axes.annotate(_factor(changed, same), (1, row), xycoords=("axes fraction", "data"),
+                      xytext=(6, 0), textcoords="offset points", va="center", size=8,
+                      weight="bold", color=INK)  # fmt: skip
+    axes.annotate("factor", (1, 1), xycoords="axes fraction", xytext=(6, 4), va="bottom",
+                  textcoords="offset points", size=6.5, color=MUTED)  # fmt: skip
+
+
+def _factor(changed: dict[int, float | None], same: dict[int, float | None]) -> str:
+    """Median over the seeds of the ratio with the change to without."""
+    ratios = [
+        value / other
+        for seed, value in changed.items()
+        if value is not None and (other := same.get(seed))
+    ]
+    return f"× {shown(float(np.median(ratios)))}" if ratios else ""
+
+
+# -- running RMS of e1 with and without the change, one small panel per law ------------------
+
+_FROM = 20.0
+_MEAN = 1.0
+
+
+def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
+    padding = Padding(left=0.62, right=0.12, bottom=0.42, top=0.64)
+    row = row_of_axes(figure, padding, (1,) * len(laws), 0.16)
+    for axes, law in zip(row, laws, strict=True):
+        changed = runs[WITH, law]
+        axes.plot(*_running_error(runs[WITHOUT, law]), color=MUTED, lw=0.9)
+        axes.plot(*_running_error(changed), color=look(law).colour, lw=1.4)
+        axes.set(yscale="log", xlabel="t [s]", xlim=(_FROM, changed.settings.duration))
+        axes.set_xticks((30, 40, 50, 60, 70))
+        axes.set_title(look(law).label, color=look(law).colour, pad=3)
+        axes.tick_params(labelleft=axes is row[0])
+        mark_switch(axes, switch_time(changed))
+    row[0].set_ylabel("RMS of $e_1$ over 1 s [m]")
+    ranges = np.array([axes.get_ylim() for axes in row])
+    for axes in row:
+        axes.set_ylim(ranges[:, 0].min(), ranges[:, 1].max())
+    handles = [
+        line_handle("with the change", INK),
+        line_handle("without it, same noise", MUTED, 1.0),
+        *switch_handles(switch_time(runs[WITH, laws[0]])),
+    ]
+    heading(figure, "What the change at 40 s does to the error along the heading", handles, 0.26)
+
+
+def _running_error(run: Run) -> tuple[FloatArray, FloatArray]:
+    rows = slice(run.settings.index(_FROM), None)
+    rms = running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
+    return thin(run.time[rows], np.maximum(rms[rows], 1e-6), 600)
+
+
+# -- V1 of MB and NN without noise and without the change; rises are marked -------------------
+
+LAWS = ("mb", "nn")
+_END = 5.0
+"""How long V1 is shown [s]."""
+_FLOOR = 1e-6
+"""The least V1 that is shown."""
+
+
+def _draw_barrier(figure: Figure, runs: Runs) -> None:
+    axes = one_axes(figure, Padding(left=0.62, right=0.14, bottom=0.42, top=0.50))
+    for law in LAWS:
+        run = runs[NOMINAL, law]
+        rows = slice(0, run.settings.index(_END))
+        t, y = run.time[rows], np.maximum(run["V1"][rows], _FLOOR)
+        axes.plot(t, y, color=look(law).colour, lw=1.1)
+        rising = np.concatenate((np.diff(y) > 0, [False]))
+        rising[1:] |= rising[:-1].copy()
+        axes.plot(t, np.where(rising, y, np.nan), color=LIMIT, lw=2.0, alpha=0.9)
+    axes.set(yscale="log", xlabel="t [s]", ylabel="V₁", xlim=(0, _END), ylim=(_FLOOR, 20))
+    handles = [*law_handles(LAWS), line_handle("rising", LIMIT, 2.2)]
+    heading(figure, "Lyapunov function values without noise", handles)
+
+
+# -- RMS from 2 s on and peak of the wheel torque, every law and seed -------------------------
+
+
+def slip_torque() -> float:
+    """Wheel torque at which the paper's robot spins its wheels [N m].
+
+    All its weight on the two driving wheels, and a tyre's friction coefficient of 1: m g r / 2.
+    """
+    robot = load_scenario(WITH).robot
+    return robot.m * robot.g * robot.r / 2
+
+
+def _draw_torque(figure: Figure, table: FigureTable) -> None:
+    axes = one_axes(figure, Padding(left=0.60, right=0.20, bottom=0.42, top=0.50))
+    law_rows(axes, table.laws)
+    for row, law in enumerate(table.laws):
+        dots(axes, table.values("tau_rms", WITH, law).values(), row, law, filled=False)
+        dots(axes, table.values("tau_peak", WITH, law).values(), row, law)
+    axes.set(xscale="log", xlabel="wheel torque [N m]")
+    axes.set_xlim(1, max(200, axes.get_xlim()[1]))
+    plain_ticks(axes)
+    shade_beyond(axes, slip_torque())
+    handles = [
+        dot_handle("RMS from 2 s on", face="white"),
+        dot_handle("peak"),
+        line_handle(f"tyres slip, {slip_torque():.3g} N m", LIMIT, 1.0),
+    ]
+    heading(figure, "Wheel torques: RMS and peak", handles)
+
+
+# -- largest |v|/limit of the worse axis, every scenario, law and seed ------------------------
+
+
+def _draw_limits(figure: Figure, table: FigureTable) -> None:
+    axes = one_axes(figure, Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
+    rows_of(axes, table.scenarios())
+    step = 0.84 / len(table.laws)
+    for scenario, law in table.cases:
+        row, place = table.scenarios().index(scenario), table.laws.index(law)
+        height = row - 0.42 + step * (place + 0.5)
+        dots(axes, table.values("limit_ratio", scenario, law).values(), height, law, step)
+    axes.set(xscale="log", xlabel="largest |v| / limit, worse axis")
+    axes.set_xlim(0.5, max(10.0, 1.4 * axes.dataLim.x1))
+    plain_ticks(axes)
+    shade_beyond(axes, 1.0)
+    heading(figure, "How near to the velocity limit, or how far beyond it", law_marks(table.laws))
+
+
+# -- the worse axis' |v|/limit over time in the stress cases, MB and NN -----------------------
+
+_CEILING = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class _StressCase:
+    """A scenario, the title of its axes, how long it is shown [s], and whether e1 is."""
+
+    scenario: str
+    title: str
+    end: float = 15.0
+    error: bool = False
+
+    def values(self, run: Run) -> FloatArray:
+        """The share of the limit in use, or e1 [m]."""
+        return run["e[1]"] if self.error else 1.0 - run["margin"]
+
+
+_ROWS = (
+    (
+        _StressCase("far-start", "Far start, exact model"),
+        _StressCase("far-start-friction-overestimated", "…, friction believed 50 % too high"),
+        _StressCase("far-start-drop", "…, mass and friction drop at 3 s"),
+    ),
+    (
+        _StressCase("outside-start", "Start outside the limits"),
+        _StressCase("paper-experiment-literal", "Torque held for 100 ms"),
+        _StressCase("fast-reference", "Reference at 0.9 m/s: e₁ [m]", 80.0, error=True),
+    ),
+)
+
+
+def _draw_stress(figure: Figure, runs: Runs) -> None:
+    _, height = figure.get_size_inches()
+    ratios = (height - 2 * _TALL, _TALL, _TALL)
+    grid = figure.add_gridspec(3, 1, height_ratios=ratios, hspace=0.0)
+    padding = Padding(left=0.56, right=0.14, bottom=0.44, top=0.26)
+    for index, cases in enumerate(_ROWS):
+        row = row_of_axes(figure.add_subfigure(grid[index + 1, 0]), padding, (1, 1, 1), 0.42)
+        for axes, case in zip(row, cases, strict=True):
+            _panel_stress(axes, case, {law: runs[case.scenario, law] for law in LAWS})
+        row[0].set_ylabel("|v| / limit, worse axis")
+    heading(figure, "Where the guarantee ends", law_handles(LAWS))
+
+
+def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> None:
+    """A case over time; an arrow for each law that leaves the axes."""
+    axes.set_title(case.title, size=8, weight="normal", pad=3)
+    for place, (law, run) in enumerate(runs.items()):
+        seen, y = look(law), case.values(run)
+        rows = slice(0, run.settings.index(case.end))
+        axes.plot(*thin(run.time[rows], y[rows]), color=seen.colour, lw=1.0)
+        worst = float(np.nanmax(y))
+        if worst > _CEILING and not case.error:
+            axes.annotate(f"{seen.label}: ↑ to {worst:.3g}", (1, 1 - 0.1 * place),
+                          xycoords="axes fraction", xytext=(-3, -4), ha="right", va="top",
+                          textcoords="offset points", size=7, color=MUTED)  # fmt: skip
+    axes.set(xlabel="t [s]", xlim=(0, case.end))
+    if not case.error:
+        axes.set_ylim(0, _CEILING)
+        axes.axhspan(1, _CEILING, color=LIMIT, alpha=0.10, lw=0)
+        axes.axhline(1, color=LIMIT, lw=0.9)
