@@ -226,18 +226,22 @@ class Loop:
         after = point.memory if self.traits.estimates else memory.full().ravel()
         return LawPoint(point.seen, after, force.full().ravel())
 
-    def force_towards(self, v: Floats, v_c0: Floats) -> Floats:
+    def force_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
         """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.
 
-        ``v_c0`` (2) is that velocity; both in m/s, rad/s.
+        ``v_c0`` (2) is that velocity; both in m/s, rad/s.  With the clock's period unless given.
         """
-        law = self.over(0)
-        return np.asarray(law._towards(v, v_c0, law.core.x0, law.core.p0)[0])
+        return np.asarray(self._near(v, v_c0, period)[0])
 
-    def slope_towards(self, v: Floats, v_c0: Floats) -> Floats:
+    def slope_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
         """Its derivative (2) by each axis' own velocity at ``v`` (2) [N s/m, N m s/rad]."""
+        return np.asarray(self._near(v, v_c0, period)[1]).ravel()
+
+    def _near(self, v: Floats, v_c0: Floats, period: float | None) -> tuple[ca.DM, ca.DM]:
         law = self.over(0)
-        return np.asarray(law._towards(v, v_c0, law.core.x0, law.core.p0)[1]).ravel()
+        numbers = law.parameters(self.scenario.clock.control if period is None else period)
+        force, slope = law._towards(v, v_c0, law.core.x0, numbers)
+        return force, slope
 
     @cached_property
     def act(self) -> ca.Function:

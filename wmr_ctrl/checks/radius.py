@@ -128,10 +128,7 @@ def operating_points(scenario: Scenario) -> list[Floats]:
 
 
 def supremum(
-    of: Callable[[float], float],
-    shortest: float = SHORTEST,
-    ratio: float = RATIO,
-    rtol: float = RTOL,
+    of: Callable[[float], float], shortest: float = SHORTEST, ratio: float = RATIO
 ) -> float:
     """Largest period up to which the spectral radius ``of(period)`` stays at or below 1."""
     below, period = 0.0, shortest
@@ -139,12 +136,12 @@ def supremum(
         if period >= LONGEST:
             return math.inf
         below, period = period, period * ratio
-    return edge(of, below, period, rtol) if below else 0.0
+    return edge(of, below, period) if below else 0.0
 
 
-def edge(of: Callable[[float], float], stable: float, unstable: float, rtol: float = RTOL) -> float:
+def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
     """The last stable value on the way to an ``unstable`` one, ``of`` being the spectral radius."""
-    return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable, rtol)
+    return crossing(lambda value: of(value) - 1 - MARGIN, stable, unstable)
 
 
 def crossing(

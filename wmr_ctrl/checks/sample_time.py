@@ -48,14 +48,15 @@ def sample_time(loop: Loop) -> Iterator[Warning]:
         yield from _first_step(loop)
 
 
-def kink_limits(loop: Loop) -> Floats:
+def kink_limits(loop: Loop, period: float | None = None) -> Floats:
     """Longest period (2) [s] that is stable at the barrier's kink, |v| = v_u2 with v_c0 beyond it.
 
     There the force pulls towards v_u2 with its full slope, twice that of the linear loop, so a
-    period below 2 M1/slope is needed: 2/rho for the model-based law.
+    period below 2 M1/slope is needed: 2/rho for the model-based law.  The slope is that of a law
+    that runs at ``period``, by default the scenario's.
     """
     u1, u2 = (np.array(limit) for limit in (loop.scenario.limits.v_u1, loop.scenario.limits.v_u2))
-    slope = -loop.slope_towards(u2, u2 + 0.5 / (u1 - u2))
+    slope = -loop.slope_towards(u2, u2 + 0.5 / (u1 - u2), period)
     mass = np.array((loop.scenario.robot.m, loop.scenario.robot.I))
     return np.asarray(2 * mass / np.maximum(slope, 1e-300))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
 from itertools import pairwise, product
 
@@ -26,7 +26,7 @@ from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.graph import rounds
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Robot, Scenario, override
+from wmr_ctrl.scenario import Model, Robot, Scenario, override
 from wmr_ctrl.signals import SAMPLE, STEP, TIME
 from wmr_ctrl.world.effect import Effect
 from wmr_ctrl.world.phases import Phase, drag
@@ -77,6 +77,9 @@ class Surroundings:
         self._counted = {key: (scenario.value(key)[0], _shows_late(item, scenario))
                          for item in present for key in item.shape
                          if not key.startswith(("clock.", "actuator."))}  # fmt: skip
+        # Graphs have the robot as parameters: scenarios that believe in the same robot share them.
+        alike = replace(scenario, robot=scenario.believed, model=Model())
+        self._alike = None if alike == scenario else surroundings(alike)
         actuator = scenario.actuator
         late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
@@ -85,6 +88,8 @@ class Surroundings:
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
         """Its graphs at a control period [s], with weights that sum to 1."""
+        if self._alike:
+            return self._alike.worlds(period)
         own = period if self._foreign else self.scenario.clock.control
         ways = [_counts(key, time / period, late) for key, (time, late) in self._counted.items()]
         return [(math.prod(w for w, _ in way), self._world(own, tuple(n for _, n in way)))
@@ -111,9 +116,8 @@ class Surroundings:
 
     def numbers(self, world: World, period: float, step: float, robot: Robot | None) -> list[float]:
         """Parameters of graphs at a control period and a plant step [s], for a robot."""
-        body = (
-            {} if robot is None else {f"robot.{key}": value for key, value in vars(robot).items()}
-        )
+        own = self.scenario.robot if robot is None else robot
+        body = {f"robot.{key}": value for key, value in vars(own).items()}
         sensor = {"sensor.pose_period": self.scenario.sensor.pose_period}
         clock = {"clock.control": period, "clock.plant": step, "actuator.lag": self._lag}
         return world.numbers({**clock, **sensor, **body})

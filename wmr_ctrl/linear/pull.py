@@ -29,12 +29,13 @@ def dead_zone(scenario: Scenario) -> Floats:
 
 
 def pull_of(
-    scenario: Scenario, law: str, axis: int, v_c0: Floats
+    scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float | None = None
 ) -> Callable[[float | Floats], Floats]:
     """Force [N] or moment [N m] of ``axis`` (0, 1) at its velocity, friction compensation aside.
 
     ``v_c0`` (2) stays; the other axis rests at its own v_c0.  The friction that the law believes
-    in is taken off, so that with a correct model the barrier's own pull is left.
+    in is taken off, so that with a correct model the barrier's own pull is left.  The law runs at
+    ``period`` [s], by default the scenario's.
     """
     loop = law_loop(scenario, law)
     compensated = 1.0 if loop.uses("model.mu") else 0.0
@@ -44,7 +45,7 @@ def pull_of(
     def pull(v: float | Floats) -> Floats:
         speeds = np.tile(np.asarray(v_c0, float)[:, None], (1, np.size(v)))
         speeds[axis] = v
-        own = loop.force_towards(speeds, v_c0)[axis]
+        own = loop.force_towards(speeds, v_c0, period)[axis]
         own = own - compensated * drag(robot, phase, speeds)[axis]
         return own if np.ndim(v) else own[0]
 

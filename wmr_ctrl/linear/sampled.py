@@ -8,20 +8,20 @@ jump across either limit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
-from wmr_ctrl.linear.blocks import PERIOD, law_loop
+from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import cycle_at
 from wmr_ctrl.linear.point import Point, on_reference
 from wmr_ctrl.linear.pull import pull_of
-from wmr_ctrl.scenario import Clock, Metrics, Scenario
+from wmr_ctrl.scenario import Scenario
 
 
 def spectral_radius(
@@ -68,36 +68,21 @@ def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     loop = law_loop(scenario, law)
     if not loop.has_barrier:
         return None
-    return for_own_period(scenario, law, lambda other: kink_limits(law_loop(other, law)))
+    return _for_own_period(loop, lambda period: kink_limits(loop, period))
 
 
-def for_own_period(scenario: Scenario, law: str, limit: Callable[[Scenario], Floats]) -> Floats:
+def _for_own_period(loop: Loop, limit: Callable[[float], Floats]) -> Floats:
     """Limits (2) [s] of the period that hold when the law itself runs at that period.
 
-    Where the law's force does not depend on the period that is ``limit(scenario)``.
+    Where the law's force does not depend on the period that is ``limit`` of any.
     """
-    if not law_loop(scenario, law).uses(PERIOD):
-        return limit(scenario)
+    if not loop.uses(PERIOD):
+        return limit(loop.scenario.clock.control)
 
     def share(axis: int) -> Callable[[float], float]:
-        return lambda period: period / float(limit(at_period(scenario, period))[axis])
+        return lambda period: period / float(limit(period)[axis])
 
-    return np.array([supremum(share(axis), shortest=1e-3, ratio=2.0, rtol=1e-3) for axis in (0, 1)])
-
-
-def at_period(scenario: Scenario, period: float) -> Scenario:
-    """The scenario with control period ``period`` [s], on a clock of its own, without guard.
-
-    Its drives and sensors are ideal: what they state need not go with another period.
-    """
-    drives = replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max)
-    sensor = type(scenario.sensor)()
-    clock = Clock(control=period, plant=period, duration=100 * period)
-    off = replace(scenario.guard, enabled=False)  # at long periods no guard can keep its limits
-    return replace(
-        scenario, clock=clock, actuator=drives, sensor=sensor, effects={}, metrics=Metrics(),
-        changes=(), guard=off,
-    )  # fmt: skip
+    return np.array([supremum(share(axis), shortest=1e-3, ratio=2.0) for axis in (0, 1)])
 
 
 SPEEDS = 400
@@ -114,14 +99,14 @@ def one_step_period(scenario: Scenario, law: str, v_c0: Floats | None = None) ->
         return None
     asked = loop.start.v_c0 if v_c0 is None else np.asarray(v_c0, dtype=float)
 
-    def limit(other: Scenario) -> Floats:
-        return np.array([_shortest(other, law, axis, asked) for axis in range(2)])
+    def limit(period: float) -> Floats:
+        return np.array([_shortest(scenario, law, axis, asked, period) for axis in range(2)])
 
-    return for_own_period(scenario, law, limit)
+    return _for_own_period(loop, limit)
 
 
-def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats) -> float:
-    pull, u1 = pull_of(scenario, law, axis, v_c0), scenario.limits.v_u1[axis]
+def _shortest(scenario: Scenario, law: str, axis: int, v_c0: Floats, period: float) -> float:
+    pull, u1 = pull_of(scenario, law, axis, v_c0, period), scenario.limits.v_u1[axis]
     mass = (scenario.robot.m, scenario.robot.I)[axis]
 
     def crossing(v: Floats) -> Floats:
