@@ -37,11 +37,4 @@ def build(scenario):
     )
 
 
-SHOVE = Effect(
-    name="shove",
-    role=EffectRole.DISTURBANCE,
-    section=Shove,
-    build=build,
-    acts=lambda scenario: scenario.section(Shove).force > 0,
-    bound=lambda scenario: Bound(),
-)
+SHOVE = Effect("shove", EffectRole.DISTURBANCE, Shove, build, lambda scenario: Bound())

@@ -52,12 +52,11 @@ def shaken(scenario: Scenario, signals: tuple[Signal, ...] = BODY_FORCE) -> Syst
 
 
 SHAKE = Effect(
-    name="shake",
-    role=EffectRole.DISTURBANCE,
-    section=Shake,
-    build=shaken,
-    acts=lambda scenario: scenario.section(Shake).force > 0,
-    bound=lambda scenario: Bound(dbar=(1.3 * scenario.section(Shake).force, 0.0)),
+    "shake",
+    EffectRole.DISTURBANCE,
+    Shake,
+    shaken,
+    lambda scenario: Bound(dbar=(1.3 * scenario.section(Shake).force, 0.0)),
     rate=Rate.STEP,
 )
 
@@ -81,11 +80,11 @@ def shaking(**more):
     ("field", "value"),
     [
         ("name", ""), ("name", 3), ("role", "disturbance"), ("role", EffectRole.SENSOR),
-        ("rate", "step"), ("section", Section()),
+        ("rate", "step"), ("section", Section()), ("switches", "force"), ("switches", ("size",)),
     ],
 )  # fmt: skip
 def test_what_would_never_act_is_no_effect(field, value):
-    with pytest.raises(ArgumentError, match=r"name|role|section|rate"):
+    with pytest.raises(ArgumentError, match=r"has (name|role|section|rate|switches) ="):
         replace(SHAKE, **{field: value})
     with pytest.raises(ArgumentError, match="STEP for a drive"):
         replace(toys.RAMP, rate=Rate.SAMPLE)
@@ -241,14 +240,7 @@ def lagging(scenario: Scenario) -> System:
     )  # fmt: skip
 
 
-OTHER_LAG = Effect(
-    name="other lag",
-    role=EffectRole.DRIVE,
-    section=OtherLag,
-    build=lagging,
-    acts=lambda scenario: scenario.section(OtherLag).time > 0,
-    rate=Rate.STEP,
-)
+OTHER_LAG = Effect("other lag", EffectRole.DRIVE, OtherLag, lagging, rate=Rate.STEP)
 
 
 def test_a_lag_of_another_package_is_in_the_figures(registered):

@@ -69,12 +69,11 @@ def gyro(scenario: Scenario) -> System:
 
 
 GYRO = Effect(
-    name="toy gyro",
-    role=EffectRole.SENSOR,
-    section=ToyGyro,
-    build=gyro,
-    acts=lambda scenario: scenario.section(ToyGyro).walk > 0,
-    bound=lambda scenario: Bound(nbar=(0.0, 100.0 * scenario.section(ToyGyro).walk)),
+    "toy gyro",
+    EffectRole.SENSOR,
+    ToyGyro,
+    gyro,
+    lambda scenario: Bound(nbar=(0.0, 100.0 * scenario.section(ToyGyro).walk)),
 )
 
 
@@ -102,13 +101,7 @@ def encoder(scenario: Scenario) -> System:
     )
 
 
-ENCODER = Effect(
-    name="toy encoder",
-    role=EffectRole.SENSOR,
-    section=ToyEncoder,
-    build=encoder,
-    acts=lambda scenario: scenario.section(ToyEncoder).step > 0,
-)
+ENCODER = Effect("toy encoder", EffectRole.SENSOR, ToyEncoder, encoder)
 """It states no bound: half a period late is more than the guard knows of."""
 
 
@@ -140,14 +133,7 @@ def ramp(scenario: Scenario) -> System:
     )
 
 
-RAMP = Effect(
-    name="toy ramp",
-    role=EffectRole.DRIVE,
-    section=ToyRamp,
-    build=ramp,
-    acts=lambda scenario: scenario.section(ToyRamp).rate > 0,
-    rate=Rate.STEP,
-)
+RAMP = Effect("toy ramp", EffectRole.DRIVE, ToyRamp, ramp, rate=Rate.STEP)
 
 
 # A force on the body, in each plant step.
@@ -180,15 +166,7 @@ def slope_bound(scenario: Scenario) -> Bound:
     return Bound(dbar=(pull, 0.0))
 
 
-SLOPE = Effect(
-    name="toy slope",
-    role=EffectRole.DISTURBANCE,
-    section=ToySlope,
-    build=slope,
-    acts=lambda scenario: scenario.section(ToySlope).angle > 0,
-    bound=slope_bound,
-    rate=Rate.STEP,
-)
+SLOPE = Effect("toy slope", EffectRole.DISTURBANCE, ToySlope, slope, slope_bound, rate=Rate.STEP)
 
 
 # A disturbance with state and draws of its own in each plant step: gusts.
@@ -219,12 +197,11 @@ def gust(scenario: Scenario) -> System:
 
 
 GUST = Effect(
-    name="toy gust",
-    role=EffectRole.DISTURBANCE,
-    section=ToyGust,
-    build=gust,
-    acts=lambda scenario: scenario.section(ToyGust).torque > 0,
-    bound=lambda scenario: Bound(dbar=(1200.0 * scenario.section(ToyGust).torque,) * 2),
+    "toy gust",
+    EffectRole.DISTURBANCE,
+    ToyGust,
+    gust,
+    lambda scenario: Bound(dbar=(1200.0 * scenario.section(ToyGust).torque,) * 2),
     rate=Rate.STEP,
 )
 
@@ -294,12 +271,11 @@ def late(scenario: Scenario) -> System:
 
 
 LATE = Effect(
-    name="toy late drive",
-    role=EffectRole.DRIVE,
-    section=ToyLate,
-    build=late,
-    acts=lambda scenario: scenario.section(ToyLate).time > 0,
-    bound=lambda scenario: Bound(delay=scenario.section(ToyLate).time),
+    "toy late drive",
+    EffectRole.DRIVE,
+    ToyLate,
+    late,
+    lambda scenario: Bound(delay=scenario.section(ToyLate).time),
     rate=Rate.STEP,
 )
 EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST, LATE)

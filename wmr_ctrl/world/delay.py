@@ -6,7 +6,7 @@ at; this System passes them on.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
@@ -21,29 +21,24 @@ MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""
 
 
+def _queued(doc: str) -> Any:
+    return quantity(
+        0.0,
+        unit="s",
+        doc=f"{doc}, a multiple of clock.plant",
+        minimum=0,
+        maximum=10,
+        usual=(0, 2),
+        multiple_of="clock.plant",
+        most=MOST_QUEUED,
+    )
+
+
 class Delay(Section, key="actuator"):
     """How late the torque is."""
 
-    delay: float = quantity(
-        0.0,
-        unit="s",
-        doc="delay of the torque, a multiple of clock.plant",
-        minimum=0,
-        maximum=10,
-        usual=(0, 2),
-        multiple_of="clock.plant",
-        most=MOST_QUEUED,
-    )
-    unmodelled_delay: float = quantity(
-        0.0,
-        unit="s",
-        doc="further delay that laws and observer do not know of, a multiple of clock.plant",
-        minimum=0,
-        usual=(0, 2),
-        maximum=10,
-        multiple_of="clock.plant",
-        most=MOST_QUEUED,
-    )
+    delay: float = _queued("delay of the torque")
+    unmodelled_delay: float = _queued("further delay that laws and observer do not know of")
 
 
 def build(scenario: Scenario) -> System:
@@ -59,11 +54,6 @@ def build(scenario: Scenario) -> System:
         period=scenario.clock.plant,
         transport=late,
     )
-
-
-def acts(scenario: Scenario) -> bool:
-    """Whether there is a delay."""
-    return _all_of_it(scenario) > 0
 
 
 def check(scenario: Scenario) -> None:
@@ -83,12 +73,11 @@ def _all_of_it(scenario: Scenario) -> float:
 
 
 DELAY = Effect(
-    name="delay",
-    role=EffectRole.DRIVE,
-    section=Delay,
-    build=build,
-    acts=acts,
-    bound=bound,
+    "delay",
+    EffectRole.DRIVE,
+    Delay,
+    build,
+    bound,
     rate=Rate.STEP,
     shape=("actuator.delay", "actuator.unmodelled_delay"),
     check=check,

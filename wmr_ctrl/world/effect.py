@@ -17,16 +17,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import Enum
 from numbers import Real
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section
-from wmr_ctrl.model.system import NORMAL, UNIFORM, Port, System, port
+from wmr_ctrl.fields.section import Section, quantities, quantity
+from wmr_ctrl.model.system import NORMAL, UNIFORM, Port, System, port, stack
 from wmr_ctrl.signals import (
     DISTURBING,
     MEASURED,
@@ -51,6 +51,8 @@ Number = TypeVar("Number", float, "ca.SX")
 """What a bound is reckoned in: numbers for the guard, symbols for the ledger."""
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
+MOST_REMEMBERED = 500
+"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
 
 
 class EffectRole(Enum):
@@ -134,15 +136,17 @@ WRITES: dict[EffectRole, tuple[Signal, ...]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Effect:
     """One sensor, disturbance or drive.
 
     ``section``: its fields, whose KEY is a table of the scenario.  ``build(scenario)`` gives its
-    System.  ``acts(scenario)`` tells whether it makes a difference, ``present(scenario)`` whether
-    it is part of the loop's structure: where it acts, unless it is so cheap that it is always
-    there and its numbers decide.  ``bound(scenario)`` is what it adds to the guard's assumptions;
-    without a bound the guard refuses to be switched on.
+    System, ``bound(scenario)`` what it adds to the guard's assumptions; without a bound the guard
+    refuses to be switched on.
+
+    It acts where a field of its section differs from its default: one of ``switches``, where some
+    are named, or as ``acts(scenario)`` says.  It is part of the loop's structure where it acts;
+    with ``always`` it is so cheap that it is always there and its numbers decide.
 
     ``shape`` lists the keys of numbers that decide the form of its graph, such as how much it
     remembers; all others it reads as parameters.  ``check(scenario)`` raises ScenarioError where
@@ -156,8 +160,10 @@ class Effect:
     role: EffectRole
     section: type[Section]
     build: Callable[[Scenario], System]
-    acts: Callable[[Scenario], bool]
     bound: Callable[[Scenario], Bound] | None = None
+    _: KW_ONLY
+    switches: tuple[str, ...] = ()
+    acts: Callable[[Scenario], bool] | None = None
     rate: Rate = Rate.SAMPLE
     always: bool = False
     shape: tuple[str, ...] = ()
@@ -166,17 +172,20 @@ class Effect:
     def __post_init__(self) -> None:
         """Refuse what would be no part of any loop."""
         rates = {EffectRole.SENSOR: (Rate.SAMPLE,), EffectRole.DRIVE: (Rate.STEP,)}
+        fields = isinstance(self.section, type) and issubclass(self.section, Section)
+        named = {name for name, _ in quantities(self.section)} if fields else set()
         wrong = {
             "name": not (isinstance(self.name, str) and self.name.strip()),
             "role": not isinstance(self.role, EffectRole),
-            "section": not (isinstance(self.section, type) and issubclass(self.section, Section)),
+            "section": not fields,
             "rate": self.rate not in rates.get(self.role, tuple(Rate)),
+            "switches": fields and not named.issuperset(self.switches),
         }
         for field in (name for name, is_wrong in wrong.items() if is_wrong):
             raise ArgumentError(
                 f"the effect {show(self.name)} has {field} = {show(getattr(self, field))}: an "
                 "Effect has a name, an EffectRole, the class of its section and a Rate, which is "
-                "SAMPLE for a sensor and STEP for a drive."
+                "SAMPLE for a sensor and STEP for a drive; its switches are fields of the section."
             )
 
     @property
@@ -186,7 +195,15 @@ class Effect:
 
     def active(self, scenario: Scenario) -> bool:
         """Whether it makes a difference."""
-        return bool(self._call("acts", self.acts, scenario))
+        if self.acts is not None:
+            return bool(self._call("acts", self.acts, scenario))
+        section = scenario.section(self.section)
+        fields = ((name, what.default) for name, what in quantities(self.section))
+        return any(
+            getattr(section, name) != default
+            for name, default in fields
+            if not self.switches or name in self.switches
+        )
 
     def present(self, scenario: Scenario) -> bool:
         """Whether it is part of the loop's structure."""
@@ -241,6 +258,11 @@ class Effect:
                     f"the effect {self.title} draws {item.kind!r} numbers; there are {UNIFORM!r} "
                     f"and {NORMAL!r} ones."
                 )
+
+
+def adds_nothing(_: Scenario) -> Bound:
+    """Bound of an effect that the guard need not count on, such as a sensor of the pose."""
+    return Bound()
 
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
@@ -304,10 +326,6 @@ def heaviest(scenario: Scenario) -> float:
     return mass_bounds(scenario)[1][0]
 
 
-MOST_REMEMBERED = 500
-"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
-
-
 @dataclass(frozen=True)
 class History:
     """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, the state for it and its update.
@@ -322,10 +340,22 @@ class History:
 
 def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
     """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
-    state = tuple(
-        port(Signal(f"{signal.name}_{age}", signal.unit, f"{signal.meaning}, {age} samples ago",
-                    signal.size))
-        for age in range(1, count + 1)
-    )  # fmt: skip
+    name, unit, meaning, size = signal.name, signal.unit, signal.meaning, signal.size
+    ages = range(1, count + 1)
+    older = (Signal(f"{name}_{k}", unit, f"{meaning}, {k} samples ago", size) for k in ages)
+    state = tuple(port(item) for item in older)
     aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
-    return History(aged, state, ca.vertcat(*aged[:count]) if count else ca.SX(0, 1))
+    return History(aged, state, stack(aged[:count]))
+
+
+def remembered(doc: str) -> Any:
+    """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
+    return quantity(
+        0.0,
+        unit="s",
+        doc=f"{doc}, a multiple of clock.control",
+        minimum=0,
+        usual=(0, 5),
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
+    )

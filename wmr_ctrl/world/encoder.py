@@ -185,11 +185,6 @@ def _one_wheel(
     )  # fmt: skip
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there are encoders."""
-    return scenario.section(Encoder).counts is not None
-
-
 def check(scenario: Scenario) -> None:
     """Nothing else averages the velocity."""
     encoder = scenario.section(Encoder)
@@ -246,12 +241,12 @@ def rounded_by(
 
 
 ENCODER = Effect(
-    name="encoder",
-    role=EffectRole.SENSOR,
-    section=Encoder,
-    build=build,
-    acts=acts,
-    bound=bound,
+    "encoder",
+    EffectRole.SENSOR,
+    Encoder,
+    build,
+    bound,
+    switches=("counts",),
     shape=("encoder.window", "clock.control"),
     check=check,
 )

@@ -54,16 +54,9 @@ def filtered(share: ca.SX, number: ca.SX, keep: ca.SX) -> ca.SX:
     return keep * share + (1 - keep) * number
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there are gusts."""
-    return any(scenario.section(Gust).size)
-
-
 def bound(scenario: Scenario) -> Bound:
     """Their size: a mean of numbers within [-1, 1] stays there (ledger: world.gust)."""
     return Bound(dbar=scenario.section(Gust).size)
 
 
-GUST = Effect(
-    name="gust", role=EffectRole.DISTURBANCE, section=Gust, build=build, acts=acts, bound=bound
-)
+GUST = Effect("gust", EffectRole.DISTURBANCE, Gust, build, bound, switches=("size",))

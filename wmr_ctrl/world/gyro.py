@@ -44,14 +44,9 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there is a gyro."""
-    return scenario.section(Gyro).enabled
-
-
 def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:
     """Axes (0 linear, 1 angular) whose measured velocity other sensors make."""
-    return (0,) if acts(scenario) else (0, 1)
+    return (0,) if scenario.section(Gyro).enabled else (0, 1)
 
 
 def bound(scenario: Scenario) -> Bound:
@@ -65,11 +60,4 @@ def off_by(bias: Number, noise: Number) -> Number:
     return abs(bias) + noise
 
 
-GYRO = Effect(
-    name="gyro",
-    role=EffectRole.SENSOR,
-    section=Gyro,
-    build=build,
-    acts=acts,
-    bound=bound,
-)
+GYRO = Effect("gyro", EffectRole.SENSOR, Gyro, build, bound, switches=("enabled",))

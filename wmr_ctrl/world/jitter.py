@@ -80,11 +80,6 @@ def whole(number: ca.SX) -> ca.SX:
     return ca.floor(number + 0.5)
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether the delay varies."""
-    return scenario.section(Jitter).jitter > 0
-
-
 def check(scenario: Scenario) -> None:
     """It is at most one control period."""
     jitter, clock = scenario.section(Jitter).jitter, scenario.clock
@@ -103,12 +98,11 @@ def bound(scenario: Scenario) -> Bound:
 
 
 JITTER = Effect(
-    name="jitter",
-    role=EffectRole.DRIVE,
-    section=Jitter,
-    build=build,
-    acts=acts,
-    bound=bound,
+    "jitter",
+    EffectRole.DRIVE,
+    Jitter,
+    build,
+    bound,
     rate=Rate.STEP,
     shape=("clock.control", "clock.plant"),
     check=check,

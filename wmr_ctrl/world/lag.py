@@ -76,11 +76,6 @@ def followed(wanted: ca.SX, decay: ca.SX, acting: ca.SX) -> ca.SX:
     return wanted + decay * (acting - wanted)
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there is a lag."""
-    return scenario.section(Lag).lag > 0
-
-
 def bound(scenario: Scenario) -> Bound:
     """The time constant's range; where it varies the lower end is a little below lag (1 - spread).
 
@@ -109,12 +104,4 @@ def counted(step: Number, growth: Number) -> Number:
     return step / growth
 
 
-LAG = Effect(
-    name="lag",
-    role=EffectRole.DRIVE,
-    section=Lag,
-    build=build,
-    acts=acts,
-    bound=bound,
-    rate=Rate.STEP,
-)
+LAG = Effect("lag", EffectRole.DRIVE, Lag, build, bound, switches=("lag",), rate=Rate.STEP)

@@ -89,12 +89,6 @@ def on_line(torque: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
     return ca.fmax(-back, ca.fmin(ahead, torque))
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether the motors change anything."""
-    motor = scenario.section(Motor)
-    return motor.step > 0 or motor.dead_zone > 0 or math.isfinite(motor.stall)
-
-
 def check(scenario: Scenario) -> None:
     """A free speed belongs to a stall torque."""
     motor = scenario.section(Motor)
@@ -157,13 +151,4 @@ def positive(value: Number) -> Number:
     return (value + abs(value)) / 2.0
 
 
-MOTOR = Effect(
-    name="motor",
-    role=EffectRole.DRIVE,
-    section=Motor,
-    build=build,
-    acts=acts,
-    bound=bound,
-    rate=Rate.STEP,
-    check=check,
-)
+MOTOR = Effect("motor", EffectRole.DRIVE, Motor, build, bound, rate=Rate.STEP, check=check)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
-from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, history
+from wmr_ctrl.world.effect import Effect, EffectRole, adds_nothing, history, remembered
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -22,15 +22,7 @@ OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 class PoseDelay(Section, key="sensor"):
     """How old a pose is when it comes."""
 
-    pose_delay: float = quantity(
-        0.0,
-        unit="s",
-        doc="age of a pose that comes, a multiple of clock.control",
-        minimum=0,
-        usual=(0, 5),
-        multiple_of="clock.control",
-        most=MOST_REMEMBERED,
-    )
+    pose_delay: float = remembered("age of a pose that comes")
 
 
 def build(scenario: Scenario) -> System:
@@ -53,22 +45,11 @@ def _periods(scenario: Scenario) -> int:
     return round(scenario.section(PoseDelay).pose_delay / scenario.clock.control)
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether poses are late."""
-    return scenario.section(PoseDelay).pose_delay > 0
-
-
-def bound(scenario: Scenario) -> Bound:
-    """Nothing: the guard reads no pose."""
-    return Bound()
-
-
 POSE_DELAY = Effect(
-    name="pose delay",
-    role=EffectRole.SENSOR,
-    section=PoseDelay,
-    build=build,
-    acts=acts,
-    bound=bound,
+    "pose delay",
+    EffectRole.SENSOR,
+    PoseDelay,
+    build,
+    adds_nothing,
     shape=("sensor.pose_delay", "clock.control"),
 )

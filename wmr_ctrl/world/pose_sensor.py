@@ -11,7 +11,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
+from wmr_ctrl.world.effect import Effect, EffectRole, adds_nothing
 
 if TYPE_CHECKING:
     from wmr_ctrl.scenario import Scenario
@@ -119,22 +119,4 @@ def _share(k: ca.SX, every: ca.SX, correction: ca.SX) -> ca.SX:
     return ca.if_else(k == 0, 1, ca.if_else(came, correction, 0))
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether the laws see another pose than the true one."""
-    return not scenario.section(PoseSensor).perfect
-
-
-def bound(scenario: Scenario) -> Bound:
-    """Nothing: the guard reads no pose."""
-    return Bound()
-
-
-POSE_SENSOR = Effect(
-    name="pose sensor",
-    role=EffectRole.SENSOR,
-    section=PoseSensor,
-    build=build,
-    acts=acts,
-    bound=bound,
-    always=True,
-)
+POSE_SENSOR = Effect("pose sensor", EffectRole.SENSOR, PoseSensor, build, adds_nothing, always=True)

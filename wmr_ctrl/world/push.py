@@ -43,22 +43,9 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there is a push."""
-    return any(scenario.section(Push).push)
-
-
 def bound(scenario: Scenario) -> Bound:
     """Its own size: it is a force [N, N m] (ledger: world.push)."""
     return Bound(dbar=scenario.section(Push).push)
 
 
-PUSH = Effect(
-    name="push",
-    role=EffectRole.DISTURBANCE,
-    section=Push,
-    build=build,
-    acts=acts,
-    bound=bound,
-    always=True,
-)
+PUSH = Effect("push", EffectRole.DISTURBANCE, Push, build, bound, always=True)

@@ -69,12 +69,6 @@ def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX
     return -ca.vertcat(forces[0] + forces[1], half_track * (forces[0] - forces[1]))
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether anything resists."""
-    resistance = scenario.section(Resistance)
-    return any((*resistance.rolling, *resistance.viscous))
-
-
 def bound(scenario: Scenario) -> Bound:
     """What both wheels have in common only takes speed away, and friction of any size may.
 
@@ -94,12 +88,4 @@ def pushed_by(
     return more, half_track * more
 
 
-RESISTANCE = Effect(
-    name="resistance",
-    role=EffectRole.DISTURBANCE,
-    section=Resistance,
-    build=build,
-    acts=acts,
-    bound=bound,
-    rate=Rate.STEP,
-)
+RESISTANCE = Effect("resistance", EffectRole.DISTURBANCE, Resistance, build, bound, rate=Rate.STEP)

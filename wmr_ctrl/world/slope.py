@@ -66,11 +66,6 @@ def pulled(pull: ca.SX, offset: ca.SX, along: ca.SX, across: ca.SX) -> ca.SX:
     return ca.vertcat(-pull * along, offset * pull * across)
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether the ground rises."""
-    return scenario.section(Slope).angle > 0
-
-
 def bound(scenario: Scenario) -> Bound:
     """The heaviest robot counted on, straight downhill, and across (ledger: world.slope.*)."""
     slope = scenario.section(Slope)
@@ -84,11 +79,5 @@ def pulled_at_most(pull: Number, offset: Number) -> tuple[Number, Number]:
 
 
 SLOPE = Effect(
-    name="slope",
-    role=EffectRole.DISTURBANCE,
-    section=Slope,
-    build=build,
-    acts=acts,
-    bound=bound,
-    rate=Rate.STEP,
+    "slope", EffectRole.DISTURBANCE, Slope, build, bound, switches=("angle",), rate=Rate.STEP
 )

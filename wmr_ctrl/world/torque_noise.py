@@ -85,11 +85,5 @@ def noise_at_most(
 
 
 TORQUE_NOISE_EFFECT = Effect(
-    name="torque noise",
-    role=EffectRole.DISTURBANCE,
-    section=TorqueNoise,
-    build=build,
-    acts=acts,
-    bound=bound,
-    always=True,
+    "torque noise", EffectRole.DISTURBANCE, TorqueNoise, build, bound, acts=acts, always=True
 )

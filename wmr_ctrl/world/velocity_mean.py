@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
-from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, history, on_axes
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, history, on_axes, remembered
 from wmr_ctrl.world.gyro import axes_without_gyro
 
 if TYPE_CHECKING:
@@ -24,24 +24,8 @@ OLD_VELOCITY = Signal("mean_v", "m/s, rad/s", "true velocity", 2)
 class VelocityMean(Section, key="sensor"):
     """Window and age of the measured velocity."""
 
-    velocity_window: float = quantity(
-        0.0,
-        unit="s",
-        doc="time over which the velocity is averaged, a multiple of clock.control",
-        minimum=0,
-        usual=(0, 5),
-        multiple_of="clock.control",
-        most=MOST_REMEMBERED,
-    )
-    velocity_age: float = quantity(
-        0.0,
-        unit="s",
-        doc="how long ago that time ended, a multiple of clock.control",
-        minimum=0,
-        usual=(0, 5),
-        multiple_of="clock.control",
-        most=MOST_REMEMBERED,
-    )
+    velocity_window: float = remembered("time over which the velocity is averaged")
+    velocity_age: float = remembered("how long ago that time ended")
 
 
 def build(scenario: Scenario) -> System:
@@ -73,12 +57,6 @@ def _periods(scenario: Scenario) -> tuple[int, int]:
     return round(mean.velocity_window / period), round(mean.velocity_age / period)
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether the velocity is late or averaged."""
-    mean = scenario.section(VelocityMean)
-    return mean.velocity_window > 0 or mean.velocity_age > 0
-
-
 def bound(scenario: Scenario) -> Bound:
     """Window and age themselves, and for a mean what rounding does to the way that was driven.
 
@@ -94,11 +72,10 @@ def bound(scenario: Scenario) -> Bound:
 
 
 VELOCITY_MEAN = Effect(
-    name="velocity mean",
-    role=EffectRole.SENSOR,
-    section=VelocityMean,
-    build=build,
-    acts=acts,
-    bound=bound,
+    "velocity mean",
+    EffectRole.SENSOR,
+    VelocityMean,
+    build,
+    bound,
     shape=("sensor.velocity_window", "sensor.velocity_age", "clock.control"),
 )

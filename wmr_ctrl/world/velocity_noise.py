@@ -46,22 +46,11 @@ def build(scenario: Scenario) -> System:
     )
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether there is noise."""
-    return any(scenario.section(VelocityNoise).velocity_noise)
-
-
 def bound(scenario: Scenario) -> Bound:
     """The half-widths: the error never exceeds them (ledger: world.velocity-noise)."""
     return Bound(nbar=scenario.section(VelocityNoise).velocity_noise)
 
 
 VELOCITY_NOISE = Effect(
-    name="velocity noise",
-    role=EffectRole.SENSOR,
-    section=VelocityNoise,
-    build=build,
-    acts=acts,
-    bound=bound,
-    always=True,
+    "velocity noise", EffectRole.SENSOR, VelocityNoise, build, bound, always=True
 )

@@ -69,11 +69,6 @@ def true_wheels(p: Parameters) -> tuple[ca.SX, ca.SX]:
     return radius, p.take("robot.l") * (1 + p.take("wheels.track"))
 
 
-def acts(scenario: Scenario) -> bool:
-    """Whether they differ."""
-    return not scenario.section(Wheels).believed
-
-
 def bound(scenario: Scenario) -> Bound:
     """What torques of at most tau do otherwise than believed.
 
@@ -131,12 +126,4 @@ def misread_by(
     )
 
 
-WHEELS = Effect(
-    name="wheels",
-    role=EffectRole.DRIVE,
-    section=Wheels,
-    build=build,
-    acts=acts,
-    bound=bound,
-    rate=Rate.STEP,
-)
+WHEELS = Effect("wheels", EffectRole.DRIVE, Wheels, build, bound, rate=Rate.STEP)
