@@ -6,7 +6,7 @@ at; this System passes them on.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
@@ -21,7 +21,7 @@ MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""
 
 
-def _queued(doc: str) -> Any:
+def _queued(doc: str) -> float:
     return quantity(
         0.0,
         unit="s",

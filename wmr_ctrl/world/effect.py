@@ -51,6 +51,8 @@ Number = TypeVar("Number", float, "ca.SX")
 """What a bound is reckoned in: numbers for the guard, symbols for the ledger."""
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
+PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window")
+"""Fields of a Bound that have a number for each axis, or a smallest and a largest."""
 MOST_REMEMBERED = 500
 """Samples that a sensor or an observer may remember: each is a state that is compiled."""
 
@@ -100,7 +102,7 @@ class Bound:
 
     def __post_init__(self) -> None:
         """Refuse what is no bound: ValueError, in which `Effect.bounded` names the effect."""
-        for name in ("dbar", "nbar", "mass", "lag", "age", "window"):
+        for name in PAIRS:
             pair = getattr(self, name)
             if not (isinstance(pair, tuple) and len(pair) == 2 and all(map(_is_size, pair))):
                 raise ValueError(f"{name} = {show(pair)} must be two finite numbers of at least 0.")
@@ -197,13 +199,9 @@ class Effect:
         """Whether it makes a difference."""
         if self.acts is not None:
             return bool(self._call("acts", self.acts, scenario))
-        section = scenario.section(self.section)
-        fields = ((name, what.default) for name, what in quantities(self.section))
-        return any(
-            getattr(section, name) != default
-            for name, default in fields
-            if not self.switches or name in self.switches
-        )
+        section, defaults = scenario.section(self.section), dict(quantities(self.section))
+        names = self.switches or defaults
+        return any(getattr(section, name) != defaults[name].default for name in names)
 
     def present(self, scenario: Scenario) -> bool:
         """Whether it is part of the loop's structure."""
@@ -267,12 +265,11 @@ def adds_nothing(_: Scenario) -> Bound:
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
     """What a sensor of the velocity adds where it makes only these axes' (0 linear, 1 angular)."""
-    linear, angular = (float(axis in axes) for axis in (0, 1))
-
-    def kept(pair: Pair) -> Pair:
-        return linear * pair[0], angular * pair[1]
-
-    return replace(bound, nbar=kept(bound.nbar), age=kept(bound.age), window=kept(bound.window))
+    kept: dict[str, Any] = {
+        name: tuple(float(axis in axes) * getattr(bound, name)[axis] for axis in (0, 1))
+        for name in ("nbar", "age", "window")
+    }
+    return replace(bound, **kept)
 
 
 def total(bounds: list[Bound]) -> Bound:
@@ -291,21 +288,11 @@ def total(bounds: list[Bound]) -> Bound:
             f"jitter: a delay of at most {delay:g} s cannot vary by {jitter:g} s, or a command "
             "would act before it was given."
         )
-    return Bound(
-        dbar=_sum([item.dbar for item in bounds]),
-        nbar=_sum([item.nbar for item in bounds]),
-        mass=_sum([item.mass for item in bounds]),
-        delay=delay,
-        jitter=jitter,
-        lag=_sum([item.lag for item in bounds]),
-        age=_sum([item.age for item in bounds]),
-        window=_sum([item.window for item in bounds]),
-        void=" ".join(reasons),
-    )
-
-
-def _sum(pairs: list[Pair]) -> Pair:
-    return sum((pair[0] for pair in pairs), 0.0), sum((pair[1] for pair in pairs), 0.0)
+    sums: dict[str, Any] = {
+        name: tuple(sum((getattr(item, name)[i] for item in bounds), 0.0) for i in (0, 1))
+        for name in PAIRS
+    }
+    return replace(Bound(delay=delay, jitter=jitter, void=" ".join(reasons)), **sums)
 
 
 def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
@@ -348,7 +335,7 @@ def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
     return History(aged, state, stack(aged[:count]))
 
 
-def remembered(doc: str) -> Any:
+def remembered(doc: str) -> float:
     """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
     return quantity(
         0.0,
