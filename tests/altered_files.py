@@ -95,7 +95,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     ),
     *_rows(
         CODEGEN, f"{EMITTER}a_loop_of_which_something_else_reads_one_element_keeps_its_array",
-        ("fold.py", "reads[number] == 1", "reads[number] >= 1"),
+        ("reroll.py", "reads[number] == 1", "reads[number] >= 1"),
     ),
     *_rows(
         RUNTIME, PIECES,

@@ -19,7 +19,6 @@ ELSEWHERE = ("wmr_ctrl.proofs.", "wmr_ctrl.codegen.")
 
 NO_NOUNS = {"found", "made", "told", "settled", "kept"}
 SNIFFED = {
-    "wmr_ctrl.codegen.cache_folder": "os.getuid is not on Windows",
     "wmr_ctrl.fields.files": "only some errors of the system have a text",
     "wmr_ctrl.fields.values": "arrays of any library give their numbers by tolist",
     "wmr_ctrl.proofs.alterations": "walks values of any class to the part that a claim alters",

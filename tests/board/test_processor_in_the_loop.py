@@ -14,8 +14,7 @@ from tests.board.lockstep import lockstep
 from tests.board.robot import Robot
 from tests.codegen.measured import BOARD, loop_scenario
 from tests.matrix import turns
-from wmr_ctrl.codegen.footprint import known_footprint
-from wmr_ctrl.codegen.package import step_kernel
+from wmr_ctrl.codegen.package import known_footprint, step_kernel
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 

@@ -19,8 +19,14 @@ import casadi as ca
 
 from tests.board.emulated import BOARDS, COMPILER, missing
 from tests.board.lockstep import lockstep
-from wmr_ctrl.codegen import footprint
-from wmr_ctrl.codegen.package import packaged, step_kernel, write_package
+from wmr_ctrl.codegen.package import (
+    RECORD,
+    Footprint,
+    footprint_key,
+    packaged,
+    step_kernel,
+    write_package,
+)
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
@@ -71,18 +77,18 @@ def loop_scenario(guarded: bool) -> Scenario:
     return load_scenario(NOMINAL, {"guard.enabled": guarded})
 
 
-def measure(law: str, float32: bool, guarded: bool, folder: Path) -> footprint.Footprint:
+def measure(law: str, float32: bool, guarded: bool, folder: Path) -> Footprint:
     """Footprint of a law's package."""
     found = sizes(law, float32, SCENARIOS[guarded], folder / "sizes")
     loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
     board = (loop.stack, loop.instructions, loop.most_instructions)
-    return footprint.Footprint(*astuple(found), *board, _version(folder))
+    return Footprint(*astuple(found), *board, _version(folder))
 
 
-def compiled(law: str, float32: bool, preset: str, folder: Path) -> footprint.Footprint:
+def compiled(law: str, float32: bool, preset: str, folder: Path) -> Footprint:
     """Footprint of a preset's package that no board has run."""
     found = sizes(law, float32, preset, folder)
-    return footprint.Footprint(*astuple(found), None, None, None, _version(folder))
+    return Footprint(*astuple(found), None, None, None, _version(folder))
 
 
 def _version(folder: Path) -> str:
@@ -97,7 +103,7 @@ def _output(command: list[str], folder: Path) -> list[str]:
 def write_golden() -> None:
     """Renew the committed packages."""
     for law, float32 in COPIES:
-        folder = GOLDEN / footprint.key(law, float32)
+        folder = GOLDEN / footprint_key(law, float32)
         shutil.rmtree(folder, ignore_errors=True)
         write_package(law, folder, load_scenario("paper-simulation"), float32=float32)
     (GOLDEN / VERSION).write_text(f"{ca.__version__}\n", encoding="utf-8")
@@ -114,9 +120,8 @@ def write_footprints() -> None:
                 for preset in (ROBOTS if guarded else ())
             ]
         by_form = {item.operations: asdict(item) for item in each}
-        found[footprint.key(law, float32, guarded)] = list(by_form.values())
-    footprint.RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    footprint._record.cache_clear()
+        found[footprint_key(law, float32, guarded)] = list(by_form.values())
+    RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> None:

@@ -66,7 +66,7 @@ def test_a_process_that_lives_keeps_its_folder(cache):
 def test_a_cache_that_can_only_be_read_is_used(cache, monkeypatch, tmp_path):
     built = build_cached(SOURCES, library_in)
     monkeypatch.setattr(
-        "wmr_ctrl.codegen.cache.cache_dir", lambda: tmp_path / "elsewhere", raising=True
+        "wmr_ctrl.codegen.cache.cache_part", lambda name: tmp_path / "elsewhere" / name
     )
 
     assert build_cached(SOURCES, lambda folder: pytest.fail("compiled again")) == built

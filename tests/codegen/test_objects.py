@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wmr_ctrl.codegen.objects import Unit, build_units
-from wmr_ctrl.codegen.toolchain import find_toolchain
+from wmr_ctrl.codegen.toolchain import Unit, build_units, find_toolchain
 from wmr_ctrl.errors import CompilerError
 
 SOURCES = {

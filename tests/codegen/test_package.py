@@ -16,8 +16,7 @@ import pytest
 from tests.codegen import measured
 from tests.languages import LANGUAGES, compile_all
 from tests.matrix import headed, quick, turns
-from wmr_ctrl.codegen.footprint import key, known_footprint
-from wmr_ctrl.codegen.package import package_files, write_package
+from wmr_ctrl.codegen.package import footprint_key, known_footprint, package_files, write_package
 from wmr_ctrl.codegen.single_precision import MARGIN
 from wmr_ctrl.errors import ResultFileError
 from wmr_ctrl.laws.registry import NAMES
@@ -149,7 +148,7 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
     version = (measured.GOLDEN / measured.VERSION).read_text(encoding="utf-8").strip()
     if version != ca.__version__:
         pytest.skip(f"NOT RUN: the copy was made with casadi {version}, whose order may differ")
-    folder = measured.GOLDEN / key(law, float32)
+    folder = measured.GOLDEN / footprint_key(law, float32)
     for name, text in package_files(law, SCENARIO, float32=float32).items():
         assert (folder / name).read_text(encoding="utf-8") == text, name
 
@@ -157,7 +156,7 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
 @pytest.mark.parametrize(("law", "float32"), measured.COPIES)
 def test_committed_copy_passes_its_own_check(law: str, float32: bool, tmp_path: Path) -> None:
     needs("cc")
-    shutil.copytree(measured.GOLDEN / key(law, float32), tmp_path / "copy")
+    shutil.copytree(measured.GOLDEN / footprint_key(law, float32), tmp_path / "copy")
     command = ["cc", "-std=c99", "-O1", "-ffp-contract=off", "check.c", f"wmr_{law}.c", "-lm"]
     run([*command, "-o", "check"], tmp_path / "copy")
     run(["./check"], tmp_path / "copy")

@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from wmr_ctrl.codegen import source
+from wmr_ctrl.codegen import cache, source
 from wmr_ctrl.codegen.dialect import LANES
 from wmr_ctrl.codegen.emit import Kernel, definition, kernel
 
@@ -46,7 +46,7 @@ def test_a_folder_that_cannot_be_written_does_not_matter(
 ) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
-    monkeypatch.setattr(source, "cache_part", lambda name: blocked / name)
+    monkeypatch.setattr(cache, "cache_part", lambda name: blocked / name)
 
     assert source.cached_definition(example()) == definition(example())
 

@@ -6,23 +6,20 @@ from collections.abc import Iterable, Sequence
 
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
-from wmr_ctrl.codegen.fold import folded
-from wmr_ctrl.codegen.interleave import interleave, turns
+from wmr_ctrl.codegen.interleave import batch_exponentials, pack_stores, pair_sines
 from wmr_ctrl.codegen.items import (
-    Four,
+    ArrayLoop,
+    ExpBatch,
     IfElse,
     Item,
     Operation,
-    Roll,
+    PackedStore,
+    ResultStore,
+    SinCos,
     Slice,
-    Together,
-    Turn,
-    Writing,
-    operation,
-    ordered,
-    writing,
+    statements,
 )
-from wmr_ctrl.codegen.reroll import in_fours, rolled
+from wmr_ctrl.codegen.reroll import fused, reroll
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
@@ -30,12 +27,14 @@ _STEP = "    "
 
 def body(graph: Graph, dialect: Dialect) -> list[str]:
     """Statements of a function that computes the graph: branches, loops, and results last."""
-    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
-    scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
-    scope = branched(graph, scope)
-    scope = interleave(graph, scope) if dialect.together else scope
-    items, places = rolled(graph, turns(graph, scope) if dialect.turns else scope)
-    items = in_fours(items, places) if dialect.fours else items
+    items = branched(graph, statements(graph))
+    if dialect.exp_batch:
+        items = batch_exponentials(graph, items)
+    if dialect.pairs_sines:
+        items = pair_sines(graph, items)
+    items, places = reroll(graph, items)
+    if dialect.packs_stores:
+        items = pack_stores(items, places)
     return _Writer(graph, dialect, items, places).text()
 
 
@@ -53,18 +52,18 @@ class _Writer:
         self.grouped = {
             number: (item.array, index)
             for item in items
-            if isinstance(item, Together)
+            if isinstance(item, ExpBatch)
             for index, number in enumerate(item.defines)
         }
-        self.folded = folded(graph, items)
-        self.rolls = [item for item in items if isinstance(item, Roll) and item.defines]
+        self.fused = fused(graph, items)
+        self.loops = [item for item in items if isinstance(item, ArrayLoop) and item.defines]
 
     def text(self) -> list[str]:
         """All lines, with the local arrays first."""
         return [*self._arrays(), *self._lines(self.items, _STEP)]
 
     def _arrays(self) -> list[str]:
-        gone = {number for roll in self.folded for number in roll.defines}
+        gone = {number for loop in self.fused for number in loop.defines}
         sizes: dict[str, int] = {}
         for number, (array, index) in self.places.items():
             if number not in gone:
@@ -76,33 +75,33 @@ class _Writer:
         for item in items:
             if isinstance(item, Operation):
                 found.append(indent + self._assignment(item.node))
-            elif isinstance(item, Writing):
+            elif isinstance(item, ResultStore):
                 target = f"{item.store.vector}[{item.store.index}]"
                 found.append(f"{indent}{target} = {self._real(item.store.node)};")
             elif isinstance(item, IfElse):
                 found.extend(self._block(item, indent))
-            elif isinstance(item, Four):
+            elif isinstance(item, PackedStore):
                 found.append(
                     f"{indent}{self._four(item.target, map(self._expression, item.defines))}"
                 )
-            elif isinstance(item, Turn):
+            elif isinstance(item, SinCos):
                 sine, cosine = map(self._name, item.defines)
                 found.append(f"{indent}{self.dialect.real} {sine}, {cosine};")
                 called = f"wmr_sin_cos({self._real(item.angle)}, &{sine}, &{cosine});"
                 found.append(f"{indent}{called}")
-            elif isinstance(item, Together):
+            elif isinstance(item, ExpBatch):
                 found.extend(self._exponentials(item, indent))
-            elif isinstance(item, Roll) and item not in self.folded:
+            elif isinstance(item, ArrayLoop) and item not in self.fused:
                 found.extend(self._loop(item, indent))
         return found
 
-    def _exponentials(self, item: Together, indent: str) -> list[str]:
+    def _exponentials(self, item: ExpBatch, indent: str) -> list[str]:
         """What is missing to a multiple of the dialect's size is filled up with zeros."""
         given = [self._real(number) for number in item.operands]
-        given += [self.dialect.number(0.0)] * (-len(given) % self.dialect.together)
+        given += [self.dialect.number(0.0)] * (-len(given) % self.dialect.exp_batch)
         name, size = f"{self.dialect.real} {item.array}", len(given)
         called = f"{indent}wmr_exp_many({item.array}, {size});"
-        if not self.dialect.fours:
+        if not self.dialect.packs_stores:
             return [f"{indent}{name}[{size}] = {{{', '.join(given)}}};", called]
         fours = [
             indent + self._four(Slice(item.array, k), given[k : k + 4]) for k in range(0, size, 4)
@@ -146,29 +145,29 @@ class _Writer:
         name = self._name(number)
         return name if self.graph.is_logical(number) else self.dialect.as_truth(name)
 
-    def _loop(self, roll: Roll, indent: str) -> list[str]:
-        target = f"{roll.target.array}[{_shifted(roll.target.start)}]"
-        head = f"{indent}for (int j = 0; j < {roll.length}; ++j) {{"
-        return [head, f"{indent}{_STEP}{target} = {self._rolled(roll, 0)};", f"{indent}}}"]
+    def _loop(self, loop: ArrayLoop, indent: str) -> list[str]:
+        target = f"{loop.target.array}[{_shifted(loop.target.start)}]"
+        head = f"{indent}for (int j = 0; j < {loop.length}; ++j) {{"
+        return [head, f"{indent}{_STEP}{target} = {self._looped(loop, 0)};", f"{indent}}}"]
 
-    def _rolled(self, roll: Roll, shift: int) -> str:
+    def _looped(self, loop: ArrayLoop, shift: int) -> str:
         """Element ``shift + j`` of a loop's result."""
-        shown = [self._element(operand, shift) for operand in roll.operands]
-        return shown[0] if roll.op is None else self.dialect.pattern(roll.op).format(*shown)
+        shown = [self._element(operand, shift) for operand in loop.operands]
+        return shown[0] if loop.op is None else self.dialect.pattern(loop.op).format(*shown)
 
     def _element(self, operand: Slice | int, shift: int) -> str:
         if isinstance(operand, int):
             return self._real(operand)
         inner = self._folded_at(operand.array, operand.start + shift)
         if inner is not None:
-            return f"({self._rolled(inner, operand.start + shift - inner.target.start)})"
+            return f"({self._looped(inner, operand.start + shift - inner.target.start)})"
         return f"{operand.array}[{_shifted(operand.start + shift)}]"
 
-    def _folded_at(self, array: str, index: int) -> Roll | None:
-        for roll in self.rolls:
-            start = roll.target.start
-            if roll.target.array == array and start <= index < start + roll.length:
-                return roll if roll in self.folded else None
+    def _folded_at(self, array: str, index: int) -> ArrayLoop | None:
+        for loop in self.loops:
+            start = loop.target.start
+            if loop.target.array == array and start <= index < start + loop.length:
+                return loop if loop in self.fused else None
         return None
 
     def _block(self, block: IfElse, indent: str) -> list[str]:

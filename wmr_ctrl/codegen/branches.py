@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from wmr_ctrl.codegen.items import IfElse, Item, Operation, ordered, values
+from wmr_ctrl.codegen.items import IfElse, Item, Operation, computed, scheduled
 from wmr_ctrl.model.graph import SELECT, Graph
 
 WORTH = 15
@@ -31,7 +31,7 @@ def branched(
         best = max(candidates, key=lambda item: item.cost, default=None)
         if best is None or best.cost < worth:
             break
-        items = ordered(best.contracted())
+        items = scheduled(best.contracted())
     return items
 
 
@@ -80,7 +80,7 @@ class _Branch:
 
     def _block(self) -> IfElse:
         defines = tuple(item.node for item in self.choices)
-        arms = [values(self.graph, self._arms(side)) for side in (1, 2)]
+        arms = [computed(self.graph, self._arms(side)) for side in (1, 2)]
         inner = [
             branched(self.graph, cone, arm, worth=self.worth)
             for cone, arm in zip((self.then, self.other), arms, strict=True)

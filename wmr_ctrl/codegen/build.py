@@ -30,10 +30,9 @@ from wmr_ctrl.codegen.kernels import (
     plantless_kernels,
     sizes_of,
 )
-from wmr_ctrl.codegen.objects import Unit, build_units
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
-from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
+from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
 from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.setup import Setup

@@ -5,8 +5,8 @@ whole entry or none: a compiler that fails or is killed leaves nothing behind.  
 or threads that ask for one entry the first builds it and the others wait; where a drive knows no
 locks they all build, and the slower ones throw their copies away.
 
-Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/locks/<key>``, and
-``<cache>/zig/`` for the files that zig keeps for itself.
+Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/locks/<key>``,
+``<cache>/text/<key>.c``, and ``<cache>/zig/`` for the files that zig keeps for itself.
 """
 
 from __future__ import annotations
@@ -20,23 +20,20 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 from wmr_ctrl.codegen.cache_folder import (
     STORAGE_REMEDY,
-    cache_dir,
     cache_part,
     is_shared,
     keep_others_out,
     refuse_shared,
     wanted_dir,
 )
-from wmr_ctrl.codegen.elf import is_complete
 from wmr_ctrl.errors import CacheError
 
 Sources = Mapping[str, str | bytes]
@@ -47,15 +44,6 @@ _STAMP = "stamp.json"
 _UNFINISHED = "building-"
 _DAY = 86400.0
 _checked: set[tuple[str, int]] = set()
-
-
-@dataclass(frozen=True, slots=True)
-class CacheInfo:
-    """Where the cache is and how much it holds: ``entries`` libraries, ``size`` bytes in all."""
-
-    folder: Path
-    entries: int
-    size: int
 
 
 def build_cached(
@@ -95,51 +83,47 @@ def build_cached(
         return _intact(entry) or _build(entry, sources, compile_in)
 
 
+def cached_text(key: str, write: Callable[[], str]) -> str:
+    """The C text of that key; where the cache has none that ends as a function does, a new one.
+
+    A folder that cannot be written is no error here.
+    """
+    path = cache_part("text") / f"{key}.c"
+    with suppress(OSError):
+        text = path.read_text(encoding="utf-8")
+        if text.endswith("}\n"):
+            return text
+    text = write()
+    with suppress(OSError):
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix="writing-")
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(name, path)
+    return text
+
+
 def content_key(sources: Sources, key: Sequence[str] = ()) -> str:
     """SHA-256 (hex) over file names and texts, ``key`` and the platform, free of ambiguity."""
-    digest = hashlib.sha256()
     bits = str(8 * struct.calcsize("P"))
-    for part in (_LAYOUT, sys.platform, platform.machine(), bits, str(len(key)), *key):
-        _feed(digest.update, part.encode())
+    parts: list[str | bytes] = [
+        _LAYOUT,
+        sys.platform,
+        platform.machine(),
+        bits,
+        str(len(key)),
+        *key,
+    ]
     for name in sorted(sources):
-        _feed(digest.update, name.encode())
-        _feed(digest.update, _as_bytes(sources[name]))
+        parts += [name, sources[name]]
+    digest = hashlib.sha256()
+    for part in map(_as_bytes, parts):
+        digest.update(struct.pack("<Q", len(part)))
+        digest.update(part)
     return digest.hexdigest()
-
-
-def cache_info() -> CacheInfo:
-    """Count the finished entries and the bytes of everything in the cache folder."""
-    folder = cache_dir()
-    files = (path for path in folder.rglob("*") if path.is_file())
-    return CacheInfo(folder, len(list(folder.glob(f"kernels/*/{_STAMP}"))), _total_size(files))
-
-
-def clear_cache() -> CacheInfo:
-    """Remove everything that the cache holds and return what was there."""
-    info = cache_info()
-    for name in ("kernels", "locks", "text", "zig"):
-        shutil.rmtree(info.folder / name, ignore_errors=True)
-    _checked.clear()
-    return info
-
-
-def _feed(update: Callable[[bytes], object], part: bytes) -> None:
-    update(struct.pack("<Q", len(part)))
-    update(part)
 
 
 def _as_bytes(text: str | bytes) -> bytes:
     return text if isinstance(text, bytes) else text.encode()
-
-
-def _total_size(files: Iterable[Path]) -> int:
-    total = 0
-    for path in files:
-        try:
-            total += path.stat().st_size
-        except OSError:  # another process removed it meanwhile
-            continue
-    return total
 
 
 def _intact(entry: Path) -> Path | None:
@@ -185,15 +169,23 @@ def _sha256(path: Path) -> str:
 def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) -> Path:
     folder: Path | None = None
     try:
-        folder = _fresh_folder(entry)
+        entry.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{entry.name}-", dir=entry.parent))
+        folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
         _write(folder, sources)
         library = compile_in(folder)
         if not is_complete(library):
             raise OSError(f"the compiler wrote only a part of {library.name}")
         keep_others_out(library)
-        _write_stamp(folder, library)
+        inside = library.relative_to(folder)
+        stamp = {
+            "library": inside.as_posix(),
+            "size": library.stat().st_size,
+            "sha256": _sha256(library),
+        }
+        (folder / _STAMP).write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
         _publish(folder, entry)
-        return entry / library.relative_to(folder)
+        return entry / inside
     except OSError as error:
         raise CacheError(
             f"a compiled library could not be stored in {entry.parent}: {error}. {STORAGE_REMEDY}"
@@ -203,42 +195,11 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _fresh_folder(entry: Path) -> Path:
-    entry.parent.mkdir(parents=True, exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{entry.name}-", dir=entry.parent))
-    folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
-    return folder
-
-
-def _sweep(parent: Path) -> None:
-    """Remove what processes that died while building left behind: nobody holds its lock.
-
-    Where a drive knows no locks, what is older than a day counts as left behind.
-    """
-    for folder in parent.glob(f"{_UNFINISHED}*"):
-        entry = parent / folder.name.removeprefix(_UNFINISHED).rpartition("-")[0]
-        try:
-            with _locked(entry, timeout=0.0) as alone:
-                if alone or time.time() - folder.stat().st_mtime > _DAY:
-                    shutil.rmtree(folder, ignore_errors=True)
-        except (OSError, Timeout):
-            continue  # it is being built, or another process removed it meanwhile
-
-
 def _write(folder: Path, sources: Sources) -> None:
     for name, text in sources.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(_as_bytes(text))
-
-
-def _write_stamp(folder: Path, library: Path) -> None:
-    stamp = {
-        "library": library.relative_to(folder).as_posix(),
-        "size": library.stat().st_size,
-        "sha256": _sha256(library),
-    }
-    (folder / _STAMP).write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
 
 
 def _publish(folder: Path, entry: Path) -> None:
@@ -249,13 +210,51 @@ def _publish(folder: Path, entry: Path) -> None:
         if not entry.exists():
             raise
         if _intact(entry) is None:
-            _replace(folder, entry)
+            damaged = folder.with_name(f"{folder.name}-damaged")
+            os.rename(entry, damaged)
+            os.rename(folder, entry)
+            shutil.rmtree(damaged, ignore_errors=True)
 
 
-def _replace(folder: Path, entry: Path) -> None:
-    aside = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=entry.parent))
+def _sweep(parent: Path) -> None:
+    """Remove what processes that died while building left behind: nobody holds its lock.
+
+    Where a drive knows no locks, what is older than a day counts as left behind.
+    """
+    for folder in parent.glob(f"{_UNFINISHED}*"):
+        entry = parent / folder.name.removeprefix(_UNFINISHED).partition("-")[0]
+        try:
+            with _locked(entry, timeout=0.0) as alone:
+                if alone or time.time() - folder.stat().st_mtime > _DAY:
+                    shutil.rmtree(folder, ignore_errors=True)
+        except (OSError, Timeout):
+            continue  # it is being built, or another process removed it meanwhile
+
+
+_ELF = {1: ("IIIIHHHHHH", "I", 4, 16), 2: ("QQQIHHHHHH", "Q", 8, 32)}
+"""By an ELF file's class, 32 or 64 bits: formats of the header from byte 24 on and of a segment's
+numbers, and the places of a segment's offset and size in its row."""
+
+
+def is_complete(library: Path) -> bool:
+    """Whether all tables and segments that an ELF file announces are within it.
+
+    A compiler on a full disk may write half a library and say nothing, and loading that ends the
+    process (SIGBUS) instead of raising.  Files of other kinds are complete unless they are empty.
+    """
+    content = library.read_bytes()
+    if not content.startswith(b"\x7fELF"):
+        return bool(content)
     try:
-        os.rename(entry, aside / "damaged")
-        os.rename(folder, entry)
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+        order = "<" if content[5] == 1 else ">"
+        header, word, offset, size = _ELF[content[4]]
+        fields = struct.unpack_from(order + header, content, 24)
+        (segments, sections), (width, count, height, rows) = fields[1:3], fields[5:9]
+        ends = [segments + width * count, sections + height * rows]
+        for k in range(count):
+            row = segments + k * width
+            places = (struct.unpack_from(order + word, content, row + at) for at in (offset, size))
+            ends.append(sum(number for (number,) in places))
+    except (struct.error, KeyError, IndexError):
+        return False
+    return max(ends) <= len(content)

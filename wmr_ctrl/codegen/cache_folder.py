@@ -1,4 +1,4 @@
-"""Where the build cache lives: a folder that can be written, or the reason why not, logged."""
+"""Where the build cache lives, and who may write there: code is loaded from it."""
 
 from __future__ import annotations
 
@@ -24,13 +24,19 @@ STORAGE_REMEDY = (
 )
 
 
-def cache_dir() -> Path:
-    """Return the cache folder, which exists and can be written.
+def wanted_dir() -> Path:
+    """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform: it may be read-only."""
+    wanted = os.environ.get(VARIABLE) or platformdirs.user_cache_dir("wmr_ctrl", appauthor=False)
+    return Path(wanted).expanduser().absolute()
 
-    It is `wanted_dir`; where that cannot be written, a private folder among the temporary files,
-    with a warning in the log.
+
+def cache_dir() -> Path:
+    """The cache folder, which exists and can be written: `wanted_dir`, or a substitute.
+
+    Where that cannot be written, a private folder among the temporary files, with a warning in the
+    log.  Raises CacheError where everybody may write.
     """
-    return _usable(str(wanted_dir()))
+    return _usable(wanted_dir())
 
 
 def cache_part(name: str) -> Path:
@@ -44,15 +50,35 @@ def cache_part(name: str) -> Path:
     return folder
 
 
-def wanted_dir() -> Path:
-    """``$WMR_CTRL_CACHE``, or the user's cache folder of this platform: it may be read-only."""
-    wanted = os.environ.get(VARIABLE) or platformdirs.user_cache_dir("wmr_ctrl", appauthor=False)
-    return Path(wanted).expanduser().absolute()
+def keep_others_out(path: Path) -> None:
+    """Take away everybody's right to write what was made here, whatever the umask gave."""
+    path.chmod(path.stat().st_mode & ~stat.S_IWOTH)
+
+
+def is_shared(path: Path) -> bool:
+    """Whether everybody may write what is there."""
+    return os.name == "posix" and path.exists() and bool(path.stat().st_mode & stat.S_IWOTH)
+
+
+def refuse_shared(folder: Path) -> None:
+    """Raise CacheError where everybody may write the folder, or put another one in its place."""
+    remedy = f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."
+    if is_shared(folder):
+        raise CacheError(
+            f"the build cache {folder} may be written by everybody, and code is loaded from it. "
+            f"{remedy}"
+        )
+    for above in folder.resolve().parents:
+        if is_shared(above) and not above.stat().st_mode & stat.S_ISVTX:
+            raise CacheError(
+                f"the build cache {folder} lies in {above}, which may be written by everybody: "
+                "others could put a folder of theirs in its place, and code is loaded from it. "
+                f"{remedy}"
+            )
 
 
 @functools.lru_cache(maxsize=8)
-def _usable(wanted: str) -> Path:
-    folder = Path(wanted).expanduser().absolute()
+def _usable(folder: Path) -> Path:
     problem = _why_not_writable(folder)
     if not problem:
         refuse_shared(folder)
@@ -81,44 +107,15 @@ def _why_not_writable(folder: Path) -> str:
     return ""
 
 
-def keep_others_out(path: Path) -> None:
-    """Take away everybody's right to write what was made here, whatever the umask gave."""
-    path.chmod(path.stat().st_mode & ~stat.S_IWOTH)
-
-
-def is_shared(path: Path) -> bool:
-    """Whether everybody may write what is there."""
-    return os.name == "posix" and path.exists() and bool(path.stat().st_mode & stat.S_IWOTH)
-
-
-def refuse_shared(folder: Path) -> None:
-    """Raise CacheError where everybody may write: code is loaded from here."""
-    if is_shared(folder):
-        raise CacheError(
-            f"the build cache {folder} may be written by everybody, and code is loaded from it. "
-            f"Take that right away (chmod o-w), or name another folder in {VARIABLE}."
-        )
-
-
 def _private_temporary_folder() -> Path:
-    """One folder per user; a fresh one if that name was taken by somebody else.
-
-    Code is loaded from here, so a folder that another user could have prepared is not used.
-    """
-    user = getattr(os, "getuid", lambda: "user")()
+    """One folder per user; a fresh one if another user has, or could have, prepared that."""
+    user = os.getuid() if os.name == "posix" else "user"  # Windows: the user's own folder
     folder = Path(tempfile.gettempdir()) / f"wmr_ctrl-{user}"
-    try:
+    with suppress(OSError):
         folder.mkdir(mode=0o700, exist_ok=True)
-        if _is_private(folder) and not _why_not_writable(folder):
+        status = folder.lstat()
+        mine = stat.S_ISDIR(status.st_mode) and status.st_uid == user
+        private = os.name != "posix" or (mine and not status.st_mode & 0o077)
+        if private and not _why_not_writable(folder):
             return folder
-    except OSError:
-        pass
     return Path(tempfile.mkdtemp(prefix="wmr_ctrl-"))
-
-
-def _is_private(folder: Path) -> bool:
-    if not hasattr(os, "getuid"):  # Windows: the temporary folder is the user's own
-        return True
-    status = os.lstat(folder)
-    mine = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
-    return mine and not status.st_mode & 0o077

@@ -131,32 +131,29 @@ def compile_library(
 ) -> Path:
     """Compile C files into the shared library ``out`` and return its absolute path.
 
-    Parameters
-    ----------
-    toolchain
-        The compiler.
-    sources
-        The C files.
-    out
-        The library; its folder must exist and also takes the compiler's temporary files.
-    include
-        Folders searched for headers.
-    flags
-        Further flags, after the toolchain's own.
-    timeout
-        Seconds until the compiler is killed.
+    Its folder must exist and also takes the compiler's temporary files; ``include`` are folders
+    searched for headers, ``flags`` come after the toolchain's own, ``timeout`` is in seconds.
 
-    Raises
-    ------
-    CompilerError
-        If the compiler cannot be started, fails, is killed or runs out of time (CacheError: of
-        space); ``out`` does not exist then.
+    Raises CompilerError if the compiler cannot be started, fails, is killed or runs out of time
+    (CacheError: of space); ``out`` does not exist then.
     """
     given = (*toolchain.flags, *flags)
-    if toolchain.is_for_windows and out.suffix == ".dll":
-        return _for_windows(toolchain, sources, out, include, flags, timeout)
-    tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
-    return _compiled(toolchain, given, sources, out, include, timeout, tail)
+    if not (toolchain.is_for_windows and out.suffix == ".dll"):
+        tail = () if os.name == "nt" or "-nostdlib" in given else ("-lm",)
+        return _compiled(toolchain, given, sources, out, include, timeout, tail)
+    # each unit by itself, with headers of a C library, then all linked without it
+    parts: dict[Path, Path] = {}
+    for place, unit in enumerate([*sources, runtime_dir() / WINDOWS]):
+        parts[unit] = unit if unit.suffix == ".o" else out.parent / f"{place}-{unit.name}.o"
+    made = {unit: part for unit, part in parts.items() if part is not unit}
+    linking = (*given, *WITHOUT_MINGW, "-Wl,-e,DllMain")
+    try:
+        for unit, part in made.items():
+            compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
+        return _compiled(toolchain, linking, list(parts.values()), out, (), timeout)
+    finally:
+        for part in made.values():
+            part.unlink(missing_ok=True)
 
 
 def compile_object(
@@ -175,33 +172,7 @@ def compile_object(
     set.
     """
     kept = tuple(flag for flag in toolchain.flags if flag != "-shared")
-    given = (*kept, "-c", *flags)
-    return _compiled(toolchain, given, (source,), out, include, timeout, stop=stop)
-
-
-def _for_windows(
-    toolchain: Toolchain,
-    sources: Sequence[Path],
-    out: Path,
-    include: Sequence[Path],
-    flags: Sequence[str],
-    timeout: float,
-) -> Path:
-    """Each unit by itself, with headers of a C library, then all linked without it."""
-    units = [*sources, runtime_dir() / WINDOWS]
-    parts = [
-        unit if unit.suffix == ".o" else out.parent / f"{place}-{unit.name}.o"
-        for place, unit in enumerate(units)
-    ]
-    made = [(unit, part) for unit, part in zip(units, parts, strict=True) if part is not unit]
-    given = (*toolchain.flags, *flags, *WITHOUT_MINGW, "-Wl,-e,DllMain")
-    try:
-        for unit, part in made:
-            compile_object(toolchain, unit, part, include=include, flags=flags, timeout=timeout)
-        return _compiled(toolchain, given, parts, out, (), timeout)
-    finally:
-        for _, part in made:
-            part.unlink(missing_ok=True)
+    return _compiled(toolchain, (*kept, "-c", *flags), (source,), out, include, timeout, stop=stop)
 
 
 def _compiled(
@@ -215,30 +186,25 @@ def _compiled(
     stop: threading.Event | None = None,
 ) -> Path:
     out = out.absolute()
+    folder = out.parent
     command = [*toolchain.command, *flags]
-    command += [f"-I{folder.absolute()}" for folder in include]
+    command += [f"-I{path.absolute()}" for path in include]
     command += [str(source.absolute()) for source in sources]
     command += ["-o", str(out), *tail]
-    finished = _run(command, out.parent, timeout, stop)
+    own = environment(folder)
+    try:
+        finished = run_command(command, timeout=timeout, folder=folder, environment=own, stop=stop)
+    except OSError as error:
+        finished = Finished(127, str(error))
     if finished.how or not out.is_file():
         out.unlink(missing_ok=True)
         if _FULL.search(finished.output):
             raise CacheError(
-                f"the C compiler {toolchain.name} found no space left to write in {out.parent}. "
+                f"the C compiler {toolchain.name} found no space left to write in {folder}. "
                 f"{STORAGE_REMEDY}"
             )
         raise CompilerError(_failure(toolchain, finished, command, timeout))
     return out
-
-
-def _run(
-    command: Sequence[str], folder: Path, timeout: float, stop: threading.Event | None
-) -> Finished:
-    own = environment(folder)
-    try:
-        return run_command(command, timeout=timeout, folder=folder, environment=own, stop=stop)
-    except OSError as error:
-        return Finished(127, str(error))
 
 
 def environment(folder: Path) -> Mapping[str, str]:
@@ -257,23 +223,18 @@ def environment(folder: Path) -> Mapping[str, str]:
 def _failure(
     toolchain: Toolchain, finished: Finished, command: Sequence[str], timeout: float
 ) -> str:
+    """Message with up to three telling lines of the compiler's output."""
     how = finished.how or "reported success but wrote no library"
     if finished.timed_out:
         how = f"did not finish within {timeout:g} s"
-    said = _first_errors(finished.output)
+    lines = [line.strip() for line in finished.output.splitlines() if line.strip()]
+    telling = [line for line in lines if "error" in line.lower()] or lines
+    said = _shortened(" | ".join(telling[:3]), 500).rstrip(".")
     what = f"{how}: {said}" if said else how
-    called = _shortened(shlex.join(command), 600)
     return (
         f"the C compiler {toolchain.name} ({toolchain.version}) {what}. "
-        f"The command was `{called}`. {_REMEDY}"
+        f"The command was `{_shortened(shlex.join(command), 600)}`. {_REMEDY}"
     )
-
-
-def _first_errors(output: str) -> str:
-    """Return up to three telling lines of a compiler's output on one line."""
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    telling = [line for line in lines if "error" in line.lower()] or lines
-    return _shortened(" | ".join(telling[:3]), 500).rstrip(".")
 
 
 def _shortened(text: str, length: int) -> str:

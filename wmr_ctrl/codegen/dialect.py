@@ -71,9 +71,9 @@ TRUTHS = frozenset({ca.OP_AND, ca.OP_OR, ca.OP_NOT})
 class Dialect:
     """Types and patterns of one way to write C, and the header that has its functions.
 
-    ``together``: independent exponentials are computed side by side, in arrays of multiples of this
-    size; 0: one by one.  ``fours``: single operations that fill an array do so four at a time.
-    ``turns``: sine and cosine of one angle are one call.
+    ``exp_batch``: independent exponentials are computed side by side, in arrays of multiples of
+    this size; 0: one by one.  ``packs_stores``: single operations that fill an array do so four at
+    a time.  ``pairs_sines``: sine and cosine of one angle are one call.
     """
 
     header: str
@@ -81,9 +81,9 @@ class Dialect:
     truth: str
     patterns: Mapping[int, str]
     lanes: bool
-    together: int = 0
-    fours: bool = False
-    turns: bool = False
+    exp_batch: int = 0
+    packs_stores: bool = False
+    pairs_sines: bool = False
 
     def pattern(self, op: int) -> str:
         """The expression of an operation, with {0} and {1} for its operands."""
@@ -123,9 +123,9 @@ SCALAR = Dialect(
     "int",
     MappingProxyType(_SCALAR),
     lanes=False,
-    together=8,
-    fours=True,
+    exp_batch=8,
+    packs_stores=True,
 )
 LANES = Dialect(
-    HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, together=1, turns=True
+    HEADER, "wmr_v", "wmr_m", MappingProxyType(_VECTOR), lanes=True, exp_batch=1, pairs_sines=True
 )

@@ -2,23 +2,32 @@
 
 CasADi's own generator reads each operand through a pointer that may be null and may alias the
 results, evaluates both sides of every choice, and knows no loops.  This one reads the same graph
-(`graph`), makes branches of expensive choices (`branches`) and loops of runs of like operations
-(`rolls`, `fold`), and writes them (`body`) in one of two dialects; a test holds all of it to
-CasADi's virtual machine.
+(`graph`), computes what hangs on the parameters alone beforehand where it is slow, makes branches
+of expensive choices (`branches`) and loops of runs of like operations (`reroll`), and writes them
+(`body`) in one of two dialects; a test holds all of it to CasADi's virtual machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
-from wmr_ctrl.codegen.preparation import PREPARED, split
-from wmr_ctrl.model.graph import PARAMETERS, Graph, read
+from wmr_ctrl.model.graph import (
+    CHANGING,
+    PARAMETERS,
+    STEADY,
+    Graph,
+    Node,
+    Store,
+    kinds,
+    read,
+    without_unused,
+)
 
 QUALIFIERS = """\
 #ifndef WMR_KERNEL
@@ -35,6 +44,10 @@ QUALIFIERS = """\
 #endif
 """
 """C lines before the first prototype: what stands before functions and beside their pointers."""
+
+
+PREPARED = "c"
+"""Name of the vector of prepared values."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +73,10 @@ class Kernel:
     @property
     def operations(self) -> int:
         """Number of operations, both sides of every choice counted."""
-        return operations(self.graph)
+        return _operations(self.graph)
 
 
-def operations(graph: Graph) -> int:
-    """Number of operations, both sides of every choice counted."""
+def _operations(graph: Graph) -> int:
     return sum(not node.leaf for node in graph.nodes)
 
 
@@ -77,14 +89,8 @@ def kernel(
     prepared: bool = False,
 ) -> Kernel:
     """Kernel of named SX vectors; common subexpressions are merged when the graph is read."""
-    function = ca.Function(
-        name,
-        list(inputs.values()),
-        list(outputs.values()),
-        list(inputs),
-        list(outputs),
-        {"allow_free": False},
-    )
+    vectors = (list(inputs.values()), list(outputs.values()), list(inputs), list(outputs))
+    function = ca.Function(name, *vectors, {"allow_free": False})
     return Kernel(name, meaning, function, tuple(inputs), tuple(outputs), prepared)
 
 
@@ -103,23 +109,33 @@ def definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
 
     Before a prepared kernel stands its preparation, and the length of what that leaves.
     """
+    graph, names = item.graph, (*_given(item), *item.outputs)
     if not item.prepared:
-        names = (*item.inputs, *item.outputs)
-        return _text(item.meaning, prototype(item, dialect), item.graph, names, dialect)
-    before, rest = split(item.graph)
-    meaning = f"What {item.name} takes of the parameters alone."
-    names = (*_given(item), *item.outputs)
+        return framed(item, prototype(item, dialect), graph, names, body(graph, dialect))
+    before, graph = split(graph)
+    first = replace(item, meaning=f"What {item.name} takes of the parameters alone.")
+    vectors = (PARAMETERS, PREPARED)
     return (
         f"#define {length(item)} {len(before.stores)}\n"
-        + _text(meaning, preparation(item, dialect), before, (PARAMETERS, PREPARED), dialect)
+        + framed(first, preparation(item, dialect), before, vectors, body(before, dialect))
         + "\n"
-        + _text(item.meaning, prototype(item, dialect), rest, names, dialect)
+        + framed(item, prototype(item, dialect), graph, names, body(graph, dialect))
     )
 
 
 def length(item: Kernel) -> str:
     """Name in C of the length of what a prepared kernel's preparation leaves."""
     return f"WMR_{item.name.upper()}_PREPARED"
+
+
+def framed(
+    item: Kernel, signature: str, graph: Graph, names: Iterable[str], lines: Sequence[str]
+) -> str:
+    """A C function of these lines; vectors of ``names`` that none of them has are told unused."""
+    text = "\n".join(lines)
+    unused = [f"    (void){name};" for name in names if f"{name}[" not in text]
+    head = f"/* {item.meaning}\n   {_operations(graph)} operations. */\n"
+    return head + signature + "\n{\n" + "\n".join([*unused, *lines]) + "\n}\n"
 
 
 def _given(item: Kernel) -> tuple[str, ...]:
@@ -132,11 +148,40 @@ def _signature(name: str, inputs: Iterable[str], outputs: Iterable[str], dialect
     return f"WMR_KERNEL void wmr_{name}({', '.join(given + wanted)})"
 
 
-def _text(
-    meaning: str, signature: str, graph: Graph, names: Iterable[str], dialect: Dialect
-) -> str:
-    lines = body(graph, dialect)
-    text = "\n".join(lines)
-    unused = [f"    (void){name};" for name in names if f"{name}[" not in text]
-    head = f"/* {meaning}\n   {operations(graph)} operations. */\n"
-    return head + signature + "\n{\n" + "\n".join([*unused, *lines]) + "\n}\n"
+def split(graph: Graph) -> tuple[Graph, Graph]:
+    """The graph of slow values of parameters alone, and the graph that reads them as a vector.
+
+    Slow: a division, root or function stands somewhere in the value.  Together they compute what
+    the whole does, in the same bits.
+    """
+    wanted = _wanted(graph)
+    before = [Store(PREPARED, index, number) for index, number in enumerate(wanted)]
+    places = {number: (PREPARED, index) for index, number in enumerate(wanted)}
+    read = [
+        Node(ca.OP_INPUT, place=places[number]) if number in places else node
+        for number, node in enumerate(graph.nodes)
+    ]
+    return (
+        without_unused(list(graph.nodes), before),
+        without_unused(read, list(graph.stores)),
+    )
+
+
+def _wanted(graph: Graph) -> list[int]:
+    """Slow steady values that something changing, or a result, reads."""
+    kind, slow = kinds(graph.nodes), _slow(graph)
+    readers = [node for number, node in enumerate(graph.nodes) if kind[number] == CHANGING]
+    read = {number for node in readers for number in node.operands}
+    read |= {store.node for store in graph.stores}
+    return sorted(
+        number
+        for number in read
+        if kind[number] == STEADY and slow[number] and not graph.is_logical(number)
+    )
+
+
+def _slow(graph: Graph) -> list[bool]:
+    found: list[bool] = []
+    for number, node in enumerate(graph.nodes):
+        found.append(graph.cost(number) > 1 or any(found[k] for k in node.operands))
+    return found

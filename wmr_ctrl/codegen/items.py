@@ -1,4 +1,4 @@
-"""What a C function body consists of: single lines, branches, loops; and how they are ordered."""
+"""Statements of a C function: single lines, branches, loops; and how they are scheduled."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wmr_ctrl.model.graph import Graph, Store
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A piece of the body: the values it defines and those (no constants, no inputs) it reads."""
+    """A statement: the values it defines and those (no constants, no inputs) it reads."""
 
     defines: tuple[int, ...]
     reads: frozenset[int]
@@ -28,8 +28,8 @@ class Operation(Item):
 
 
 @dataclass(frozen=True, eq=False)
-class Writing(Item):
-    """One result written."""
+class ResultStore(Item):
+    """One result stored."""
 
     store: Store = field(default=Store("", 0, 0))
 
@@ -52,7 +52,7 @@ class Slice:
 
 
 @dataclass(frozen=True, eq=False)
-class Roll(Item):
+class ArrayLoop(Item):
     """``array[start + j] = op(...)`` for all j; an operand is a Slice, or one value for all j.
 
     ``op`` None copies.
@@ -65,64 +65,68 @@ class Roll(Item):
 
 
 @dataclass(frozen=True, eq=False)
-class Four(Item):
+class PackedStore(Item):
     """Four operations as ``array[start]`` to ``array[start + 3]``."""
 
     target: Slice = field(default=Slice("", 0))
 
 
 @dataclass(frozen=True, eq=False)
-class Turn(Item):
+class SinCos(Item):
     """Sine and cosine, in this order, of one angle."""
 
     angle: int = 0
 
 
 @dataclass(frozen=True, eq=False)
-class Together(Item):
+class ExpBatch(Item):
     """The exponentials of ``operands``, in order, as elements of an array."""
 
     array: str = ""
     operands: tuple[int, ...] = ()
 
 
-def operation(graph: Graph, number: int) -> Operation:
-    """The item of one operation."""
-    return Operation((number,), values(graph, graph.nodes[number].operands), graph.cost(number))
+def statements(graph: Graph) -> list[Item]:
+    """A statement for each operation and each result of a graph, scheduled."""
+    nodes = enumerate(graph.nodes)
+    lines = [
+        Operation((k,), computed(graph, node.operands), graph.cost(k))
+        for k, node in nodes
+        if not node.leaf
+    ]
+    stores = (ResultStore((), computed(graph, (s.node,)), 1, s) for s in graph.stores)
+    return scheduled([*lines, *stores])
 
 
-def writing(graph: Graph, store: Store) -> Writing:
-    """The item of one result."""
-    return Writing((), values(graph, (store.node,)), 1, store)
-
-
-def values(graph: Graph, numbers: Iterable[int]) -> frozenset[int]:
+def computed(graph: Graph, numbers: Iterable[int]) -> frozenset[int]:
     """Those of ``numbers`` that a statement must have computed before."""
     return frozenset(number for number in numbers if not graph.nodes[number].leaf)
 
 
-def ordered(items: Sequence[Item]) -> list[Item]:
+def scheduled(items: Sequence[Item]) -> list[Item]:
     """The items with each one as late as its first reader allows, but never after a reader.
 
     The last items keep their order, so that results stay where they are.
     """
     maker = {number: item for item in items for number in item.defines}
-    found: dict[Item, None] = {}
-    for item in (*(item for item in items if not item.defines), *items):
-        _visit(item, maker, found)
-    return list(found)
+    done: dict[Item, None] = {}
+    for start in (*(item for item in items if not item.defines), *items):
+        stack = [(start, False)]  # depth first, without recursion: chains are hundreds long
+        while stack:
+            item, ready = stack.pop()
+            if item in done:
+                continue
+            if ready:
+                done[item] = None
+                continue
+            stack.append((item, True))
+            before = [maker[k] for k in sorted(item.reads, reverse=True) if k in maker]
+            stack.extend((other, False) for other in before if other not in done)
+    return list(done)
 
 
-def _visit(start: Item, maker: dict[int, Item], found: dict[Item, None]) -> None:
-    """Depth first, without recursion: chains are hundreds of operations long."""
-    stack: list[tuple[Item, bool]] = [(start, False)]
-    while stack:
-        item, ready = stack.pop()
-        if item in found:
-            continue
-        if ready:
-            found[item] = None
-            continue
-        stack.append((item, True))
-        before = [maker[number] for number in sorted(item.reads, reverse=True) if number in maker]
-        stack.extend((other, False) for other in before if other not in found)
+def replaced(items: Iterable[Item], new: Sequence[Item]) -> list[Item]:
+    """The items, scheduled, with ``new`` ones in the place of lines that they compute."""
+    gone = {number for item in new for number in item.defines}
+    rest = (item for item in items if not (isinstance(item, Operation) and item.node in gone))
+    return scheduled([*new, *rest])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -9,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
+import jinja2
 
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
-from wmr_ctrl.codegen.footprint import Footprint, known_footprint
 from wmr_ctrl.codegen.kernels import controller_kernel
-from wmr_ctrl.codegen.rendering import text_engine
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.single_precision import (
     LARGEST_SINGLE,
@@ -26,6 +26,7 @@ from wmr_ctrl.codegen.single_precision import (
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Circle, Scenario
@@ -38,6 +39,8 @@ _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
 _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _TEMPLATES = Path(__file__).parent / "templates"
+RECORD = _TEMPLATES / "footprint.json"
+"""Measured footprints of packages."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,7 @@ def _context(
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": MARGIN,
         "periods": [f"{1e3 * period:g} ms" for period in PERIODS.get((law, guarded), ())],
-        "footprint": _shown(known_footprint(law, float32, guarded, step.operations)),
+        "footprint": known_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario),
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
@@ -180,10 +183,6 @@ def library_calls(kernel: str, float32: bool) -> list[str]:
     return ["sqrt"] if _ROOT.search(text) else []
 
 
-def _shown(footprint: Footprint | None) -> Mapping[str, Any] | None:
-    return footprint.as_mapping() if footprint else None
-
-
 def _fields(ports: Iterable[Port]) -> list[Field]:
     return [
         Field(c_name(p.signal), p.signal.size, p.signal.unit, p.signal.meaning, p.value)
@@ -194,3 +193,61 @@ def _fields(ports: Iterable[Port]) -> list[Field]:
 def c_name(signal: Signal) -> str:
     """The name of a signal as C can write it: ``gains.nn.eta`` as gains_nn_eta."""
     return re.sub(r"\W+", "_", signal.name).strip("_")
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What a package takes of a Cortex-M4F: bytes, and instructions of a sample.
+
+    Bytes of code with constants, of writable data, and of stack: ``stack`` is the sum of the frames
+    of the package's own functions, without libm's, as the GNU Arm compiler tells; ``deepest`` is
+    what ten seconds of closed loop had in use on an emulated board, libm and caller included.
+    ``instructions`` is the median there, ``most_instructions`` the slowest sample.  None: it was
+    not run there.
+    """
+
+    operations: int
+    code: int
+    data: int
+    stack: int
+    deepest: int | None
+    instructions: int | None
+    most_instructions: int | None
+    compiler: str
+
+
+def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
+    """The recorded footprint of a law's package, None where none was measured.
+
+    A record counts only for the kernel that it was made with, known by its number of operations: a
+    scenario may ask for another one.
+    """
+    recorded = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
+    listed = (Footprint(**item) for item in recorded.get(footprint_key(law, float32, guarded), ()))
+    return next((item for item in listed if item.operations == operations), None)
+
+
+def footprint_key(law: str, float32: bool, guarded: bool = False) -> str:
+    """Name under which a package's footprints are recorded, one for each form of its kernel."""
+    return f"{law}-{'float32' if float32 else 'double'}{'-guard' if guarded else ''}"
+
+
+def text_engine(folder: Path) -> jinja2.Environment:
+    """The templates of a folder, for text that is no markup: C, Modelica, MATLAB, Markdown.
+
+    Its filter ``comment`` is for whatever a user has named.
+    """
+    engine = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    engine.filters["comment"] = comment
+    return engine
+
+
+def comment(text: str) -> str:
+    """A text that ends no line, no comment of C and no code of Markdown, and begins none."""
+    return printable(text).replace("*/", "* /").replace("/*", "/ *").replace("`", "'")

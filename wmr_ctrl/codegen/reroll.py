@@ -9,19 +9,33 @@ Values of one depth never depend on each other, so any grouping of them can be p
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
-from wmr_ctrl.codegen.items import Four, Item, Operation, Roll, Slice, Writing, ordered, values
+from wmr_ctrl.codegen.items import (
+    ArrayLoop,
+    ExpBatch,
+    IfElse,
+    Item,
+    Operation,
+    PackedStore,
+    ResultStore,
+    SinCos,
+    Slice,
+    computed,
+    replaced,
+)
 from wmr_ctrl.model.graph import Graph
 
 SHORTEST = 8
 """Fewest elements that a loop is begun with."""
 SHORTEST_PART = 4
 """Fewest elements of a loop that fills part of an array which a longer loop reads."""
+SHORTEST_FUSED = 8
+"""Loops shorter than this take no other loop into their expression: eight lanes stay eight."""
 
-_ROLLED = frozenset(
+_LOOPED = frozenset(
     {ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE}
 )  # fmt: skip
 
@@ -30,42 +44,21 @@ Operands = tuple[Slice | int, ...]
 Sharing = tuple[object, ...]
 
 
-def rolled(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, Place]]:
+def reroll(graph: Graph, items: Sequence[Item]) -> tuple[list[Item], dict[int, Place]]:
     """The items with loops for runs of lines, and the array element of every value in an array."""
-    rolling = _Rolling(graph, items)
+    rolling = _Rerolling(graph, items)
     rolling.find()
-    gone = {number for roll in rolling.rolls for number in roll.defines}
-    kept = [item for item in items if not (isinstance(item, Operation) and item.node in gone)]
-    local = {
-        number: place for number, place in rolling.place.items() if number not in rolling.given
-    }
-    results = [item for item in kept if isinstance(item, Writing)]
-    others = [item for item in kept if not isinstance(item, Writing)]
-    return ordered([*rolling.rolls, *others, *_rolled_results(results, local)]), local
+    local = {k: place for k, place in rolling.place.items() if k not in rolling.given}
+    results = [item for item in items if isinstance(item, ResultStore)]
+    others = [item for item in items if not isinstance(item, ResultStore)]
+    return replaced([*others, *_looped_results(results, local)], rolling.loops), local
 
 
-def in_fours(items: Sequence[Item], places: Mapping[int, Place]) -> list[Item]:
-    """The items with the single lines that fill four elements of an array as one item."""
-    lines = {
-        places[item.node]: item
-        for item in items
-        if isinstance(item, Operation) and item.node in places
-    }
-    made: list[Item] = []
-    for array, start in lines:
-        four = [lines.get((array, start + k)) for k in range(4)]
-        if start % 4 == 0 and None not in four:
-            made.append(_four([line for line in four if line], Slice(array, start)))
-    gone = {number for item in made for number in item.defines}
-    kept = [item for item in items if not gone.intersection(item.defines)]
-    return ordered([*made, *kept]) if made else list(items)
-
-
-class _Rolling:
+class _Rerolling:
     """Grows arrays over the lines of one scope."""
 
     def __init__(self, graph: Graph, items: Sequence[Item]) -> None:
-        self.graph, self.rolls = graph, list[Roll]()
+        self.graph, self.loops = graph, list[ArrayLoop]()
         self.depth = _depths(items)
         self.lines = {item.node for item in items if isinstance(item, Operation)}
         self.place = {k: node.place for k, node in enumerate(graph.nodes) if node.place}
@@ -73,15 +66,15 @@ class _Rolling:
         self.arrays = 0
 
     def find(self) -> None:
-        """Roll every run, from the inputs on."""
+        """Make loops of all runs, from the inputs on."""
         by_depth: dict[int, list[int]] = {}
         for number in sorted(self.lines):
-            if self.graph.nodes[number].op in _ROLLED:
+            if self.graph.nodes[number].op in _LOOPED:
                 by_depth.setdefault(self.depth[number], []).append(number)
         for depth in sorted(by_depth):
             made = -1
-            while made != len(self.rolls):  # what was laid out may let others of this depth follow
-                made = len(self.rolls)
+            while made != len(self.loops):  # what was laid out may let others of this depth follow
+                made = len(self.loops)
                 for run in self._runs(by_depth[depth]):
                     self._roll(run)
 
@@ -147,11 +140,11 @@ class _Rolling:
 
     def _roll(self, run: list[int]) -> None:
         """Make an array of the run, unless an operand cannot be laid out."""
-        count, place, arrays = len(self.rolls), dict(self.place), self.arrays
+        count, place, arrays = len(self.loops), dict(self.place), self.arrays
         if any(number in place for number in run):  # moved by another run meanwhile
             return
         if not self._laid_out(run, self._new_array(), 0):
-            del self.rolls[count:]
+            del self.loops[count:]
             self.place, self.arrays = place, arrays
 
     def _laid_out(self, run: Sequence[int], array: str, start: int) -> bool:
@@ -160,8 +153,8 @@ class _Rolling:
             return False
         numbers = [operand for k in run for operand in self.graph.nodes[k].operands]
         op, target = self.graph.nodes[run[0]].op, Slice(array, start)
-        reads = values(self.graph, numbers)
-        self.rolls.append(Roll(tuple(run), reads, len(run), target, len(run), op, operands))
+        reads = computed(self.graph, numbers)
+        self.loops.append(ArrayLoop(tuple(run), reads, len(run), target, len(run), op, operands))
         self.place.update((number, (array, start + j)) for j, number in enumerate(run))
         return True
 
@@ -194,7 +187,7 @@ class _Rolling:
             set(wanted) <= self.lines
             and len(set(wanted)) == len(wanted)
             and len(depths) == 1
-            and {node.op for node in nodes} <= _ROLLED
+            and {node.op for node in nodes} <= _LOOPED
             and len({node.op for node in nodes}) == 1
         )
 
@@ -237,9 +230,9 @@ def _depths(items: Iterable[Item]) -> dict[int, int]:
     return depth
 
 
-def _rolled_results(results: Iterable[Writing], local: dict[int, Place]) -> list[Item]:
+def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> list[Item]:
     """Results that copy a stretch of an array, as loops; the others as they were."""
-    runs: list[list[Writing]] = []
+    runs: list[list[ResultStore]] = []
     for item in results:
         if not (runs and _follows(runs[-1][-1], item, local)):
             runs.append([])
@@ -250,25 +243,70 @@ def _rolled_results(results: Iterable[Writing], local: dict[int, Place]) -> list
     return found
 
 
-def _follows(last: Writing, item: Writing, local: dict[int, Place]) -> bool:
-    if last.store.node not in local:
-        return False
-    array, index = local[last.store.node]
-    beside = local.get(item.store.node) == (array, index + 1)
-    return beside and (item.store.vector, item.store.index) == (
-        last.store.vector,
-        last.store.index + 1,
+def _follows(last: ResultStore, item: ResultStore, local: dict[int, Place]) -> bool:
+    before, place = last.store, local.get(last.store.node)
+    return (
+        place is not None
+        and local.get(item.store.node) == (place[0], place[1] + 1)
+        and (item.store.vector, item.store.index) == (before.vector, before.index + 1)
     )
 
 
-def _copy(run: list[Writing], local: dict[int, Place]) -> Roll:
+def _copy(run: list[ResultStore], local: dict[int, Place]) -> ArrayLoop:
     first = run[0].store
     reads = frozenset().union(*(item.reads for item in run))
     source = Slice(*local[first.node])
-    return Roll((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))
+    return ArrayLoop((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))
 
 
-def _four(lines: Sequence[Operation], target: Slice) -> Four:
-    defines = tuple(line.node for line in lines)
-    reads = frozenset().union(*(line.reads for line in lines))
-    return Four(defines, reads, sum(line.cost for line in lines), target)
+def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
+    """Loops whose elements are each read once, by a long loop that reads nothing else of the array.
+
+    Their expressions are written where they are read, with the index shifted.
+    """
+    reads = _reads(graph, items)
+    loops = [item for item in items if isinstance(item, ArrayLoop)]
+    return {
+        loop
+        for loop in loops
+        if loop.defines
+        and all(reads[number] == 1 for number in loop.defines)
+        and _read_by_loops(loop, loops)
+    }
+
+
+def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
+    """How often each value is read."""
+    count: Counter[int] = Counter()
+    for item in items:
+        if isinstance(item, ArrayLoop):
+            for number in item.defines:
+                count.update(graph.nodes[number].operands)
+            count.update(item.reads if item.op is None else ())
+        elif isinstance(item, Operation | PackedStore | SinCos):
+            for number in item.defines:
+                count.update(graph.nodes[number].operands)
+        elif isinstance(item, ExpBatch):
+            count.update(item.operands)
+        elif isinstance(item, ResultStore):
+            count[item.store.node] += 1
+        elif isinstance(item, IfElse):
+            count.update(dict.fromkeys(item.reads, 2))
+    return count
+
+
+def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
+    """Whether long loops read all of it, each within its bounds."""
+    covered = 0
+    for user in users:
+        for operand in user.operands:
+            if not isinstance(operand, Slice) or operand.array != loop.target.array:
+                continue
+            start, end = operand.start, operand.start + user.length
+            low, high = loop.target.start, loop.target.start + loop.length
+            if end <= low or start >= high:
+                continue
+            if start < low or end > high or user.length < SHORTEST_FUSED:
+                return False
+            covered += user.length
+    return covered == loop.length

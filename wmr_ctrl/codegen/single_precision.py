@@ -68,7 +68,7 @@ class SingleDialect(Dialect):
 def package_dialect(float32: bool) -> Dialect:
     """The dialect of a package in double or single precision."""
     if not float32:
-        return replace(SCALAR, real="wmr_real", together=0, fours=False)
+        return replace(SCALAR, real="wmr_real", exp_batch=0, packs_stores=False)
     patterns = {op: _single(text) for op, text in SCALAR.patterns.items()}
     return SingleDialect("", "wmr_real", "int", MappingProxyType(patterns), lanes=False)
 

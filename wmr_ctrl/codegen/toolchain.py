@@ -16,8 +16,12 @@ import os
 import shlex
 import shutil
 import sys
+import threading
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from wmr_ctrl.codegen.cache import Sources, build_cached
 from wmr_ctrl.codegen.cache_folder import cache_dir
@@ -27,6 +31,7 @@ from wmr_ctrl.codegen.compiler import (
     VARIABLE,
     Toolchain,
     compile_library,
+    compile_object,
     default_flags,
     environment,
     is_zig,
@@ -54,19 +59,10 @@ int32_t wmr_probe(int32_t a) { return a + (int32_t)cosh(0.0 * a); }
 
 
 def find_toolchain(extra: Sequence[str] = (), *, native: bool = False) -> Toolchain:
-    """Return the first C compiler that works on this machine.
+    """Return the first C compiler that works on this machine, with ``extra`` flags.
 
-    Parameters
-    ----------
-    extra
-        Flags added to the defaults.
-    native
-        Use every instruction of this processor: `Toolchain.for_this_processor`.
-
-    Raises
-    ------
-    CompilerError
-        If none works; the message names what was tried and what to install.
+    ``native``: with every instruction of this processor, as `Toolchain.for_this_processor`.  Raises
+    CompilerError if none works; the message names what was tried and what to install.
     """
     named = os.environ.get(VARIABLE, "").strip()
     toolchain = _find(named, os.environ.get("PATH"), cache_dir())
@@ -85,37 +81,101 @@ def build_library(
 ) -> Path:
     """Compile the ``.c`` files among ``sources`` into one shared library, unless cached.
 
-    Parameters
-    ----------
-    sources
-        File name to text; headers are found by their names relative to the mapping's root.
-    toolchain
-        The compiler, by default that of `find_toolchain`.
-    name
-        File name of the library without suffix.
-    flags
-        Further compiler flags, part of the cache's key.
-    timeout
-        Seconds that the compiler may take.
-
-    Returns
-    -------
-    Path of the library in the cache.
-
-    Raises
-    ------
-    CompilerError
-        If there is no compiler, it fails, or the cache cannot be written.
+    Headers are found by their names relative to the mapping's root; ``toolchain`` is by default
+    that of `find_toolchain`, ``name`` the library's without suffix, ``timeout`` in seconds.  Raises
+    CompilerError if there is no compiler, it fails, or the cache cannot be written.
     """
     chosen = (toolchain or find_toolchain()).with_flags(*flags)
-    units = [unit for unit in sources if unit.endswith(".c")]
 
     def compile_in(folder: Path) -> Path:
         out = folder / f"{name}{library_suffix()}"
-        paths = [folder / unit for unit in units]
+        paths = [folder / unit for unit in sources if unit.endswith(".c")]
         return compile_library(chosen, paths, out, include=[folder], timeout=timeout)
 
     return build_cached(sources, compile_in, key=(*chosen.key, name))
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A C file compiled with further ``flags`` under the object's ``name``.
+
+    Where the compiler does not know the flags of an ``optional`` one, the library goes without it.
+    """
+
+    name: str
+    source: str
+    flags: tuple[str, ...] = ()
+    optional: bool = False
+
+
+def build_units(
+    sources: Sources, units: Sequence[Unit], last: Unit, toolchain: Toolchain, *, name: str
+) -> Path:
+    """Compile ``units``, then ``last``, into one library, unless it is in the cache.
+
+    ``last`` gets a flag -DWMR_HAS_<name> for each unit that the compiler could do.  Raises
+    CompilerError for what `build_cached` and a unit that is not optional raise.
+    """
+
+    def compile_in(folder: Path) -> Path:
+        made = dict(zip(units, _objects(toolchain, units, folder), strict=True))
+        objects = [path for path in made.values() if path]
+        known = tuple(f"-DWMR_HAS_{unit.name}" for unit, path in made.items() if path)
+        joint = Unit(last.name, last.source, (*last.flags, *known))
+        objects += filter(None, [_object(toolchain, joint, folder)])
+        library = compile_library(toolchain, objects, folder / f"{name}{library_suffix()}")
+        for path in objects:
+            path.unlink()
+        return library
+
+    told = [
+        part
+        for unit in (*units, last)
+        for part in (unit.name, unit.source, str(len(unit.flags)), *unit.flags)
+    ]
+    return build_cached(sources, compile_in, key=(*toolchain.key, name, *told))
+
+
+def _objects(toolchain: Toolchain, units: Sequence[Unit], folder: Path) -> list[Path | None]:
+    """All units side by side; an interrupt or an error kills the compilers that still run."""
+    stop = threading.Event()
+    with ThreadPoolExecutor(len(units)) as pool:
+        try:
+            return list(pool.map(lambda unit: _object(toolchain, unit, folder, stop), units))
+        except BaseException:
+            stop.set()
+            raise
+
+
+def _object(
+    toolchain: Toolchain, unit: Unit, folder: Path, stop: threading.Event | None = None
+) -> Path | None:
+    source, out = folder / unit.source, folder / f"{unit.name}.o"
+    try:
+        return compile_object(toolchain, source, out, include=[folder], flags=unit.flags, stop=stop)
+    except CacheError:
+        raise
+    except CompilerError:
+        stopped = stop is not None and stop.is_set()
+        if unit.optional and not stopped and not _knows(toolchain, unit.flags, folder, stop):
+            return None
+        raise  # the compiler was killed, say: a library without this unit must not be kept
+
+
+def _knows(
+    toolchain: Toolchain, flags: tuple[str, ...], folder: Path, stop: threading.Event | None
+) -> bool:
+    """Whether the compiler accepts ``flags`` at all."""
+    with TemporaryDirectory(dir=folder) as trial:
+        probe = Path(trial) / "probe.c"
+        probe.write_text("int wmr_probe(void) { return 0; }\n", encoding="utf-8")
+        try:
+            compile_object(toolchain, probe, probe.with_suffix(".o"), flags=flags, stop=stop)
+        except CacheError:
+            raise
+        except CompilerError:
+            return False
+        return True
 
 
 def level_flags() -> tuple[str, ...]:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.plain import plain_sources
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
+from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
 from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel, orders
 from wmr_ctrl.fmi.templates import render

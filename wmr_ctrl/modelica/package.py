@@ -17,7 +17,7 @@ import casadi as ca
 
 from wmr_ctrl import __version__
 from wmr_ctrl.codegen.emit import Kernel, kernel
-from wmr_ctrl.codegen.rendering import text_engine
+from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, beyond_noise, check_scenario, settle
 from wmr_ctrl.errors import ArgumentError

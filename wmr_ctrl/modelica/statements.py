@@ -16,17 +16,15 @@ import casadi as ca
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS
 from wmr_ctrl.codegen.items import (
+    ArrayLoop,
     IfElse,
     Item,
     Operation,
-    Roll,
+    ResultStore,
     Slice,
-    Writing,
-    operation,
-    ordered,
-    writing,
+    statements,
 )
-from wmr_ctrl.codegen.reroll import rolled
+from wmr_ctrl.codegen.reroll import reroll
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.model.graph import SELECT, Graph
 
@@ -75,12 +73,10 @@ def indexed(vector: str, index: int) -> str:
 
 def algorithm(graph: Graph) -> tuple[list[str], list[str]]:
     """Declarations of what a function keeps, and its statements; vectors bear the graph's names."""
-    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
-    scope = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
-    items, places = rolled(graph, branched(graph, scope, worth=1))
+    items, places = reroll(graph, branched(graph, statements(graph), worth=1))
     writer = _Statements(graph, indexed, ":=", places, items)
-    statements = writer.statements(items, _STEP)
-    return writer.declarations(), statements
+    lines = writer.statements(items, _STEP)
+    return writer.declarations(), lines
 
 
 def equations(graph: Graph, names: Names, results: Mapping[tuple[str, int], str]) -> list[str]:
@@ -91,8 +87,7 @@ def equations(graph: Graph, names: Names, results: Mapping[tuple[str, int], str]
     """
     if any(node.op == SELECT for node in graph.nodes):
         raise ArgumentError("a graph with choices has no equations: give it as a function.")
-    lines = [operation(graph, k) for k, node in enumerate(graph.nodes) if not node.leaf]
-    items = ordered([*lines, *(writing(graph, store) for store in graph.stores)])
+    items = statements(graph)
     writer = _Statements(graph, names, "=", {}, items, results)
     return writer.statements(items, "")
 
@@ -134,11 +129,11 @@ class _Statements:
         for item in items:
             if isinstance(item, Operation):
                 text += self._line(item, indent)
-            elif isinstance(item, Writing):
+            elif isinstance(item, ResultStore):
                 text.append(f"{indent}{self._target(item)} {self.sign} {self._free(item)};")
             elif isinstance(item, IfElse):
                 text += self._block(item, indent)
-            elif isinstance(item, Roll):
+            elif isinstance(item, ArrayLoop):
                 text += self._roll(item, indent)
         return text
 
@@ -154,16 +149,16 @@ class _Statements:
                 self.readers.update((item.condition, *arms, *arms))
                 for number in item.reads:
                     self.readers[number] += 2 * (number != item.condition)
-            elif isinstance(item, Roll):
+            elif isinstance(item, ArrayLoop):
                 self.readers.update([*item.reads] * 2)
             else:
                 self.readers.update(item.reads)
 
-    def _target(self, item: Writing) -> str:
+    def _target(self, item: ResultStore) -> str:
         place = (item.store.vector, item.store.index)
         return indexed(*place) if self.results is None else self.results[place]
 
-    def _free(self, item: Writing) -> str:
+    def _free(self, item: ResultStore) -> str:
         return _bare(self._real(item.store.node))
 
     def _line(self, item: Operation, indent: str) -> list[str]:
@@ -229,7 +224,7 @@ class _Statements:
         operand = self.graph.nodes[choice].operands[side]
         return self._truth(operand) if self.graph.is_logical(choice) else self._real(operand)
 
-    def _roll(self, roll: Roll, indent: str) -> list[str]:
+    def _roll(self, roll: ArrayLoop, indent: str) -> list[str]:
         shown = [
             self._real(item) if isinstance(item, int) else _moving(item) for item in roll.operands
         ]

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.codegen.package import c_name, package_files, packaged
-from wmr_ctrl.codegen.rendering import comment, text_engine
+from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
 from wmr_ctrl.control.ranges import ranges_of
 from wmr_ctrl.control.setup import beyond_noise, settle
 from wmr_ctrl.errors import ArgumentError
