@@ -63,7 +63,7 @@ def runs_of(
         from wmr_ctrl.physics.run import run_rigid_each
 
         apart = runnable_plantless(scenario, law)
-        return run_rigid_each([(apart, seed) for seed in seeds], jobs, progress)
+        return run_rigid_each([(apart, seed) for seed in seeds], lambda _, run: run, jobs, progress)
     loop = runnable_batch(scenario, law)
     return run_each([(loop, seed) for seed in seeds], lambda _, run: run, jobs, progress)
 
@@ -80,7 +80,7 @@ def table_of(
 ) -> RunTable:
     """Figures of a run per seed on that plant; errors as `run_many` and `run_rigid_many` raise."""
     if plant == "mujoco":
-        from wmr_ctrl.physics.many import run_rigid_many
+        from wmr_ctrl.physics.run import run_rigid_many
 
         run, build = run_rigid_many, partial(runnable_plantless, law=law)
     else:

@@ -84,7 +84,7 @@ def made_up(
     with (
         patch("wmr_ctrl.campaign.engine.build_loop", build),
         patch("wmr_ctrl.campaign.engine.run_each", in_turn),
-        patch("wmr_ctrl.physics.run.run_rigid_then", in_turn),
+        patch("wmr_ctrl.physics.run.run_rigid_each", in_turn),
     ):
         yield
 

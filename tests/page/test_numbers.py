@@ -13,7 +13,7 @@ import pytest
 import wmr_ctrl
 from tests.compilers import NODE, where
 from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.page.story import STORY
+from wmr_ctrl.page.scenes import story
 from wmr_ctrl.results import Run
 
 SCRIPT = Path(__file__).with_name("run.mjs")
@@ -60,7 +60,7 @@ def assert_same_bits(shown: Columns | str, run: Run) -> None:
 @pytest.mark.slow
 def test_every_law_in_every_scene(page: Path, tmp_path: Path) -> None:
     """As long as the scenario says: 80 s, with noise, changes, the guard, a pose every 100 ms."""
-    cases = [(law, step) for step in STORY for law in NAMES]
+    cases = [(law, step) for step in story() for law in NAMES]
     shown = from_page(page, tmp_path, [(law, 80.0, {"scene": step.key}) for law, step in cases])
 
     for (law, step), columns in zip(cases, shown, strict=True):
@@ -158,7 +158,7 @@ def test_one_file_below_its_size_that_asks_nobody(page: Path) -> None:
     assert page.stat().st_size < 1_500_000
     for asking in ("src=", "href=", "@import", "url(", "fetch(", "http://www.", "https://"):
         assert asking not in text.replace("http://www.w3.org/2000/svg", ""), asking
-    for step in STORY:
+    for step in story():
         assert step.text in text.replace("&#39;", "'")
 
 

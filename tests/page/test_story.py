@@ -6,11 +6,11 @@ import pytest
 
 import wmr_ctrl
 from wmr_ctrl.page.content import content_of
-from wmr_ctrl.page.story import STORY, PageScene
+from wmr_ctrl.page.scenes import PageScene, story
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import load_scenario, override
 
-STEPS = {step.key: step for step in STORY}
+STEPS = {step.key: step for step in story()}
 
 
 def run_of(key: str, law: str) -> Run:

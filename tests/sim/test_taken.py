@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl import simulate_many, simulate_runs
-from wmr_ctrl.physics.many import figures_from_run
+from wmr_ctrl.physics.run import figures_from_run
 from wmr_ctrl.sim.figures import SHAPES
 
 

@@ -157,9 +157,9 @@ def run_cases(
             places.append(place)
     run, done = run_each, 0
     if runs and runs[0][0].plant == "mujoco":
-        from wmr_ctrl.physics.run import run_rigid_then
+        from wmr_ctrl.physics.run import run_rigid_each
 
-        run = run_rigid_then
+        run = run_rigid_each
 
     def advance_to(share: float) -> None:
         nonlocal done

@@ -72,7 +72,7 @@ def _table(
     """The table of loops and seeds on that plant, with the figures that are not shares of runs."""
     further = [name for name in names if name not in SHARES]
     if plant == "mujoco":
-        from wmr_ctrl.physics.many import rigid_table
+        from wmr_ctrl.physics.run import rigid_table
 
         return rigid_table(ready, further, jobs)
     return tabulated([Task(loop, seed) for loop, seed in ready], further, jobs)

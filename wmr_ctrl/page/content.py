@@ -1,4 +1,4 @@
-"""Everything that the page's script is told, as plain data: loops, scenes, numbers, looks."""
+"""Data of the page's script: loops, scenes, numbers, looks."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.controls import GROUPS, Control, controls_of
 from wmr_ctrl.page.module import PageLoop, PageLoops, Room
-from wmr_ctrl.page.story import PageScene
-from wmr_ctrl.page.variants import SettledStand, settled_stands
+from wmr_ctrl.page.scenes import PageScene, SettledVariant, settled_variants
 from wmr_ctrl.report.scene import BODY, TRACK, WHEEL
 from wmr_ctrl.report.style import look, unit_text
 from wmr_ctrl.scenario import Scenario
@@ -46,18 +45,18 @@ class Content:
 def content_of(
     scenes: Sequence[PageScene], laws: tuple[str, ...], seed: int, progress: Callable[[float], None]
 ) -> Content:
-    """Settle every stand of every scene for every law; ``progress`` hears of the share done.
+    """Settle every variant of every scene for every law; ``progress`` hears of the share done.
 
-    Raises what `settle` raises for a scene's own stand.
+    Raises what `settle` raises for a scene's own variant.
     """
     loops, phases, steps = PageLoops(), 1, 0
     scenery = list[Plain]()
     for scene in scenes:
-        stands = list(settled_stands(scene.scenario, laws))
-        setups = [setup for item in stands for setup in item.setups.values()]
+        variants = list(settled_variants(scene.scenario, laws))
+        setups = [setup for item in variants for setup in item.setups.values()]
         phases = max(phases, 1 + len(scene.scenario.changes))
         steps = max([steps, *(_delay_steps(setup) for setup in setups)])
-        scenery.append(_scene(scene, stands, loops))
+        scenery.append(_scene(scene, variants, loops))
         progress(len(scenery) / len(scenes))
     numbers = {item.name: item for loop in loops for item in loop.layout.parameters}
     for scene, plain in zip(scenes, scenery, strict=True):
@@ -105,8 +104,8 @@ def _loop(loop: PageLoop) -> Plain:
     }
 
 
-def _scene(scene: PageScene, stands: list[SettledStand], loops: PageLoops) -> Plain:
-    scenario, setups = scene.scenario, stands[0].setups
+def _scene(scene: PageScene, variants: list[SettledVariant], loops: PageLoops) -> Plain:
+    scenario, setups = scene.scenario, variants[0].setups
     base = {law: _rows(setup, loops.of(setup))[0] for law, setup in setups.items()}
     ports = [item for setup in setups.values() for item in loops.of(setup).layout.parameters]
     values = {name: value for row in base.values() for name, value in row.items()}
@@ -120,7 +119,7 @@ def _scene(scene: PageScene, stands: list[SettledStand], loops: PageLoops) -> Pl
         "duration": scenario.clock.duration,
         "start": [*scenario.initial.pose, *scenario.initial.velocity],
         "base": {law: _spelled(row) for law, row in base.items()},
-        "stands": [_stand(item, base, loops) for item in stands],
+        "stands": [_variant(item, base, loops) for item in variants],
         "controls": [_control(item) for item in controls_of(scenario, ports, values)],
     }
 
@@ -145,12 +144,12 @@ def _control(control: Control) -> Plain:
     }
 
 
-def _stand(item: SettledStand, base: Mapping[str, Row], loops: PageLoops) -> Plain:
-    stand = item.stand
+def _variant(item: SettledVariant, base: Mapping[str, Row], loops: PageLoops) -> Plain:
+    variant = item.variant
     return {
-        "guard": stand.guard,
-        "period": stand.period,
-        "delay": stand.delay,
+        "guard": variant.guard,
+        "period": variant.period,
+        "delay": variant.delay,
         "refusal": item.refusal,
         "laws": {
             law: _law(setup, base[law], loops.of(setup)) for law, setup in item.setups.items()

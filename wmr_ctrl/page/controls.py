@@ -1,4 +1,4 @@
-"""What can be moved on the page: parameters in groups, and over which range a slider goes.
+"""Sliders of the page: parameters in groups, each with its range.
 
 Value, unit, meaning and bounds come from the fields that the parameters are named after.
 """
@@ -53,7 +53,7 @@ HIDDEN = (
     "robot.g",
     "robot.v_s",
 )
-"""Parameters that a stand decides, or that nobody wants to move; `run` sets them all."""
+"""Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),
     "robot.mu": (0.0, 0.4),

@@ -14,7 +14,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
 from wmr_ctrl.page.module import build_module
-from wmr_ctrl.page.story import scenes
+from wmr_ctrl.page.scenes import scenes
 from wmr_ctrl.results.files import atomic_write, check_writable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.many import checked_seeds

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from functools import partial
+from typing import TypeAlias, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.physics.rigid import RigidBody, mujoco
 from wmr_ctrl.physics.workers import Progress, make_each
-from wmr_ctrl.results import RigidMonitor, Run, split_columns
-from wmr_ctrl.signals import RIGID
+from wmr_ctrl.results import RigidMonitor, Run, split_columns, tracked
+from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
+from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.signals import RIGID as RIGID_COLUMNS
 from wmr_ctrl.sim.coupled import Coupled
+from wmr_ctrl.sim.figures import SHAPES
+from wmr_ctrl.sim.many import RunTable, later, not_summed, planned_tasks
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 T = TypeVar("T")
@@ -40,7 +47,7 @@ def run_to_end(
         rows.append(coupling.sample())
         if progress is not None and (k + 1) % _ROWS_PER_REPORT == 0:
             progress((k + 1) / scenario.clock.samples)
-    signals = (*layout.columns, *RIGID)
+    signals = (*layout.columns, *RIGID_COLUMNS)
     table = np.array(rows).reshape(len(rows), len(elements(signals)))
     monitor = replace(coupling.loop.monitor(), rigid=coupling.seen)
     logged = (signals, split_columns(signals, table), monitor)
@@ -51,25 +58,18 @@ def run_to_end(
 
 def run_rigid_each(
     runs: Sequence[tuple[RunnableLoop, int]],
-    jobs: int | None = None,
-    progress: Progress | None = None,
-) -> list[Run]:
-    """The Run of each pair (loop, seed), in their order, on ``jobs`` processes (default: cores).
-
-    The result is the same for any ``jobs``.  ``progress`` is called with the share done.  Errors as
-    in `run_rigid`, and ArgumentError for jobs < 1.
-    """
-    return make_each(run_rigid, runs, jobs, progress)
-
-
-def run_rigid_then(
-    runs: Sequence[tuple[RunnableLoop, int]],
     then: Callable[[int, Run], T],
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
-    """What ``then`` makes of place and Run of each, as `wmr_ctrl.sim.many.run_each` does."""
-    return [then(place, run) for place, run in enumerate(run_rigid_each(runs, jobs, progress))]
+    """Results of ``then`` for place and Run of each pair (loop, seed), as of `sim.many.run_each`.
+
+    On ``jobs`` processes (default: cores); the result is the same for any number of them.
+    ``progress`` is called with the share done.  Errors as in `run_rigid`, and ArgumentError for
+    jobs < 1.
+    """
+    finished = make_each(run_rigid, runs, jobs, progress)
+    return [then(place, run) for place, run in enumerate(finished)]
 
 
 class Coupling:
@@ -129,3 +129,82 @@ class Coupling:
         """What the body showed so far."""
         most = self._slip, self._wheel, self._tilt
         return RigidMonitor(self._tipped, self._slipped, *most, self._margin)
+
+
+# -- figures of many runs ------------------------------------------------------------------------
+
+Row: TypeAlias = dict[str, NDArray[np.generic]]
+"""Figures of one run by name, each of its shape."""
+
+
+def run_rigid_many(
+    build: Callable[[Scenario], RunnableLoop],
+    scenarios: Sequence[Scenario],
+    seeds: Sequence[int],
+    *,
+    starts: Sequence[Sequence[float]] | None = None,
+    figures: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """Figures of one run per seed, as `wmr_ctrl.sim.many.run_many` of the plane model.
+
+    ``build``: from a scenario to its loop without a plant; ``jobs``: processes.  Errors as in
+    `run_many` and `run_rigid`.
+    """
+    mujoco()
+    tasks = planned_tasks(build, scenarios, seeds, starts, progress)
+    pairs = []
+    for task in tasks:
+        loop, start = task.loop, task.start
+        if start is not None:
+            changed = {"initial.pose": start[:3], "initial.velocity": start[3:]}
+            loop = build(override(loop.scenario, changed))
+        pairs.append((loop, task.seed))
+    return rigid_table(pairs, figures, jobs, later(progress))
+
+
+def rigid_table(
+    runs: Sequence[tuple[RunnableLoop, int]],
+    figures: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """The table of some runs, each made once for all of its figures."""
+    whole = not_summed(figures)
+    rows = make_each(partial(rigid_figures, further=whole), runs, jobs, progress)
+    table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return RunTable({**table, "seed": np.array([seed for _, seed in runs])}, whole)
+
+
+def rigid_figures(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> Row:
+    """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
+
+    ``further``: names of figures of the catalogue that are taken besides.
+    """
+    run, end = run_to_end(loop, seed)
+    taken = values_of(run, map(FIGURES.__getitem__, further))
+    row = {name: np.array(np.nan if value is None else value) for name, value in taken.items()}
+    row |= {"outcome": np.array(run.outcome.value), "tracked": np.array(bool(tracked(run)))}
+    return {**figures_from_run(run, end), **row}
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def figures_from_run(run: Run, end: tuple[float, ...]) -> Row:
+    """Every figure of `SHAPES` of one run, of its body too; ``end`` is its last state, (5,).
+
+    They are those of `sim.many.run_many` but for the rounding of sums.
+    """
+    seen = run.monitor
+    row = {name: np.full(shape, np.nan) for name, shape in SHAPES.items()}
+    for figure in (*SUMMED, *(RIGID if seen.rigid else ())):
+        value = figure.of(run)
+        row.setdefault(figure.array, np.array(np.nan))[figure.index] = (
+            np.nan if value is None else value
+        )
+    events = {"first": seen.first_violation, "stop": seen.stopped, "bounds": seen.bounds_left}
+    row |= {
+        f"{name}_axis": np.array(np.nan if e is None else float(e[1])) for name, e in events.items()
+    }
+    stop = np.array(float(STOP_REASONS.index(seen.stop_reason)))
+    return row | {"final_state": np.array(end), "samples": np.array(float(run.rows)), "stop": stop}
