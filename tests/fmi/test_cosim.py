@@ -21,8 +21,7 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fmi.cosim import cosimulate
-from wmr_ctrl.fmi.cosim.mapping import compiled, input_rows, load_map, output_rows
-from wmr_ctrl.fmi.cosim.parts import UNITS
+from wmr_ctrl.fmi.cosim.mapping import PartMap, compiled, input_rows, load_map, output_rows
 from wmr_ctrl.fmi.cosim.slave import FmuError, FmuFile
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
@@ -323,11 +322,10 @@ def test_units_that_do_not_fit_are_refused(exported, mapped, row):
     ("unit", "row"), [("N.m", "tau_right"), ("rad/s", "omega"), ("m", "x"), ("rad", "theta")]
 )
 def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
-    missing = {row: "theirs"}
     with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
-        output_rows(missing, UNITS, lambda _: None, "plant")
+        output_rows(PartMap(outputs={row: "theirs"}), lambda _: None, "plant")
     with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
-        input_rows({"theirs": row}, UNITS, lambda _: "furlong", "plant")
+        input_rows(PartMap(inputs={"theirs": row}), lambda _: "furlong", "plant")
 
 
 UNSTATED = """
@@ -358,7 +356,7 @@ def test_units_may_be_those_of_the_si(foreign, mapped):
     file = FmuFile(foreign("TheirRobot", PLANT), "plant")
     text = UNSTATED.format(units='units = "SI"', omega='{ terms = { wheelL = 1.0 }, unit = "rpm" }')
     part = load_map(mapped(text))["plant"]
-    rows = output_rows(part.outputs, UNITS, file.unit, "plant", si=part.si)
+    rows = output_rows(part, file.unit, "plant")
     assert [row.plain for row in rows] == [True, True, True, True, False]
     assert rows[-1].terms == (("wheelL", pytest.approx(np.pi / 30)),)
     with pytest.raises(ScenarioError, match=r'plant\.units = "mm" is not known'):
@@ -369,9 +367,9 @@ def test_units_are_what_the_fmu_defines():
     """mN.m by a factor, degC by an offset too, under whatever name."""
     milli = NamedUnit("milli", 1e-3, unit_of("N.m").exponents)
     theirs = {"torque": milli, "angle": NamedUnit("turned", np.pi / 180, {"rad": 1}, 0.5)}
-    (inward,) = input_rows({"torque": "tau_right"}, UNITS, theirs.get, "plant")
-    (outward,) = output_rows({"theta": "angle"}, UNITS, theirs.get, "plant")
-    (back,) = input_rows({"angle": "theta"}, UNITS, theirs.get, "plant")
+    part = PartMap(inputs={"torque": "tau_right", "angle": "theta"}, outputs={"theta": "angle"})
+    inward, back = input_rows(part, theirs.get, "plant")
+    (outward,) = output_rows(part, theirs.get, "plant")
     assert inward.terms == (("tau_right", pytest.approx(1000.0)),)
     assert compiled([outward], ["angle"])([90.0]) == [pytest.approx(np.pi / 2 + 0.5)]
     assert compiled([back], ["theta"])([np.pi / 2 + 0.5]) == [pytest.approx(90.0)]
@@ -461,4 +459,4 @@ def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
 )
 def test_entries_of_a_map_are_told_like_keys_of_a_scenario(row, words):
     with pytest.raises(ScenarioError, match=words):
-        input_rows({"x": row}, UNITS, lambda _: "m", "plant")
+        input_rows(PartMap(inputs={"x": row}), lambda _: "m", "plant")

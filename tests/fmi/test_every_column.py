@@ -22,7 +22,7 @@ from tests.matrix import quick, turns
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.fmi.cosim.outside import Measurement, Outside
+from wmr_ctrl.fmi.cosim.master import Measurement, Outside
 from wmr_ctrl.fmi.export import export_fmu
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run

@@ -12,7 +12,7 @@ import pytest
 from tests.fmi.raw import OK, Fmu
 from tests.fmi.test_portable import tool
 from tests.matrix import quick
-from wmr_ctrl.fmi.plain_code import FOLDER, INTERFACE
+from wmr_ctrl.fmi.extra import FOLDER, INTERFACE
 from wmr_ctrl.laws import LAWS
 
 STEPS = 20

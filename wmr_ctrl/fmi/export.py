@@ -7,7 +7,7 @@ Some tools look for an Apple processor's library in FMI 2's folder darwin64; a u
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from wmr_ctrl import __version__
@@ -16,31 +16,24 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.package import write_archive
-from wmr_ctrl.fmi.plain_code import NOTE, plain_code
-from wmr_ctrl.fmi.provenance import (
+from wmr_ctrl.fmi.extra import (
     EXTRA,
     GRAPH,
+    NOTE,
     RESULT,
+    plain_code,
     reference_result,
     references,
 )
-from wmr_ctrl.fmi.sources import Sources, sources_of
-from wmr_ctrl.fmi.targets import (
-    TARGETS,
-    PartlyBuiltError,
-    Target,
-    build_for,
-    host,
-    targets_of,
-)
+from wmr_ctrl.fmi.files import write_archive
+from wmr_ctrl.fmi.model import FmuModel
+from wmr_ctrl.fmi.sources import sources_of
+from wmr_ctrl.fmi.targets import TARGETS, PartlyBuiltError, Target, build_for, host, targets_of
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, load_scenario, to_toml
 
 TOOL = f"wmr_ctrl {__version__}"
 VERSIONS = {"2": (2,), "3": (3,), "both": (2, 3)}
-FIXED = ("plant", "reference", "guard", "closed-loop")
 
 Progress = Callable[[str], None]
 
@@ -108,17 +101,18 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
 
 def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
-    if what == "plant":
-        return plant_model(scenario)
-    if what == "reference":
-        return reference_model(scenario)
-    if what == "guard":
-        return guard_model(settle(scenario, None))
-    if what == "closed-loop":
-        return closed_loop_model(settle(scenario, law))
-    if what in LAWS:
-        return law_model(settle(scenario, what))
-    raise UnknownNameError("FMU", what, (*FIXED, *LAWS))
+    match what:
+        case "plant":
+            return plant_model(scenario)
+        case "reference":
+            return reference_model(scenario)
+        case "guard":
+            return guard_model(settle(scenario, None))
+        case "closed-loop":
+            return closed_loop_model(settle(scenario, law))
+        case _ if what in LAWS:
+            return law_model(settle(scenario, what))
+    raise UnknownNameError("FMU", what, ("plant", "reference", "guard", "closed-loop", *LAWS))
 
 
 def write_fmu(
@@ -136,11 +130,17 @@ def write_fmu(
     Raises PartlyBuiltError, with the file written, where some of several platforms failed.
     """
     sources = sources_of(model, version, arrays=arrays)
-    code = dict(plain_code(model)) if result else {}
+    code = plain_code(model) if result else {}
     note = NOTE if code else ""
     text = xml.description(model, sources, version, TOOL, arrays=arrays, note=note)
     files = {"modelDescription.xml": text, **code}
-    files |= dict(_texts(model, sources, version))
+    if version == 3:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml.terminals(model)
+        files["sources/buildDescription.xml"] = xml.build_description(model, sources)
+    files["documentation/index.html"] = xml.documentation(model, TOOL)
+    files[f"{EXTRA}/scenario.toml"] = to_toml(model.scenario)
+    files |= {GRAPH: model.graph} if model.graph else {}
+    files |= {f"sources/{name}": text for name, text in sources.files.items()}
     packed = {name: text.encode() for name, text in files.items()}
     built, failed = build_for(targets, sources, model.identifier)
     packed |= binaries(model, version, built)
@@ -158,24 +158,12 @@ def write_fmu(
     return path
 
 
-def _texts(model: FmuModel, sources: Sources, version: int) -> Iterator[tuple[str, str]]:
-    """Every file but description and binaries."""
-    if version == 3:
-        yield "terminalsAndIcons/terminalsAndIcons.xml", xml.terminals(model)
-        yield "sources/buildDescription.xml", xml.build_description(model, sources)
-    yield "documentation/index.html", xml.documentation(model, TOOL)
-    yield f"{EXTRA}/scenario.toml", to_toml(model.scenario)
-    if model.graph:
-        yield GRAPH, model.graph
-    for name, text in sources.files.items():
-        yield f"sources/{name}", text
-
-
 def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[str, bytes]:
     """Libraries, by their platform, by their place in the FMU."""
+    folders = {target: target.fmi2 if version == 2 else target.name for target in TARGETS}
     packed = {
-        _place(model, version, target): built[target.name]
-        for target in TARGETS
+        f"binaries/{folder}/{model.identifier}{target.suffix}": built[target.name]
+        for target, folder in folders.items()
         if target.name in built
     }
     both = [built[name] for name in ("x86_64-darwin", "aarch64-darwin") if name in built]
@@ -184,12 +172,7 @@ def binaries(model: FmuModel, version: int, built: Mapping[str, bytes]) -> dict[
     return packed
 
 
-def _place(model: FmuModel, version: int, target: Target) -> str:
-    folder = target.fmi2 if version == 2 else target.name
-    return f"binaries/{folder}/{model.identifier}{target.suffix}"
-
-
-MAGIC = 0xCAFEBABE
+_MAGIC = 0xCAFEBABE
 _ALIGNMENT = 14  # of each slice, as a power of two: 16 KiB pages
 
 
@@ -198,7 +181,7 @@ def joined(libraries: Sequence[bytes]) -> bytes:
     if len(libraries) == 1:
         return libraries[0]
     page = 1 << _ALIGNMENT
-    header, body, offset = struct.pack(">II", MAGIC, len(libraries)), b"", page
+    header, body, offset = struct.pack(">II", _MAGIC, len(libraries)), b"", page
     for library in libraries:
         cpu, subtype = struct.unpack_from("<II", library, 4)
         header += struct.pack(">IIIII", cpu, subtype, offset, len(library), _ALIGNMENT)

@@ -14,8 +14,8 @@ from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.source import plain_sources
 from wmr_ctrl.codegen.source import sources as kernel_sources
+from wmr_ctrl.fmi.files import render
 from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel, orders
-from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.variables import Variable
 
 COMMON = (

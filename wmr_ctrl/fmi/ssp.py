@@ -16,17 +16,23 @@ from typing import Any
 from wmr_ctrl.control.setup import Setup, beyond_noise, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
-from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, input_rows, load_map
-from wmr_ctrl.fmi.cosim.parts import UNITS, controller_outputs, plant_outputs
+from wmr_ctrl.fmi.cosim.mapping import (
+    MapRow,
+    PartMap,
+    controller_outputs,
+    identity,
+    input_rows,
+    load_map,
+    plant_outputs,
+)
 from wmr_ctrl.fmi.cosim.slave import FmuFile
 from wmr_ctrl.fmi.export import TOOL, Progress, model_of, scenario_given, versions_of, write_fmu
+from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.package import write_archive
 from wmr_ctrl.fmi.targets import targets_of
-from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.units import units_of
 from wmr_ctrl.fmi.variables import Role
-from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import (
     BODY_FORCE,
     DIAGNOSTICS,
@@ -109,19 +115,24 @@ def export_ssp(
             "the parts by themselves for FMI 3."
         )
     setup = settle(scenario_given(scenario), law)
-    _check_contents(setup)
+    lost = beyond_noise(setup)
+    if lost:
+        raise ArgumentError(
+            "an SSP package holds reference, controller and plant, and this scenario has more: "
+            f"{', '.join(item.title for item in lost)}. Export the closed-loop FMU, which has all, "
+            "or take that out of the scenario."
+        )
     own = settle(one_period_later(setup.scenario), law) if delay_known else setup
     maps = load_map(map_file) if map_file is not None else {}
     given = {"controller": controller, "plant": plant}
     parts: dict[str, Component] = {}
     for name in ORDER:
-        path = given.get(name)
-        if path is not None:
-            parts[name] = _theirs(name, path, maps, setup)
+        theirs = given.get(name)
+        if theirs is not None:
+            parts[name] = _theirs(name, theirs, maps, setup)
         else:
-            what = law if name == "controller" else name
-            scene = own.scenario if name == "controller" else setup.scenario
-            parts[name] = _ours(parallel(model_of(what, law, scene)), target)
+            law_setup, what = (own, law) if name == "controller" else (setup, name)
+            parts[name] = _ours(parallel(model_of(what, law, law_setup.scenario)), target)
     files = {"SystemStructure.ssd": _structure(parts, setup.scenario, flat).encode()}
     for name, part in parts.items():
         files[f"resources/{name}.ssv"] = _parameters(part).encode()
@@ -132,41 +143,25 @@ def export_ssp(
     return [path]
 
 
-def _check_contents(setup: Setup) -> None:
-    """Raise ArgumentError where the loop has more parts than reference, controller and plant.
-
-    Numbers that are drawn at random come from outside, so an effect of draws alone is left out.
-    """
-    lost = beyond_noise(setup)
-    if lost:
-        names = ", ".join(item.title for item in lost)
-        raise ArgumentError(
-            f"an SSP package holds reference, controller and plant, and this scenario has more: "
-            f"{names}. Export the closed-loop FMU, which has all, or take that out of the scenario."
-        )
-
-
 def _ours(model: FmuModel, target: str) -> Component:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{model.identifier}.fmu"
+        content = write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
     ports = [
-        {"name": v.name, "kind": "input" if v.role is Role.INPUT else "output", "unit": v.unit}
+        _port(v.name, "input" if v.role is Role.INPUT else "output", v.unit)
         for v in model.variables
         if v.role is Role.INPUT or (v.output and not v.array)
     ]
-    listed = [v for v in model.variables if v.parameter and not v.integer]
-    return Component(
-        model.identifier,
-        _packed(model, target),
-        ports,
-        [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "input"],
-        [MapRow(p["name"], ((p["name"], 1.0),)) for p in ports if p["kind"] == "output"],
-        [{"name": v.name, "value": repr(v.start), "unit": v.unit} for v in listed],
+    parameters = [
+        {"name": v.name, "value": repr(v.start), "unit": v.unit}
+        for v in model.variables
+        if v.parameter and not v.integer
+    ]
+    inputs, outputs = (
+        identity([port["name"] for port in ports if port["kind"] == kind])
+        for kind in ("input", "output")
     )
-
-
-def _packed(model: FmuModel, target: str) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{model.identifier}.fmu"
-        return write_fmu(model, 2, targets_of(target), path, result=False).read_bytes()
+    return Component(model.identifier, content, ports, inputs, outputs, parameters)
 
 
 def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Setup) -> Component:
@@ -181,27 +176,25 @@ def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Set
             f"guard.enabled is true, but the guard is part of our controllers and not in {path}. "
             "Set guard.enabled = false."
         )
-    file, part = FmuFile(path, name), maps[name]
-    inputs = input_rows(part.inputs, UNITS, file.unit, name, si=part.si)
-    outputs = _outputs(name, file, part, setup.scenario.robot)
+    part, unit = maps[name], FmuFile(path, name).unit
+    inputs = input_rows(part, unit, name)
+    outputs = (controller_outputs if name == "controller" else plant_outputs)(
+        part, unit, setup.scenario.robot
+    )
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:
             raise ArgumentError(
                 f"{name}: {row.target} is a sum of {len(row.terms)} variables, and a connection of "
                 "an SSP package carries one. Map variables that need no sum, or use cosim."
             )
-    ports = [{"name": row.target, "kind": "input", "unit": ""} for row in inputs]
-    ports += [{"name": row.terms[0][0], "kind": "output", "unit": ""} for row in outputs]
+    ports = [_port(row.target, "input") for row in inputs]
+    ports += [_port(row.terms[0][0], "output") for row in outputs]
     start = [{"name": key, "value": repr(value), "unit": ""} for key, value in part.start.items()]
-    return Component(
-        Path(path).stem, Path(path).read_bytes(), ports, inputs, outputs, start
-    )  # fmt: skip
+    return Component(Path(path).stem, Path(path).read_bytes(), ports, inputs, outputs, start)
 
 
-def _outputs(name: str, file: FmuFile, part: PartMap, robot: Robot) -> list[MapRow]:
-    if name == "controller":
-        return controller_outputs(file, part, robot)
-    return plant_outputs(file, part, robot)
+def _port(name: str, kind: str, unit: str = "") -> dict[str, str]:
+    return {"name": name, "kind": kind, "unit": unit}
 
 
 def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> str:
@@ -242,16 +235,16 @@ def _outside(
     """Connectors of the whole system: inputs that a connection uses, outputs that a part gives."""
     used = {value for line in connections for _, value in line["ends"]}
     given = {row.target for part in parts.values() for row in part.outputs}
-    ports = [{"name": n, "kind": "input", "unit": u} for n, u in DISTURBANCE.items() if n in used]
-    return ports + [
-        {"name": n, "kind": "output", "unit": u} for n, u in SHOWN.items() if n in given
+    return [
+        *(_port(name, "input", unit) for name, unit in DISTURBANCE.items() if name in used),
+        *(_port(name, "output", unit) for name, unit in SHOWN.items() if name in given),
     ]
 
 
 def _wired(name: str, part: Component, connections: list[dict[str, Any]]) -> list[dict[str, str]]:
     """Connectors of a part without its free inputs: FMPy 0.3.32 feeds those another's values."""
-    taken = {values["endConnector"] for line in connections
-             if (values := dict(line["ends"]))["endElement"] == name}  # fmt: skip
+    ends = [dict(line["ends"]) for line in connections]
+    taken = {end["endConnector"] for end in ends if end["endElement"] == name}
     return [port for port in part.ports if port["kind"] == "output" or port["name"] in taken]
 
 

@@ -47,9 +47,19 @@ class NamedUnit:
         """Display unit and how many of it are one of this unit, or None."""
         return _DISPLAY.get(self.name)
 
+    def __mul__(self, other: NamedUnit) -> NamedUnit:
+        names = {**self.exponents, **other.exponents}
+        total = {key: self.exponents.get(key, 0) + other.exponents.get(key, 0) for key in names}
+        return NamedUnit(
+            f"{self.name}.{other.name}",
+            self.factor * other.factor,
+            {key: exponent for key, exponent in total.items() if exponent},
+        )
+
     def fits(self, other: NamedUnit) -> bool:
         """Whether both measure the same kind of quantity; angles count as numbers."""
-        return _without_angle(self) == _without_angle(other)
+        mine, theirs = self.exponents.items(), other.exponents.items()
+        return {key for key, _ in mine ^ theirs} <= {"rad"}
 
 
 @cache
@@ -58,9 +68,14 @@ def unit_of(name: str) -> NamedUnit:
     factor, exponents = 1.0, dict.fromkeys(BASE, 0)
     for place, group in enumerate(name.split("/")):
         for part in group.split("."):
-            symbol, power = _part(part, name)
-            power = power if place == 0 else -power
-            scale, base = _KNOWN[symbol]
+            match = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", part)
+            if not match or match[1] not in _KNOWN:
+                raise ArgumentError(
+                    f"unit {name!r} is not known: {part!r} is none of {', '.join(_KNOWN)}. Write "
+                    "it as in kg.m2/s, with whole exponents."
+                )
+            scale, base = _KNOWN[match[1]]
+            power = int(match[2] or 1) * (1 if place == 0 else -1)
             factor *= scale**power
             for key, exponent in base.items():
                 exponents[key] += exponent * power
@@ -70,17 +85,3 @@ def unit_of(name: str) -> NamedUnit:
 def units_of(names: Iterable[str]) -> list[NamedUnit]:
     """The different units among ``names``, in the order of their names."""
     return [unit_of(name) for name in sorted(set(names))]
-
-
-def _part(text: str, whole: str) -> tuple[str, int]:
-    match = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", text)
-    if not match or match[1] not in _KNOWN:
-        raise ArgumentError(
-            f"unit {whole!r} is not known: {text!r} is none of {', '.join(_KNOWN)}. Write it as in "
-            "kg.m2/s, with whole exponents."
-        )
-    return match[1], int(match[2] or 1)
-
-
-def _without_angle(unit: NamedUnit) -> dict[str, int]:
-    return {key: value for key, value in unit.exponents.items() if key != "rad"}

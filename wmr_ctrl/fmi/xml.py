@@ -7,20 +7,15 @@ from collections.abc import Iterable
 from typing import Any
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.fmi.files import render
 from wmr_ctrl.fmi.model import FmuModel, Unknown, headed, initial_unknowns, outputs, rates
-from wmr_ctrl.fmi.notes import notes_of
 from wmr_ctrl.fmi.sources import Sources, row_size
-from wmr_ctrl.fmi.templates import render
 from wmr_ctrl.fmi.units import NamedUnit, unit_of, units_of
 from wmr_ctrl.fmi.variables import Role, Variable
+from wmr_ctrl.laws import LAWS
 from wmr_ctrl.signals import POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 
 Attributes = list[tuple[str, str]]
-CATEGORIES = (
-    ("logStatusError", "calls that were refused, and why"),
-    ("logStatusDiscard", "steps that could not be taken"),
-    ("logEvents", "what the model does"),
-)
 TERMINALS = (
     ("reference", "the desired trajectory", REFERENCE),
     ("pose", "position and orientation", POSE),
@@ -28,7 +23,6 @@ TERMINALS = (
     ("torque", "wheel torques", TORQUE),
     ("disturbance", "disturbance torques on the wheels", TORQUE_NOISE),
 )
-CAN = "true"
 _CAUSALITY = {
     Role.INDEPENDENT: "independent",
     Role.INPUT: "input",
@@ -55,7 +49,6 @@ def description(
             "fmi2.xml",
             m={
                 **common,
-                "interfaces": _fmi2_interfaces(model),
                 "variables": listed,
                 "structure": _structure(model, FMI2, False),
             },
@@ -65,7 +58,6 @@ def description(
         "fmi3.xml",
         m={
             **common,
-            "interfaces": _fmi3_interfaces(model),
             "structure": _structure(model, FMI3, arrays),
             "variables": [_fmi3_variable(model, i, v, arrays) for i, v in rows],
         },
@@ -109,13 +101,15 @@ def documentation(model: FmuModel, tool: str) -> str:
             "title": model.title,
             "tool": tool,
             "scenario": model.scenario.name,
-            "notes": notes_of(model),
+            "kind": model.kind,
+            "law": model.what in LAWS,
             "documented": rows,
         },
     )
 
 
 def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str, Any]:
+    clock = model.scenario.clock
     return {
         "identifier": model.identifier,
         "token": sources.token,
@@ -125,8 +119,11 @@ def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str
         "license": "BSD-3-Clause",
         "units": sources.units,
         "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
-        "categories": [{"name": name, "text": text} for name, text in CATEGORIES],
-        "experiment": _experiment(model),
+        "duration": repr(clock.duration),
+        "step": repr(model.step),
+        "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
+        "derivatives": bool(model.graph),
+        "model_exchange": model.model_exchange,
     }
 
 
@@ -145,61 +142,6 @@ def _unit(unit: NamedUnit) -> dict[str, Any]:
     base = [*unit.exponents.items(), *([] if unit.factor == 1 else [("factor", repr(unit.factor))])]
     display = [{"name": unit.display[0], "factor": repr(unit.display[1])}] if unit.display else []
     return {"name": unit.name, "base": base, "display": display}
-
-
-def _experiment(model: FmuModel) -> Attributes:
-    duration = model.scenario.clock.duration
-    return [
-        ("startTime", "0"),
-        ("stopTime", repr(duration)),
-        ("tolerance", "1e-08"),
-        ("stepSize", repr(model.step)),
-    ]
-
-
-def _fmi2_interfaces(model: FmuModel) -> list[dict[str, Any]]:
-    derivative = [("providesDirectionalDerivative", CAN)] if model.graph else []
-    common = [
-        ("modelIdentifier", model.identifier),
-        ("canNotUseMemoryManagementFunctions", CAN),
-        ("canGetAndSetFMUstate", CAN),
-        ("canSerializeFMUstate", CAN),
-        *derivative,
-    ]
-    solving = [*common, ("completedIntegratorStepNotNeeded", CAN)]
-    exchange = [{"name": "ModelExchange", "attributes": solving}] if model.model_exchange else []
-    stepping = [*common, ("canHandleVariableCommunicationStepSize", CAN)]
-    return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
-
-
-def _fmi3_interfaces(model: FmuModel) -> list[dict[str, Any]]:
-    derivative = (
-        [("providesDirectionalDerivatives", CAN), ("providesAdjointDerivatives", CAN)]
-        if model.graph
-        else []
-    )
-    common = [
-        ("modelIdentifier", model.identifier),
-        ("canGetAndSetFMUState", CAN),
-        ("canSerializeFMUState", CAN),
-        *derivative,
-    ]
-    exchange = [{"name": "ModelExchange", "attributes": common}] if model.model_exchange else []
-    stepping = [
-        *common,
-        ("canHandleVariableCommunicationStepSize", CAN),
-        ("providesIntermediateUpdate", CAN),
-        ("mightReturnEarlyFromDoStep", CAN),
-        ("canReturnEarlyAfterIntermediateUpdate", CAN),
-        ("fixedInternalStepSize", repr(_internal_step(model))),
-    ]
-    return [*exchange, {"name": "CoSimulation", "attributes": stepping}]
-
-
-def _internal_step(model: FmuModel) -> float:
-    """Seconds of the model's own steps: a plant's, or a control period."""
-    clock = model.scenario.clock
-    return clock.plant if model.kind == "continuous" else clock.control
 
 
 def _causality(v: Variable) -> str:
@@ -235,14 +177,10 @@ def _typed(model: FmuModel, v: Variable) -> Attributes:
     """Attributes that belong to the value: unit, display unit, range, nominal."""
     if v.integer:
         return _range(v)
-    display = {"rad": "deg", "rad/s": "deg/s"}.get(v.unit)
+    display = unit_of(v.unit).display
     nominal = [("nominal", "1.0")] if model.kind == "continuous" and v.role is Role.START else []
-    return [
-        ("unit", v.unit),
-        *([("displayUnit", display)] if display else []),
-        *_range(v),
-        *nominal,
-    ]
+    shown = [("displayUnit", display[0])] if display else []
+    return [("unit", v.unit), *shown, *_range(v), *nominal]
 
 
 def _fmi2_variable(model: FmuModel, row: int, v: Variable) -> dict[str, Any]:

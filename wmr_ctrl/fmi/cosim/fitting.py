@@ -1,4 +1,4 @@
-"""What a scenario asks for and the given FMUs cannot do is refused before the first step."""
+"""Refusals before the first step: what a scenario asks for and the given FMUs cannot do."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import law_model
-from wmr_ctrl.fmi.cosim.parts import STATE, Part
+from wmr_ctrl.fmi.cosim.mapping import STATE
+from wmr_ctrl.fmi.cosim.parts import Part
+from wmr_ctrl.fmi.extra import GRAPH
 from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.provenance import GRAPH
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.scenario import Scenario, override
-from wmr_ctrl.world.effect import Effect, EffectRole
+from wmr_ctrl.world.effect import EffectRole
 
-DISTURBANCE = EffectRole.DISTURBANCE
 _REACHING = {
     "noise_right": {"noise_right", "torque_right"},
     "noise_left": {"noise_left", "torque_left"},
     "thrust": {"thrust"},
     "moment": {"moment"},
 }
-"""By what a disturbance writes those inputs of a plant of which one must be mapped."""
+"""Inputs of a plant by what a disturbance writes: one of them must be mapped."""
 _NEAR = 1e-6
-"""How far a foreign plant's start may be from the scenario's [m, rad, m/s, rad/s]."""
+"""Largest distance of a foreign plant's start from the scenario's [m, rad, m/s, rad/s]."""
 
 
 def law_within(path: str | Path | None) -> str | None:
@@ -85,22 +85,22 @@ def _graph_in(path: str | Path) -> str:
 
 def check_parts(setup: Setup, plant: Part) -> None:
     """Raise ArgumentError where a foreign plant leaves out a part of the scenario."""
-    reach = {item: _needed(item, setup.scenario) for item in setup.with_role(DISTURBANCE)}
-    lost = [item for item, asked in reach.items() if not all(plant.uses & names for names in asked)]
+    scenario = setup.scenario
+    lost = [
+        f"[{item.section.KEY}]"
+        for item in setup.with_role(EffectRole.DISTURBANCE)
+        if item.active(scenario)
+        and any(
+            plant.uses.isdisjoint(_REACHING[output.signal.name])
+            for output in item.system(scenario).outputs
+        )
+    ]
     if lost:
-        keys = ", ".join(f"[{item.section.KEY}]" for item in lost)
         raise ArgumentError(
             f"the disturbance does not reach {plant.slave.path}. Map torque_right and torque_left, "
             "which have it in them (and thrust and moment, where it acts on the body), or take it "
-            f"out of the scenario: {keys}."
+            f"out of the scenario: {', '.join(lost)}."
         )
-
-
-def _needed(effect: Effect, scenario: Scenario) -> list[set[str]]:
-    """Of each thing that a disturbance writes, where it acts, the inputs that it may reach."""
-    if not effect.active(scenario):
-        return []
-    return [_REACHING[item.signal.name] for item in effect.system(scenario).outputs]
 
 
 def check_start(scenario: Scenario, plant: Part) -> None:

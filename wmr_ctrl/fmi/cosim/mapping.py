@@ -20,6 +20,7 @@ names on the left, rows of ``inputs`` theirs.  A plain string is a renaming; uni
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,16 +34,38 @@ from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.section import REQUIRED, Section, build, quantity
 from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.fmi.units import NamedUnit, unit_of
+from wmr_ctrl.scenario import Robot
+from wmr_ctrl.signals import (
+    BODY_FORCE,
+    FORCE,
+    PATH,
+    PLANT_STATE,
+    REFERENCE,
+    SKID,
+    TAU_APPLIED,
+    TORQUE,
+    TORQUE_NOISE,
+    Signal,
+)
 
+STATE = tuple(s.name for s in PLANT_STATE)
+TORQUES = tuple(s.name for s in TORQUE)
+READY = ("psi", "w_right", "w_left")
+"""Usual heading and speeds of the wheels, from which theta, v1 and omega follow."""
+DISTURBED = ("torque_right", "torque_left")
+"""Torques with the disturbance in them."""
+UNITS = {
+    **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
+    **{s.name: s.unit for s in (PATH, SKID)},
+    **dict.fromkeys((*TAU_APPLIED.elements, *DISTURBED), "N.m"),
+    **dict(zip(FORCE.elements, FORCE.units, strict=True)),
+    **dict(zip(READY, ("rad", "rad/s", "rad/s"), strict=True)),
+}
+"""Units of our quantities; the force (thrust, moment) may stand in the place of both torques."""
 UnitOf = Callable[[str], NamedUnit | str | None]
 """From the name of their variable to its unit: as the FMU defines it, its mere name, or nothing."""
-Units = Callable[[str, str, str], NamedUnit]
-"""From a name, the key of the row that needs it and a unit that would fit, to the name's unit."""
+_INSTEAD = {"plant": READY, "controller": FORCE.elements}
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-
-
-def _table(doc: str) -> Any:
-    return quantity(Frozen(), kind="mapping", unit="", doc=doc)
 
 
 @dataclass(frozen=True)
@@ -59,23 +82,24 @@ class MapRow:
         return self.offset == 0.0 and len(self.terms) == 1 and self.terms[0][1] == 1.0
 
 
+def _table(doc: str, kind: str = "mapping") -> Any:
+    return quantity(Frozen(), kind=kind, unit="", doc=doc)
+
+
 class PartMap(Section):
     """The map of one FMU, as read: raw rows, parameters by our key, start values, step."""
 
     inputs: Mapping[str, object] = _table("row of each of their inputs")
     outputs: Mapping[str, object] = _table("row of each of our quantities")
     parameters: Mapping[str, str] = _table("their name of each of our keys")
-    start: Mapping[str, float] = _table("their start values")
+    start: Mapping[str, float] = _table("their start values", "numbers")
     step: float | None = quantity(None, unit="s", doc="their communication step", above=0)
     units: str = quantity(
-        "stated", unit="1", options=("stated", "SI"),
+        "stated",
+        unit="1",
+        options=("stated", "SI"),
         doc="units of variables of which the FMU gives none: stated in their rows, or SI",
-    )  # fmt: skip
-
-    @property
-    def si(self) -> bool:
-        """Whether variables without a unit are in the SI unit of what they are mapped to."""
-        return self.units == "SI"
+    )
 
 
 class MapEntry(Section):
@@ -98,62 +122,9 @@ def load_map(path: str | Path) -> dict[str, PartMap]:
     return {part: build(PartMap, table, part) for part, table in raw.items()}
 
 
-def input_rows(
-    raw: Mapping[str, object],
-    ours: Mapping[str, str],
-    theirs: UnitOf,
-    part: str,
-    *,
-    si: bool = False,
-) -> list[MapRow]:
-    """Rows that give their inputs; ``ours`` and ``theirs``: units of either side's variables.
-
-    ``si``: as in `PartMap`.
-    """
-    return [
-        _row(
-            f"{part}.inputs.{name}",
-            name,
-            entry,
-            _Side(theirs, entry, si),
-            _ours(ours),
-            _first_unit(ours, entry),
-        )
-        for name, entry in raw.items()
-    ]
-
-
-def output_rows(
-    raw: Mapping[str, object],
-    ours: Mapping[str, str],
-    theirs: UnitOf,
-    part: str,
-    *,
-    si: bool = False,
-) -> list[MapRow]:
-    """Rows that give our quantities from their outputs."""
-    return [
-        _row(
-            f"{part}.outputs.{name}",
-            name,
-            entry,
-            _ours(ours),
-            _Side(theirs, entry, si),
-            ours.get(name, "1"),
-        )
-        for name, entry in raw.items()
-    ]
-
-
-def _first_unit(ours: Mapping[str, str], entry: object) -> str:
-    """Unit of the first of our quantities that an entry reads."""
-    names = [entry] if isinstance(entry, str) else list(_terms(entry))
-    return next((ours[name] for name in names if name in ours), "1")
-
-
-def _terms(entry: object) -> Mapping[str, object]:
-    terms = entry.get("terms") if isinstance(entry, dict) else None
-    return terms if isinstance(terms, dict) else {}
+def identity(names: Sequence[str]) -> list[MapRow]:
+    """Rows of an FMU that has our names and units."""
+    return [MapRow(name, ((name, 1.0),)) for name in names]
 
 
 def compiled(
@@ -169,92 +140,155 @@ def compiled(
     ]
 
 
-def identity(names: Sequence[str]) -> list[MapRow]:
-    """Rows of an FMU that has our names and units."""
-    return [MapRow(name, ((name, 1.0),)) for name in names]
+def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
+    """Rows that give their inputs; ``theirs``: units of their variables, ``name``: the part's."""
+    return [
+        _Row(f"{name}.inputs.{target}", target, raw, theirs, part.units, inward=True).read()
+        for target, raw in part.inputs.items()
+    ]
 
 
-class _Side:
-    """Units of their variables: as the entry states them, else as their FMU declares them."""
+def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
+    """Rows that give our quantities from their outputs."""
+    return [
+        _Row(f"{name}.outputs.{target}", target, raw, theirs, part.units, inward=False).read()
+        for target, raw in part.outputs.items()
+    ]
 
-    def __init__(self, declared: UnitOf, entry: object, si: bool) -> None:
-        self.declared, self.entry, self.si = declared, entry, si
-        self.stated = entry.get("unit") if isinstance(entry, dict) else None
 
-    def __call__(self, name: str, key: str, fitting: str) -> NamedUnit:
-        unit = self.stated or self.declared(name) or (fitting if self.si else None)
-        hint = f"State it in the row, such as: {self._row(key, fitting)}"
-        if unit is None:
-            part = key.partition(".")[0]
-            raise ArgumentError(
-                f"{key}: the FMU gives no unit for {name}. {hint}; or, where all of its variables "
-                f'without a unit are in SI units, write units = "SI" in [{part}].'
-            )
+class _Row:
+    """Reader of one row; ``inward``: it gives an input of theirs from quantities of ours."""
+
+    def __init__(
+        self, key: str, target: str, raw: object, theirs: UnitOf, units: str, *, inward: bool
+    ) -> None:
+        self.key, self.target, self.theirs, self.units = key, target, theirs, units
+        if not isinstance(raw, str | Mapping):
+            raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
+        table = {"terms": {raw: 1.0}} if isinstance(raw, str) else raw
+        self.entry = build(MapEntry, table, key)
+        ours = [name for name in (self.entry.terms if inward else [target]) if name in UNITS]
+        self.fitting = UNITS[ours[0]] if ours else "1"
+        self.unit_of_target = self.unit_of_theirs if inward else self.unit_of_ours
+        self.unit_of_source = self.unit_of_ours if inward else self.unit_of_theirs
+
+    def read(self) -> MapRow:
+        """The row in the owners' units: what has an offset to SI is converted by way of SI."""
+        entry, factor_unit = self.entry, unit_of(self.entry.coefficient_unit)
+        wanted = self.unit_of_target(self.target)
+        shares, start = [], -wanted.offset
+        for name, factor in entry.terms.items():
+            given = self.unit_of_source(name)
+            if not (given * factor_unit).fits(wanted):
+                unit = (
+                    "" if factor_unit.name == "1" else f" with a coefficient in {factor_unit.name}"
+                )
+                raise ArgumentError(
+                    f"{self.key}: {name} in {given.name} does not give {wanted.name}{unit}. Give "
+                    "the coefficient's unit as coefficient_unit, or map another variable."
+                )
+            share = factor * factor_unit.factor
+            shares.append((name, share * given.factor / wanted.factor))
+            start += share * given.offset
+        return MapRow(self.target, tuple(shares), entry.offset + start / wanted.factor)
+
+    def unit_of_ours(self, name: str) -> NamedUnit:
+        """Unit of a quantity of ours."""
+        if name not in UNITS:
+            raise UnknownNameError(f"quantity of ours (in {self.key})", name, UNITS)
+        return unit_of(UNITS[name])
+
+    def unit_of_theirs(self, name: str) -> NamedUnit:
+        """Unit of a variable of theirs: as the row states it, else as their FMU declares it."""
+        si = self.fitting if self.units == "SI" else None
+        unit = self.entry.unit or self.theirs(name) or si
         if isinstance(unit, NamedUnit):
             return unit
+        terms = ", ".join(f"{_toml_key(k)} = {share!r}" for k, share in self.entry.terms.items())
+        hint = (
+            f"State it in the row, such as: {_toml_key(self.target)} = {{ terms = {{ {terms} }}, "
+            f'unit = "{self.fitting}" }}'
+        )
+        if unit is None:
+            part = self.key.partition(".")[0]
+            raise ArgumentError(
+                f"{self.key}: the FMU gives no unit for {name}. {hint}; or, where all of its "
+                f'variables without a unit are in SI units, write units = "SI" in [{part}].'
+            )
         try:
             return unit_of(unit)
         except ArgumentError as error:
             raise ArgumentError(
-                f"{key}: {name} has the unit {unit!r}, which the FMU does not define, and {error} "
-                f"{hint}."
+                f"{self.key}: {name} has the unit {unit!r}, which the FMU does not define, and "
+                f"{error} {hint}."
             ) from error
 
-    def _row(self, key: str, fitting: str) -> str:
-        """The row of a map with its unit stated, as TOML."""
-        target = key.split(".", 2)[-1]
-        terms = {self.entry: 1.0} if isinstance(self.entry, str) else _terms(self.entry)
-        listed = ", ".join(f"{_key(term)} = {share!r}" for term, share in terms.items())
-        return f'{_key(target)} = {{ terms = {{ {listed} }}, unit = "{fitting}" }}'
 
-
-def _key(name: str) -> str:
-    """A key as TOML spells it."""
+def _toml_key(name: str) -> str:
     return name if _BARE.fullmatch(name) else json.dumps(name)
 
 
-def _ours(units: Mapping[str, str]) -> Units:
-    def unit(name: str, key: str, _fitting: str) -> NamedUnit:
-        if name not in units:
-            raise UnknownNameError(f"quantity of ours (in {key})", name, units)
-        return unit_of(units[name])
+def controller_outputs(
+    part: PartMap, theirs: UnitOf, robot: Robot, asked: Sequence[str] = TORQUES
+) -> list[MapRow]:
+    """Rows that give what is ``asked``, torques or the force, from a foreign controller's outputs.
 
-    return unit
-
-
-def _row(
-    key: str, target: str, entry: object, unit_of_target: Units, unit_of_source: Units, near: str
-) -> MapRow:
-    """One row in the owners' units: whatever has an offset to SI is converted by way of SI."""
-    terms, offset, factor_unit = _entry(key, entry)
-    wanted = unit_of_target(target, key, near)
-    shares, start = [], -wanted.offset
-    for name, factor in terms.items():
-        given = unit_of_source(name, key, near)
-        _check(key, wanted, given, factor_unit, name)
-        share = factor * factor_unit.factor
-        shares.append((name, share * given.factor / wanted.factor))
-        start += share * given.offset
-    return MapRow(target, tuple(shares), offset + start / wanted.factor)
+    Each follows from the other: thrust and moment are those of the torques at robot.r and robot.l.
+    """
+    by_target = {row.target: row for row in output_rows(part, theirs, "controller")}
+    given = TORQUES if FORCE.elements[0] not in by_target else FORCE.elements
+    _check_complete(by_target, given, "controller")
+    first, second = (by_target[name] for name in given)
+    if tuple(asked) == tuple(given):
+        return [first, second]
+    r, half_track = robot.r, robot.l
+    if given == TORQUES:
+        sums, differences = (1 / r, 1 / r), (half_track / r, -half_track / r)
+    else:
+        sums, differences = (r / 2, r / 2 / half_track), (r / 2, -r / 2 / half_track)
+    shares = zip(asked, (sums, differences), strict=True)
+    return [_combined(name, {first: a, second: b}) for name, (a, b) in shares]
 
 
-def _entry(key: str, entry: object) -> tuple[Mapping[str, float], float, NamedUnit]:
-    """Terms, offset (in the target's unit) and the coefficients' unit."""
-    if isinstance(entry, str):
-        return {entry: 1.0}, 0.0, unit_of("1")
-    if not isinstance(entry, Mapping):
-        raise ArgumentError(f"{key} = {show(entry)} must be a name, or a table with terms.")
-    row = build(MapEntry, entry, key)
-    return row.terms, row.offset, unit_of(row.coefficient_unit)
+def plant_outputs(
+    part: PartMap, theirs: UnitOf, robot: Robot, rolling: Sequence[Signal] = ()
+) -> list[MapRow]:
+    """Rows that give pose and velocity from a foreign plant's outputs, and the wheels' way.
 
-
-def _check(key: str, wanted: NamedUnit, given: NamedUnit, factor: NamedUnit, name: str) -> None:
-    """The source's kind times the coefficient's must be the target's."""
-    keys = {*given.exponents, *factor.exponents}
-    product = {k: given.exponents.get(k, 0) + factor.exponents.get(k, 0) for k in keys}
-    if not NamedUnit("", 1.0, {k: v for k, v in product.items() if v}).fits(wanted):
-        unit = "" if factor.name == "1" else f" with a coefficient in {factor.name}"
+    theta may follow from psi, v1 and omega from the wheels' speeds.  Raises ArgumentError where one
+    is missing; without a row for the skid it is zero.
+    """
+    by_target = {row.target: row for row in output_rows(part, theirs, "plant")}
+    if "psi" in by_target:
+        psi = by_target.pop("psi")
+        by_target["theta"] = MapRow("theta", psi.terms, psi.offset - math.pi / 2)
+    if {"w_right", "w_left"} <= by_target.keys():
+        right, left = by_target.pop("w_right"), by_target.pop("w_left")
+        turn = robot.r / (2 * robot.l)
+        by_target["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
+        by_target["omega"] = _combined("omega", {right: turn, left: -turn})
+    _check_complete(by_target, STATE, "plant")
+    if rolling and PATH.name not in by_target:
         raise ArgumentError(
-            f"{key}: {name} in {given.name} does not give {wanted.name}{unit}. Give the "
-            "coefficient's unit as coefficient_unit, or map another variable."
+            f"a sensor of the scenario counts the way that the wheels roll, and the map's "
+            f"[plant.outputs] does not give {PATH.name}. Add a row for it [m] (and one for "
+            f"{SKID.name} [rad] if the wheels slip), or leave that sensor out."
+        )
+    further = [item.name for item in rolling if item.name in by_target]
+    return [by_target[name] for name in (*STATE, *further)]
+
+
+def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:
+    terms = tuple(
+        (name, share * factor) for row, share in parts.items() for name, factor in row.terms
+    )
+    return MapRow(target, terms, sum(share * row.offset for row, share in parts.items()))
+
+
+def _check_complete(rows: Mapping[str, MapRow], wanted: Sequence[str], part: str) -> None:
+    missing = sorted(set(wanted) - rows.keys())
+    if missing:
+        raise ArgumentError(
+            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
+            f"or for the ready names {', '.join(_INSTEAD[part])} that they follow from."
         )

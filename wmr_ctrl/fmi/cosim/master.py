@@ -1,10 +1,13 @@
-"""Masters: who steps when, and who sees whose outputs.
+"""Masters: order of the steps, and what lies between the FMUs.
 
 Gauss-Seidel shows the controller what reference and plant have reached, steps it, and then the
 plant with its torques, which is the native loop.  Jacobi steps all three with what was known
 before: the torque acts one step later, as under every master that copies connections after all have
 stepped.  Reference and controller step once in a control period, our plant once in each of its own
 steps, with the torque held: so the monitor sees what the native one sees.
+
+Sensors, disturbances, drives and monitor are the compiled ones of the loop: they draw the same
+random numbers and watch the same limits.
 """
 
 from __future__ import annotations
@@ -13,11 +16,17 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 
-from wmr_ctrl.fmi.cosim.guarded import GuardedController
-from wmr_ctrl.fmi.cosim.outside import Measurement, Outside
-from wmr_ctrl.fmi.cosim.parts import DESIRED, STATE, Part, limited_torque, ready
+import numpy as np
+
+from wmr_ctrl.codegen.build import build_outside
+from wmr_ctrl.control.loop import PlantlessGraphs
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.fmi.cosim.mapping import STATE
+from wmr_ctrl.fmi.cosim.parts import DESIRED, GuardedController, Part, limiter, ready
 from wmr_ctrl.scenario import Change, Scenario
+from wmr_ctrl.sim.coupled import Coupled
 
 Progress = Callable[[float], None]
 _ROWS_PER_REPORT = 100
@@ -25,12 +34,50 @@ _ROWS_PER_REPORT = 100
 
 @dataclass
 class Parts:
-    """What a master steps."""
+    """FMUs that a master steps, and the way to change the plant's parameters."""
 
     reference: Part
     controller: Part | GuardedController
     plant: Part
     change: Callable[[Change], None]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Measured pose and velocity of a sample, torque and body force that disturb.
+
+    ``logged``: further columns of the log, see `Outside.columns`.
+    """
+
+    pose: tuple[float, ...]
+    velocity: tuple[float, ...]
+    noise: tuple[float, ...]
+    pushed: tuple[float, ...]
+    logged: tuple[float, ...]
+
+
+class Outside(Coupled):
+    """Effects between controller and plant of one run; its counters move with every call.
+
+    ``columns``: signals of the log that effects bring; ``steady``: whether what acts stays the same
+    over a sample; ``rolling``: what the sensors ask of the plant beside its state; ``ended``:
+    whether the run ends before its first step.
+    """
+
+    def __init__(self, setup: Setup, seed: int) -> None:
+        """Everything at t = 0.  Raises CompilerError or ArgumentError."""
+        graphs = PlantlessGraphs(setup)
+        super().__init__(build_outside(setup, graphs), seed, setup.scenario.clock.plant)
+        self.columns, self.steady, self.rolling = graphs.columns, graphs.steady, graphs.rolling
+
+    def sample(self, state: Sequence[float]) -> Measurement:
+        """The next control sample, for the plant's state at it."""
+        shown = tuple(self.sampled(state))
+        return Measurement(shown[0:3], shown[3:5], shown[5:7], shown[7:9], shown[9:])
+
+    def step(self, torque: Sequence[float], now: Measurement) -> tuple[float, ...]:
+        """Torques that act over the next plant step, disturbing torques, force on the body."""
+        return tuple(self.acting((*torque, *now.noise, *now.pushed)))
 
 
 class Master:
@@ -44,7 +91,8 @@ class Master:
         start = (*scenario.initial.pose, *scenario.initial.velocity)
         self.state = (*start, *tuple(parts.plant.read())[len(start) :])
         self.applied: Sequence[float] = (0.0, 0.0)
-        self.changes = sorted(scenario.changes, key=lambda change: change.t)
+        by_time = sorted(scenario.changes, key=attrgetter("t"))
+        self.changes = [(self._step_of(change.t), change) for change in by_time]
         self.rows: list[tuple[float, ...]] = []
 
     def run(self, progress: Progress | None) -> None:
@@ -73,10 +121,11 @@ class Master:
         """Torques within actuator.tau_max: ours keep it themselves, others by the drives."""
         if not self.parts.controller.foreign:
             return given[:2]
-        return limited_torque((given[0], given[1]), self.scenario)
+        robot, tau_max = self.scenario.robot, self.scenario.actuator.tau_max
+        return np.asarray(limiter()(given[:2], robot.r, robot.l, tau_max)).ravel().tolist()
 
     def seen(self, desired: Sequence[float], now: Measurement) -> list[float]:
-        """What the controller is shown, in the order of SEEN."""
+        """Inputs of the controller, in the order of SEEN."""
         shown = [*desired, *now.pose, *now.velocity, *self.applied]
         if self.parts.controller.wants_ready:
             shown += ready((*now.pose, *now.velocity), self.scenario.robot)
@@ -103,7 +152,9 @@ class Master:
                 acting = self.outside.step(torque, now)
             if not self.outside.steady or not acted:
                 acted.append(acting[:2])
-                self.parts.plant.write(driven(acting))
+                right, left, noise_right, noise_left, *pushed = acting
+                disturbed = (right + noise_right, left + noise_left)
+                self.parts.plant.write((*acting[:4], *pushed, *disturbed))
             ended = self.move(start, end)
             if ended:
                 break
@@ -122,20 +173,18 @@ class Master:
     def cuts(self, first: int) -> Iterator[tuple[int, int]]:
         """Plant steps (from, to) to take at once; what changes at their start is changed before."""
         last = first + self.clock.substeps
-        edges = [n for change in self.changes if first < (n := self._step_of(change)) < last]
+        edges = [n for n, _ in self.changes if first < n < last]
         regular = range(first, last + 1, self.stride if self.outside.steady else 1)
         for start, end in pairwise(sorted({*regular, *edges})):
-            self._make_changes(start)
+            while self.changes and self.changes[0][0] <= start:
+                self.parts.change(self.changes.pop(0)[1])
             yield start, end
 
-    def _make_changes(self, start: int) -> None:
-        while self.changes and self._step_of(self.changes[0]) <= start:
-            self.parts.change(self.changes.pop(0))
-
-    def _step_of(self, change: Change) -> int:
-        near = round(change.t / self.clock.plant)
-        on_grid = abs(near * self.clock.plant - change.t) <= 1e-9 * max(1.0, change.t)
-        return near if on_grid else math.ceil(change.t / self.clock.plant)
+    def _step_of(self, t: float) -> int:
+        """First plant step that begins at ``t`` [s] or later."""
+        near = round(t / self.clock.plant)
+        on_grid = abs(near * self.clock.plant - t) <= 1e-9 * max(1.0, t)
+        return near if on_grid else math.ceil(t / self.clock.plant)
 
 
 class Jacobi(Master):
@@ -163,12 +212,6 @@ class Jacobi(Master):
             self.now = self.outside.sample(self.state)
             self.shown = self.seen(self.desired, self.now)
         return ended
-
-
-def driven(acting: Sequence[float]) -> tuple[float, ...]:
-    """Values of parts.DRIVEN from torques that act, disturbing torques and force on the body."""
-    right, left, noise_right, noise_left, *pushed = acting
-    return (*acting[:4], *pushed, right + noise_right, left + noise_left)
 
 
 MASTERS = {"gauss-seidel": Master, "jacobi": Jacobi}

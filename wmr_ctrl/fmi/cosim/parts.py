@@ -3,56 +3,50 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import casadi as ca
-import numpy as np
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fmi.cosim.mapping import MapRow, PartMap, compiled, identity, input_rows, output_rows
-from wmr_ctrl.fmi.cosim.slave import FmuFile, Slave
+from wmr_ctrl.fmi.cosim.mapping import (
+    DISTURBED,
+    READY,
+    STATE,
+    TORQUES,
+    MapRow,
+    PartMap,
+    compiled,
+    controller_outputs,
+    identity,
+    input_rows,
+    plant_outputs,
+)
+from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.guard import linear_first
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
-from wmr_ctrl.scenario import Robot, Scenario
+from wmr_ctrl.scenario import Robot
 from wmr_ctrl.signals import (
     BODY_FORCE,
     FORCE,
     GUARD_DIAGNOSTICS,
-    PATH,
-    PLANT_STATE,
     REFERENCE,
-    SKID,
     TAU_APPLIED,
-    TORQUE,
     TORQUE_NOISE,
     VELOCITY,
     Signal,
 )
 
-STATE = tuple(s.name for s in PLANT_STATE)
 DESIRED = tuple(s.name for s in REFERENCE)
-TORQUES = tuple(s.name for s in TORQUE)
 NOISES = tuple(s.name for s in TORQUE_NOISE)
-PUSHED = tuple(s.name for s in BODY_FORCE)
-APPLIED = TAU_APPLIED.elements
-UNITS = {
-    **{s.name: s.unit for s in (*PLANT_STATE, *REFERENCE, *TORQUE, *TORQUE_NOISE, *BODY_FORCE)},
-    **{s.name: s.unit for s in (PATH, SKID)},
-    **dict.fromkeys((*APPLIED, "torque_right", "torque_left"), "N.m"),
-    **dict(zip(FORCE.elements, FORCE.units, strict=True)),
-    "psi": "rad",
-    "w_right": "rad/s",
-    "w_left": "rad/s",
-}
-"""Ours, with the ready ones: psi, the wheels' speeds, torques with the disturbance in them, and the
-force (thrust, moment) in the place of both torques."""
-READY = ("psi", "w_right", "w_left")
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY))
-"""What a guard is shown."""
-DRIVEN = (*TORQUES, *NOISES, *PUSHED, "torque_right", "torque_left")
-_INSTEAD = {"plant": READY, "controller": FORCE.elements}
-SEEN = (*DESIRED, *STATE, *APPLIED, *READY)
+"""Sources of a guard."""
+DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED)
+"""Sources of a plant."""
+SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, *READY)
+"""Sources of a controller."""
+_VELOCITY = tuple(SEEN.index(signal.name) for signal in VELOCITY)
+_ASKED = len(FORCE.elements)
 
 
 class Part:
@@ -115,9 +109,53 @@ class Part:
         yield end
 
 
+class GuardedController:
+    """A controller with the velocity guard behind it, as one part; see `Part`.
+
+    Both take their sample at the same instant: the guard sees the force that the controller asks
+    for and the velocity that it was shown, and its torques are those of this part.  So the loop is
+    the one that a controller with the guard in it gives, under either master.
+    """
+
+    foreign = False
+
+    def __init__(self, controller: Part, guard: Part) -> None:
+        """``controller`` gives the force that it asks for first, then diagnostics of its own."""
+        self.controller, self.guard = controller, guard
+        self.wants_ready = controller.wants_ready
+        own = controller.targets[_ASKED:]
+        self._own = [_ASKED + i for i, name in enumerate(own) if name not in guard.targets]
+        self.targets = (*guard.targets, *(controller.targets[i] for i in self._own))
+        self._velocity: tuple[float, ...] = ()
+        self._told: list[float] = []
+
+    def write(self, values: Sequence[float]) -> None:
+        """Set the controller's inputs; the guard takes the same velocity."""
+        self.controller.write(values)
+        self._velocity = tuple(values[i] for i in _VELOCITY)
+
+    def step(self, t: float, h: float) -> None:
+        """The controller, then the guard on what it asks for."""
+        self.controller.step(t, h)
+        given = self.controller.read()
+        self._told = [given[i] for i in self._own]
+        self.guard.write((*given[:_ASKED], *self._velocity))
+        self.guard.step(t, h)
+
+    def read(self) -> Sequence[float]:
+        """Torques and diagnostics of the guard, then those of the controller."""
+        return [*self.guard.read(), *self._told]
+
+
 def reference_part(slave: Slave) -> Part:
     """Our reference FMU."""
     return Part(slave, [], identity(DESIRED), ())
+
+
+def guard_part(slave: Slave) -> Part:
+    """Our guard FMU."""
+    shown = (*TORQUES, *(name for item in GUARD_DIAGNOSTICS for name in item.elements))
+    return Part(slave, identity(GUARDED), identity(shown), GUARDED)
 
 
 def controller_part(
@@ -132,29 +170,20 @@ def controller_part(
     ``asked``: what it gives, the torques of both wheels or, for a guard, the force.
     """
     if part is None:
-        known = [
-            name
-            for name in SEEN
-            if name in slave.variables and slave.variables[name].causality == "input"
-        ]
+        known = {name for name, v in slave.variables.items() if v.causality == "input"}
+        inputs = [name for name in SEEN if name in known]
         outputs = (*asked, *(name for name in diagnostics if name in slave.variables))
-        _need(slave, outputs[:2])
-        return Part(slave, identity(known), identity(outputs), SEEN)
+        _check_variables(slave, outputs[:2])
+        return Part(slave, identity(inputs), identity(outputs), SEEN)
     return Part(
         slave,
-        input_rows(part.inputs, UNITS, slave.unit, "controller", si=part.si),
-        controller_outputs(slave, part, robot, asked),
+        input_rows(part, slave.unit, "controller"),
+        controller_outputs(part, slave.unit, robot, asked),
         SEEN,
         part.step,
         foreign=True,
         strict=True,
     )
-
-
-def guard_part(slave: Slave) -> Part:
-    """Our guard FMU."""
-    shown = (*TORQUES, *(name for item in GUARD_DIAGNOSTICS for name in item.elements))
-    return Part(slave, identity(GUARDED), identity(shown), GUARDED)
 
 
 def plant_part(
@@ -164,62 +193,28 @@ def plant_part(
 
     ``rolling``: what sensors ask beside the state, PATH and SKID; without the latter it is zero.
     """
-    shown = (*STATE, *(item.name for item in rolling[:1]))
     if part is None:
-        _need(slave, (*shown, *TORQUES))
-        inputs = [name for name in (*TORQUES, *NOISES, *PUSHED) if name in slave.variables]
+        shown = (*STATE, *(item.name for item in rolling[:1]))
+        _check_variables(slave, (*shown, *TORQUES))
+        inputs = [name for name in DRIVEN if name in slave.variables and name not in DISTURBED]
         return Part(slave, identity(inputs), identity(shown), DRIVEN)
     return Part(
         slave,
-        input_rows(part.inputs, UNITS, slave.unit, "plant", si=part.si),
-        plant_outputs(slave, part, robot, rolling),
+        input_rows(part, slave.unit, "plant"),
+        plant_outputs(part, slave.unit, robot, rolling),
         DRIVEN,
         part.step,
         foreign=True,
     )
 
 
-def controller_outputs(
-    file: FmuFile, part: PartMap, robot: Robot, asked: Sequence[str] = TORQUES
-) -> list[MapRow]:
-    """Rows that give what is ``asked``, torques or the force, from a foreign controller's outputs.
-
-    Each follows from the other: thrust and moment are those of the torques at robot.r and robot.l.
-    """
-    rows = output_rows(part.outputs, UNITS, file.unit, "controller", si=part.si)
-    by_target = {row.target: row for row in rows}
-    given = TORQUES if FORCE.elements[0] not in by_target else FORCE.elements
-    _complete(rows, given, "controller")
-    first, second = (by_target[name] for name in given)
-    if tuple(asked) == tuple(given):
-        return [first, second]
-    r, half_track = robot.r, robot.l
-    if given == TORQUES:
-        sums, differences = (1 / r, 1 / r), (half_track / r, -half_track / r)
-    else:
-        sums, differences = (r / 2, r / 2 / half_track), (r / 2, -r / 2 / half_track)
-    shares = zip(asked, (sums, differences), strict=True)
-    return [_combined(name, {first: a, second: b}) for name, (a, b) in shares]
-
-
-def plant_outputs(
-    file: FmuFile, part: PartMap, robot: Robot, rolling: Sequence[Signal] = ()
-) -> list[MapRow]:
-    """Rows that give pose and velocity from a foreign plant's outputs, and the wheels' way.
-
-    Raises ArgumentError where one is missing; without a row for the skid it is zero.
-    """
-    rows = _without_ready(output_rows(part.outputs, UNITS, file.unit, "plant", si=part.si), robot)
-    _complete(rows, STATE, "plant")
-    given = {row.target for row in rows}
-    if rolling and PATH.name not in given:
+def _check_variables(slave: Slave, names: Sequence[str]) -> None:
+    missing = [name for name in names if name not in slave.variables]
+    if missing:
         raise ArgumentError(
-            f"a sensor of the scenario counts the way that the wheels roll, and the map's "
-            f"[plant.outputs] does not give {PATH.name}. Add a row for it [m] (and one for "
-            f"{SKID.name} [rad] if the wheels slip), or leave that sensor out."
+            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
+            "ours, give a map of its names and units (--map FILE.toml)."
         )
-    further = [item.name for item in rolling if item.name in given]
-    return _sorted(rows, (*STATE, *further))
 
 
 def ready(state: Sequence[float], robot: Robot) -> tuple[float, float, float]:
@@ -240,54 +235,3 @@ def limiter() -> ca.Function:
     outside = ca.logic_or(within[0] != force[0], within[1] != force[1])
     limited = ca.if_else(outside, force_to_wheel(r, half_track, within), torque)
     return ca.Function("limited", [torque, r, half_track, most], [limited])
-
-
-def limited_torque(torque: tuple[float, float], scenario: Scenario) -> Sequence[float]:
-    """Torques (right, left) [N m] within actuator.tau_max, the thrust served first."""
-    robot = scenario.robot
-    limited = limiter()(torque, robot.r, robot.l, scenario.actuator.tau_max)
-    return np.asarray(limited).ravel().tolist()
-
-
-def _without_ready(rows: Sequence[MapRow], robot: Robot) -> list[MapRow]:
-    """theta from psi, v1 and omega from the wheels' speeds, where these are mapped."""
-    by_target = {row.target: row for row in rows}
-    if "psi" in by_target:
-        psi = by_target.pop("psi")
-        by_target["theta"] = MapRow("theta", psi.terms, psi.offset - math.pi / 2)
-    if {"w_right", "w_left"} <= by_target.keys():
-        right, left = by_target.pop("w_right"), by_target.pop("w_left")
-        by_target["v1"] = _combined("v1", {right: robot.r / 2, left: robot.r / 2})
-        by_target["omega"] = _combined(
-            "omega", {right: robot.r / (2 * robot.l), left: -robot.r / (2 * robot.l)}
-        )
-    return list(by_target.values())
-
-
-def _combined(target: str, parts: Mapping[MapRow, float]) -> MapRow:
-    terms = tuple(
-        (name, share * factor) for row, share in parts.items() for name, factor in row.terms
-    )
-    return MapRow(target, terms, sum(share * row.offset for row, share in parts.items()))
-
-
-def _sorted(rows: Sequence[MapRow], order: Sequence[str]) -> list[MapRow]:
-    return [next(row for row in rows if row.target == name) for name in order]
-
-
-def _complete(rows: Sequence[MapRow], wanted: Sequence[str], part: str) -> None:
-    missing = sorted(set(wanted) - {row.target for row in rows})
-    if missing:
-        raise ArgumentError(
-            f"the map's [{part}.outputs] does not give {', '.join(missing)}. Add a row for each, "
-            f"or for the ready names {', '.join(_INSTEAD[part])} that they follow from."
-        )
-
-
-def _need(slave: Slave, names: Sequence[str]) -> None:
-    missing = [name for name in names if name not in slave.variables]
-    if missing:
-        raise ArgumentError(
-            f"the FMU {slave.path} ({slave.name}) has no {', '.join(missing)}. If it is not one of "
-            "ours, give a map of its names and units (--map FILE.toml)."
-        )

@@ -22,13 +22,11 @@ from wmr_ctrl.fmi.cosim.fitting import (
     law_within,
     unguarded,
 )
-from wmr_ctrl.fmi.cosim.guarded import GuardedController
-from wmr_ctrl.fmi.cosim.mapping import PartMap, load_map
-from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Parts, Progress
-from wmr_ctrl.fmi.cosim.outside import Outside
+from wmr_ctrl.fmi.cosim.mapping import TORQUES, PartMap, load_map
+from wmr_ctrl.fmi.cosim.master import HEAD, MASTERS, Master, Outside, Parts, Progress
 from wmr_ctrl.fmi.cosim.parts import (
     NOISES,
-    TORQUES,
+    GuardedController,
     Part,
     controller_part,
     guard_part,
@@ -56,14 +54,13 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.sim.runnable import assemble_run
 
-CHANGEABLE = ("m", "I", "mu")
 STAND_IN = "nn"
 """The law of a setup where none is named: sensors, drives and guard do not ask which it is."""
 
 
 @dataclass(frozen=True)
-class Cast:
-    """Who plays which part.
+class Coupling:
+    """FMUs of a co-simulation: those that are given, and what the others are exported from.
 
     ``setup`` stands around all parts; ``own`` is what our controller or guard is built for;
     ``bare`` is ``setup`` without guard, where that is a part behind a controller of ours.
@@ -85,14 +82,8 @@ class Cast:
         return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The parts, each an FMU."""
-        guard = ("guard",) if self.guarded else ()
-        return ("reference", "controller", *guard, "plant")
-
-    @property
     def diagnostics(self) -> tuple[Signal, ...]:
-        """What the controller publishes beside what all laws do."""
+        """Signals that the controller publishes beside those of all laws."""
         if self.foreign:
             return GUARD_DIAGNOSTICS
         return own_diagnostics(watched_controller(self.own))
@@ -104,10 +95,6 @@ class Cast:
         setup = self.bare or self.own
         model = model_of(setup.name if name == "controller" else name, setup.name, setup.scenario)
         return parallel(model) if self.at_once else model
-
-    def controlled_by(self, slave: Slave) -> str:
-        """What the run's law is called."""
-        return slave.description.modelName if self.foreign else self.setup.name
 
 
 def cosimulate(
@@ -160,17 +147,17 @@ def cosimulate(
         )
     checked_seeds([seed])
     files = {"controller": controller, "plant": plant}
-    cast = _cast(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
+    coupling = _coupling(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
     with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
-        slaves = _slaves(cast, fmi, Path(folder))
+        slaves = _slaves(coupling, fmi, Path(folder))
         try:
-            return _run(cast, slaves, master, seed, progress)
+            return _run(coupling, slaves, master, seed, progress)
         finally:
             for slave in slaves.values():
                 slave.end()
 
 
-def _cast(
+def _coupling(
     scenario: str | Path | Scenario,
     law: str | None,
     files: Mapping[str, str | Path | None],
@@ -178,7 +165,7 @@ def _cast(
     delay_known: bool,
     *,
     at_once: bool,
-) -> Cast:
+) -> Coupling:
     controller = files["controller"]
     maps = load_map(map_file) if map_file is not None else {}
     within = law_within(controller)
@@ -188,62 +175,65 @@ def _cast(
             f"law = {law!r} says nothing of the controller {controller}, which is somebody else's "
             "and brings a law of its own. Leave the law out."
         )
-    chosen = law if law is not None else within or STAND_IN
-    setup = settle(scenario_given(scenario), chosen)
+    setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
     own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
     foreign = theirs or "controller" in maps
     bare = None
     if controller is not None and not foreign and setup.scenario.guard.enabled:
         bare = unguarded(controller, setup)
-    return Cast(setup, own, bare, foreign, files, maps, at_once)
+    return Coupling(setup, own, bare, foreign, files, maps, at_once)
 
 
-def _slaves(cast: Cast, fmi: int, folder: Path) -> dict[str, Slave]:
+def _slaves(coupling: Coupling, fmi: int, folder: Path) -> dict[str, Slave]:
     slaves: dict[str, Slave] = {}
-    for name in cast.names:
-        given = cast.files.get(name)
+    guard = ("guard",) if coupling.guarded else ()
+    for name in ("reference", "controller", *guard, "plant"):
+        given = coupling.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            write_fmu(cast.model(name), fmi, targets_of("host"), path, result=False)
+            write_fmu(coupling.model(name), fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
 
 
 def _run(
-    cast: Cast, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
+    coupling: Coupling, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
 ) -> Run:
-    scenario, maps = cast.setup.scenario, cast.maps
-    outside = Outside(cast.setup, seed)
+    scenario, maps = coupling.setup.scenario, coupling.maps
+    outside = Outside(coupling.setup, seed)
     parts = Parts(
         reference_part(slaves["reference"]),
-        _controller(cast, slaves),
+        _controller(coupling, slaves),
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    check_parts(cast.setup, parts.plant)
+    check_parts(coupling.setup, parts.plant)
     for name, slave in slaves.items():
-        starts = maps[name].start if name in maps else _starts(cast.model(name), slave)
+        starts = maps[name].start if name in maps else _starts(coupling.model(name), slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
-    facts |= {"delay": "known to the controller"} if cast.own is not cast.setup else {}
+    facts |= {"delay": "known to the controller"} if coupling.own is not coupling.setup else {}
     failure = ""
     try:
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
-    return _result(cast, cast.controlled_by(slaves["controller"]), loop, seed, facts, failure)
+    named = slaves["controller"].description.modelName
+    law = named if coupling.foreign else coupling.setup.name
+    signals = (*LOG_HEAD, *coupling.diagnostics, *outside.columns)
+    logged = (signals, _columns(signals, _table(loop)), outside.monitor(failure))
+    return assemble_run(scenario, law, seed, "fmu", logged, facts, coupling.own.assumptions)
 
 
-def _controller(cast: Cast, slaves: Mapping[str, Slave]) -> Part | GuardedController:
+def _controller(coupling: Coupling, slaves: Mapping[str, Slave]) -> Part | GuardedController:
     """The controller, with the guard behind it where that is a part of its own."""
-    names = [name for item in (*DIAGNOSTICS, *cast.diagnostics) for name in item.elements]
-    given, robot = cast.maps.get("controller"), cast.setup.scenario.robot
-    if not cast.guarded:
-        return controller_part(slaves["controller"], given, robot, names)
-    asking = controller_part(slaves["controller"], given, robot, names, FORCE.elements)
-    return GuardedController(asking, guard_part(slaves["guard"]))
+    names = [name for item in (*DIAGNOSTICS, *coupling.diagnostics) for name in item.elements]
+    slave, robot = slaves["controller"], coupling.setup.scenario.robot
+    asked = FORCE.elements if coupling.guarded else TORQUES
+    part = controller_part(slave, coupling.maps.get("controller"), robot, names, asked)
+    return GuardedController(part, guard_part(slaves["guard"])) if coupling.guarded else part
 
 
 def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
@@ -258,12 +248,7 @@ def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
     """A function that changes the plant's parameters; refused where its map has no name for one."""
-    names = {
-        f"robot.{key}"
-        for c in scenario.changes
-        for key in CHANGEABLE
-        if getattr(c, key) is not None
-    }
+    names = {f"robot.{key}" for change in scenario.changes for key in change.values()}
     known = {name: name for name in names} if part is None else dict(part.parameters)
     missing = sorted(names - known.keys())
     if missing:
@@ -273,27 +258,15 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
         )
 
     def change(what: Change) -> None:
-        values = {key: getattr(what, key) for key in CHANGEABLE}
-        slave.set(
-            {known[f"robot.{key}"]: value for key, value in values.items() if value is not None}
-        )
+        slave.set({known[f"robot.{key}"]: value for key, value in what.values().items()})
 
     return change
 
 
-def _result(
-    cast: Cast, law: str, loop: Master, seed: int, facts: dict[str, str], failure: str
-) -> Run:
-    effects, controller = loop.outside.columns, loop.parts.controller
-    signals = (*LOG_HEAD, *cast.diagnostics, *effects)
-    named = tuple(name for item in effects for name in item.elements)
-    table = _table(loop, (*HEAD, *TORQUES, *NOISES, *named, *controller.targets[2:]))
-    logged = (signals, _columns(signals, table), loop.outside.monitor(failure))
-    return assemble_run(loop.scenario, law, seed, "fmu", logged, facts, cast.own.assumptions)
-
-
-def _table(loop: Master, names: Sequence[str]) -> dict[str, np.ndarray]:
+def _table(loop: Master) -> dict[str, np.ndarray]:
     """Columns by element name, with heading and tracking error of the true pose."""
+    effects = [name for item in loop.outside.columns for name in item.elements]
+    names = (*HEAD, *TORQUES, *NOISES, *effects, *loop.parts.controller.targets[2:])
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
     table[PSI.name] = table["theta"] + np.pi / 2
@@ -311,9 +284,7 @@ def _error() -> ca.Function:
 def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns by signal; what a foreign controller does not publish is not a number."""
     nothing = np.full(len(table["t"]), np.nan)
-    return {
-        s.name: table.get(s.name, nothing)
-        if s.size == 1
-        else np.column_stack([table.get(name, nothing) for name in s.elements])
-        for s in signals
+    stacked = {
+        s.name: np.column_stack([table.get(name, nothing) for name in s.elements]) for s in signals
     }
+    return {s.name: stacked[s.name] if s.size > 1 else stacked[s.name][:, 0] for s in signals}

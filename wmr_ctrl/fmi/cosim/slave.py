@@ -7,12 +7,18 @@ import hashlib
 import os
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
+from contextlib import suppress
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi2 import (
+    FMU2Slave,
+    defaultCallbacks,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
 from fmpy.fmi3 import FMU3Slave
 
 from wmr_ctrl.errors import ArgumentError, UnknownNameError, WmrError
@@ -29,7 +35,7 @@ class FmuError(WmrError, RuntimeError):
 
 
 class FmuFile:
-    """What an FMU says of itself: variables, units, name.  Raises FmuError for a file that is none.
+    """Variables, units and name of an FMU.  Raises FmuError for a file that is none.
 
     ``name`` is how messages call it.
     """
@@ -38,11 +44,21 @@ class FmuFile:
         """Read the model description of ``path``."""
         self.name, self.path = name, os.fspath(path)
         try:
-            _check_size(self.path)
+            with zipfile.ZipFile(self.path) as archive:
+                unpacked = sum(item.file_size for item in archive.infolist())
+            if not may_unpack(os.path.getsize(self.path), unpacked):
+                raise ArgumentError(
+                    f"it is {unpacked / 1e6:.0f} MB unpacked, which its own size cannot be true "
+                    "of. Check where it is from."
+                )
             self.description = read_model_description(self.path)
         except Exception as error:  # FMPy raises bare Exceptions
-            raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
+            raise self.unusable(error) from error
         self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def unusable(self, error: Exception) -> FmuError:
+        """Error to raise for a file that cannot be loaded."""
+        return FmuError(f"the FMU {self.path} ({self.name}) cannot be used: {error}")
 
     @property
     def label(self) -> str:
@@ -86,17 +102,6 @@ class FmuFile:
         return variable
 
 
-def _check_size(path: str) -> None:
-    """Raise ArgumentError for an archive that says to be far larger than its file, unpacked."""
-    with zipfile.ZipFile(path) as archive:
-        unpacked = sum(item.file_size for item in archive.infolist())
-    if not may_unpack(os.path.getsize(path), unpacked):
-        raise ArgumentError(
-            f"it is {unpacked / 1e6:.0f} MB unpacked, which its own size cannot be true of. Check "
-            "where it is from."
-        )
-
-
 class Slave(FmuFile):
     """An FMU for co-simulation, version 2.0 or 3.0, ready to be initialised.
 
@@ -108,52 +113,43 @@ class Slave(FmuFile):
         super().__init__(path, name)
         self.time = 0.0
         self.messages: list[str] = []
-        self._flags, last = [ct.c_bool() for _ in range(3)], ct.c_double()
-        self._answers = [*map(ct.byref, self._flags), ct.byref(last)]
-        self._keep = last
+        self.version = 2 if self.description.fmiVersion == "2.0" else 3
+        self._flags, self._last = [ct.c_bool() for _ in range(3)], ct.c_double()
+        self._answers = [*map(ct.byref, self._flags), ct.byref(self._last)]
         try:
-            self.version = 2 if self.description.fmiVersion == "2.0" else 3
-            self._fmu = self._loaded(extract(self.path, str(folder)))
+            interface = self.description.coSimulation
+            if interface is None:
+                raise ArgumentError(
+                    "it has no co-simulation interface. Export it for co-simulation."
+                )
+            self._fmu = (FMU2Slave if self.version == 2 else FMU3Slave)(
+                guid=self.description.guid,
+                unzipDirectory=extract(self.path, str(folder)),
+                instanceName=self.name,
+                modelIdentifier=interface.modelIdentifier,
+            )
+            self._instantiate()
         except Exception as error:  # FMPy raises bare Exceptions
-            raise FmuError(f"the FMU {self.path} ({name}) cannot be used: {error}") from error
+            raise self.unusable(error) from error
 
-    def _loaded(self, folder: str) -> Any:
-        if self.description.coSimulation is None:
-            raise ArgumentError("it has no co-simulation interface. Export it for co-simulation.")
-        kind = FMU2Slave if self.version == 2 else FMU3Slave
-        fmu = kind(
-            guid=self.description.guid,
-            unzipDirectory=folder,
-            instanceName=self.name,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-        )
-        self._instantiate(fmu)
-        return fmu
-
-    def _instantiate(self, fmu: Any) -> None:
+    def _instantiate(self) -> None:
         if self.version == 3:
-            fmu.instantiate(logMessage=self._hear3)
+            self._fmu.instantiate(logMessage=self._hear)
             return
-        from fmpy.fmi2 import defaultCallbacks
-
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(self._hear2)
+        callbacks.logger = fmi2CallbackLoggerTYPE(self._hear)
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
         self._callbacks = callbacks
-        fmu.instantiate(callbacks=callbacks)
+        self._fmu.instantiate(callbacks=callbacks)
 
-    def _hear2(
-        self, _env: Any, _name: bytes, _status: int, _category: bytes, message: bytes
-    ) -> None:
-        self.messages.append((message or b"").decode(errors="replace"))
-
-    def _hear3(self, _env: Any, _status: int, _category: bytes, message: bytes) -> None:
-        self.messages.append((message or b"").decode(errors="replace"))
+    def _hear(self, *logged: Any) -> None:
+        """Keep a message, which both versions of FMI give last."""
+        self.messages.append((logged[-1] or b"").decode(errors="replace"))
 
     def begin(self, stop: float, values: Mapping[str, float]) -> None:
         """Set start values and initialise at t = 0 s."""
-        with _Telling(self, "initialisation"):
+        try:
             if self.version == 2:
                 self._fmu.setupExperiment(startTime=0.0, stopTime=stop)
                 self.set(values)
@@ -162,6 +158,10 @@ class Slave(FmuFile):
                 self.set(values)
                 self._fmu.enterInitializationMode(startTime=0.0, stopTime=stop)
             self._fmu.exitInitializationMode()
+        except WmrError:
+            raise
+        except Exception as error:  # FMPy raises bare Exceptions
+            raise self.failure("initialisation", error) from error
 
     def set(self, values: Mapping[str, float]) -> None:
         """Set variables by name."""
@@ -170,56 +170,50 @@ class Slave(FmuFile):
 
     def reader(self, names: Iterable[str]) -> Read:
         """A function that reads these variables at once."""
-        count, refs, buffer = self._buffers(names)
-        get, instance = self._function("Get"), self._fmu.component
-        length = () if self.version == 2 else (count,)
+        get, buffer = self._bound("Get", names)
 
         def read() -> list[float]:
-            if get(instance, refs, count, buffer, *length) > _WARNING:
+            if get() > _WARNING:
                 raise self.failure("reading its outputs")
             return buffer[:]
 
-        return read if count else list
+        return read
 
     def writer(self, names: Iterable[str]) -> Write:
         """A function that writes these variables at once."""
-        count, refs, buffer = self._buffers(names)
-        put, instance = self._function("Set"), self._fmu.component
-        length = () if self.version == 2 else (count,)
+        put, buffer = self._bound("Set", names)
 
         def write(values: Sequence[float]) -> None:
             buffer[:] = values
-            if put(instance, refs, count, buffer, *length) > _WARNING:
+            if put() > _WARNING:
                 raise self.failure("setting its inputs")
 
-        return write if count else _nothing
+        return write
 
-    def _function(self, verb: str) -> Any:
-        """The C function itself: FMPy set its types when it loaded the library."""
-        name = f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64"
-        return getattr(self._fmu.dll, name)
-
-    def _buffers(self, names: Iterable[str]) -> tuple[int, Any, Any]:
+    def _bound(self, verb: str, names: Iterable[str]) -> tuple[Callable[[], int], Any]:
+        """The C function itself, whose types FMPy has set, on these variables; their buffer."""
         refs = [self.variable(name).valueReference for name in names]
-        return len(refs), (ct.c_uint32 * len(refs))(*refs), (ct.c_double * len(refs))()
+        count, buffer = len(refs), (ct.c_double * len(refs))()
+        name = f"fmi2{verb}Real" if self.version == 2 else f"fmi3{verb}Float64"
+        given = (self._fmu.component, (ct.c_uint32 * count)(*refs), count, buffer)
+        length = () if self.version == 2 else (count,)
+        return partial(getattr(self._fmu.dll, name), *given, *length), buffer
 
     def step(self, t: float, h: float) -> None:
         """One communication step from t [s] over h [s]."""
         self.time = t
-        if self.version == 3:
-            self._step3(t, h)
-        elif self._fmu.dll.fmi2DoStep(self._fmu.component, t, h, 1) > _WARNING:
-            raise self.failure("doStep")
-
-    def _step3(self, t: float, h: float) -> None:
-        call, answers = self._fmu.dll.fmi3DoStep, self._answers
-        if call(self._fmu.component, t, h, True, *answers) > _WARNING:
+        dll, instance = self._fmu.dll, self._fmu.component
+        if self.version == 2:
+            status = dll.fmi2DoStep(instance, t, h, 1)
+        else:
+            status = dll.fmi3DoStep(instance, t, h, True, *self._answers)
+        if status > _WARNING:
             raise self.failure("doStep")
         if self._flags[1].value or self._flags[2].value:
             raise self.failure("doStep, which it ended early")
 
     def failure(self, what: str, error: Exception | None = None) -> FmuError:
-        """What to raise where it fails in ``what``: a sentence with file, part and time."""
+        """Error to raise where it fails in ``what``: a sentence with file, part and time."""
         reason = str(error) if error is not None else "; ".join(self.messages[-1:])
         cause = f"{': ' if reason else ''}{reason.strip()}".rstrip(".")
         return FmuError(
@@ -229,26 +223,5 @@ class Slave(FmuFile):
     def end(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
         for call in (self._fmu.terminate, self._fmu.freeInstance):
-            try:
+            with suppress(Exception):  # an FMU that failed may refuse to terminate
                 call()
-            except Exception:  # an FMU that failed may refuse to terminate
-                continue
-
-
-class _Telling:
-    """Turns whatever an FMU raises into an FmuError that names it."""
-
-    def __init__(self, slave: Slave, what: str) -> None:
-        self.slave, self.what = slave, what
-
-    def __enter__(self) -> None:
-        """Nothing to prepare."""
-
-    def __exit__(self, kind: Any, error: Exception | None, _trace: Any) -> None:
-        """Rename what FMPy raised."""
-        if error is not None and not isinstance(error, WmrError):
-            raise self.slave.failure(self.what, error) from error
-
-
-def _nothing(values: Sequence[float]) -> None:
-    """Write no variable."""
