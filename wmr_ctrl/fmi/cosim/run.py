@@ -59,7 +59,7 @@ STAND_IN = "nn"
 
 
 @dataclass(frozen=True)
-class Coupling:
+class CosimSetup:
     """FMUs of a co-simulation: those that are given, and what the others are exported from.
 
     ``setup`` stands around all parts; ``own`` is what our controller or guard is built for;
@@ -147,17 +147,17 @@ def cosimulate(
         )
     checked_seeds([seed])
     files = {"controller": controller, "plant": plant}
-    coupling = _coupling(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
+    case = _cosim_setup(scenario, law, files, map_file, delay_known, at_once=master == "jacobi")
     with tempfile.TemporaryDirectory(prefix="wmr_cosim_") as folder:
-        slaves = _slaves(coupling, fmi, Path(folder))
+        slaves = _slaves(case, fmi, Path(folder))
         try:
-            return _run(coupling, slaves, master, seed, progress)
+            return _run(case, slaves, master, seed, progress)
         finally:
             for slave in slaves.values():
                 slave.end()
 
 
-def _coupling(
+def _cosim_setup(
     scenario: str | Path | Scenario,
     law: str | None,
     files: Mapping[str, str | Path | None],
@@ -165,7 +165,7 @@ def _coupling(
     delay_known: bool,
     *,
     at_once: bool,
-) -> Coupling:
+) -> CosimSetup:
     controller = files["controller"]
     maps = load_map(map_file) if map_file is not None else {}
     within = law_within(controller)
@@ -181,59 +181,59 @@ def _coupling(
     bare = None
     if controller is not None and not foreign and setup.scenario.guard.enabled:
         bare = unguarded(controller, setup)
-    return Coupling(setup, own, bare, foreign, files, maps, at_once)
+    return CosimSetup(setup, own, bare, foreign, files, maps, at_once)
 
 
-def _slaves(coupling: Coupling, fmi: int, folder: Path) -> dict[str, Slave]:
+def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
     slaves: dict[str, Slave] = {}
-    guard = ("guard",) if coupling.guarded else ()
+    guard = ("guard",) if case.guarded else ()
     for name in ("reference", "controller", *guard, "plant"):
-        given = coupling.files.get(name)
+        given = case.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            write_fmu(coupling.model(name), fmi, targets_of("host"), path, result=False)
+            write_fmu(case.model(name), fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
 
 
 def _run(
-    coupling: Coupling, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
+    case: CosimSetup, slaves: dict[str, Slave], master: str, seed: int, progress: Progress | None
 ) -> Run:
-    scenario, maps = coupling.setup.scenario, coupling.maps
-    outside = Outside(coupling.setup, seed)
+    scenario, maps = case.setup.scenario, case.maps
+    outside = Outside(case.setup, seed)
     parts = Parts(
         reference_part(slaves["reference"]),
-        _controller(coupling, slaves),
+        _controller(case, slaves),
         plant_part(slaves["plant"], maps.get("plant"), scenario.robot, outside.rolling),
         _changer(scenario, slaves["plant"], maps.get("plant")),
     )
-    check_parts(coupling.setup, parts.plant)
+    check_parts(case.setup, parts.plant)
     for name, slave in slaves.items():
-        starts = maps[name].start if name in maps else _starts(coupling.model(name), slave)
+        starts = maps[name].start if name in maps else _starts(case.model(name), slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
     facts = {"master": master, **{f"fmu_{name}": slave.label for name, slave in slaves.items()}}
-    facts |= {"delay": "known to the controller"} if coupling.own is not coupling.setup else {}
+    facts |= {"delay": "known to the controller"} if case.own is not case.setup else {}
     failure = ""
     try:
         loop.run(progress)
     except FmuError as error:
         failure = str(error)
     named = slaves["controller"].description.modelName
-    law = named if coupling.foreign else coupling.setup.name
-    signals = (*LOG_HEAD, *coupling.diagnostics, *outside.columns)
+    law = named if case.foreign else case.setup.name
+    signals = (*LOG_HEAD, *case.diagnostics, *outside.columns)
     logged = (signals, _columns(signals, _table(loop)), outside.monitor(failure))
-    return assemble_run(scenario, law, seed, "fmu", logged, facts, coupling.own.assumptions)
+    return assemble_run(scenario, law, seed, "fmu", logged, facts, case.own.assumptions)
 
 
-def _controller(coupling: Coupling, slaves: Mapping[str, Slave]) -> Part | GuardedController:
+def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | GuardedController:
     """The controller, with the guard behind it where that is a part of its own."""
-    names = [name for item in (*DIAGNOSTICS, *coupling.diagnostics) for name in item.elements]
-    slave, robot = slaves["controller"], coupling.setup.scenario.robot
-    asked = FORCE.elements if coupling.guarded else TORQUES
-    part = controller_part(slave, coupling.maps.get("controller"), robot, names, asked)
-    return GuardedController(part, guard_part(slaves["guard"])) if coupling.guarded else part
+    names = [name for item in (*DIAGNOSTICS, *case.diagnostics) for name in item.elements]
+    slave, robot = slaves["controller"], case.setup.scenario.robot
+    asked = FORCE.elements if case.guarded else TORQUES
+    part = controller_part(slave, case.maps.get("controller"), robot, names, asked)
+    return GuardedController(part, guard_part(slaves["guard"])) if case.guarded else part
 
 
 def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
