@@ -205,8 +205,8 @@ def reproduce(
     """
     from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, Campaign, FigureTable, paper_plan
     from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
+    from wmr_ctrl.campaign.engine import run_campaign
     from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
-    from wmr_ctrl.campaign.run import run_campaign
     from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all
     from wmr_ctrl.report.page import Reproduction

@@ -12,18 +12,18 @@ from wmr_ctrl.scenario import load_scenario, preset_names
 
 
 def test_every_study_is_a_preset_or_changes_one_under_a_name_of_its_own():
-    assert {study.preset for study in STUDIES} <= set(preset_names())
-    assert len({study.scenario for study in STUDIES}) == len(STUDIES)
+    assert {study.scenario for study in STUDIES} <= set(preset_names())
+    assert len({study.label for study in STUDIES}) == len(STUDIES)
     for study in STUDIES:
-        load_scenario(study.preset, study.overrides)
+        load_scenario(study.scenario, study.overrides)
         assert bool(study.overrides) == bool(study.name) == bool(study.title)
         assert not study.name or study.name not in preset_names()
 
 
 @pytest.mark.parametrize("name", AS_STATED)
 def test_the_theorems_own_case_has_neither_noise_nor_a_wrong_model_nor_a_start_outside(name):
-    study = next(one for one in STUDIES if one.scenario == name)
-    scenario = load_scenario(study.preset, study.overrides)
+    study = next(one for one in STUDIES if one.label == name)
+    scenario = load_scenario(study.scenario, study.overrides)
 
     assert scenario.disturbance.std == 0
     assert scenario.changes == ()
@@ -49,9 +49,9 @@ def test_each_run_is_planned_once_with_seeds_in_a_row(seeds, first):
 def test_studies_take_all_seeds_or_as_many_as_they_need(seeds):
     plan = paper_plan(seeds=seeds)
     for study in STUDIES:
-        taken = {task.seed for task in plan if task.case.name == study.scenario}
+        taken = {task.seed for task in plan if task.case.name == study.label}
 
-        assert taken == set(range(min(seeds, study.seeds or seeds)))
+        assert taken == set(range(min(seeds, study.seeds)))
 
 
 def test_runs_without_noise_are_made_once():

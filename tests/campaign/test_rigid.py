@@ -15,16 +15,16 @@ from wmr_ctrl.campaign.rigid import (
     LIMITED,
     RIGID_STUDIES,
     SLOPED,
+    rigid_claims,
     run_rigid_comparison,
 )
-from wmr_ctrl.campaign.rigid_claims import rigid_claims
 from wmr_ctrl.control.setup import settle
 
 CASES = {
     (plant, run.case.name, run.case.law): run.case
     for plant, studies in RIGID_STUDIES.items()
     for study in studies
-    for run in study.runs(("pid", "smc", "mb", "nn", "prox"), [0], plant)
+    for run in study.planned(("pid", "smc", "mb", "nn", "prox"), [0], plant)
 }
 
 

@@ -9,7 +9,7 @@ from wmr_ctrl.campaign import Study, paper_plan, run_campaign
 from wmr_ctrl.errors import ArgumentError
 
 STUDY = Study("paper-simulation")
-PLAN = [run for seed in (4, 3, 5) for run in STUDY.runs(("mb", "nn"), [seed])]
+PLAN = [run for seed in (4, 3, 5) for run in STUDY.planned(("mb", "nn"), [seed])]
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def test_a_study_that_changes_fields_has_its_own_name_and_rows():
     asked = []
     own = Study("paper-simulation", 1, "mine", "title", overrides={"clock.control": 0.001})
     with made_up(asked=asked.append):
-        done = run_campaign([*STUDY.runs(["mb"], [0]), *own.runs(["mb"], [0])])
+        done = run_campaign([*STUDY.planned(["mb"], [0]), *own.planned(["mb"], [0])])
 
     assert done.table.scenarios() == ("paper-simulation", "mine")
     assert set(done.runs) == {("paper-simulation", "mb"), ("mine", "mb")}

@@ -64,7 +64,7 @@ def test_tests_name_what_a_campaign_has(claim, spec):
 
     assert spec.figure in figures
     assert other.figure in {"", *figures}
-    assert {*spec.scenarios, other.scenario} <= {"", *(study.scenario for study in STUDIES)}
+    assert {*spec.scenarios, other.scenario} <= {"", *(study.label for study in STUDIES)}
     assert {*spec.laws, other.law} <= {"", *PAPER_LAWS}
     assert spec.laws or spec.figure in TIMES
     assert spec.laws == ("smc",) or "smc" not in spec.laws, "the stand-in has tests of its own"

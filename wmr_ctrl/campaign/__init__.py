@@ -5,36 +5,21 @@ with and without the guard) and the studies of users (`study_plan`, `study_run`,
 What compiles is imported within functions, so that a worker that only runs starts without CasADi.
 """
 
-from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, PlannedRun, Silent
-from wmr_ctrl.campaign.plan import (
-    AS_STATED,
-    BARRIER_LAWS,
-    PAPER_LAWS,
-    QUICK_SEEDS,
-    STUDIES,
-    Study,
-    paper_plan,
-)
-from wmr_ctrl.campaign.run import Campaign, run_campaign
-from wmr_ctrl.campaign.table import STATISTICS, FigureTable, RunRow, Spread, spread
-
-__all__ = [
-    "AS_STATED",
-    "BARRIER_LAWS",
-    "PAPER_LAWS",
-    "QUICK_SEEDS",
-    "STATISTICS",
-    "STUDIES",
-    "Campaign",
-    "FigureTable",
-    "PhaseProgress",
-    "PlannedCase",
-    "PlannedRun",
-    "RunRow",
-    "Silent",
-    "Spread",
-    "Study",
-    "paper_plan",
-    "run_campaign",
-    "spread",
-]
+from wmr_ctrl.campaign.engine import Campaign as Campaign
+from wmr_ctrl.campaign.engine import PhaseProgress as PhaseProgress
+from wmr_ctrl.campaign.engine import Silent as Silent
+from wmr_ctrl.campaign.engine import run_campaign as run_campaign
+from wmr_ctrl.campaign.paper import AS_STATED as AS_STATED
+from wmr_ctrl.campaign.paper import BARRIER_LAWS as BARRIER_LAWS
+from wmr_ctrl.campaign.paper import PAPER_LAWS as PAPER_LAWS
+from wmr_ctrl.campaign.paper import QUICK_SEEDS as QUICK_SEEDS
+from wmr_ctrl.campaign.paper import STUDIES as STUDIES
+from wmr_ctrl.campaign.paper import paper_plan as paper_plan
+from wmr_ctrl.campaign.plan import PlannedCase as PlannedCase
+from wmr_ctrl.campaign.plan import PlannedRun as PlannedRun
+from wmr_ctrl.campaign.plan import Study as Study
+from wmr_ctrl.campaign.table import STATISTICS as STATISTICS
+from wmr_ctrl.campaign.table import FigureTable as FigureTable
+from wmr_ctrl.campaign.table import RunRow as RunRow
+from wmr_ctrl.campaign.table import Spread as Spread
+from wmr_ctrl.campaign.table import spread as spread

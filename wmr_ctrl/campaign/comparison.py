@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from wmr_ctrl.campaign.engine import Overrides, PhaseProgress, PlannedRun
-from wmr_ctrl.campaign.plan import Study
-from wmr_ctrl.campaign.run import run_campaign
+from wmr_ctrl.campaign.engine import PhaseProgress, run_campaign
+from wmr_ctrl.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
 from wmr_ctrl.campaign.table import FigureTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
@@ -100,14 +99,18 @@ def comparison_plan(
     """All runs; a factor that sets the period belongs to the first base only."""
     studies = (
         Study(
-            SCENARIO, 1 if factor == PUSHED else None, factor, guards=(False, True), base=base,
+            SCENARIO,
+            1 if factor == PUSHED else MOST_SEEDS_EACH,
+            factor,
             overrides=overrides_of(base, factor),
+            guards=(False, True),
+            base=base,
         )
         for base in bases
         for factor in factors
         if "clock.control" not in FACTORS[factor] or base == next(iter(BASES))
-    )  # fmt: skip
-    return tuple(run for study in studies for run in study.runs(laws, seeds))
+    )
+    return tuple(run for study in studies for run in study.planned(laws, seeds))
 
 
 def overrides_of(base: str, factor: str) -> dict[str, object]:

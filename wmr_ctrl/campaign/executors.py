@@ -12,8 +12,8 @@ from multiprocessing import resource_tracker
 from typing import Any, ParamSpec, TypeVar
 
 from wmr_ctrl.campaign.study_rows import StudyChunk
-from wmr_ctrl.campaign.study_sample import library
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results.frames import library
 from wmr_ctrl.sim.batch import cores
 
 THREADS, DASK, SCHEME = "threads", "dask", "dask://"

@@ -1,134 +1,225 @@
-"""Which scenarios are run, with which laws, over which seeds."""
+"""Plans of many runs: scenario, laws, guards, plant, seeds, grid, sample and rule to stop.
+
+The paper's runs, those past the paper, those on the rigid body and every study of a user are a
+`Study` each.  Its runs are counted by an index: points of grid and sample, then laws, then guards,
+then seeds (the last change fastest).  A run is what its index says, whoever makes it, in whatever
+order.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import itertools
+import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+from warnings import catch_warnings, filterwarnings
 
-from wmr_ctrl.campaign.engine import Overrides, PlannedCase, PlannedRun
-from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.fields.problems import show
+import numpy as np
+from numpy.typing import NDArray
 
-PAPER_LAWS = ("pid", "smc", "mb", "nn")
-"""The four laws of the paper's Sections V and VI, in its order."""
+from wmr_ctrl.campaign.intervals import StopRule
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.scenario import Scenario, load_scenario, scenario_dict
 
-BARRIER_LAWS = ("mb", "nn")
-"""The laws that Theorems 1 and 2 are about."""
-
-QUICK_SEEDS = 3
-"""Seeds of a campaign that is only to be seen working."""
-
-FEW = 5
-"""Seeds of a study whose result hardly depends on the noise."""
+Overrides: TypeAlias = Mapping[str, object]
+"""Fields of a scenario by key path, such as ``clock.control``."""
+LATIN, SOBOL, UNIFORM = "latin-hypercube", "sobol", "uniform"
+MOST_SEEDS_EACH = 10_000
+"""Seeds of a study that names no number of its own: at most these are asked for."""
 
 
 @dataclass(frozen=True, slots=True)
-class Study:
-    """A preset to be run with every law, over at most ``seeds`` seeds (None: all of them).
+class PlannedCase:
+    """What all seeds share: scenario (a preset's name, or the thing itself), law, guard, changes.
 
-    One that changes fields (``overrides``) has a ``name`` of its own, and a ``title`` where the
-    report tells it; ``laws`` restricts it to some laws (None: all that are run); ``guards``:
-    whether the guard is on (None: as the preset says); ``base``: the group it is compared in.
+    ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.  ``name``: what
+    tables call it; ``base``: the group of cases that it is compared in.
     """
 
-    preset: str
-    seeds: int | None = None
+    scenario: str | Scenario
+    law: str
+    guard: bool | None = None
+    overrides: Overrides = field(default_factory=dict, hash=False)
+    plant: str = "ode"
+    name: str = ""
+    base: str = ""
+
+
+class PlannedRun(NamedTuple):
+    """A run to be made."""
+
+    case: PlannedCase
+    seed: int
+
+
+@dataclass(frozen=True)
+class SamplePlan:
+    """A sample of a box: method, size, seed, and the range of each key.
+
+    "sobol" makes the n (d + 2) points that Sobol indices need (SALib's scheme of Saltelli).
+    """
+
+    method: str
+    n: int
+    seed: int
+    ranges: Mapping[str, tuple[float, float]]
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """The points, one a row, in the order of ``ranges``."""
+        low, high = np.array(list(self.ranges.values())).T
+        if self.method == SOBOL:
+            sampler: Any = library("SALib.sample.sobol", "study")
+            with catch_warnings():
+                filterwarnings("ignore", ".*power of 2", UserWarning)  # `warnings` tells it
+                rows = sampler.sample(self.problem, self.n, calc_second_order=False, seed=self.seed)
+            return np.asarray(rows, dtype=np.float64)
+        draw = np.random.Generator(np.random.Philox(self.seed))
+        unit = draw.random((self.n, len(low)))
+        if self.method == LATIN:
+            strata = np.column_stack([draw.permutation(self.n) for _ in low])
+            unit = (strata + unit) / self.n
+        return low + (high - low) * unit
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes the sample worse than it could be, one sentence each."""
+        if self.method != SOBOL or self.n.bit_count() == 1:
+            return ()
+        below = 1 << (self.n.bit_length() - 1)
+        return (
+            f"sample.n = {self.n} is not a power of 2, which Sobol's points need to be evenly "
+            f"spread. Take {below} or {2 * below}.",
+        )
+
+    @property
+    def described(self) -> dict[str, object]:
+        """The sample in plain values."""
+        ranges = {key: list(pair) for key, pair in self.ranges.items()}
+        return {"method": self.method, "n": self.n, "seed": self.seed, "ranges": ranges}
+
+    @property
+    def problem(self) -> dict[str, object]:
+        """The box as SALib wants it."""
+        bounds = [list(pair) for pair in self.ranges.values()]
+        return {"num_vars": len(bounds), "names": list(self.ranges), "bounds": bounds}
+
+
+@dataclass(frozen=True)
+class Study:
+    """Runs of a scenario (a preset's name, or the thing itself).
+
+    ``seeds``: how many at most, from ``first_seed`` on; ``name``: what tables call it, where it
+    changes fields (``overrides``); ``title``, where the report tells it; ``laws``: none are all
+    that are run; ``guards``: whether the guard is on (None: as the scenario says); ``base``: the
+    group that it is compared in; ``grid`` and ``sample``: values of fields that differ from run to
+    run; ``stop``: when a case has runs enough; ``chunk``: runs between two times that results are
+    written.
+    """
+
+    scenario: str | Scenario
+    seeds: int = MOST_SEEDS_EACH
     name: str = ""
     title: str = ""
-    laws: tuple[str, ...] | None = None
+    laws: tuple[str, ...] = ()
     overrides: Overrides = field(default_factory=dict, hash=False)
     guards: tuple[bool | None, ...] = (None,)
     base: str = ""
+    plant: str = "ode"
+    first_seed: int = 0
+    grid: Mapping[str, tuple[object, ...]] = field(default_factory=dict, hash=False)
+    sample: SamplePlan | None = None
+    stop: StopRule | None = None
+    figures: tuple[str, ...] = ()
+    chunk: int = 1024
+
+    @cached_property
+    def loaded(self) -> Scenario:
+        """The scenario itself.  Raises ScenarioError."""
+        return load_scenario(self.scenario) if isinstance(self.scenario, str) else self.scenario
 
     @property
-    def scenario(self) -> str:
+    def label(self) -> str:
         """What tables, claims and figures call it."""
-        return self.name or self.preset
+        given = self.scenario
+        return self.name or (given if isinstance(given, str) else given.name)
 
-    def runs(
+    def planned(
         self, laws: Sequence[str], seeds: Sequence[int], plant: str = "ode"
     ) -> Iterator[PlannedRun]:
-        """Its runs: laws, then guards, then seeds, the last changing fastest."""
-        for law in laws if self.laws is None else [law for law in laws if law in self.laws]:
-            for guard in self.guards:
-                case = PlannedCase(
-                    self.preset, law, guard, self.overrides, plant, self.scenario, self.base
-                )
-                yield from (PlannedRun(case, seed) for seed in seeds[: self.seeds])
+        """Its runs on that plant, with those of the laws that it has and the first of the seeds."""
+        chosen = tuple(law for law in laws if law in (self.laws or laws))
+        study = replace(self, laws=chosen, plant=plant)
+        for case in map(study.case, range(study.cells)):
+            yield from (PlannedRun(case, seed) for seed in seeds[: self.seeds])
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Fields that differ from run to run, in the order of the table's columns."""
+        return (*self.grid, *(self.sample.ranges if self.sample else ()))
 
-IDEAL = "paper-simulation-nominal"
-"""Neither noise nor a change, and a model that is exact: what Theorems 1 and 2 assume."""
+    @cached_property
+    def combinations(self) -> tuple[tuple[object, ...], ...]:
+        """Values of the grid's keys, the last changing fastest."""
+        return tuple(itertools.product(*self.grid.values()))
 
-FARTHER: Overrides = MappingProxyType({"initial.pose": [-20.0, 10.0, 2.0]})
-_STARTS: Mapping[str, tuple[str, Overrides]] = MappingProxyType(
-    {
-        "as-stated": ("the paper's start", {}),
-        "as-stated-fast-start": (
-            "a start at 0.99 of both limits",
-            {"initial.velocity": [0.99, -1.485]},
-        ),
-        "as-stated-far-start": ("the far start", {"initial.pose": [-5.0, -5.0, -0.7]}),
-        "as-stated-farther-start": ("a start 22 m away", FARTHER),
-    }
-)
-_FINE: Overrides = MappingProxyType(
-    {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
-)
-"""As near to continuous time as is worth it: a tenth of it changes the fifth digit of |v|/limit."""
+    @property
+    def points(self) -> int:
+        """Points of grid and sample."""
+        return len(self.combinations) * (len(self.sample.points) if self.sample else 1)
 
+    @property
+    def cells(self) -> int:
+        """Cases that differ by more than their seed."""
+        return self.points * len(self.laws) * len(self.guards)
 
-def _as_stated(name: str, start: str, overrides: Overrides) -> Study:
-    title = f"The theorems' own case, from {start}: no noise, the exact model, samples of 0.1 ms"
-    return Study(IDEAL, 1, name, title, BARRIER_LAWS, {**_FINE, **overrides})
+    @property
+    def runs(self) -> int:
+        """Runs of the whole plan, if no rule stops it."""
+        return self.cells * self.seeds
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the plan may do but had better not, one sentence each."""
+        return self.sample.warnings if self.sample else ()
 
-AS_STATED = tuple(_STARTS)
-"""Names of the studies that come as near to the theorems' hypotheses as a simulation can."""
+    def values(self, cell: int) -> tuple[object, ...]:
+        """Values of `keys` in a cell."""
+        point = cell // (len(self.laws) * len(self.guards))
+        if self.sample is None:
+            return self.combinations[point]
+        row, place = divmod(point, len(self.sample.points))
+        return (*self.combinations[row], *self.sample.points[place].tolist())
 
-STUDIES = (
-    Study("paper-simulation"),
-    Study("paper-simulation-no-switch"),
-    Study("paper-simulation-noise-free", seeds=1),
-    Study(IDEAL, seeds=1),
-    Study("paper-experiment"),
-    Study("paper-experiment-literal", seeds=FEW),
-    Study("far-start"),
-    Study("far-start-friction-overestimated"),
-    Study("far-start-drop"),
-    Study("outside-start", seeds=FEW),
-    Study("fast-reference", seeds=FEW),
-    *(_as_stated(name, *start) for name, start in _STARTS.items()),
-    Study(
-        IDEAL,
-        1,
-        "farther-start-1ms",
-        "A start 22 m away: no noise, the exact model, samples of 1 ms",
-        BARRIER_LAWS,
-        {**FARTHER, "clock.control": 1e-3, "clock.plant": 1e-3, "clock.duration": 5.0},
-    ),
-)
-"""What Sections V and VI need, their controls, the theorems as stated, and where they end."""
+    def case(self, cell: int) -> PlannedCase:
+        """The case of a cell."""
+        law, guard = divmod(cell % (len(self.laws) * len(self.guards)), len(self.guards))
+        changes = dict(zip(self.keys, self.values(cell), strict=True))
+        changed = {**self.overrides, **changes}
+        which = self.laws[law], self.guards[guard], changed, self.plant
+        return PlannedCase(self.scenario, *which, self.label, self.base)
 
-MOST_SEEDS_EACH = 10_000
+    @cached_property
+    def identity(self) -> str:
+        """What two plans must share for one to go on where the other was interrupted."""
+        points = None if self.sample is None else self.sample.points.tobytes().hex()
+        text = json.dumps([self.described(), points], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
 
-
-def paper_plan(
-    laws: Sequence[str] = PAPER_LAWS, seeds: int = 20, first_seed: int = 0
-) -> tuple[PlannedRun, ...]:
-    """All runs of :data:`STUDIES`, the first seeds of every study and law before the others.
-
-    The seeds are ``first_seed``, ``first_seed`` + 1, ...  Raises ArgumentError for fewer than one
-    seed, a negative one, or a law given twice.
-    """
-    if not 1 <= seeds <= MOST_SEEDS_EACH or first_seed < 0:
-        raise ArgumentError(
-            f"seeds = {show(seeds)} from {first_seed!r} on: give from 1 to {MOST_SEEDS_EACH} "
-            "seeds, from 0 up."
-        )
-    if len(set(laws)) != len(laws):
-        raise ArgumentError(f"laws = {', '.join(laws)}: name each law once.")
-    numbered = range(first_seed, first_seed + seeds)
-    runs = [run for study in STUDIES for run in study.runs(laws, numbered)]
-    return tuple(sorted(runs, key=lambda run: run.seed))
+    def described(self) -> dict[str, object]:
+        """The plan in plain values; `chunk` is no part of what the results are."""
+        sample = self.sample
+        return {
+            "scenario": {"name": self.loaded.name, **scenario_dict(self.loaded)},
+            "laws": list(self.laws),
+            "guard": list(self.guards),
+            "plant": self.plant,
+            "seeds": {"first": self.first_seed, "count": self.seeds},
+            "grid": {key: list(values) for key, values in self.grid.items()},
+            "sample": sample and sample.described,
+            "stop": self.stop and {**vars(self.stop), "share": self.stop.share},
+            "figures": list(self.figures),
+        }

@@ -1,132 +1,87 @@
-"""The plan of a study: scenario, laws, guards, plant, seeds, grid, sample, rule to stop; as TOML.
-
-Runs are counted by an index: points of grid and sample, then laws, then guards, then seeds (the
-last change fastest).  A run is what its index says, whoever makes it, in whatever order.
-"""
+"""Plans of users' studies: TOML, or tables, into a checked `Study`."""
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
-from wmr_ctrl.campaign.engine import PlannedCase
 from wmr_ctrl.campaign.intervals import StopRule
-from wmr_ctrl.campaign.study_sample import LATIN, SOBOL, UNIFORM, SamplePlan
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.campaign.plan import LATIN, SOBOL, UNIFORM, SamplePlan, Study
+from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.files import parse_toml, read_text
 from wmr_ctrl.fields.limits import SEED_END
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import build
+from wmr_ctrl.fields.section import Section, build, quantities, quantity
+from wmr_ctrl.fields.values import Frozen
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.figures import FIGURES, RIGID, SHARES, SUMMED
-from wmr_ctrl.scenario import Scenario, load_scenario, override, scenario_dict
+from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.scenario.toml_io import is_path
 
 Raw: TypeAlias = Mapping[str, object]
-KEYS = (
-    "scenario", "laws", "guard", "plant", "seeds", "set", "grid", "sample", "stop", "figures",
-    "chunk",
-)  # fmt: skip
 ENABLED = "guard.enabled"
 CHUNKS = {"ode": 1024, "mujoco": 32}
 """Runs between two times that results are written: some minutes at most."""
 MOST_RUNS = 10**9
 
 
-@dataclass(frozen=True)
-class StudyPlan:
-    """What a study runs; made by `plan_of`, which checks it."""
-
-    scenario: Scenario
-    laws: tuple[str, ...]
-    guards: tuple[bool, ...]
-    plant: str
-    first_seed: int
-    seeds: int
-    grid: Mapping[str, tuple[object, ...]]
-    sample: SamplePlan | None
-    stop: StopRule | None
-    figures: tuple[str, ...]
-    chunk: int
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """Fields that differ from run to run, in the order of the table's columns."""
-        return (*self.grid, *(self.sample.ranges if self.sample else ()))
-
-    @cached_property
-    def combinations(self) -> tuple[tuple[object, ...], ...]:
-        """Values of the grid's keys, the last changing fastest."""
-        return tuple(itertools.product(*self.grid.values()))
-
-    @property
-    def points(self) -> int:
-        """Points of grid and sample."""
-        return len(self.combinations) * (len(self.sample.points) if self.sample else 1)
-
-    @property
-    def cells(self) -> int:
-        """Cases that differ by more than their seed."""
-        return self.points * len(self.laws) * len(self.guards)
-
-    @property
-    def runs(self) -> int:
-        """Runs of the whole plan, if no rule stops it."""
-        return self.cells * self.seeds
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What the plan may do but had better not, one sentence each."""
-        return self.sample.warnings if self.sample else ()
-
-    def values(self, cell: int) -> tuple[object, ...]:
-        """Values of `keys` in a cell."""
-        point = cell // (len(self.laws) * len(self.guards))
-        if self.sample is None:
-            return self.combinations[point]
-        row, place = divmod(point, len(self.sample.points))
-        return (*self.combinations[row], *self.sample.points[place].tolist())
-
-    def case(self, cell: int) -> PlannedCase:
-        """The case of a cell."""
-        law, guard = divmod(cell % (len(self.laws) * len(self.guards)), len(self.guards))
-        changes = dict(zip(self.keys, self.values(cell), strict=True))
-        return PlannedCase(self.scenario, self.laws[law], self.guards[guard], changes, self.plant)
-
-    @cached_property
-    def identity(self) -> str:
-        """What two plans must share for one to go on where the other was interrupted."""
-        points = None if self.sample is None else self.sample.points.tobytes().hex()
-        text = json.dumps([self.described(), points], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-    def described(self) -> dict[str, object]:
-        """The plan in plain values; `chunk` is no part of what the results are."""
-        sample = self.sample
-        return {
-            "scenario": {"name": self.scenario.name, **scenario_dict(self.scenario)},
-            "laws": list(self.laws),
-            "guard": list(self.guards),
-            "plant": self.plant,
-            "seeds": {"first": self.first_seed, "count": self.seeds},
-            "grid": {key: list(values) for key, values in self.grid.items()},
-            "sample": sample
-            and {"method": sample.method, "n": sample.n, "seed": sample.seed,
-                 "ranges": {key: list(pair) for key, pair in sample.ranges.items()}},
-            "stop": self.stop and {**vars(self.stop), "share": self.stop.share},
-            "figures": list(self.figures),
-        }  # fmt: skip
+def _table(doc: str) -> Mapping[str, object]:
+    """A field of `PlanTable` that is a table."""
+    field: Mapping[str, object] = quantity(Frozen(), kind="mapping", unit="", doc=doc)
+    return field
 
 
-def load_plan(path: str | Path) -> StudyPlan:
+class PlanTable(Section):
+    """Keys of a plan beside its scenario."""
+
+    laws: tuple[str, ...] = quantity(("nn",), kind="texts", unit="", doc="control laws")
+    guard: tuple[bool, ...] = quantity((), kind="flags", unit="", doc="which runs have the guard")
+    plant: str = quantity("ode", unit="", options=PLANTS, doc="plane model, or rigid body")
+    seeds: Mapping[str, object] = _table("first and count of the seeds")
+    set: Mapping[str, object] = _table("fields of all runs")
+    grid: Mapping[str, object] = _table("values of fields")
+    sample: Mapping[str, object] = _table("ranges of fields, and how they are sampled")
+    stop: Mapping[str, object] = _table("when a case has runs enough")
+    figures: tuple[str, ...] = quantity((), kind="texts", unit="", doc="names of figures")
+    chunk: int = quantity(1024, unit="1", doc="runs between two writes", minimum=1, below=SEED_END)
+
+    def relate(self) -> None:
+        """Raise ScenarioError where a law or flag stands twice."""
+        for name, listed in (("laws", self.laws), ("guard", self.guard)):
+            if len(set(listed)) < len(listed):
+                raise ScenarioError(f"{name} = {show(listed)} has one twice; give each once.")
+
+
+class Seeds(Section, key="seeds"):
+    """Seeds in a row."""
+
+    first: int = quantity(0, unit="1", doc="first seed", minimum=0, below=SEED_END)
+    count: int = quantity(20, unit="1", doc="number of seeds", minimum=1, below=SEED_END)
+
+    def relate(self) -> None:
+        """Raise ScenarioError where the last seed is too large."""
+        if self.first + self.count >= SEED_END:
+            raise ScenarioError(f"seeds.first + seeds.count must be below {SEED_END}.")
+
+
+class SampleTable(Section, key="sample"):
+    """How a box of fields is sampled; the other keys of its table are the fields' ranges."""
+
+    method: str = quantity(LATIN, unit="", options=(LATIN, SOBOL, UNIFORM), doc="kind of sample")
+    n: int = quantity(64, unit="1", doc="size of the sample", minimum=1, below=SEED_END)
+    seed: int = quantity(0, unit="1", doc="seed of its draws", minimum=0, below=SEED_END)
+
+
+KEYS = ("scenario", *(name for name, _ in quantities(PlanTable)))
+_SAMPLED = tuple(name for name, _ in quantities(SampleTable))
+
+
+def load_plan(path: str | Path) -> Study:
     """The plan of a TOML file; a scenario in it is relative to the file."""
     file = Path(path)
     raw = parse_toml(read_text(file, "plan"), file)
@@ -142,7 +97,7 @@ def load_plan(path: str | Path) -> StudyPlan:
     return plan_of(raw, file.parent)
 
 
-def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
+def plan_of(raw: Raw, folder: Path = Path()) -> Study:
     """The plan of a raw table, checked.
 
     Raises ArgumentError for a bad entry, UnknownNameError for a figure or key of the plan,
@@ -151,24 +106,30 @@ def plan_of(raw: Raw, folder: Path = Path()) -> StudyPlan:
     for key in raw:
         if key not in KEYS:
             raise UnknownNameError("key of a plan", key, KEYS)
-    fixed = flat(_table(raw, "set"))
+    given = {key: value for key, value in raw.items() if key not in ("scenario", "seeds")}
+    table = build(PlanTable, given, "")
+    fixed = flat(table.set)
     scenario = override(_scenario(raw.get("scenario", "paper-simulation"), folder), fixed)
-    grid = {key: _values(key, values) for key, values in flat(_table(raw, "grid")).items()}
-    sample = _sample(_table(raw, "sample")) if "sample" in raw else None
-    first, count = _seeds(raw.get("seeds", 20))
-    plant = _plant(raw.get("plant", "ode"))
-    figures = _figures(raw.get("figures"), plant)
-    plan = StudyPlan(
-        scenario, _texts(raw.get("laws", ["nn"])),
-        _guards(raw.get("guard", [scenario.guard.enabled])), plant, first, count, grid, sample,
-        _stop(raw.get("stop"), figures), figures,
-        _whole(raw.get("chunk", CHUNKS[plant]), "chunk", 1),
-    )  # fmt: skip
-    varied = {"grid": grid, "sample": sample.ranges if sample else {}}
+    sample, seeds = _sample(table.sample) if "sample" in raw else None, _seeds(raw.get("seeds", 20))
+    figures = _figures(table.figures, table.plant)
+    study = Study(
+        scenario,
+        seeds.count,
+        laws=table.laws,
+        guards=table.guard or (scenario.guard.enabled,),
+        plant=table.plant,
+        first_seed=seeds.first,
+        grid={key: _values(key, values) for key, values in flat(table.grid).items()},
+        sample=sample,
+        stop=_stop(raw["stop"], figures) if "stop" in raw else None,
+        figures=figures,
+        chunk=table.chunk if "chunk" in raw else CHUNKS[table.plant],
+    )
+    varied = {"grid": study.grid, "sample": sample.ranges if sample else {}}
     _check_places({"set": fixed, **varied})
     _check_guard({**varied, **({"set": fixed} if "guard" in raw else {})})
-    _check(plan)
-    return plan
+    _check(study)
+    return study
 
 
 def _check_places(tables: Mapping[str, Iterable[str]]) -> None:
@@ -192,7 +153,7 @@ def _check_guard(tables: Mapping[str, Iterable[str]]) -> None:
             )
 
 
-def _check(plan: StudyPlan) -> None:
+def _check(plan: Study) -> None:
     """Raise where there are too many runs, or a value by itself is refused."""
     sizes = [len(plan.laws), len(plan.guards), plan.seeds, *map(len, plan.grid.values())]
     if plan.sample:
@@ -205,7 +166,7 @@ def _check(plan: StudyPlan) -> None:
     ends = plan.sample.ranges.items() if plan.sample else ()
     for key, values in (*plan.grid.items(), *ends):
         for value in values:
-            override(plan.scenario, {key: value})
+            override(plan.loaded, {key: value})
 
 
 def flat(table: Raw, head: str = "") -> dict[str, object]:
@@ -225,44 +186,11 @@ def _scenario(given: object, folder: Path) -> Scenario:
     return load_scenario(folder / given if is_path(given) or (folder / given).is_file() else given)
 
 
-def _table(raw: Raw, key: str) -> Raw:
-    table = raw.get(key, {})
-    if not isinstance(table, Mapping):
-        raise ArgumentError(f"{key} must be a table, written as [{key}].")
-    return table
-
-
-def _texts(given: object) -> tuple[str, ...]:
-    names = [given] if isinstance(given, str) else given
-    if not isinstance(names, Sequence) or not names or len(set(names)) < len(names):
-        raise ArgumentError("laws must be a list of different names of laws, such as ['nn'].")
-    return tuple(map(str, names))
-
-
-def _guards(given: object) -> tuple[bool, ...]:
-    flags = [given] if isinstance(given, bool) else given
-    good = isinstance(flags, Sequence) and flags and all(isinstance(f, bool) for f in flags)
-    if not good or not isinstance(flags, Sequence) or len(set(flags)) < len(flags):
-        raise ArgumentError("guard must be a list of different flags, such as [false, true].")
-    return tuple(flags)
-
-
-def _seeds(given: object) -> tuple[int, int]:
+def _seeds(given: object) -> Seeds:
+    """Seeds from a number or a table."""
     if isinstance(given, Mapping):
-        if set(given) - {"first", "count"}:
-            raise UnknownNameError("key of seeds", min(map(str, given)), ("first", "count"))
-        first = _whole(given.get("first", 0), "seeds.first", 0)
-        count = _whole(given.get("count", 20), "seeds.count", 1)
-        return first, _whole(first + count, "seeds.first + seeds.count", 1) - first
-    return 0, _whole(given, "seeds", 1)
-
-
-def _whole(value: object, key: str, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < SEED_END:
-        raise ArgumentError(
-            f"{key} = {show(value)} must be a whole number from {least} up, below {SEED_END}."
-        )
-    return value
+        return build(Seeds, given)
+    return Seeds(count=dict(quantities(Seeds))["count"].clean(given, "seeds"))
 
 
 def _values(key: str, values: object) -> tuple[object, ...]:
@@ -274,7 +202,8 @@ def _values(key: str, values: object) -> tuple[object, ...]:
 
 
 def _sample(table: Raw) -> SamplePlan:
-    rest = {key: value for key, value in table.items() if key not in ("method", "n", "seed")}
+    how = build(SampleTable, {key: table[key] for key in _SAMPLED if key in table})
+    rest = {key: value for key, value in table.items() if key not in _SAMPLED}
     inner = rest.pop("ranges", {})
     ranges = {}
     for key, pair in flat({**rest, **(inner if isinstance(inner, Mapping) else {})}).items():
@@ -283,43 +212,26 @@ def _sample(table: Raw) -> SamplePlan:
         if len(items) != 2 or len(numbers) != 2 or not numbers[0] < numbers[1]:
             raise ArgumentError(f"sample: {key} = {pair!r} must be a range [low, high].")
         ranges[key] = (numbers[0], numbers[1])
-    method = table.get("method", LATIN)
-    if method not in (LATIN, SOBOL, UNIFORM):
-        raise UnknownNameError("method of a sample", str(method), (LATIN, SOBOL, UNIFORM))
     if not ranges:
         raise ArgumentError("sample has no range: give a key and [low, high].")
-    n, seed = (
-        _whole(table.get("n", 64), "sample.n", 1),
-        _whole(table.get("seed", 0), "sample.seed", 0),
-    )
-    if n * len(ranges) > 10**8:
-        raise ArgumentError(f"sample.n = {n}: at most 1e8 numbers can be drawn.")
-    return SamplePlan(str(method), n, seed, ranges)
+    if how.n * len(ranges) > 10**8:
+        raise ArgumentError(f"sample.n = {how.n}: at most 1e8 numbers can be drawn.")
+    return SamplePlan(how.method, how.n, how.seed, ranges)
 
 
-def _plant(given: object) -> str:
-    if given not in PLANTS:
-        raise UnknownNameError("plant", str(given), PLANTS)
-    return str(given)
-
-
-def _figures(given: object, plant: str) -> tuple[str, ...]:
+def _figures(names: Sequence[str], plant: str) -> tuple[str, ...]:
+    """The figures of those names, or all that are there without a log."""
     on_tyres = plant == "mujoco"
-    if given is None:
+    if not names:
         return (*SHARES, *(f.name for f in (*SUMMED, *(RIGID if on_tyres else ()))))
     known = [figure.name for figure in FIGURES if on_tyres or figure not in RIGID]
-    names = [given] if isinstance(given, str) else given
-    if not isinstance(names, list | tuple) or not names:
-        raise ArgumentError("figures must be a list of names of figures.")
     for name in names:
         if name not in known:
-            raise UnknownNameError("figure", str(name), known)
-    return tuple(dict.fromkeys(map(str, names)))
+            raise UnknownNameError("figure", name, known)
+    return tuple(dict.fromkeys(names))
 
 
-def _stop(given: object, figures: tuple[str, ...]) -> StopRule | None:
-    if given is None:
-        return None
+def _stop(given: object, figures: tuple[str, ...]) -> StopRule:
     rule = build(StopRule, given)
     if rule.figure not in figures:
         raise UnknownNameError("figure of the study", rule.figure, figures)

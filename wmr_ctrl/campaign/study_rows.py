@@ -8,7 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import PlannedCase, Refusal, Silent, built_loops
+from wmr_ctrl.campaign.engine import Refusal, Silent, built_loops
+from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.sim.many import RunTable, tabulated

@@ -14,9 +14,10 @@ from typing import TypeAlias
 import numpy as np
 
 from wmr_ctrl import __version__
-from wmr_ctrl.campaign.engine import PhaseProgress, PlannedCase, Silent, build_loop
+from wmr_ctrl.campaign.engine import PhaseProgress, Silent, build_loop
 from wmr_ctrl.campaign.executors import executor_named
-from wmr_ctrl.campaign.study_plan import StudyPlan, load_plan, plan_of
+from wmr_ctrl.campaign.plan import PlannedCase, Study
+from wmr_ctrl.campaign.study_plan import load_plan, plan_of
 from wmr_ctrl.campaign.study_rows import StudyChunk, chunk_rows
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
 from wmr_ctrl.errors import WmrError
@@ -62,14 +63,14 @@ class StudyOutcome:
 
 @checks_arguments
 def study(
-    plan: str | Path | Mapping[str, object] | StudyPlan,
+    plan: str | Path | Mapping[str, object] | Study,
     out: str | Path,
     *,
     executor: str | Executor = "threads",
     jobs: int | None = None,
     progress: PhaseProgress | None = None,
 ) -> StudyOutcome:
-    """Run a plan (a TOML file, its tables, or a StudyPlan) and write ``out``/table.csv.
+    """Run a plan (a TOML file, its tables, or a Study) and write ``out``/table.csv.
 
     ``executor``: "threads" of this process, "dask" for processes of this machine, a Dask scheduler
     as "dask://HOST:PORT", or any `concurrent.futures` executor; ``jobs``: threads or processes.
@@ -84,8 +85,8 @@ def study(
         plan = load_plan(plan)
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     if chosen.plant == "mujoco":
-        _check_body(chosen.scenario)
-    facts = partial(study_facts, chosen.scenario, chosen.laws, chosen.plant)
+        _check_body(chosen.loaded)
+    facts = partial(study_facts, chosen.loaded, chosen.laws, chosen.plant)
     with ThreadPoolExecutor(1) as beside:
         known = beside.submit(facts)  # while processes start
         with executor_named(executor, jobs, known.result, facts) as running:
@@ -120,7 +121,7 @@ def study_facts(scenario: Scenario, laws: tuple[str, ...], plant: str) -> dict[s
 
 
 def run_study(
-    plan: StudyPlan,
+    plan: Study,
     out: Path,
     make: MakeRows,
     facts: Mapping[str, str],
@@ -216,7 +217,7 @@ def _finished(
     return paths
 
 
-def _chunk(plan: StudyPlan, block: Sequence[int]) -> StudyChunk:
+def _chunk(plan: Study, block: Sequence[int]) -> StudyChunk:
     """The runs of some indices; those of a cell share their case."""
     cases = {cell: plan.case(cell) for cell in dict.fromkeys(k // plan.seeds for k in block)}
     runs = ((cases[k // plan.seeds], plan.first_seed + k % plan.seeds) for k in block)
@@ -225,7 +226,7 @@ def _chunk(plan: StudyPlan, block: Sequence[int]) -> StudyChunk:
 
 def _sent(
     missing: Iterator[tuple[Path, list[int]]],
-    plan: StudyPlan,
+    plan: Study,
     make: MakeRows,
     executor: Executor,
     jobs: int | None,

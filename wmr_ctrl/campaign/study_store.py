@@ -4,6 +4,7 @@ study.json      the plan, its identity, what made the results
 chunks/*.npz    rows of finished chunks: index, outcome, refusal, figures
 columns.csv     name, unit and meaning of the table's columns
 table.csv       one row a run, in the order of the index; empty where a figure is not finite
+table.parquet   the same by columns, where it is asked for; pyarrow writes it
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.study_plan import StudyPlan
+from wmr_ctrl.campaign.plan import Study
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_path, atomic_write
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Section, quantities
 
 Rows = Mapping[str, NDArray[np.generic]]
@@ -41,7 +43,7 @@ FORMAT = "wmr_ctrl study, version 1"
 class StudyFolder:
     """Where a study's results are kept; made by `opened`."""
 
-    def __init__(self, folder: Path, plan: StudyPlan) -> None:
+    def __init__(self, folder: Path, plan: Study) -> None:
         self.folder, self.plan = folder, plan
         self.chunks = folder / "chunks"
         self.members = {"index", "outcome", REFUSAL, *plan.figures}
@@ -147,7 +149,7 @@ def _quoted(text: str) -> str:
     return f'"{text.replace(_QUOTE, 2 * _QUOTE)}"' if set(text) & set(',"\n') else text
 
 
-def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
+def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
     """Name, unit and meaning of each column of the table."""
     yield from (
         ("index", "1", "number of the run in the plan"),
@@ -164,18 +166,18 @@ def described_columns(plan: StudyPlan) -> Iterator[tuple[str, str, str]]:
     yield REFUSAL, "", "why the guard refused the run, else empty"
 
 
-def _field(plan: StudyPlan, key: str) -> tuple[str, str]:
+def _field(plan: Study, key: str) -> tuple[str, str]:
     """Unit and meaning of a field of the scenario; empty for a gain."""
     table, _, name = key.partition(".")
     if table in ("gains", "changes"):
         return "", "field of the scenario"
-    section: Section = plan.scenario.table(table)
+    section: Section = plan.loaded.table(table)
     what = dict(quantities(type(section))).get(name.partition("[")[0])
     return ("", "field of the scenario") if what is None else (what.unit, what.doc)
 
 
 @contextmanager
-def opened(folder: Path, plan: StudyPlan, facts: Mapping[str, str]) -> Iterator[StudyFolder]:
+def opened(folder: Path, plan: Study, facts: Mapping[str, str]) -> Iterator[StudyFolder]:
     """The folder of a study, begun or gone on with, for one process at a time.
 
     Raises ResultFileError for a folder of another plan or another version, one that another
@@ -212,7 +214,7 @@ def _locked(lock: IO[str], folder: Path) -> None:
         ) from None
 
 
-def _same_study(folder: Path, plan: StudyPlan, facts: Mapping[str, str]) -> None:
+def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
     file = folder / "study.json"
     try:
         begun = json.loads(file.read_text(encoding="utf-8"))
@@ -239,3 +241,50 @@ def _same_study(folder: Path, plan: StudyPlan, facts: Mapping[str, str]) -> None
             f"{str(folder)!r} was begun with other code ({listed}), whose results may differ. Name "
             "another folder, or go on with that version."
         )
+
+
+TEXTS, COUNTS = ("law", "outcome", "refusal"), ("index", "seed")
+
+
+def write_columns(folder: str | Path) -> Path:
+    """Write table.parquet beside a study's table.csv, whole or not at all; returns its path.
+
+    Numbers are doubles, empty cells null; index and seed whole numbers, guard a Boolean, lists of
+    a grid their JSON text.  Raises ResultFileError where no study is finished or the file cannot be
+    written, MissingExtraError without pyarrow.
+    """
+    where = Path(folder)
+    arrow: Any = library("pyarrow")
+    read, write = library("pyarrow.csv"), library("pyarrow.parquet")
+    named = {"string": arrow.string(), "int64": arrow.int64(), "bool": arrow.bool_(),
+             "double": arrow.float64()}  # fmt: skip
+    kinds = {name: named[kind] for name, kind in _kinds(where).items()}
+    options = read.ConvertOptions(column_types=kinds, strings_can_be_null=False)
+    target = where / "table.parquet"
+    with (
+        atomic_path(target) as scratch,
+        read.open_csv(where / "table.csv", convert_options=options) as blocks,
+        write.ParquetWriter(scratch, blocks.schema) as file,
+    ):
+        for block in blocks:
+            file.write_batch(block)
+    return target
+
+
+def _kinds(folder: Path) -> dict[str, str]:
+    """What each column of the table holds."""
+    try:
+        plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
+        with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
+            names = next(csv.reader(file))
+    except (OSError, ValueError, KeyError, StopIteration):
+        raise ResultFileError(
+            f"{str(folder)!r} holds no finished study. Name the folder of `wmr-ctrl study --out`, "
+            "once it has its table.csv."
+        ) from None
+    kinds = dict.fromkeys(names, "double") | dict.fromkeys(TEXTS, "string")
+    kinds |= dict.fromkeys(COUNTS, "int64") | {"guard": "bool"}
+    for key, values in plan["grid"].items():
+        numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+        kinds[key] = "double" if numbers else "string"
+    return kinds

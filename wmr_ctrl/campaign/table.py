@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import PlannedCase
+from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.figures import FIGURES, Figure

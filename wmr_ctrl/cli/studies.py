@@ -96,7 +96,7 @@ def _plot(folder: str) -> list[Path]:
 
 
 def _columns(folder: str) -> list[Path]:
-    from wmr_ctrl.campaign.study_columns import write_columns
+    from wmr_ctrl.campaign.study_store import write_columns
 
     with Progress("writing", measured=False):
         return [write_columns(folder)]

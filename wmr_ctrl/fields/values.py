@@ -65,7 +65,7 @@ class Range:
         """Return the rule that ``value`` breaks, such as ``above 0``, or an empty string."""
         if math.isnan(value) or (math.isinf(value) and not self.infinite):
             return "a finite number"
-        if not math.isinf(value) and abs(value) > LARGEST:
+        if not math.isinf(value) and abs(value) > max(LARGEST, self.below or 0.0):
             return f"at most {LARGEST:g} in size"
         return self._side(value)
 
@@ -165,7 +165,7 @@ class Quantity:
         number = self._number(value, path)
         if not number.is_integer():
             raise self.refuse(value, path, "a whole number")
-        return int(number)
+        return value if isinstance(value, int) else int(number)
 
     def _flag(self, value: object, path: str) -> bool:
         if not isinstance(value, bool):
@@ -180,6 +180,21 @@ class Quantity:
                 f"{path} = {show(value)} is not known ({self.doc}); {choices(value, self.options)}."
             )
         return value
+
+    def _texts(self, value: object, path: str) -> tuple[object, ...]:
+        return self._listed(value, path, str)
+
+    def _flags(self, value: object, path: str) -> tuple[object, ...]:
+        return self._listed(value, path, bool)
+
+    def _listed(self, value: object, path: str, kind: type) -> tuple[object, ...]:
+        """At least one value of that kind, or the default; one by itself is a list of it."""
+        items = [value] if isinstance(value, kind) else as_list(value)
+        right = items and all(isinstance(item, kind) for item in items)
+        if items is None or not (right or tuple(items) == self.default):
+            words = {str: "texts in quotes", bool: "flags, such as [false, true]"}[kind]
+            raise self.refuse(value, path, f"a list of {words}")
+        return tuple(items)
 
     def _vector(self, value: object, path: str) -> tuple[float, ...]:
         items = as_list(value)

@@ -139,7 +139,7 @@ def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextT
 def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
     """Name, title, seeds and hash of every scenario, for the record."""
     table = campaign.table
-    titles = preset_titles() | {study.scenario: study.title for study in STUDIES if study.title}
+    titles = preset_titles() | {study.label: study.title for study in STUDIES if study.title}
     first = dict(reversed(table.cases))
     return [
         {

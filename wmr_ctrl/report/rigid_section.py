@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from wmr_ctrl.campaign import Campaign, FigureTable, RunRow, spread
-from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES
-from wmr_ctrl.campaign.rigid_claims import rigid_claims
+from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed, ranged
@@ -102,10 +101,10 @@ class RigidSection:
         plane, body = PLANTS
         rows = self.rows.of
         return [
-            (case.scenario, law, rows(case.scenario, law, plant=plane), tyres)
+            (case.label, law, rows(case.label, law, plant=plane), tyres)
             for case in RIGID_STUDIES[plane]
-            for law in case.laws or ()
-            if (tyres := rows(case.scenario, law, plant=body))
+            for law in case.laws
+            if (tyres := rows(case.label, law, plant=body))
         ]
 
 

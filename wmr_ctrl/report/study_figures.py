@@ -16,11 +16,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wmr_ctrl.campaign.study_sample import SOBOL, library
+from wmr_ctrl.campaign.plan import SOBOL
 from wmr_ctrl.report.drawing import save_figure
 from wmr_ctrl.report.study_table import StudyTable, read_study
 from wmr_ctrl.report.style import LIMIT, MUTED, house_style, look, shown, unit_text, with_unit
 from wmr_ctrl.results.figures import SHARES
+from wmr_ctrl.results.frames import library
 
 Floats = NDArray[np.float64]
 MOST_VALUES = 12
