@@ -125,7 +125,7 @@ def _scene(scene: PageScene, variants: list[SettledVariant], loops: PageLoops) -
 
 
 def _admitted(scenario: Scenario, parameters: Iterable[Signal]) -> Plain:
-    """What the scenario's fields admit, by key, and where a key has another name in the loop."""
+    """Bounds of the scenario's fields by key, and keys that have another name in the loop."""
     signals = [item.name for item in parameters]
     own = dict(quantities(type(scenario.reference)))
     aliases = {f"reference.{name}": f"ref_{name}" for name in own if f"ref_{name}" in signals}
@@ -164,13 +164,12 @@ def _law(setup: Setup, base: Row, loop: PageLoop) -> Plain:
     return {
         "loop": int(loop.name[1:]),
         "phases": [step for step, _ in _phases(setup, loop)],
-        "rows": [_spelled(_changed(old, new)) for old, new in zip(before, rows, strict=True)],
+        "rows": [
+            _spelled({name: value for name, value in new.items() if old.get(name) != value})
+            for old, new in zip(before, rows, strict=True)
+        ],
         "void": setup.void,
     }
-
-
-def _changed(old: Row, new: Row) -> Row:
-    return {name: value for name, value in new.items() if old.get(name) != value}
 
 
 def _rows(setup: Setup, loop: PageLoop) -> list[Row]:

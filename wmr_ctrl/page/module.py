@@ -108,14 +108,11 @@ def _toolchain() -> Toolchain:
     command = (*command, "cc")
     flags = tuple(flag for flag in default_flags(command) if flag not in _HOST_ONLY)
     flags = (*flags, *FLAGS, *level_flags())
-    return Toolchain(command, "zig cc", f"zig {_zig_version()}", flags)
-
-
-def _zig_version() -> str:
     try:
-        return version("ziglang")
+        own = version("ziglang")
     except PackageNotFoundError:
-        return "of unknown version"
+        own = "of unknown version"
+    return Toolchain(command, "zig cc", f"zig {own}", flags)
 
 
 def _object(chain: Toolchain, loop: PageLoop) -> Path:

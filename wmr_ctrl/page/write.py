@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import jinja2
@@ -49,27 +50,22 @@ def write_page(
             f"seed = {seed} is beyond what a browser counts to; take one below 2^53."
         )
     target = check_writable(out)
-    chosen = _laws(laws)
-    said = progress or _nothing
-    content = content_of(
-        scenes(scenario, chosen), chosen, seed, lambda share: said(SETTLING * share)
-    )
-    module = build_module(
-        content.loops, content.room, lambda share: said(SETTLING + (1 - SETTLING) * share)
-    )
+    for name in laws or ():
+        if name not in LAWS:
+            raise UnknownNameError("law", name, tuple(LAWS))
+    chosen = tuple(dict.fromkeys(laws or LAWS))
+
+    def advance(done: float, part: float, share: float) -> None:
+        if progress:
+            progress(done + part * share)
+
+    first, second = partial(advance, 0.0, SETTLING), partial(advance, SETTLING, 1 - SETTLING)
+    content = content_of(scenes(scenario, chosen), chosen, seed, first)
+    module = build_module(content.loops, content.room, second)
     text = page_text(content, module)
     with atomic_write(target, text=True) as file:
         file.write(text)
     return target
-
-
-def _laws(laws: Sequence[str] | None) -> tuple[str, ...]:
-    if not laws:
-        return tuple(LAWS)
-    for name in laws:
-        if name not in LAWS:
-            raise UnknownNameError("law", name, tuple(LAWS))
-    return tuple(dict.fromkeys(laws))
 
 
 def page_text(content: Content, module: bytes) -> str:
@@ -80,6 +76,7 @@ def page_text(content: Content, module: bytes) -> str:
         lstrip_blocks=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     scripts = {name: (folder / name).read_text(encoding="utf-8") for name in (*ALONE, *SHOWING)}
+    told = json.dumps(content.data, allow_nan=False, separators=(",", ":"))
     return engine.get_template("page.html.j2").render(
         title=content.data["scenes"][0]["scenario"],
         scenes=content.data["scenes"],
@@ -89,17 +86,8 @@ def page_text(content: Content, module: bytes) -> str:
         size=len(module),
         version=content.data["version"],
         style=(folder / "page.css").read_text(encoding="utf-8"),
-        told=_inside_script(json.dumps(content.data, allow_nan=False, separators=(",", ":"))),
+        told=told.replace("<", "\\u003c"),  # so that no text ends the script element
         module=base64.b64encode(gzip.compress(module, 9, mtime=0)).decode(),
         alone="\n".join(scripts[name] for name in ALONE),
         showing="\n".join(scripts[name] for name in SHOWING),
     )
-
-
-def _inside_script(text: str) -> str:
-    """JSON that ends no script element."""
-    return text.replace("<", "\\u003c")
-
-
-def _nothing(share: float) -> None:
-    """Tell nobody."""

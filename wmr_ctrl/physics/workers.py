@@ -35,7 +35,7 @@ def make_each(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
-    """What ``make`` gives for each pair (loop, seed), in their order.
+    """Results of ``make`` for each pair (loop, seed), in their order.
 
     On ``jobs`` processes (default: one per core), or here for one; ``make`` must be importable by
     its name.  The result is the same for any ``jobs``.  ``progress`` is called with the share done.
@@ -58,7 +58,7 @@ ResultsOf: TypeAlias = Callable[[Sequence[tuple[RunnableLoop, int]]], Iterator[T
 
 @contextmanager
 def _makers(make: Callable[[RunnableLoop, int], T], count: int) -> Iterator[ResultsOf[T]]:
-    """How to have runs made, here or by several processes; none is left at the end."""
+    """Results of runs that are made here or by several processes; none is left at the end."""
     if count <= 1:
         yield lambda runs: (make(loop, seed) for loop, seed in runs)
         return
@@ -88,11 +88,12 @@ class Worker:
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
         """Start it, without waiting for it; ``environment``: variables that it is given besides."""
+        paths = filter(None, (_ROOT, os.environ.get("PYTHONPATH")))
         self._process = subprocess.Popen(
             [sys.executable, "-c", _BEGIN],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": _paths(), **(environment or {})},
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(environment or {})},
         )
 
     def ask(self, make: Callable[..., T], given: tuple[object, ...]) -> T:
@@ -101,8 +102,10 @@ class Worker:
         ``make`` must be importable by its name.
         """
         try:
-            self._tell((make, given))
+            assert self._process.stdin is not None
             assert self._process.stdout is not None
+            pickle.dump((make, given), self._process.stdin)
+            self._process.stdin.flush()
             result, error = pickle.load(self._process.stdout)
         except (EOFError, OSError):
             raise WmrError(
@@ -114,11 +117,6 @@ class Worker:
         answer: T = result
         return answer
 
-    def _tell(self, what: object) -> None:
-        assert self._process.stdin is not None
-        pickle.dump(what, self._process.stdin)
-        self._process.stdin.flush()
-
     def end(self) -> None:
         """End it, whatever it does."""
         self._process.kill()
@@ -128,13 +126,8 @@ class Worker:
                 pipe.close()
 
 
-def _paths() -> str:
-    """Where the process finds this package, wherever it is started."""
-    return os.pathsep.join(filter(None, (_ROOT, os.environ.get("PYTHONPATH"))))
-
-
 def serve() -> None:
-    """What such a process does until its input ends: answer each call.
+    """Worker main loop: answer each call until the input ends.
 
     What is printed meanwhile goes to stderr; Ctrl-C is left to the process that asked.
     """
@@ -146,15 +139,10 @@ def serve() -> None:
                 make, given = pickle.load(sys.stdin.buffer)
             except EOFError:
                 return
-            pickle.dump(_answer(make, given), answers)
+            answer: tuple[object, Exception | None]
+            try:
+                answer = make(*given), None
+            except Exception as error:
+                answer = None, error
+            pickle.dump(answer, answers)
             answers.flush()
-
-
-def _answer(
-    make: Callable[..., object], given: tuple[object, ...]
-) -> tuple[object, Exception | None]:
-    """Result and None, or None and what was raised."""
-    try:
-        return make(*given), None
-    except Exception as error:
-        return None, error

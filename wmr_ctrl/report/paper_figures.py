@@ -97,29 +97,20 @@ class Trace:
         """Draw the quantity of every run."""
         start, rest = row_of_axes(place, padding, WIDTHS, GAP)
         for law, run in group.items():
-            self._plot_start(start, law, run)
-            self._plot_rest(rest, law, run)
-        self._finish(start, rest, group)
-
-    def _plot_start(self, axes: Axes, law: str, run: Run) -> None:
-        rows = slice(0, run.settings.index(self.early) + 1)
-        seen = look(law)
-        axes.plot(run.time[rows], self.value(run)[rows], color=seen.colour, ls=seen.dash)
-
-    def _plot_rest(self, axes: Axes, law: str, run: Run) -> None:
-        rows, seen = slice(run.settings.index(self.early), None), look(law)
-        t, y = run.time[rows], self.value(run)[rows]
-        if not self.smooth:
-            axes.plot(*thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
-            return
-        axes.plot(*thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
-        mean = running_mean(y, max(1, round(self.smooth / run.settings.control)))
-        axes.plot(*thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
-
-    def _finish(self, start: Axes, rest: Axes, group: Group) -> None:
+            seen, cut, t, y = look(law), run.settings.index(self.early), run.time, self.value(run)
+            start.plot(t[: cut + 1], y[: cut + 1], color=seen.colour, ls=seen.dash)
+            t, y = t[cut:], y[cut:]
+            if self.smooth:
+                rest.plot(*thin(t, y), color=seen.colour, lw=0.5, alpha=0.25)
+                mean = running_mean(y, max(1, round(self.smooth / run.settings.control)))
+                rest.plot(*thin(t, mean, 500), color=seen.colour, ls=seen.dash, lw=1.2, zorder=2.5)
+            else:
+                rest.plot(*thin(t, y), color=seen.colour, ls=seen.dash, lw=0.9)
         run = next(iter(group.values()))
         start.set(xlabel=f"t [s], first {self.early:g} s", xlim=(0, self.early), ylabel=self.label)
-        rest.set(xlabel=self._rest_label(), xlim=(0, run.settings.duration))
+        mean_text = f" (line: {self.smooth:g} s mean)" if self.smooth else ""
+        rest.set(xlabel=f"t [s], from {self.early:g} s on{mean_text}")
+        rest.set_xlim(0, run.settings.duration)
         if self.late:
             rest.set_ylim(self.late)
         if self.limit_axis is not None:
@@ -129,54 +120,35 @@ class Trace:
             shade_limits(rest, limit)
         mark_switch(rest, switch_time(run))
 
-    def _rest_label(self) -> str:
-        after = f"t [s], from {self.early:g} s on"
-        return f"{after} (line: {self.smooth:g} s mean)" if self.smooth else after
-
 
 @dataclass(frozen=True, slots=True)
-class Logarithmic:
-    """A positive quantity over the whole run: faint samples under a running mean.
+class WholeTrace:
+    """A quantity over the whole run on one scale.
 
-    ``mean`` is the length of that mean [s]; what lies under ``floor`` is not shown.
+    Linear from zero; or with a ``floor``, below which nothing is shown, logarithmic: faint samples
+    under a running mean of length ``mean`` [s].
     """
 
     label: str
     value: Callable[[Run], FloatArray]
-    floor: float
+    floor: float = 0.0
     mean: float = 0.5
 
     def draw(self, place: Place, group: Group, padding: Padding) -> None:
         """Draw the quantity of every run."""
         axes = one_axes(place, padding)
+        axes.set(xlabel="t [s]", ylabel=self.label)
         for law, run in group.items():
-            seen, y = look(law), np.maximum(self.value(run), self.floor)
-            axes.plot(*thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
-            mean = running_mean(y, max(1, round(self.mean / run.settings.control)))
-            axes.plot(*thin(run.time, mean, 600), color=seen.colour, ls=seen.dash, zorder=2.5)
+            seen, y, points = look(law), self.value(run), 1500
+            if self.floor:
+                y, points = np.maximum(y, self.floor), 600
+                axes.plot(*thin(run.time, y, 1000), color=seen.colour, lw=0.4, alpha=0.2)
+                y = running_mean(y, max(1, round(self.mean / run.settings.control)))
+                axes.set(xlabel=f"t [s] (faint: samples; line: {self.mean:g} s mean)", yscale="log")
+            axes.plot(*thin(run.time, y, points), color=seen.colour, ls=seen.dash, zorder=2.5)
         run = next(iter(group.values()))
-        axes.set(ylabel=self.label, yscale="log", xlim=(0, run.settings.duration))
-        axes.set_xlabel(f"t [s] (faint: samples; line: {self.mean:g} s mean)")
+        axes.set(xlim=(0, run.settings.duration))
         axes.set_ylim(bottom=self.floor)
-        mark_switch(axes, switch_time(run))
-
-
-@dataclass(frozen=True, slots=True)
-class Plain:
-    """A quantity over the whole run on a linear scale from zero."""
-
-    label: str
-    value: Callable[[Run], FloatArray]
-
-    def draw(self, place: Place, group: Group, padding: Padding) -> None:
-        """Draw the quantity of every run."""
-        axes = one_axes(place, padding)
-        for law, run in group.items():
-            seen = look(law)
-            axes.plot(*thin(run.time, self.value(run)), color=seen.colour, ls=seen.dash)
-        run = next(iter(group.values()))
-        axes.set(xlabel="t [s]", ylabel=self.label, xlim=(0, run.settings.duration))
-        axes.set_ylim(bottom=0)
         mark_switch(axes, switch_time(run))
 
 
@@ -186,53 +158,45 @@ START = 3.0
 
 def draw_trajectory(place: Place, group: Group, padding: Padding) -> None:
     """Paths of all laws with their reference; on the right the first seconds; equal scales."""
-    whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.45)
-    draw_paths(whole, group, 800)
-    draw_paths(start, group, 8000, START)
+    whole, start = row_of_axes(place, padding, (1.0, 1.0), 0.6)
+    _draw_paths(whole, group, 800, 64)
+    low, high = _draw_paths(start, group, 8000, 20, START)
     whole.set(xlabel="x [m]", ylabel="y [m]")
-    start.set(xlabel=f"x [m], first {START:g} s only")
+    start.set(xlabel=f"x [m], first {START:g} s only", ylabel="y [m]")
     whole.set_aspect("equal", adjustable="datalim")
-    frame = _frame(group)
-    start.set(xlim=frame[:2], ylim=frame[2:])
+    half = 0.55 * max(*(high - low), 0.1)
+    corner = (low + high) / 2 - half
+    start.set(xlim=corner[0] + (0, 2 * half), ylim=corner[1] + (0, 2 * half))
     start.set_aspect("equal", adjustable="box")
-    size = frame[1] - frame[0], frame[3] - frame[2]
-    whole.add_patch(Rectangle(frame[::2], *size, fill=False, ec=MUTED, lw=0.6, zorder=3))
+    frame = Rectangle(tuple(corner), 2 * half, 2 * half, fill=False, ec=MUTED, lw=0.6, zorder=3)
+    whole.add_patch(frame)
 
 
-def draw_paths(axes: Axes, group: Group, points: int = 800, end: float | None = None) -> None:
+def _draw_paths(
+    axes: Axes, group: Group, points: int, dots: int, end: float | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Each law's path, the reference as dots on top of them, and a ring where the robot starts.
 
-    ``end`` [s]: nothing after it is drawn.
+    ``end`` [s]: nothing after it is drawn.  Returns the least and greatest x, y [m].
     """
-    any_run = next(iter(group.values()))
-    rows = slice(None if end is None else any_run.settings.index(end) + 1)
+    seen = []
     for law, run in group.items():
-        seen, path = look(law), (run["x"][rows], run["y"][rows])
-        axes.plot(*thin_path(*path, points), color=seen.colour, ls=seen.dash, lw=1.1)
-    path = any_run["x_d"][rows], any_run["y_d"][rows]
-    plot_reference(axes, *thin_path(*path, 64 if end is None else 20))
-    axes.plot(any_run["x"][0], any_run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
-
-
-def _frame(group: Group) -> tuple[float, float, float, float]:
-    """A square around all paths of the first seconds: x from, x to, y from, y to [m]."""
-    x, y = (np.concatenate([_early(run, name) for run in group.values()]) for name in "xy")
-    half = 0.55 * max(np.ptp(x), np.ptp(y), 0.1)
-    centre = (x.min() + x.max()) / 2, (y.min() + y.max()) / 2
-    return (
-        float(centre[0] - half), float(centre[0] + half),
-        float(centre[1] - half), float(centre[1] + half),
-    )  # fmt: skip
-
-
-def _early(run: Run, name: str) -> np.ndarray:
-    """A coordinate of the robot and of its reference over the first seconds."""
-    rows = slice(0, run.settings.index(START) + 1)
-    return np.concatenate([run[name][rows], run[f"{name}_d"][rows]])
+        rows = slice(None if end is None else run.settings.index(end) + 1)
+        path, desired = (run["x"][rows], run["y"][rows]), (run["x_d"][rows], run["y_d"][rows])
+        seen += [np.column_stack(path), np.column_stack(desired)]
+        axes.plot(*thin_path(*path, points), color=look(law).colour, ls=look(law).dash, lw=1.1)
+    plot_reference(axes, *thin_path(*desired, dots))
+    axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
+    places = np.concatenate(seen)
+    return places.min(axis=0), places.max(axis=0)
 
 
 def _column(name: str) -> Callable[[Run], FloatArray]:
     return lambda run: run[name]
+
+
+def _millimetres(run: Run) -> FloatArray:
+    return np.asarray(1e3 * distance(run))
 
 
 def _error(name: str) -> Callable[[Run], FloatArray]:
@@ -240,17 +204,17 @@ def _error(name: str) -> Callable[[Run], FloatArray]:
     return lambda run: run[name] - run[f"{name}_d"]
 
 
-_V1 = Logarithmic("V₁", _column("V1"), floor=1e-6)
+_V1 = WholeTrace("V₁ [1]", _column("V1"), floor=1e-6)
 _LINEAR = Trace("v₁ [m/s]", _column("v1"), limit_axis=0, smooth=0.5, late=(-0.05, 1.15))
 _ANGULAR = Trace("ω [rad/s]", _column("omega"), limit_axis=1, smooth=0.5, late=(-1.75, 1.75))
 _X = Trace("$x - x_d$ [m]", _error("x"), early=5.0)
 _Y = Trace("$y - y_d$ [m]", _error("y"), early=5.0)
 _THETA = Trace("$θ - θ_d$ [rad]", _error("theta"), early=5.0, smooth=1.0)
-_D = Logarithmic("d [m]", distance, floor=5e-4)
+_D = WholeTrace("d [mm]", _millimetres, floor=0.5)
 _RIGHT = Trace("τ₁, right [N m]", _column("tau_right"), early=2.0, smooth=1.0)
 _LEFT = Trace("τ₂, left [N m]", _column("tau_left"), early=2.0, smooth=1.0)
-_W1 = Plain("‖W₁‖", _column("W_norm[1]"))
-_W2 = Plain("‖W₂‖", _column("W_norm[2]"))
+_W1 = WholeTrace("‖W₁‖ [1]", _column("W_norm[1]"))
+_W2 = WholeTrace("‖W₂‖ [1]", _column("W_norm[2]"))
 
 PANELS = (
     Panel("a", "trajectory", "Trajectory", draw_trajectory, path=True),

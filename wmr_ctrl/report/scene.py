@@ -1,4 +1,4 @@
-"""What moves in an animation: poses at the times of the frames, and how a frame is painted."""
+"""Scene of an animation: poses at the times of the frames, and a painter of frames."""
 
 from __future__ import annotations
 
@@ -32,8 +32,7 @@ TRACK = 0.25
 class Scene:
     """Columns of a run at evenly spaced samples, each of shape (frames,).
 
-    ``view`` is x from, x to, y from, y to [m]; ``limits`` are those of |v1| [m/s] and
-    |omega| [rad/s].
+    ``view`` is x from, x to, y from, y to [m].
     """
 
     run: Run
@@ -63,19 +62,13 @@ def scene_of(run: Run, frames: int) -> Scene:
     def columns(*names: str) -> FloatArray:
         return np.column_stack([run[name][rows] for name in names])
 
-    pose = columns("x", "y", "theta")
-    target = columns("x_d", "y_d", "theta_d")
-    velocity = columns("v1", "omega")
-    return Scene(run, run.time[rows], pose, target, velocity, _view(pose, target))
-
-
-def _view(pose: FloatArray, target: FloatArray) -> tuple[float, float, float, float]:
-    """A square around both paths, with room for the robot's body."""
+    pose, target = columns("x", "y", "theta"), columns("x_d", "y_d", "theta_d")
     points = np.concatenate((pose[:, :2], target[:, :2]))
     low, high = points.min(axis=0), points.max(axis=0)
-    half = float(max(high - low)) / 2 + 0.7
+    half = float(max(high - low)) / 2 + 0.7  # room for the robot's body
     x, y = ((low + high) / 2).tolist()
-    return x - half, x + half, y - half, y + half
+    view = x - half, x + half, y - half, y + half
+    return Scene(run, run.time[rows], pose, target, columns("v1", "omega"), view)
 
 
 def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -> FloatArray:
