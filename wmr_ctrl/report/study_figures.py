@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -99,73 +100,77 @@ def _by_group(table: StudyTable) -> Figure:
             parts = axes.violinplot(values, [place], widths=0.8, showextrema=False)
             bodies: Any = parts["bodies"]
             for body in bodies:
-                body.set_facecolor(look(group.split(",")[0]).colour)
-                body.set_alpha(0.35)
+                body.set(facecolor=_colour(group), alpha=0.35)
         if values.size:
             low, middle, high = np.quantile(whole, (0.25, 0.5, 0.75))
-            axes.vlines(place, low, high, color=look(group.split(",")[0]).colour, lw=3)
+            axes.vlines(place, low, high, color=_colour(group), lw=3)
             axes.plot(place, middle, "o", ms=4, color="white", mec="black", mew=0.7)
-    axes.set_xticks(range(len(table.groups)), [_short(group) for group in table.groups])
-    axes.set_ylabel(_label(table, table.figure))
-    axes.set_xlim(-0.6, len(table.groups) - 0.4)
+    axes.set_xticks(range(len(table.groups)), [_label_of(group, "\n") for group in table.groups])
+    axes.set(ylabel=_label(table, table.figure), xlim=(-0.6, len(table.groups) - 0.4))
     figure.suptitle(f"{len(table.group)} runs: median, quartiles, density", fontsize="medium")
-    above = sum(int((values > top).sum()) for values in everything.values())
+    all_values = np.concatenate([*everything.values()])
+    above = int((all_values > top).sum())
     if above:
-        most = max(values.max() for values in everything.values() if values.size)
         unit = unit_text(table.scale(table.figure)[1])
-        axes.set_xlabel(f"{above} runs are above the view, up to {shown(most)} {unit}".rstrip())
-    why = table.missing(np.ones(len(table.group), dtype=bool))
-    if why:
-        said = fill(why, int(14 * wide))
-        if np.isfinite(table.numbers[table.figure]).any():
-            axes.set_title(said, color=MUTED, fontsize="small", fontweight="normal")
-        else:
-            axes.set_yticks([])
-            _say(axes, said)
+        most = shown(float(all_values.max()))
+        axes.set_xlabel(f"{above} runs are above the view, up to {most} {unit}".rstrip())
+    why = fill(_missing(table), int(14 * wide))
+    if all_values.size:
+        axes.set_title(why, color=MUTED, fontsize="small", fontweight="normal")
+    else:
+        _say(axes, why)
     return figure
+
+
+def _missing(table: StudyTable) -> str:
+    return table.missing(np.ones(len(table.group), dtype=bool))
 
 
 def _say(axes: Axes, text: str) -> None:
     """A text in the place of what cannot be drawn."""
+    axes.set_yticks([])
     axes.text(0.5, 0.5, text, ha="center", va="center", color=MUTED, fontsize="small",
               transform=axes.transAxes)  # fmt: skip
 
 
-def _short(group: str) -> str:
+def _colour(group: str) -> str:
+    return look(group.split(",")[0]).colour
+
+
+def _label_of(group: str, join: str = ", ") -> str:
+    """Law and guard."""
     law, _, guard = group.partition(",")
-    return look(law).label + ("\nguarded" if guard else "")
+    return look(law).label + (f"{join}guarded" if guard else "")
 
 
 def _by_factor(table: StudyTable) -> Figure:
     """Boxes of the figure by each key, a colour a law and guard."""
-    keys = table.keys
+    keys, count = table.keys, len(table.groups)
     figure = Figure(figsize=(7.2, 2.6 * len(keys)), layout="constrained")
-    for row, axes in enumerate(np.ravel(figure.subplots(len(keys), 1, squeeze=False))):
-        bins = _bins(table.numbers[keys[row]])
-        count = len(table.groups)
+    for axes, key in zip(figure.subplots(len(keys), 1, squeeze=False)[:, 0], keys, strict=True):
+        bins = _bins(table.numbers[key])
         for k, group in enumerate(table.groups):
-            inside = [
-                _values(table, (table.group == group) & (bins.places == b))
-                for b in range(bins.count)
-            ]
-            colour = look(group.split(",")[0]).colour
-            places = np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4
+            of_group, face = table.group == group, {"facecolor": _colour(group)}
+            alpha = 0.3 if "guarded" in group else 0.7
             axes.boxplot(
-                inside, positions=places, widths=0.7 / count, showfliers=False, manage_ticks=False,
-                patch_artist=True, medianprops={"color": "black"},
-                boxprops={"facecolor": colour, "alpha": 0.3 if "guarded" in group else 0.7},
-                whiskerprops={"color": MUTED}, capprops={"color": MUTED},
-            )  # fmt: skip
-            axes.plot([], [], "s", color=colour, alpha=0.3 if "guarded" in group else 0.7,
-                      label=_short(group).replace("\n", ", "))  # fmt: skip
+                [_values(table, of_group & (bins.places == b)) for b in range(bins.count)],
+                positions=np.arange(bins.count) + (k + 0.5) / count * 0.8 - 0.4,
+                widths=0.7 / count,
+                showfliers=False,
+                manage_ticks=False,
+                patch_artist=True,
+                medianprops={"color": "black"},
+                boxprops=face | {"alpha": alpha},
+                whiskerprops={"color": MUTED},
+                capprops={"color": MUTED},
+            )
+            axes.plot([], [], "s", color=_colour(group), alpha=alpha, label=_label_of(group))
         axes.set_xticks(bins.ticks, bins.labels)
         axes.set_xlim(-0.6, bins.count - 0.4)
-        axes.set_xlabel(_label(table, keys[row]))
-        axes.set_ylabel(_label(table, table.figure))
-        if row == 0 and count > 1:
+        axes.set(xlabel=_label(table, key), ylabel=_label(table, table.figure))
+        if key == keys[0] and count > 1:
             axes.legend(ncols=4, loc="lower left", bbox_to_anchor=(0, 1.0))
-    why = table.missing(np.ones(len(table.group), dtype=bool))
-    if why:
+    if why := _missing(table):
         figure.suptitle(fill(why, 100), color=MUTED, fontsize="small")
     return figure
 
@@ -197,63 +202,44 @@ def _bins(values: Floats) -> Bins:
 
 def _maps(table: StudyTable, name: str) -> Figure:
     """The median of a figure over the first two keys, or the share of a figure of 0 and 1."""
-    first, second = table.keys[:2]
-    groups = table.groups
+    keys, groups = table.keys[:2], table.groups
     wide = len(groups)
     if wide > 3:
         wide = min((3, 2), key=lambda columns: -len(groups) % columns)
     high = -(-len(groups) // wide)
     figure = Figure(figsize=(1.2 + 2.6 * wide, 0.5 + 2.4 * high), layout="constrained")
-    grid = [_bins(table.numbers[key]) for key in (first, second)]
+    grid = [_bins(table.numbers[key]) for key in keys]
     cells = [_cells(table, name, grid, table.group == group) for group in groups]
-    finite = np.concatenate([c[np.isfinite(c)] for c in cells] or [np.zeros(1)])
-    ends = (0.0, 1.0) if name in SHARES else _ends(finite)
+    finite = np.concatenate([c[np.isfinite(c)] for c in cells])
+    ends = (finite.min(), finite.max()) if finite.size and name not in SHARES else (0.0, 1.0)
     axes = np.ravel(figure.subplots(high, wide, squeeze=False))
     for place, ax in enumerate(axes):
         if place >= len(groups):
             ax.set_axis_off()
             continue
         image = _map(ax, cells[place], grid, ends, name)
-        ax.set_title(_short(groups[place]).replace("\n", ", "))
-        ax.set_xlabel(_label(table, first))
-        ax.set_ylabel(_label(table, second))
+        ax.set(title=_label_of(groups[place]))
+        ax.set(xlabel=_label(table, keys[0]), ylabel=_label(table, keys[1]))
     said = f"share of runs: {name}" if name in SHARES else f"median {_label(table, name)}"
     figure.colorbar(image, ax=list(axes), label=said)
     return figure
 
 
-def _ends(finite: Floats) -> tuple[float, float]:
-    if not finite.size:
-        return 0.0, 1.0
-    return float(finite.min()), float(finite.max())
-
-
-def _cells(
-    table: StudyTable,
-    name: str,
-    grid: list[Bins],
-    mask: NDArray[np.bool_],
-) -> Floats:
+def _cells(table: StudyTable, name: str, grid: list[Bins], mask: NDArray[np.bool_]) -> Floats:
     """The median (of shares the mean) in each bin of two keys; NaN where there is no run."""
     across, up = grid
     cells = np.full((up.count, across.count), np.nan)
     values = table.numbers[name] * table.scale(name)[0]
-    for i in range(up.count):
-        for j in range(across.count):
-            inside = values[mask & (across.places == j) & (up.places == i)]
-            inside = inside[np.isfinite(inside)]
-            if inside.size:
-                cells[i, j] = inside.mean() if name in SHARES else np.median(inside)
+    for i, j in np.ndindex(cells.shape):
+        inside = values[mask & (across.places == j) & (up.places == i) & np.isfinite(values)]
+        if inside.size:
+            cells[i, j] = inside.mean() if name in SHARES else np.median(inside)
     return cells
 
 
 def _map(
-    axes: Axes,
-    cells: Floats,
-    grid: list[Bins],
-    ends: tuple[float, float],
-    name: str,
-) -> Any:
+    axes: Axes, cells: Floats, grid: list[Bins], ends: tuple[float, float], name: str
+) -> AxesImage:
     colours = "RdYlBu_r" if name == "violated" else "viridis"
     axes.grid(visible=False)
     image = axes.imshow(
@@ -283,7 +269,7 @@ def _indices(table: StudyTable, rows: range) -> Figure:
         at = zip(grid, combinations[row], strict=True)
         where = "".join(f"\n{key} = {json.dumps(value)}" for key, value in at)
         for group, axes in zip(table.groups, line, strict=True):
-            axes.set_title(_short(group).replace("\n", ", ") + where)
+            axes.set_title(_label_of(group) + where)
             axes.set_xticks(np.arange(len(ranges)), list(ranges), rotation=20, ha="right")
             _bars(table, axes, (table.group == group) & (table.point // _points(table) == row))
     return figure
@@ -300,7 +286,6 @@ def _bars(table: StudyTable, axes: Axes, mask: NDArray[np.bool_]) -> None:
     values, places = table.numbers[table.figure][mask], table.point[mask] % _points(table)
     why = table.missing(mask)
     if why or np.ptp(values) == 0:
-        axes.set_yticks([])
         _say(axes, fill(why or f"{table.figure} is the same in all runs: nothing to explain", 34))
         return
     analyze: Any = library("SALib.analyze.sobol", "study")
