@@ -132,7 +132,7 @@ def test_the_study_s_table_has_the_same_bytes_in_processes_and_in_chunks(tmp_pat
 def test_plants_that_are_not_there_are_named():
     with pytest.raises(UnknownNameError, match="mujoco"):
         simulate_many("paper-simulation", "mb", [0], plant="bullet")
-    with pytest.raises(UnknownNameError, match="mujoco"):
+    with pytest.raises(ScenarioError, match="mujoco"):
         plan_of({**PLAN, "plant": "bullet"})
     with pytest.raises(UnknownNameError, match="slipped"):
         plan_of({**PLAN, "plant": "ode"})

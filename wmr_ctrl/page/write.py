@@ -76,7 +76,7 @@ def page_text(content: Content, module: bytes) -> str:
         lstrip_blocks=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     scripts = {name: (folder / name).read_text(encoding="utf-8") for name in (*ALONE, *SHOWING)}
-    told = json.dumps(content.data, allow_nan=False, separators=(",", ":"))
+    script_data = json.dumps(content.data, allow_nan=False, separators=(",", ":"))
     return engine.get_template("page.html.j2").render(
         title=content.data["scenes"][0]["scenario"],
         scenes=content.data["scenes"],
@@ -86,7 +86,7 @@ def page_text(content: Content, module: bytes) -> str:
         size=len(module),
         version=content.data["version"],
         style=(folder / "page.css").read_text(encoding="utf-8"),
-        told=told.replace("<", "\\u003c"),  # so that no text ends the script element
+        told=script_data.replace("<", "\\u003c"),  # so that no text ends the script element
         module=base64.b64encode(gzip.compress(module, 9, mtime=0)).decode(),
         alone="\n".join(scripts[name] for name in ALONE),
         showing="\n".join(scripts[name] for name in SHOWING),
