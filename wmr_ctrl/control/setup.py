@@ -284,16 +284,21 @@ def one_period_later(scenario: Scenario) -> Scenario:
     return override(scenario, {"actuator.delay": delay})
 
 
-def beyond_noise(setup: Setup) -> tuple[Effect, ...]:
-    """Effects that a loop of reference, controller and plant alone would miss.
+def check_plain_loop(setup: Setup, holder: str) -> None:
+    """Raise ArgumentError for effects that a loop of reference, controller and plant would miss.
 
     Those that act, but for random numbers at the plant's inputs: they come from outside.
+    ``holder``: what holds that loop, such as "the Simulink kit".
     """
-    return tuple(item for item in setup.effects if _is_missed(item, setup.scenario))
-
-
-def _is_missed(effect: Effect, scenario: Scenario) -> bool:
-    return effect.active(scenario) and not _is_noise(effect, scenario)
+    scenario = setup.scenario
+    acting = [item for item in setup.effects if item.active(scenario)]
+    missed = [item.title for item in acting if not _is_noise(item, scenario)]
+    if missed:
+        raise ArgumentError(
+            f"{holder} holds reference, controller and plant, and the scenario {scenario.name} has "
+            f"more: {', '.join(missed)}. Export the closed-loop FMU, which has all, or take that "
+            "out of the scenario."
+        )
 
 
 def _is_noise(effect: Effect, scenario: Scenario) -> bool:

@@ -13,7 +13,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.control.setup import Setup, beyond_noise, one_period_later, settle
+from wmr_ctrl.control.setup import Setup, check_plain_loop, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.cosim.mapping import (
@@ -115,13 +115,7 @@ def export_ssp(
             "the parts by themselves for FMI 3."
         )
     setup = settle(scenario_given(scenario), law)
-    lost = beyond_noise(setup)
-    if lost:
-        raise ArgumentError(
-            "an SSP package holds reference, controller and plant, and this scenario has more: "
-            f"{', '.join(item.title for item in lost)}. Export the closed-loop FMU, which has all, "
-            "or take that out of the scenario."
-        )
+    check_plain_loop(setup, "an SSP package")
     own = settle(one_period_later(setup.scenario), law) if delay_known else setup
     maps = load_map(map_file) if map_file is not None else {}
     given = {"controller": controller, "plant": plant}

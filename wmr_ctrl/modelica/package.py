@@ -11,15 +11,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 import casadi as ca
 
 from wmr_ctrl import __version__
-from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.setup import Setup, beyond_noise, check_scenario, settle
+from wmr_ctrl.control.setup import check_plain_loop, check_scenario, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
@@ -34,7 +35,6 @@ from wmr_ctrl.modelica.diagram import (
     wires_of_loop,
     wires_within,
 )
-from wmr_ctrl.modelica.icons import ICONS, label
 from wmr_ctrl.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Change, Scenario
@@ -102,10 +102,6 @@ def members(items: Iterable[Port | Output]) -> list[Member]:
     return [Member(p.signal, p.value if isinstance(p, Port) else ()) for p in items]
 
 
-def _names(listed: Iterable[Member]) -> list[str]:
-    return [member.name for member in listed]
-
-
 def vector(numbers: Iterable[float]) -> str:
     """An array constructor."""
     listed = list(numbers)
@@ -149,28 +145,29 @@ def modelica_package(scenario: Scenario) -> str:
     """
     check_scenario(scenario)
     setups = [settle(scenario, name) for name in LAWS]
-    _refuse_more(setups[0].scenario, [item.title for item in beyond_noise(setups[0])])
+    check_plain_loop(setups[0], "the Modelica package")
     controllers = [controller(setup) for setup in setups]
-    clock = Member(*scenario.number(CLOCK))
+    clock, period = Member(*scenario.number(CLOCK)), scenario.clock
     robot, desired = plant(scenario), members(reference(scenario).outputs)
     inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
-    ports = places_of_parts(*map(_names, (
-        desired, inputs, outputs, members(robot.inputs), members(robot.outputs)
-    )))  # fmt: skip
+    sides = (desired, inputs, outputs, members(robot.inputs), members(robot.outputs))
+    ports = places_of_parts(*([member.name for member in side] for side in sides))
+    noisy = any(item.active(scenario) for item in setups[0].effects)
     engine = text_engine(_TEMPLATES)
     engine.filters["quoted"] = quoted
     text = engine.get_template("package.mo.j2").render(
         version=__version__,
         scenario=scenario,
         clock=clock,
-        noise=_noise(setups[0]),
-        experiment=_experiment(scenario),
+        noise=", the scenario's own is left out" if noisy else "",
+        experiment=(
+            f"experiment(StartTime = 0, StopTime = {period.duration!r}, "
+            f"Interval = {period.control!r}, Tolerance = 1e-8)"
+        ),
         reference=_reference(scenario),
         controller={"inputs": inputs, "outputs": outputs},
         plant=_plant(scenario, robot),
         laws=[_law(system, clock) for system in controllers],
-        icons=ICONS,
-        label=label,
         ports=ports,
         sites=LOOP,
         within=WITHIN,
@@ -181,55 +178,35 @@ def modelica_package(scenario: Scenario) -> str:
     return "\n".join(line for long in text.split("\n") for line in folded(long))
 
 
-def _noise(setup: Setup) -> str:
-    """What is said of noise that the scenario has."""
-    noisy = any(item.active(setup.scenario) for item in setup.effects)
-    return ", the scenario's own is left out" if noisy else ""
-
-
-def _refuse_more(scenario: Scenario, missed: list[str]) -> None:
-    if missed:
-        raise ArgumentError(
-            "the Modelica package holds reference, controller and plant, and the scenario "
-            f"{scenario.name} has more: {', '.join(missed)}. Export the closed-loop FMU, which has "
-            "all, or take that out of the scenario."
-        )
-
-
-def _experiment(scenario: Scenario) -> str:
-    clock = scenario.clock
-    return (
-        f"experiment(StartTime = 0, StopTime = {clock.duration!r}, "
-        f"Interval = {clock.control!r}, Tolerance = 1e-8)"
-    )
-
-
-def _step(system: System) -> Kernel:
+def _function(system: System) -> Mapping[str, object]:
     """One vector (next memory, outputs, diagnostics) of inputs, memory and parameters."""
     given = {"u": system.u, "x": system.x, "p": system.p}
     shown = stack(item.expr for item in (*system.outputs, *system.diagnostics))
     used = {name: sym for name, sym in given.items() if sym.numel()}
-    return kernel("step", system.title, used, {RESULT: ca.vertcat(system.update, shown)})
-
-
-def _function(system: System) -> Mapping[str, object]:
-    step = _step(system)
+    step = kernel("step", system.title, used, {RESULT: ca.vertcat(system.update, shown)})
     declared, statements = algorithm(step.graph)
-    sizes = {name: step.function.numel_in(name) for name in step.inputs}
     return {
-        "sizes": sizes,
+        "sizes": {name: step.function.numel_in(name) for name in step.inputs},
         "result": step.function.numel_out(RESULT),
         "locals": declared,
         "statements": statements,
     }
 
 
+def _elements(items: Iterable[Port | Output]) -> list[str]:
+    return [element for member in members(items) for element in member.elements]
+
+
+def _array(elements: Iterable[str]) -> str:
+    return f"{{{', '.join(elements)}}}"
+
+
 def _law(system: System, clock: Member) -> Mapping[str, object]:
     """A sampled block: its parameters, memory, and what it shows of the function's result."""
     parameters, memory = members(system.params), system.x0
-    arguments = ["{" + ", ".join(e for m in members(system.inputs) for e in m.elements) + "}"]
+    arguments = [_array(_elements(system.inputs))]
     arguments += ["pre(memory)"] * bool(memory)
-    arguments += ["{" + ", ".join(e for m in parameters for e in m.elements) + "}"]
+    arguments += [_array(_elements(system.params))]
     taken = {item.signal.name for item in system.outputs}
     shown = [item for item in members(system.diagnostics) if item.signal.name not in taken]
     return {
@@ -241,18 +218,16 @@ def _law(system: System, clock: Member) -> Mapping[str, object]:
         "count": len(memory),
         "call": f"({', '.join(arguments)})",
         "diagnostics": shown,
-        "ports": shown_places(_names(shown)),
-        "assignments": list(_shown(system, len(memory))),
+        "ports": shown_places([item.name for item in shown]),
+        "assignments": _assignments(system),
         **_function(system),
     }
 
 
-def _shown(system: System, place: int) -> Iterable[tuple[str, str]]:
+def _assignments(system: System) -> list[tuple[str, str]]:
     """Each output and diagnostic with the part of the function's result that it is."""
-    for item in members((*system.outputs, *system.diagnostics)):
-        for element in item.elements:
-            place += 1
-            yield element, f"result[{place}]"
+    shown = _elements((*system.outputs, *system.diagnostics))
+    return [(name, f"result[{k}]") for k, name in enumerate(shown, start=len(system.x0) + 1)]
 
 
 def _reference(scenario: Scenario) -> Mapping[str, object]:
@@ -264,46 +239,47 @@ def _reference(scenario: Scenario) -> Mapping[str, object]:
             "has no form for. Choose another reference.kind, or export the reference as an FMU."
         )
     parameters = members(system.params)
-    numbers = "{" + ", ".join(e for m in parameters for e in m.elements) + "}"
+    numbers = [_array(_elements(system.params))] if parameters else []
     return {
         "title": system.title,
         "parameters": parameters,
         "outputs": members(system.outputs),
-        "call": f"({', '.join(['{time}', *[numbers] * bool(parameters)])})",
-        "assignments": list(_shown(system, 0)),
+        "call": f"({', '.join(['{time}', *numbers])})",
+        "assignments": _assignments(system),
         **_function(system),
     }
 
 
 def _plant(scenario: Scenario, system: System) -> Mapping[str, object]:
     """The robot as equations, its changes as parameters with the time of each."""
-    parameters = members(system.params)
-    names = {
-        "u": [e for m in members(system.inputs) for e in m.elements],
-        "x": [e for m in members(system.state) for e in m.elements],
-        "p": [e for m in parameters for e in m.elements],
-    }
-    state = {item.signal.name for item in system.state}
-    more = tuple(item for item in system.outputs if item.signal.name not in state)
+    inputs, state = members(system.inputs), members(system.state)
+    taken = {item.signal.name for item in system.state}
+    more = [item for item in system.outputs if item.signal.name not in taken]
     changes, now = _changes(scenario)
-    names["p"] = [now.get(name, (name, ""))[0] for name in names["p"]]
-    given = {"u": system.u, "x": system.x, "p": system.p}
+    names = {
+        "u": _elements(system.inputs),
+        "x": _elements(system.state),
+        "p": [now.get(name, (name, ""))[0] for name in _elements(system.params)],
+    }
     whole = kernel(
-        "plant", system.title, given, {"rate": system.update, "y": stack(o.expr for o in more)}
+        "plant",
+        system.title,
+        {"u": system.u, "x": system.x, "p": system.p},
+        {"rate": system.update, "y": stack(item.expr for item in more)},
     )
     left = {("rate", k): f"der({name})" for k, name in enumerate(names["x"])}
     left |= {("y", k): item.name for k, item in enumerate(members(more))}
     lines = equations(whole.graph, lambda vector, k: names[vector][k], left)
     return {
         "title": system.title,
-        "inputs": members(system.inputs),
-        "state": members(system.state),
+        "inputs": inputs,
+        "state": state,
         "outputs": members(more),
-        "parameters": [*parameters, *changes],
-        "now": [(name, by_time) for name, by_time in now.values()],
+        "parameters": [*members(system.params), *changes],
+        "now": list(now.values()),
         "equations": lines,
         "locals": sorted(set(re.findall(r"^(t\d+) =", "\n".join(lines), flags=re.M))),
-        "disturbances": [m for m in members(system.inputs) if not m.name.startswith("tau")],
+        "disturbances": [m for m in inputs if not m.name.startswith("tau")],
     }
 
 
@@ -311,20 +287,13 @@ def _changes(scenario: Scenario) -> tuple[list[Member], dict[str, tuple[str, str
     """Parameters ``changes_1_t`` and so on; by changed parameter its name and value in time."""
     listed: list[Member] = []
     now: dict[str, tuple[str, str]] = {}
-    for k, change in enumerate(sorted(scenario.changes, key=lambda item: item.t), start=1):
-        own = {"t": change.t, **change.values()}
-        listed += [
-            Member(Signal(f"changes.{k}.{name}", *_said(name)), (value,))
-            for name, value in own.items()
-        ]
+    fields = dict(quantities(Change))
+    for k, change in enumerate(sorted(scenario.changes, key=attrgetter("t")), start=1):
+        for name, value in {"t": change.t, **change.values()}.items():
+            signal = Signal(f"changes.{k}.{name}", fields[name].unit, fields[name].doc)
+            listed.append(Member(signal, (value,)))
         for name in change.values():
             before = now.get(f"robot_{name}", ("", f"robot_{name}"))[1]
             after = f"(if time < changes_{k}_t then {before} else changes_{k}_{name})"
             now[f"robot_{name}"] = (f"robot_{name}_now", after)
     return listed, now
-
-
-def _said(name: str) -> tuple[str, str]:
-    """Unit and meaning of a field of a change."""
-    known = dict(quantities(Change))[name]
-    return known.unit, known.doc

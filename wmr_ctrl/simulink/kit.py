@@ -14,13 +14,12 @@ from typing import Any
 
 from wmr_ctrl.codegen.package import c_name, comment, package_files, packaged, text_engine
 from wmr_ctrl.control.ranges import ranges_of
-from wmr_ctrl.control.setup import beyond_noise, settle
-from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.control.setup import Setup, check_plain_loop, settle
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.model.system import Port
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LARGEST, REFERENCE
+from wmr_ctrl.signals import LARGEST, REFERENCE, Signal
 
 _TEMPLATES = Path(__file__).parent
 _SOURCES = ("wmr_{law}.h", "wmr_{law}.c", "arithmetic.h")
@@ -51,67 +50,64 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     ScenarioError or UnknownNameError as building the law does.
     """
     setup = settle(scenario, law)
-    missed = [item.title for item in beyond_noise(setup)]
-    if missed:
-        raise ArgumentError(
-            f"the Simulink kit holds reference, law and plant, and the scenario {scenario.name} "
-            f"has more: {', '.join(missed)}. Export the closed-loop FMU, which has all, or take "
-            "that out of the scenario."
-        )
+    check_plain_loop(setup, "the Simulink kit")
     sources = package_files(law, scenario)
-    context = _context(law, scenario)
     engine = text_engine(_TEMPLATES)
     engine.filters |= {"quoted": _quoted, "number": _c_number}
-    named = {name.format(law=law): source for name, source in _RENDERED.items()}
-    files = {name: engine.get_template(source).render(context) for name, source in named.items()}
-    return files | {name: sources[name] for name in (item.format(law=law) for item in _SOURCES)}
+    context = _context(setup)
+    kept = (name.format(law=law) for name in _SOURCES)
+    return {
+        **{
+            name.format(law=law): engine.get_template(template).render(context)
+            for name, template in _RENDERED.items()
+        },
+        **{name: sources[name] for name in kept},
+    }
 
 
-def _context(law: str, scenario: Scenario) -> Mapping[str, Any]:
-    system, robot = packaged(settle(scenario, law)), plant(scenario)
+def _context(setup: Setup) -> Mapping[str, Any]:
+    system, scenario, robot = packaged(setup), setup.scenario, plant(setup.scenario)
     tuned = [port for port in system.params if port.signal.name != CLOCK]
     ranges = ranges_of(scenario, (port.signal.name for port in tuned))
-    names = {port.signal.name for port in tuned}
+    memory = [{"name": c_name(p.signal), "value": _matlab(p.value)} for p in system.state]
     return {
-        "law": law,
+        "law": setup.name,
         "title": system.title,
         "scenario": scenario.name,
         "period": repr(scenario.clock.control),
         "duration": repr(scenario.clock.duration),
-        "inputs": [{"name": c_name(p.signal), "size": p.signal.size, "unit": p.signal.unit}
-                   for p in system.inputs],
-        "outputs": [{"name": c_name(o.signal), "size": o.signal.size, "unit": o.signal.unit}
-                    for o in system.outputs],
+        "inputs": [_port(item.signal) for item in system.inputs],
+        "outputs": [_port(item.signal) for item in system.outputs],
         "parameters": [_parameter(port, ranges.get(port.signal.name)) for port in tuned],
-        "ordered": {"limits.v_u1", "limits.v_u2"} <= names,
-        "memory": [{"name": c_name(p.signal), "value": _matlab(p.value)} for p in system.state]
-                  or [{"name": "nothing", "value": "0"}],
+        "ordered": {"limits.v_u1", "limits.v_u2"} <= {port.signal.name for port in tuned},
+        "memory": memory or [{"name": "nothing", "value": "0"}],
         "reference": [signal.name for signal in REFERENCE],
         "robot_inputs": [port.signal.name for port in robot.inputs],
         "robot_outputs": [item.signal.name for item in robot.outputs],
-    }  # fmt: skip
+    }
+
+
+def _port(signal: Signal) -> Mapping[str, Any]:
+    return {"name": c_name(signal), "size": signal.size, "unit": signal.unit}
 
 
 def _parameter(port: Port, known: tuple[float, float] | None) -> Mapping[str, Any]:
     """One parameter of the S-function: its values, and what each of them may be."""
     signal = port.signal
-    low, high = (_unlimited(end) for end in known or (-LARGEST, LARGEST))
+    low, high = (
+        math.copysign(math.inf, end) if abs(end) >= LARGEST else end
+        for end in known or (-LARGEST, LARGEST)
+    )
     numbers = "a number" if signal.size == 1 else f"{signal.size} numbers"
     ends = [f"at least {low:g}"] * (low > -math.inf) + [f"at most {high:g}"] * (high < math.inf)
     return {
-        "name": c_name(signal),
-        "size": signal.size,
-        "unit": signal.unit,
+        **_port(signal),
         "value": _matlab(port.value),
         "prompt": f"{signal.name} [{signal.unit}]: {signal.meaning}",
         "low": low,
         "high": high,
         "wanted": ", ".join([numbers, *ends]),
     }
-
-
-def _unlimited(end: float) -> float:
-    return math.copysign(math.inf, end) if abs(end) >= LARGEST else end
 
 
 def _matlab(values: Iterable[float]) -> str:
