@@ -55,14 +55,9 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     engine = text_engine(_TEMPLATES)
     engine.filters |= {"quoted": _quoted, "number": _c_number}
     context = _context(setup)
-    kept = (name.format(law=law) for name in _SOURCES)
-    return {
-        **{
-            name.format(law=law): engine.get_template(template).render(context)
-            for name, template in _RENDERED.items()
-        },
-        **{name: sources[name] for name in kept},
-    }
+    files = {name: engine.get_template(t).render(context) for name, t in _RENDERED.items()}
+    rendered = {name.format(law=law): text for name, text in files.items()}
+    return rendered | {name: sources[name] for name in (item.format(law=law) for item in _SOURCES)}
 
 
 def _context(setup: Setup) -> Mapping[str, Any]:
