@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,8 @@ from wmr_ctrl.proofs import check, command, prove
 from wmr_ctrl.proofs.alterations import function_named
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims
-from wmr_ctrl.proofs.ledger import differences, exit_code, load, stale
+from wmr_ctrl.proofs.ledger import Ledger, differences, exit_code, load, stale
+from wmr_ctrl.proofs.methods.spec import versions
 from wmr_ctrl.proofs.runner import hashes, selected
 
 QUICK = [
@@ -38,6 +40,23 @@ def test_ids_are_unique_and_those_of_the_committed_ledger() -> None:
 
 def test_no_committed_verdict_is_about_another_graph() -> None:
     assert stale(hashes(), load()) == []
+
+
+def test_what_other_versions_decided_is_proved_again() -> None:
+    """All the others are proved again by the slow test below."""
+    committed = load().by_id()
+    others = [
+        claim.id
+        for claim in all_claims()
+        if claim.method and differing(versions(claim.method), committed[claim.id].versions)
+    ]
+
+    ledger = prove(others) if others else Ledger(())
+    assert [(d.id, d.now) for d in differences(ledger, load(), complete=False)] == []
+
+
+def differing(now: Mapping[str, str], then: Mapping[str, str]) -> bool:
+    return any(then.get(name) != version for name, version in now.items())
 
 
 def test_committed_counterexamples_still_refute() -> None:
@@ -82,9 +101,10 @@ def test_patterns_and_several_ids_select() -> None:
         selected(["nothing.*"])
 
 
-def test_what_is_asked_for_is_printed_in_full(capsys) -> None:
-    assert command.run_prove(["eq25"]) == 0
+def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, capsys) -> None:
+    assert command.run_prove(["eq25"], tmp_path / "out.json") == 0
 
+    assert '"entries"' in (tmp_path / "out.json").read_text(encoding="utf-8")
     out = capsys.readouterr().out
     assert "eq25: PROVED" in out
     for word in ("claim:", "hypotheses:", "method:", "counterexample:", "functions:"):
@@ -163,11 +183,6 @@ def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys) -> None
 
     assert command.run_prove(["eq86", "eq03", "lemma.log"]) == 3
     assert "pip install" in capsys.readouterr().out
-
-
-def test_json_file(tmp_path) -> None:
-    assert command.run_prove(["eq25"], tmp_path / "out.json") == 0
-    assert '"entries"' in (tmp_path / "out.json").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ for the period that ends it), the second what it means for a robot:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from inspect import signature
 from typing import Any, TypeVar
@@ -82,10 +82,11 @@ class Claim:
 
 @dataclass
 class Claims:
-    """The claims of one file in their order; ``by`` and ``form`` are what most of them have."""
+    """The claims of one file in their order, and what most of them have."""
 
     by: Method | str | None = None
     form: str = OURS
+    given: str = ""
     listed: list[Claim] = field(default_factory=list)
 
     def __call__(
@@ -93,7 +94,7 @@ class Claims:
         id: str,
         equations: tuple[int, ...] = (),
         *,
-        given: str = "",
+        given: str | None = None,
         by: Method | str | Callable[..., Method] | None = None,
         form: str = "",
         premises: str = "",
@@ -119,12 +120,45 @@ class Claims:
                 self.listed.append(
                     Claim(
                         text(id), equations, form or self.form,
-                        text(wording or claimed).removesuffix("."), text(meaning), text(given),
+                        text(wording or claimed).removesuffix("."), text(meaning),
+                        text(self.given if given is None else given),
                         _asked(function, table) if engine else None,
                         engine, "" if engine else str(method),
                         tuple(text(premises).split()),
                     )
                 )  # fmt: skip
+            return function
+
+        return enter
+
+    def also(
+        self,
+        id: str,
+        wording: str,
+        meaning: str,
+        *,
+        equations: tuple[int, ...] | None = None,
+        given: str = "",
+        by: Method | None = None,
+        premises: str = "",
+        **values: Any,
+    ) -> Callable[[Written], Written]:
+        """Enter the function once more, with other ``values``: what is not said is as before."""
+
+        def enter(function: Written) -> Written:
+            before = self.listed[-1]
+            again = replace(
+                before,
+                id=id,
+                equations=before.equations if equations is None else equations,
+                claim=wording,
+                meaning=meaning,
+                hypotheses=given or before.hypotheses,
+                statement=_asked(function, values),
+                method=by or before.method,
+                premises=tuple(premises.split()) or before.premises,
+            )
+            self.listed.append(again)
             return function
 
         return enter

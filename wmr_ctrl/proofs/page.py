@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping
+from importlib.resources import files
 from itertools import groupby
 
 from wmr_ctrl.paper import Equation, equations
-from wmr_ctrl.proofs.guarantees import GUARANTEES
 from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
 
 HEAD = """\
@@ -18,6 +19,13 @@ not](proofs.md) says what the verdicts and methods mean. `wmr-ctrl prove --only 
 in full, with the functions of the product that its graph holds.
 """
 
+GUARANTEES: list[tuple[str, list[str]]] = [
+    (row["says"], row["entries"])
+    for row in tomllib.loads(
+        files("wmr_ctrl.proofs").joinpath("guarantees.toml").read_text(encoding="utf-8")
+    )["guarantee"]
+]
+"""(what is guaranteed or denied, ids of its entries)."""
 COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|---|---|"
 
 
@@ -57,9 +65,9 @@ def _equation_row(item: Equation, entries: list[Entry]) -> str:
 def _guarantees(ledger: Ledger) -> str:
     known = ledger.by_id()
     rows = "\n".join(
-        f"| {_cell(what)} | {', '.join(f'{key} {known[key].verdict}' for key in ids.split())} |"
+        f"| {_cell(what)} | {', '.join(f'{key} {known[key].verdict}' for key in ids)} |"
         for what, ids in GUARANTEES
-        if all(key in known for key in ids.split())
+        if all(key in known for key in ids)
     )
     return f"What is not in the paper.\n\n| what | entries |\n|---|---|\n{rows}\n"
 
@@ -78,7 +86,7 @@ def _chains(ledger: Ledger) -> str:
     for what, ids in GUARANTEES:
         lines.append(f"- {what}")
         shown: set[str] = set()
-        for key in ids.split():
+        for key in ids:
             lines += _chain(known, key, 1, shown)
     return "\n".join(lines) + "\n"
 

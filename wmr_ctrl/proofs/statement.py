@@ -116,6 +116,21 @@ def above(left: ca.SX | float, right: ca.SX | float = 0) -> Relation:
     return Relation(ca.SX(left) - right, ABOVE)
 
 
+def positive(*exprs: ca.SX | float) -> tuple[Relation, ...]:
+    """Each of them > 0."""
+    return tuple(map(above, exprs))
+
+
+def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, Relation]:
+    """|value| <= bound."""
+    return at_least(bound, value), at_least(value, -ca.SX(bound))
+
+
+def when(condition: ca.SX, relation: Relation) -> Relation:
+    """``condition`` implies the relation, which must be one that 0 fulfils."""
+    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
+
+
 def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
     """Element-wise equality of two columns."""
     both = ca.vec(left - right)

@@ -20,7 +20,7 @@ from wmr_ctrl.proofs.claims.authority_table import (
     ratio_points,
     row_points,
 )  # fmt: skip
-from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis
+from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
 from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases
@@ -34,7 +34,7 @@ AXES = (
     {"axis": 1, "name": "angular", "unit": "rad/s^2"},
 )
 
-claim = Claims()
+claim = Claims(given=PAPER)
 
 
 @claim(
@@ -51,9 +51,7 @@ def falls_with_target(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     slope = ca.gradient(a.V / a.A, a.all[1]) * a.A**2
-    return Statement(
-        a.symbols, (equal(slope, mutation * a.V - a.w * a.A), at_least(-0.5 * a.w**2, slope))
-    )
+    return a.states(equal(slope, mutation * a.V - a.w * a.A), at_least(-0.5 * a.w**2, slope))
 
 
 @claim("authority.rises", (74, 75), given=OFF_EDGES, by=Ring(open_cases()))
@@ -62,16 +60,14 @@ def rises(mutation: Mutation) -> Statement:
 
     Used to bound V1/A between two velocities.
     """
-    a = BarrierAxis()
-    v = a.all[0]
+    a, v, _, _, _ = barrier_axis()
     rise = ca.gradient(a.A, v)
-    return Statement(a.symbols, (equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2))))
+    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2)))
 
 
 @claim(
     "authority.lower-{name}",
     (9,),
-    given=PAPER,
     by=lambda axis: Table(points=partial(low_points, axis)),
     over=AXES,
 )
@@ -102,8 +98,7 @@ def high(mutation: Mutation) -> Statement:
 
     A larger constant disturbance pushes the robot over its limit, whatever the law does.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("b rho high", "rho")}
     later = barrier.lyapunov(t["b"], c, u1, u2)
     bound = mutation(t["high"], 0.99 * t["high"])
@@ -117,7 +112,6 @@ def high(mutation: Mutation) -> Statement:
 @claim(
     "authority.links-{name}",
     (9,),
-    given=PAPER,
     by=lambda axis: Table(points=partial(link_points, axis)),
     over=AXES,
 )
@@ -127,8 +121,7 @@ def links(mutation: Mutation) -> Statement:
 
     The table has no gap in v.
     """
-    a = BarrierAxis()
-    v, _, u1, _ = a.all
+    a, v, _, u1, _ = barrier_axis()
     t = {**a.symbols, **symbols("b before first last rho high", "rho high")}
     begin = ca.if_else(t["first"], a.x + t["high"] / t["rho"], t["before"])
     short = ca.if_else(t["last"], u1 - 1.01 * CLIP - t["b"], 0)
@@ -139,6 +132,7 @@ def links(mutation: Mutation) -> Statement:
 @claim(
     "authority.rows-{name}",
     (9,),
+    given="",
     by=lambda axis: Table(points=partial(row_points, axis)),
     over=AXES,
 )
@@ -185,18 +179,14 @@ def shape(mutation: Mutation) -> Statement:
 
     The shape of the barrier's resistance far from the target.
     """
-    a = BarrierAxis()
-    v, c, u1, _ = a.all
+    a, v, c, u1, _ = barrier_axis()
     d = u1 - a.x
     s = (u1 - v) / d
     value = 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)
-    return Statement(
-        a.symbols,
-        (
-            equal(a.A * d * s, (1 - s) * (1 + mutation * d**2 * s)),
-            equal(a.V, value),
-            equal(c - u1, 1 / d - d),
-        ),
+    return a.states(
+        equal(a.A * d * s, (1 - s) * (1 + mutation * d**2 * s)),
+        equal(a.V, value),
+        equal(c - u1, 1 / d - d),
     )
 
 

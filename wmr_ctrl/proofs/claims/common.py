@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +14,7 @@ from wmr_ctrl.control.controller import law_graph
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.model.system import Port, System
-from wmr_ctrl.proofs.statement import Relation, above, symbols
+from wmr_ctrl.proofs.statement import Relation, Statement, above, symbols
 from wmr_ctrl.scenario import Scenario, load_scenario
 
 PRESET = "paper-simulation"
@@ -39,6 +39,11 @@ class BarrierAxis:
         """v, c, u1, u2 with the suffix."""
         s = self.suffix
         return symbols(f"v{s} c{s} u1{s} u2{s}", f"u1{s} u2{s}")
+
+    @property
+    def names(self) -> dict[str, ca.SX]:
+        """What a statement about the axis names."""
+        return self.symbols
 
     @property
     def all(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -73,11 +78,26 @@ class BarrierAxis:
         v, c, u1, u2 = self.all
         return stable_barrier(c, v, u1, u2)
 
+    def states(
+        self,
+        *goals: Relation,
+        given: Iterable[Relation] = (),
+        cuts: Mapping[str, ca.SX] | None = None,
+    ) -> Statement:
+        """The statement about this axis alone."""
+        return Statement(self.names, goals, tuple(given), cuts or {})
+
     @property
     def inside(self) -> tuple[Relation, ...]:
         """0 < u2 < u1 and |v| < u1, as hypotheses."""
         v, _, u1, u2 = self.all
         return above(u2), above(u1, u2), above(u1, v), above(v, -u1)
+
+
+def barrier_axis() -> tuple[BarrierAxis, ca.SX, ca.SX, ca.SX, ca.SX]:
+    """One axis, and its v, c, u1, u2."""
+    axis = BarrierAxis()
+    return axis, *axis.all
 
 
 def scalars(ports: Iterable[Port]) -> dict[str, ca.SX]:
@@ -111,7 +131,7 @@ class LawGraph:
         return scalars((*self.system.inputs, *self.system.state, *self.system.params))
 
     @cached_property
-    def sample(self) -> LawContext:
+    def context(self) -> LawContext:
         """The shared quantities, in symbols of their own (see `own`)."""
         return LawContext(settle(self.scenario, self.name))
 
@@ -121,11 +141,11 @@ class LawGraph:
         return self.system.outputs[0].expr
 
     def own(self, expr: ca.SX) -> ca.SX:
-        """An expression of `sample` in the System's symbols."""
+        """An expression of `context` in the System's symbols."""
         named = {port.signal.name: port.sym for port in (*self.system.inputs, *self.system.params)}
         ports = [
             p
-            for p in (*self.sample.inputs, *self.sample.parameters.ports)
+            for p in (*self.context.inputs, *self.context.parameters.ports)
             if p.signal.name in named
         ]
         old = ca.vertcat(*(port.sym for port in ports))
@@ -139,5 +159,5 @@ class LawGraph:
 
     def inner(self, axis: int) -> dict[str, ca.SX]:
         """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""
-        target, rate = self.own(self.sample.v_c0), self.own(self.sample.v_c0_dot)
+        target, rate = self.own(self.context.v_c0), self.own(self.context.v_c0_dot)
         return {"c": target[axis], "cdot": rate[axis], VELOCITY_NAMES[axis]: self.clipped(axis)}

@@ -10,7 +10,14 @@ import casadi as ca
 from wmr_ctrl.barrier import stable
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
+from wmr_ctrl.proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    FINITE,
+    NO_SERIES,
+    BarrierAxis,
+    barrier_axis,
+)
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
@@ -42,10 +49,9 @@ def target(mutation: Mutation) -> Statement:
 
     The generated code aims where the paper aims.
     """
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
+    a, _, c, u1, u2 = barrier_axis()
     only = stable.stable_minimiser(c, u1, u2)
-    return Statement(a.symbols, (equal(only, mutation * a.x),))
+    return a.states(equal(only, mutation * a.x))
 
 
 @claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(all_cases()))
@@ -55,9 +61,7 @@ def distance(mutation: Mutation) -> Statement:
     The distance to the target is right even where it is computed in another way.
     """
     a = BarrierAxis()
-    return Statement(
-        a.symbols, (equal(a.stable.w, a.all[0] - mutation * a.x), equal(a.stable.v_c1, a.x))
-    )
+    return a.states(equal(a.stable.w, a.all[0] - mutation * a.x), equal(a.stable.v_c1, a.x))
 
 
 @claim("forms.V1", (12, 20), given=ALL_LIMITS + NO_SERIES)
@@ -67,7 +71,7 @@ def value(mutation: Mutation) -> Statement:
     No cancellation of large numbers, and still the same function.
     """
     a = BarrierAxis()
-    return Statement(a.symbols, (equal(a.stable.V1, mutation * a.V),))
+    return a.states(equal(a.stable.V1, mutation * a.V))
 
 
 @claim("forms.quotient", (9, 20), given=ALL_LIMITS + NO_SERIES)
@@ -77,7 +81,7 @@ def quotient(mutation: Mutation) -> Statement:
     The feedback term is the paper's, without a division by A = 0.
     """
     a = BarrierAxis()
-    return Statement(a.symbols, (equal(a.stable.V1_over_A * a.A, mutation * a.V),))
+    return a.states(equal(a.stable.V1_over_A * a.A, mutation * a.V))
 
 
 @claim("forms.q", (9, 10), given=ALL_LIMITS + FINITE)
@@ -87,7 +91,7 @@ def q(mutation: Mutation) -> Statement:
     The feed-forward factor is the paper's, with its limit at A = 0.
     """
     a = BarrierAxis()
-    return Statement(a.symbols, (equal(a.stable.q * a.A, mutation * a.w),))
+    return a.states(equal(a.stable.q * a.A, mutation * a.w))
 
 
 @claim("forms.closed", (15,), given="0.05 <= |y|, y < 1", by=Ring(BEYOND, CLOSED_FORM))

@@ -16,8 +16,8 @@ from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import (
     OFF_EDGES,
-    BarrierAxis,
     LawGraph,
+    barrier_axis,
 )  # fmt: skip
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis, LateAxis
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
@@ -68,7 +68,7 @@ def believed(mutation: Mutation) -> Statement:
     What the entries about laws call M.
     """
     law = LawGraph("mb")
-    mass, t = law.own(law.sample.mass), law.symbols
+    mass, t = law.own(law.context.mass), law.symbols
     return Statement(t, (equal(mass[0], mutation * t["model.m"]), equal(mass[1], t["model.I"])))
 
 
@@ -78,8 +78,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
 
     How fast the target of the velocity moves.
     """
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
+    a, _, c, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("cdot")}
     rate = target_rate(c, t["cdot"], u1, u2)
     return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t["cdot"]),))

@@ -10,7 +10,7 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.stable import SmoothAxis
 from wmr_ctrl.proofs import regions
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import BarrierAxis
+from wmr_ctrl.proofs.claims.common import BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, equal
 
@@ -53,7 +53,7 @@ def _cover(names: tuple[str, ...], index: int) -> Callable[[Mutation], Statement
         hit = _member(a.all[index], listed[0], u2, u1 - u2)
         for name in listed[1:]:
             hit = ca.logic_or(hit, _member(a.all[index], name, u2, u1 - u2))
-        return Statement(a.symbols, (above(ca.if_else(hit, 1, 0)),), a.inside)
+        return a.states(above(ca.if_else(hit, 1, 0)), given=a.inside)
 
     return statement
 
@@ -129,12 +129,11 @@ def far_reached(mutation: Mutation) -> Statement:
     """
     # For |v_c0| > v_u2 + 1/b the gap d of the compiled formula lies in (0, b), and the chart at it
     # gives v_c0 back: target_value("far+") with d = b/(1 + j).
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
+    a, _, c, u1, u2 = barrier_axis()
     b = u1 - u2
     d = u1 - barrier.minimiser(c, u1, u2)
     goals = (above(d), above(b, d), equal(u1 - d + mutation / d, c))
-    return Statement(a.symbols, goals, (*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
+    return a.states(*goals, given=(*a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
 
 
 @claim("cover.smooth-targets", given="0 < v_u2 < v_u1")
@@ -155,11 +154,10 @@ def beyond_reached(mutation: Mutation) -> Statement:
     Nothing was left out when the claims were shown region by region.
     """
     # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
     goals = (above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c))
-    return Statement(a.symbols, goals, (*a.inside, above(c, u2), above(1e100, c)))
+    return a.states(*goals, given=(*a.inside, above(c, u2), above(1e100, c)))
 
 
 @claim("cover.order", (15, 18), given="i, j > 0")

@@ -27,7 +27,7 @@ from wmr_ctrl.world import (
 ALONG = {
     name: Fraction(value)
     for name, value in {
-        "robot.m": 1, "robot.g": 1, "sine": 1, "slope.offset": 0, "along": 1, "across": 0,
+        "robot.m": 1, "robot.g": 1, "sine": 1, "slope.offset": 0, "along": 1, "across": 0
     }.items()
 }  # fmt: skip
 """Straight uphill."""
@@ -121,6 +121,12 @@ def line(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
+@claim.also(
+    "world.motor.moment",
+    "and there too where they drive opposite ways",
+    "What motors add to dbar, moment.",
+    way=-1,
+)
 @claim("world.motor.thrust", given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0")
 def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
     """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive one way.
@@ -140,15 +146,6 @@ def pair_ahead(mutation: Mutation, way: int = 1) -> Statement:
     )  # fmt: skip
     end = both(mutation(t["u1"], 0.9 * t["u1"]), t["edge"])
     return Statement(t, (at_least(end, both(t["v"], t["turn"])),), given)
-
-
-@claim("world.motor.moment", given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0")
-def pair_around(mutation: Mutation) -> Statement:
-    """and there too where they drive opposite ways.
-
-    What motors add to dbar, moment.
-    """
-    return pair_ahead(mutation, -1)
 
 
 @claim(
@@ -175,6 +172,13 @@ def world_slope(mutation: Mutation) -> Statement:
     )
 
 
+@claim.also(
+    "world.resistance.moment",
+    "and turns it on with at most l times that",
+    "The same for the turn.",
+    given="coefficients >= 0; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
+    axis=1,
+)
 @claim(
     "world.resistance.thrust",
     given="coefficients >= 0; v1 >= 0; |tanh| <= 1, and as v1 >= 0 has it tanh((v1 + l "
@@ -200,18 +204,9 @@ def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     return Statement(g.symbols, (goal,), given, {"right": right, "left": left, "load": load})
 
 
-@claim(
-    "world.resistance.moment",
-    given="coefficients >= 0; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
+@claim.also(
+    "world.noise.moment", "and a moment of at most l times that", "The same for the moment.", axis=1
 )
-def resisted_moment(mutation: Mutation) -> Statement:
-    """and turns it on with at most l times that.
-
-    The same for the turn.
-    """
-    return resisted_thrust(mutation, 1)
-
-
 @claim("world.noise.thrust", given="r, l > 0, std >= 0; |each normal number| <= n")
 def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     """torque noise within n std on each wheel makes a thrust of at most 2 n std/r.
@@ -225,15 +220,6 @@ def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     numbers = [part for i in (1, 2) for part in within(g[f"torque[{i}]"], most)]
     given = (above(believed[0]), above(believed[1]), at_least(g["disturbance.std"]), *numbers)
     return Statement({**g.symbols, **t}, within(force, bound * mutation(1, 0.9)), given)
-
-
-@claim("world.noise.moment", given="r, l > 0, std >= 0; |each normal number| <= n")
-def noise_moment(mutation: Mutation) -> Statement:
-    """and a moment of at most l times that.
-
-    The same for the moment.
-    """
-    return noise_thrust(mutation, 1)
 
 
 @claim(

@@ -7,8 +7,8 @@ import casadi as ca
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import at
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import BarrierAxis
+from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute
 from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
@@ -18,10 +18,10 @@ BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)
 EDGE = ({**at(e1=1, e2=0, e3=0, l=257, eps0="1/2", k1=10, k2=5, k3=4)},)
 ON_TARGET = (at(v="3/10", c="3/10", u1=1, u2="4/5", rho=15, cdot=1),)
-claim = Claims(by=Z3())
+claim = Claims(by=Z3(), form=PRINTED)
 
 
-@claim("thm1.global", (7, 39), form=PRINTED, given="v1d > 0", by=Refute(BACKWARDS))
+@claim("thm1.global", (7, 39), given="v1d > 0", by=Refute(BACKWARDS))
 def only_rest(_: Mutation) -> Statement:
     """(Theorem 1) e converges to 0 from everywhere: e = 0 is the only rest of the error under v =
     v_c0.
@@ -31,10 +31,10 @@ def only_rest(_: Mutation) -> Statement:
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
-    return Statement(t.names, (above(ca.sumsqr(rate)),), (above(ca.sumsqr(t.e)), above(t.v_d[0])))
+    return t.states(above(ca.sumsqr(rate)), given=(above(ca.sumsqr(t.e)), above(t.v_d[0])))
 
 
-@claim("eq61.ball", (39, 61), form=PRINTED, given="r > 0, k2 = 5", by=Refute(TURNED))
+@claim("eq61.ball", (39, 61), given="r > 0, k2 = 5", by=Refute(TURNED))
 def ball(_: Mutation) -> Statement:
     """small V2 is the same as a small ball: V2 <= r^2/2 implies |e| <= r, as the definition of
     Omega_1 and Omega_3 by a radius needs.
@@ -51,7 +51,7 @@ def ball(_: Mutation) -> Statement:
     return Statement(names, (at_least(names["r"] ** 2, ca.sumsqr(t.e)),), given)
 
 
-@claim("eq61.omega", (61,), form=PRINTED, given="radius of Omega_1, l > 5", by=Refute(EDGE))
+@claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
 def omega(_: Mutation) -> Statement:
     """inside the ball Omega_1 V2 is at most what it is on the ball's edge, so that no motion which
     lowers V2 leaves the ball.
@@ -74,17 +74,14 @@ def omega(_: Mutation) -> Statement:
     )
 
 
-@claim(
-    "eq09.pseudo-inverse", (9,), form=PRINTED, given="v = v_c0, |v| < v_u2", by=Refute(ON_TARGET)
-)
+@claim("eq09.pseudo-inverse", (9,), given="v = v_c0, |v| < v_u2", by=Refute(ON_TARGET))
 def stays_on_target(_: Mutation) -> Statement:
     """A^-1 := 0 where A = 0 keeps a robot on its target velocity: the command there is v_c0'.
 
     On target the printed law commands acceleration 0 instead of the target's. A robot that starts
     with v = v_c0 falls behind at once; the code takes the limit v_c0' instead.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("rho cdot")}
     command = analysis.printed_command(t["rho"], v, c, t["cdot"], u1, u2)
     return Statement(
@@ -97,7 +94,6 @@ def stays_on_target(_: Mutation) -> Statement:
 @claim(
     "eq30.vector",
     (30,),
-    form=PRINTED,
     given="rho_1 = 15, rho_2 = 57.6, rho = rho_1",
     by=Refute((at(V1=0, V2=1, rho1=15, rho2="288/5", rho=15),)),
 )
@@ -138,7 +134,7 @@ def slower_rate(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(-least * (t["V1"] + t["V2"]), rate),), given)
 
 
-@claim("eq86.forgetting", (86,), given="M1ii > 0")
+@claim("eq86.forgetting", (86,), form=OURS, given="M1ii > 0")
 def forgetting_binds(mutation: Mutation) -> Statement:
     """with sigma Gamma = (2, 0.08) 1/s rho2 stays below 0.081 1/s whatever rho1 is (the text says
     that rho1 raises it).

@@ -24,7 +24,14 @@ from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.authority_table import AXES, Numbers
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, NO_SERIES, BarrierAxis, LawGraph
+from wmr_ctrl.proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    NO_SERIES,
+    BarrierAxis,
+    LawGraph,
+    barrier_axis,
+)
 from wmr_ctrl.proofs.claims.sampled import SETTINGS
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Point, Ring, Table
@@ -97,8 +104,8 @@ INNER = ("quotient", "q", "w", "cdot")
 
 
 def _inner(law: LawGraph, axis: int) -> list[ca.SX]:
-    found = law.sample.barrier[axis]
-    return [law.own(x) for x in (found.V1_over_A, found.q, found.w, law.sample.v_c0_dot[axis])]
+    found = law.context.barrier[axis]
+    return [law.own(x) for x in (found.V1_over_A, found.q, found.w, law.context.v_c0_dot[axis])]
 
 
 def _premises(
@@ -132,7 +139,7 @@ STAR = (
     "B = v_u1 + |v_c0|"
 )
 AHEAD = smooth_cases(sides=("out+",))
-claim = Claims(by=Z3())
+claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
 
 @claim(
@@ -147,10 +154,9 @@ def ceiling(mutation: Mutation) -> Statement:
 
     The barrier function grows no faster than its logarithm.
     """
-    a = BarrierAxis()
-    v, c, _, _ = a.all
+    a, v, c, _, _ = barrier_axis()
     J = cost(a)
-    return Statement(a.symbols, (at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V),))
+    return a.states(at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V))
 
 
 @claim(
@@ -166,11 +172,10 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     Nor does the smooth one.
     """
     # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     found = smooth_barrier(c, v, u1, u2)
     slope = equal(found.w, mutation * found.q * smaller_slope(a))
-    return Statement(a.symbols, (at_least(cost(a), found.V1), slope))
+    return a.states(at_least(cost(a), found.V1), slope)
 
 
 @claim(
@@ -187,8 +192,7 @@ def fades(mutation: Mutation) -> Statement:
     However small a disturbing force is, close enough to the limit the barrier's share of the law
     resists less than half of it.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
     pull = mutation(cost(a), 0.5 * A**2)
@@ -200,10 +204,17 @@ def fades(mutation: Mutation) -> Statement:
     )
 
 
+@claim.also(
+    "gain.closed-smooth",
+    "the same for the smooth barrier",
+    "Nor in the smooth one.",
+    equations=(),
+    by=Ring(tuple(map(charted, SMOOTH_TARGETS))),
+    form=SmoothAxis,
+)
 @claim(
     "gain.closed",
     (15,),
-    given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
     by=Ring(tuple(map(charted, TARGETS + TARGET_EDGES))),
     premises="gain.cover",
 )
@@ -212,24 +223,9 @@ def gain_closed(mutation: Mutation, form: type[Axis] = Axis) -> Statement:
 
     No series stands for the logarithm there.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     s = ca.if_else(c >= 0, 1, -1)
-    return Statement(a.symbols, (above(form(s * c, s * v, u1, u2).y, mutation(0.5, 1)),))
-
-
-@claim(
-    "gain.closed-smooth",
-    given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100",
-    by=Ring(tuple(map(charted, SMOOTH_TARGETS))),
-    premises="gain.cover",
-)
-def gain_closed_smooth(mutation: Mutation) -> Statement:
-    """the same for the smooth barrier.
-
-    Nor in the smooth one.
-    """
-    return gain_closed(mutation, SmoothAxis)
+    return a.states(above(form(s * c, s * v, u1, u2).y, mutation(0.5, 1)))
 
 
 @claim("gain.cover", given="every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0")
@@ -239,8 +235,7 @@ def covered(mutation: Mutation) -> Statement:
     Nothing was left out.
     """
     # The numbers e and i that give a point of [v*, v_u1) back.
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     k = ca.SX.sym("k")
     b, B = u1 - u2, u1 + ca.fabs(c)
     root = ca.sqrt(b / (u1 - v))
@@ -250,6 +245,14 @@ def covered(mutation: Mutation) -> Statement:
     return Statement({**a.symbols, "k": k}, goals, given)
 
 
+@claim.also(
+    "gain.none-smooth",
+    'the same for barrier = "smooth"',
+    "A continuous slope does not mend it.",
+    equations=(),
+    premises="gain.fades gain.ceiling-smooth gain.closed-smooth smooth.quotient",
+    form="smooth",
+)
 @claim(
     "gain.none",
     (9,),
@@ -263,7 +266,7 @@ def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
     small D is. The gradient law in its place does not (the altered claim).
     """
     law = LawGraph("mb", (("gains.mb.barrier", form),))
-    mass, friction = law.own(law.sample.mass), law.own(law.sample.friction)
+    mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     every, cuts = dict(law.symbols), dict[str, ca.SX]()
     goals, given = list[Relation](), list[Relation]()
     for axis in (0, 1):
@@ -278,19 +281,6 @@ def gain_none(mutation: Mutation, form: str = "paper") -> Statement:
         given += [*_premises(A, J, rho * mass[axis], D, inner), above(mass[axis]), above(rho)]
         every |= t
     return Statement(every, tuple(goals), tuple(given), cuts)
-
-
-@claim(
-    "gain.none-smooth",
-    given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
-    premises="gain.fades gain.ceiling-smooth gain.closed-smooth smooth.quotient",
-)
-def gain_none_smooth(mutation: Mutation) -> Statement:
-    """the same for barrier = "smooth".
-
-    A continuous slope does not mend it.
-    """
-    return gain_none(mutation, "smooth")
 
 
 @claim(

@@ -15,7 +15,7 @@ from wmr_ctrl.model.kinematics import (
     velocity_map,
 )
 from wmr_ctrl.proofs.case import POSITIVE, Case
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.statement import Statement, column, equal, every, stacked, symbols
@@ -25,7 +25,7 @@ ANY = "any pose, velocity and parameters"
 MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIVE}, dict),)
 DECLARED = (Case("all", declared=dict.fromkeys(("m", "I", "r", "l"), POSITIVE)),)
 ROBOT = (Case("all", declared={f"robot.{n}": POSITIVE for n in ("m", "I", "r", "l", "v_s")}),)
-claim = Claims(by=Ring())
+claim = Claims(by=Ring(), form=PRINTED)
 
 
 @claim("eq03", (3, 5), form=CORRECTED, given=ANY)
@@ -39,7 +39,7 @@ def no_sideways(mutation: Mutation) -> Statement:
     return Statement(t, (equal(constraint(t["theta"]).T @ (rate * ca.vertcat(mutation, 1, 1))),))
 
 
-@claim("eq04.null-space", (4, 5), form=PRINTED, given="any theta")
+@claim("eq04.null-space", (4, 5), given="any theta")
 def null_space(mutation: Mutation) -> Statement:
     """H(q)' A(q) = 0.
 
@@ -52,7 +52,7 @@ def null_space(mutation: Mutation) -> Statement:
     return Statement(t, every(h.T @ constraint(t["theta"]), ca.SX(2, 1)))
 
 
-@claim("eq05", (5,), form=PRINTED, given=ANY)
+@claim("eq05", (5,), given=ANY)
 def rate_is_map(mutation: Mutation) -> Statement:
     """the pose rate of the plant is H(q) v (H as printed, transposed).
 
@@ -65,7 +65,7 @@ def rate_is_map(mutation: Mutation) -> Statement:
     )
 
 
-@claim("eq06", (6,), form=PRINTED, given=ANY)
+@claim("eq06", (6,), given=ANY)
 def velocity_back(mutation: Mutation) -> Statement:
     """H(q)' q' = v: v1 is the speed ahead and v2 the turning rate.
 
@@ -80,7 +80,6 @@ def velocity_back(mutation: Mutation) -> Statement:
 @claim(
     "eq04",
     (1, 4),
-    form=PRINTED,
     given="any pose and velocity; m, I, r, l > 0; C(q, q') = 0: centre of mass on the axle's "
     "midpoint",
     by=Ring(DECLARED),
@@ -110,13 +109,7 @@ def projection(mutation: Mutation) -> Statement:
     return Statement(t, every(h.T @ (inner - push), right))
 
 
-@claim(
-    "eq04.reduced",
-    (2, 4),
-    form=PRINTED,
-    given="any pose and velocity, m, I, r, l > 0",
-    by=Ring(MASSES),
-)
+@claim("eq04.reduced", (2, 4), given="any pose and velocity, m, I, r, l > 0", by=Ring(MASSES))
 def eq04_reduced(mutation: Mutation) -> Statement:
     """M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0).
 
@@ -136,7 +129,13 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     return Statement(t, goals)
 
 
-@claim("eq04.plant", (1, 4, 5), given="any pose and velocity; m, I, r, l, v_s > 0", by=Ring(ROBOT))
+@claim(
+    "eq04.plant",
+    (1, 4, 5),
+    form=OURS,
+    given="any pose and velocity; m, I, r, l, v_s > 0",
+    by=Ring(ROBOT),
+)
 def eq04_plant(mutation: Mutation) -> Statement:
     """the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v.
 
@@ -155,7 +154,7 @@ def eq04_plant(mutation: Mutation) -> Statement:
     )
 
 
-@claim("eq04.wheels", (4,), given="r, l > 0", by=Ring(DECLARED))
+@claim("eq04.wheels", (4,), form=OURS, given="r, l > 0", by=Ring(DECLARED))
 def eq04_wheels(mutation: Mutation) -> Statement:
     """B1 (B1^-1 F) = F for the torques that the laws send.
 
@@ -168,11 +167,7 @@ def eq04_wheels(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "eq33-35",
-    (8, 33, 34, 35),
-    form=PRINTED,
-    given=ANY + "; the desired motion obeys (3), too",
-    by=Ring(spare=12),
+    "eq33-35", (8, 33, 34, 35), given=ANY + "; the desired motion obeys (3), too", by=Ring(spare=12)
 )
 def eq33_35(mutation: Mutation) -> Statement:
     """differentiating (8) along both robots' motions gives (33)-(35).
@@ -188,7 +183,7 @@ def eq33_35(mutation: Mutation) -> Statement:
     return Statement(t, every(rate, error_rate(e, v * ca.vertcat(1, mutation), v_d)))
 
 
-@claim("eq07.rate", (7,), given=ANY)
+@claim("eq07.rate", (7,), form=OURS, given=ANY)
 def target_rate(mutation: Mutation) -> Statement:
     """the rate of v_c0 that the laws feed forward is the derivative of (7).
 

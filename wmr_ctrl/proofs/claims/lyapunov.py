@@ -10,7 +10,7 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import target_rate, total_barrier
 from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.case import at
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, BarrierAxis, LawGraph
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
@@ -30,7 +30,7 @@ class Moving(BarrierAxis):
 
     @cached_property
     def rates(self) -> dict[str, ca.SX]:
-        """v' and v_c0', made once."""
+        """v' and v_c0'."""
         return symbols(f"vdot{self.suffix} cdot{self.suffix}")
 
     @property
@@ -65,10 +65,10 @@ NONZERO = off_target_cases()
 NOMINAL = OFF_EDGES + "; model exact, no disturbance, |v| below the clip" + NO_SERIES
 KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
 R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
-claim = Claims(by=OPEN35)
+claim = Claims(by=OPEN35, form=PRINTED)
 
 
-@claim("eq21", (21,), form=PRINTED, given=OFF_EDGES)
+@claim("eq21", (21,), given=OFF_EDGES)
 def sum_rule(mutation: Mutation) -> Statement:
     """V1i' = z z' + f' + g', term by term.
 
@@ -82,10 +82,10 @@ def sum_rule(mutation: Mutation) -> Statement:
         + m.along(barrier.f(v, u1, u2))
         + mutation * m.along(barrier.g(c, u1, u2))
     )
-    return Statement(m.names, (equal(m.along(m.V), parts),))
+    return m.states(equal(m.along(m.V), parts))
 
 
-@claim("eq22", (22,), form=PRINTED, given=OFF_EDGES)
+@claim("eq22", (22,), given=OFF_EDGES)
 def barrier_rate(mutation: Mutation) -> Statement:
     """f' = sgn(v) v'/(v_u1 - |v|) where |v| > v_u2, else 0.
 
@@ -96,10 +96,10 @@ def barrier_rate(mutation: Mutation) -> Statement:
     written = ca.if_else(
         barrier.h(v, u2), mutation * barrier.sign(v) * m.rates["vdot"] / (u1 - ca.fabs(v)), 0
     )
-    return Statement(m.names, (equal(m.along(barrier.f(v, u1, u2)), written),))
+    return m.states(equal(m.along(barrier.f(v, u1, u2)), written))
 
 
-@claim("eq23", (23,), form=PRINTED, given=OFF_EDGES, by=TARGETS7)
+@claim("eq23", (23,), given=OFF_EDGES, by=TARGETS7)
 def minimum_rate(mutation: Mutation) -> Statement:
     """g' = -(v_c1 - v_c0)(v_c1' - v_c0') - [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)].
 
@@ -108,20 +108,20 @@ def minimum_rate(mutation: Mutation) -> Statement:
     m = Moving()
     _, c, u1, u2 = m.all
     written = -(m.x - c) * (x_rate(m) - m.rates["cdot"]) - mutation * at_target(m)
-    return Statement(m.names, (equal(m.along(barrier.g(c, u1, u2)), written),))
+    return m.states(equal(m.along(barrier.g(c, u1, u2)), written))
 
 
-@claim("eq24", (24,), form=PRINTED, given=OFF_EDGES, by=TARGETS7)
+@claim("eq24", (24,), given=OFF_EDGES, by=TARGETS7)
 def envelope(mutation: Mutation) -> Statement:
     """(v_c1 - v_c0) v_c1' + [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)] = 0.
 
     At the best velocity a small change of it costs nothing.
     """
     m = Moving()
-    return Statement(m.names, (equal((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m)),))
+    return m.states(equal((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m)))
 
 
-@claim("eq25.printed", (25,), form=PRINTED, given=OFF_EDGES, by=Refute(R2_POINT))
+@claim("eq25.printed", (25,), given=OFF_EDGES, by=Refute(R2_POINT))
 def eq25_printed(mutation: Mutation) -> Statement:
     """g' = -(v_c1 - v_c0) v_c0'.
 
@@ -139,12 +139,10 @@ def g_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     _, c, u1, u2 = m.all
-    return Statement(
-        m.names, (equal(m.along(barrier.g(c, u1, u2)), mutation * (m.x - c) * m.rates["cdot"]),)
-    )
+    return m.states(equal(m.along(barrier.g(c, u1, u2)), mutation * (m.x - c) * m.rates["cdot"]))
 
 
-@claim("eq26", (26,), form=PRINTED, given=OFF_EDGES, by=PAIRS)
+@claim("eq26", (26,), given=OFF_EDGES, by=PAIRS)
 def both_axes(mutation: Mutation) -> Statement:
     """V1' = A' v' - (v - v_c1)' v_c0', both axes together (it follows from the corrected (25), not
     from the printed one).
@@ -161,7 +159,7 @@ def both_axes(mutation: Mutation) -> Statement:
     return Statement({**m.names, **n.names}, (equal(rate, terms[0] + mutation * terms[1]),))
 
 
-@claim("eq27", (27,), form=PRINTED, given=OFF_EDGES, by=PAIRS)
+@claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
 def split(mutation: Mutation) -> Statement:
     """V1' = V11' + V12'.
 
@@ -176,7 +174,7 @@ def split(mutation: Mutation) -> Statement:
     return Statement({**m.names, **n.names}, (equal(rate, m.along(m.V) + mutation * n.along(n.V)),))
 
 
-@claim("eq28", (28,), form=PRINTED, given=OFF_EDGES)
+@claim("eq28", (28,), given=OFF_EDGES)
 def per_axis(mutation: Mutation) -> Statement:
     """V1i' = A_i v_i' - (v_i - v_c1i) v_c0i', all 35 regions of v and v_c0.
 
@@ -184,10 +182,17 @@ def per_axis(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v_dot, c_dot = m.rates.values()
-    return Statement(m.names, (equal(m.along(m.V), m.A * v_dot - mutation * m.w * c_dot),))
+    return m.states(equal(m.along(m.V), m.A * v_dot - mutation * m.w * c_dot))
 
 
-@claim("eq09", (9,), form=PRINTED, given=NOMINAL, by=LAW[0])
+@claim.also(
+    "eq09.angular",
+    "the same on the angular axis",
+    "The compiled law is the paper's.",
+    by=LAW[1],
+    axis=1,
+)
+@claim("eq09", (9,), given=NOMINAL, by=LAW[0])
 def command(mutation: Mutation, axis: int = 0) -> Statement:
     """A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, linear
     axis.
@@ -199,7 +204,7 @@ def command(mutation: Mutation, axis: int = 0) -> Statement:
     v, u1, u2 = t[("v1", "omega")[axis]], t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"]
     free = symbols("c cdot")
     c = free["c"]
-    mass, friction = (law.own(item)[axis] for item in (law.sample.mass, law.sample.friction))
+    mass, friction = (law.own(item)[axis] for item in (law.context.mass, law.context.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
     bracket = (
         -t[f"gains.mb.rho[{k}]"] * value
@@ -209,16 +214,7 @@ def command(mutation: Mutation, axis: int = 0) -> Statement:
     return Statement({**t, **free}, (goal,), (), law.inner(axis))
 
 
-@claim("eq09.angular", (9,), form=PRINTED, given=NOMINAL, by=LAW[1])
-def eq09_angular(mutation: Mutation) -> Statement:
-    """the same on the angular axis.
-
-    The compiled law is the paper's.
-    """
-    return command(mutation, 1)
-
-
-@claim("eq29.printed", (29,), form=PRINTED, given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
+@claim("eq29.printed", (29,), given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
 def eq29_printed(mutation: Mutation) -> Statement:
     """V1i' = +rho V1i, as the paper's text reads.
 
@@ -243,7 +239,10 @@ def literal_decay(mutation: Mutation) -> Statement:
     return Statement({**m.names, "rho": rho}, (equal(rate, -mutation * rho * m.V),))
 
 
-@claim("eq30.law", (29, 30), given=NOMINAL, by=LAW[0])
+@claim.also(
+    "eq30.law-angular", "the same on the angular axis", "As on the linear axis.", by=LAW[1], axis=1
+)
+@claim("eq30.law", (29, 30), form=OURS, given=NOMINAL, by=LAW[0])
 def decay(mutation: Mutation, axis: int = 0) -> Statement:
     """V1i' = -rho_i V1i for the compiled model-based law, linear axis, A = 0 included.
 
@@ -256,26 +255,16 @@ def decay(mutation: Mutation, axis: int = 0) -> Statement:
     v = t[("v1", "omega")[axis]]
     u1, u2, rho = t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"], t[f"gains.mb.rho[{k}]"]
     free = symbols("c cdot")
-    mass, friction = law.own(law.sample.mass), law.own(law.sample.friction)
+    mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     v_dot = acceleration(mass, law.force, friction)[axis]
     value = barrier.lyapunov(v, free["c"], u1, u2)
     rate = ca.jtimes(value, ca.vertcat(v, free["c"]), ca.vertcat(v_dot, free["cdot"]))
     return Statement({**t, **free}, (equal(rate, -mutation * rho * value),), (), law.inner(axis))
 
 
-@claim("eq30.law-angular", (29, 30), given=NOMINAL, by=LAW[1])
-def eq30_law_angular(mutation: Mutation) -> Statement:
-    """the same on the angular axis.
-
-    As on the linear axis.
-    """
-    return decay(mutation, 1)
-
-
 @claim(
     "eq30.printed",
     (30,),
-    form=PRINTED,
     given="|v| = v_u2; change of V1i over at most 1 microsecond compared with -rho V1i, tolerance "
     "1",
     by=Refute(KINK),

@@ -9,8 +9,8 @@ import casadi as ca
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.laws import nn
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import BarrierAxis
+from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.network_axis import (
     DIMENSIONS,
     NODES,
@@ -79,10 +79,10 @@ OFF = Ring(OFF_CASES, spare=0)
 TWO = Ring(BOTH_CASES, spare=0)
 BOUND = Ring(BOUND_CASES, spare=0)
 FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
-claim = Claims(by=ONE)
+claim = Claims(by=ONE, form=PRINTED)
 
 
-@claim("eq57", (57,), form=PRINTED, given="any weights and basis")
+@claim("eq57", (57,), given="any weights and basis")
 def law(mutation: Mutation) -> Statement:
     """F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes.
 
@@ -95,7 +95,8 @@ def law(mutation: Mutation) -> Statement:
     return n.statement(equal(n.law.force[0], written))
 
 
-@claim("eq58", (58,), form=PRINTED, given="any weights and basis")
+@claim.also("eq58.angular", "the same on the angular axis", "As on the linear axis.", axis=1)
+@claim("eq58", (58,), given="any weights and basis")
 def adaptation(mutation: Mutation, axis: int = 0) -> Statement:
     """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), linear axis, all 64 weights: the compiled Euler
     step integrates it.
@@ -107,18 +108,10 @@ def adaptation(mutation: Mutation, axis: int = 0) -> Statement:
     return n.statement(*(equal(n.weight_rate[j], rate[j]) for j in range(NODES)))
 
 
-@claim("eq58.angular", (58,), form=PRINTED, given="any weights and basis")
-def eq58_angular(mutation: Mutation) -> Statement:
-    """the same on the angular axis.
-
-    As on the linear axis.
-    """
-    return adaptation(mutation, 1)
-
-
 @claim(
     "eq58.basis",
     (57, 58),
+    form=OURS,
     given="any Z and eta; nodes at -1 and 1",
     by=Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
 )
@@ -137,7 +130,6 @@ def basis_product(mutation: Mutation) -> Statement:
 @claim(
     "eq59.printed",
     (59,),
-    form=PRINTED,
     given="|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
     by=Refute(FAR_POINT),
 )
@@ -149,15 +141,15 @@ def target_bounded(_: Mutation) -> Statement:
     friction force: no bounded weights do that. Theorem 2 assumes it, so its bound is empty in the
     middle region.
     """
-    a = BarrierAxis()
-    v, c, u1 = a.all[:3]
+    a, v, c, u1, _u2 = barrier_axis()
     given = (*a.inside, at_least(0.95 * u1, ca.fabs(v)), at_least(3, ca.fabs(c)))
-    return Statement(a.symbols, (at_least(1e6, ca.fabs(a.A / a.w)),), given)
+    return a.states(at_least(1e6, ca.fabs(a.A / a.w)), given=given)
 
 
 @claim(
     "eq59.ratio",
     (59,),
+    form=OURS,
     given="every 0 < v_u2 < v_u1",
     by=Ring(tuple(AxisName().case("middle+", side) for side in ("zero", "in+"))),
 )
@@ -167,12 +159,11 @@ def ratio(mutation: Mutation) -> Statement:
 
     The regressor of the network blows up in normal operation, which is why the code caps it.
     """
-    a = BarrierAxis()
-    v, c, _, u2 = a.all
-    return Statement(a.symbols, (equal(a.A, a.w * (1 + mutation * (c - u2) / (u2 - v))),))
+    a, v, c, _, u2 = barrier_axis()
+    return a.states(equal(a.A, a.w * (1 + mutation * (c - u2) / (u2 - v))))
 
 
-@claim("eq63-66", (62, 63, 64, 65, 66), form=PRINTED, given=ALL_NODES, by=TWO)
+@claim("eq63-66", (62, 63, 64, 65, 66), given=ALL_NODES, by=TWO)
 def differentiated(mutation: Mutation) -> Statement:
     """differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66).
 
@@ -182,7 +173,7 @@ def differentiated(mutation: Mutation) -> Statement:
     return n.statement(equal(n.rate, n.barrier_rate + mutation * weights_part(n, n.weight_rate)))
 
 
-@claim("eq67-68", (67, 68), form=PRINTED, given=ALL_NODES, by=TWO)
+@claim("eq67-68", (67, 68), given=ALL_NODES, by=TWO)
 def substituted(mutation: Mutation) -> Statement:
     """with (28), (4) and constant W*.
 
@@ -196,7 +187,7 @@ def substituted(mutation: Mutation) -> Statement:
     )
 
 
-@claim("eq69", (69,), form=PRINTED, given=ALL_NODES, by=TWO)
+@claim("eq69", (69,), given=ALL_NODES, by=TWO)
 def with_law(mutation: Mutation) -> Statement:
     """with the law (57).
 
@@ -210,7 +201,7 @@ def with_law(mutation: Mutation) -> Statement:
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
 
 
-@claim("eq70", (70,), form=PRINTED, given=OFF_TARGET, by=OFF)
+@claim("eq70", (70,), given=OFF_TARGET, by=OFF)
 def with_target(mutation: Mutation) -> Statement:
     """with (59) as the definition of eps2.
 
@@ -223,7 +214,7 @@ def with_target(mutation: Mutation) -> Statement:
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
 
 
-@claim("eq71", (71,), form=PRINTED, given=OFF_TARGET, by=OFF)
+@claim("eq71", (71,), given=OFF_TARGET, by=OFF)
 def with_adaptation(mutation: Mutation) -> Statement:
     """with the adaptation (58).
 
@@ -236,7 +227,15 @@ def with_adaptation(mutation: Mutation) -> Statement:
     return n.statement(equal(n.rate, written))
 
 
-@claim("eq72", (72,), form=PRINTED, given=OFF_TARGET, by=BOUND)
+@claim.also(
+    "eq73",
+    "the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is sigma |W^|^2/(2 M1) "
+    "more",
+    "Forgetting pulls the weights back.",
+    equations=(73,),
+    combined=True,
+)
+@claim("eq72", (72,), given=OFF_TARGET, by=BOUND)
 def eq72(mutation: Mutation, combined: bool = False) -> Statement:
     """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2; what is left over is (w - eps2)^2/(2 M1).
 
@@ -253,20 +252,9 @@ def eq72(mutation: Mutation, combined: bool = False) -> Statement:
     )
 
 
-@claim("eq73", (73,), form=PRINTED, given=OFF_TARGET, by=BOUND)
-def eq73(mutation: Mutation) -> Statement:
-    """the same with -W~'(W~ + W*) <= -|W~|^2/2 + |W*|^2/2; what is left over is sigma |W^|^2/(2 M1)
-    more.
-
-    Forgetting pulls the weights back.
-    """
-    return eq72(mutation, True)
-
-
 @claim(
     "eq82-83",
     (82, 83),
-    form=PRINTED,
     given=OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
     by=BOUND,
     premises="eq81",
@@ -286,7 +274,6 @@ def printed_step(mutation: Mutation) -> Statement:
 @claim(
     "eq84-85",
     (84, 85, 87),
-    form=PRINTED,
     given=OFF_TARGET
     + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
     by=Ring(DECAY_CASES, spare=0),
@@ -307,7 +294,7 @@ def decay(mutation: Mutation) -> Statement:
     return Statement(names, (at_least(-least * total + leftover, n.rate),), (), n.inner)
 
 
-@claim("eq86", (86,), form=PRINTED, given="all gains and masses positive, rho1 > 1", by=Z3())
+@claim("eq86", (86,), given="all gains and masses positive, rho1 > 1", by=Z3())
 def rate_is_least(mutation: Mutation) -> Statement:
     """rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes.
 

@@ -15,11 +15,6 @@ from wmr_ctrl.model.dynamics import acceleration
 from wmr_ctrl.proofs.claims.common import LawGraph
 from wmr_ctrl.proofs.statement import Statement, column, stacked, symbols
 
-NODES, DIMENSIONS = nn.NODES, 6
-
-
-NODES, DIMENSIONS = nn.NODES, 6
-
 
 @dataclass(frozen=True)
 class NetworkAxis:
@@ -46,9 +41,9 @@ class NetworkAxis:
     @cached_property
     def inner(self) -> dict[str, ca.SX]:
         """What the free symbols stand for in the graph."""
-        law, sample = self.law, self.law.sample
-        axis = sample.barrier[self.axis]
-        basis = nn.corner_basis(nn.regressor(sample), sample.gain("eta"), sample.gain("node"))
+        law, context = self.law, self.law.context
+        axis = context.barrier[self.axis]
+        basis = nn.corner_basis(nn.regressor(context), context.gain("eta"), context.gain("node"))
         found = {"quotient": axis.V1_over_A, "q": axis.q, "w": axis.w}
         found |= {f"S{j + 1}": basis[j] for j in range(NODES)}
         return {name: law.own(expr) for name, expr in found.items()}

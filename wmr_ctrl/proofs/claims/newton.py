@@ -7,8 +7,6 @@ shown on the law's graph.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -20,7 +18,7 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import NO_SERIES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import CHARTED, SIDE_EDGES, SIDES, side_value
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, positive, symbols
 
 
 def _pairs() -> Iterator[Case]:
@@ -47,59 +45,48 @@ def _pair(y_side: str, v_side: str, jump: str) -> Case:
     )
 
 
-@dataclass(frozen=True)
 class NewtonStep:
-    """One period of one axis under decay = "exact", with free numbers for the law's inner ones."""
+    """One period of one axis under decay = "exact", with free numbers for the law's inner ones.
 
-    axis: int
+    ``free``: V1/A, q, v_c0', exp(-rho T) - 1; w; V1 and slopes at v (before) and at v+ (after).
+    """
 
-    @cached_property
-    def law(self) -> LawGraph:
-        """The law's graph."""
-        return LawGraph("mb", (("gains.mb.decay", "exact"),))
-
-    @cached_property
-    def free(self) -> dict[str, ca.SX]:
-        """V1/A, q, v_c0', exp(-rho T) - 1; w; V1 and slopes at v (before) and at v+ (after)."""
-        return symbols("quotient q cdot fall w before after slope slope_after")
+    def __init__(self, axis: int) -> None:
+        self.axis, self.law = axis, LawGraph("mb", (("gains.mb.decay", "exact"),))
+        self.free = symbols("quotient q cdot fall w before after slope slope_after")
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
         """What the first four stand for, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
-        found = law.sample.barrier[k]
+        found = law.context.barrier[k]
         rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]
         return {
             "quotient": law.own(found.V1_over_A),
             "q": law.own(found.q),
-            "cdot": law.own(law.sample.v_c0_dot)[k],
+            "cdot": law.own(law.context.v_c0_dot)[k],
             "fall": ca.expm1(-rate),
-            "friction": law.own(law.sample.friction)[k],
+            "friction": law.own(law.context.friction)[k],
         }
 
     @property
     def mass(self) -> ca.SX:
         """Diagonal of M1."""
-        return self.law.own(self.law.sample.mass)
+        return self.law.own(self.law.context.mass)
 
     @property
     def moved(self) -> ca.SX:
         """v+ - v with the model exact: F is held over the period, friction compensated."""
         law = self.law
-        rate = acceleration(self.mass, law.force, law.own(law.sample.friction))[self.axis]
+        rate = acceleration(self.mass, law.force, law.own(law.context.friction))[self.axis]
         return law.symbols["clock.control"] * rate
 
-    @property
-    def held(self) -> tuple[Relation, ...]:
-        """T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
-        fall = self.free["fall"]
-        period = self.law.symbols["clock.control"]
-        positive = (above(period), above(self.mass[self.axis]), above(fall, -1), above(-fall))
-        return (*positive, equal(self.free["cdot"]))
-
     def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
-        """The statement on the law's graph."""
-        return Statement({**self.law.symbols, **self.free}, goals, (*self.held, *given), self.cuts)
+        """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
+        fall, period = self.free["fall"], self.law.symbols["clock.control"]
+        held = *positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
+        known = (*held, equal(self.free["cdot"]), *given)
+        return Statement({**self.law.symbols, **self.free}, goals, known, self.cuts)
 
 
 HELD = (
@@ -109,7 +96,7 @@ AXES = (
     {"axis": 0, "of": "", "where": ""},
     {"axis": 1, "of": "-angular", "where": " (angular axis)"},
 )
-claim = Claims()
+claim = Claims(given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 
 
 @claim(
@@ -138,13 +125,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     return Statement(t, (at_least(barrier.lyapunov(y, c, u1, u2), line),), given, least)
 
 
-@claim(
-    "prox.newton-side{of}",
-    given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
-    by=Z3(),
-    premises="P5",
-    over=AXES,
-)
+@claim("prox.newton-side{of}", by=Z3(), premises="P5", over=AXES)
 def side(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph v+ lies between v and v_c1, at most exp(-rho T) nearer: exp(-rho T) w^2 <=
     (v+ - v_c1) w <= w^2{where}.
@@ -160,7 +141,6 @@ def side(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "prox.newton{of}",
-    given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}",
     by=Z3(),
     premises="prox.newton-side{of} convex forms.quotient P3 eq78 eq18.inside",
     over=AXES,

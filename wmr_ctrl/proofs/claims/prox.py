@@ -7,55 +7,45 @@ holds none of the graphs is a LEMMA.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.laws.prox import mixture, prox_step
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    AT_LEAST,
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    symbols,
+    when,
+)
 
 FORMS = (
     {
         "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
-        "C_less": "C - v_u1",
+        "C_less": "C - v_u1"
     },
     {
         "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
-        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)",
+        "C_less": "C - v_u1 + 1/(v_u1 - v_u2)"
     },
 )  # fmt: skip
 HARD = Z3(effort=150)
 
 
-@dataclass(frozen=True)
 class Step:
     """`prox_step` with v*, v+ and the proximal maps at c_m and c+ as free numbers."""
 
-    smooth: bool
-
-    @cached_property
-    def inputs(self) -> dict[str, ca.SX]:
-        """v, the three targets, E, limits."""
-        return symbols("v c followed target E u1 u2", "E u1 u2")
-
-    @cached_property
-    def free(self) -> dict[str, ca.SX]:
-        """v*, v+, X_1(c_m), X_1(c+)."""
-        return symbols("carried end x_followed x_target")
-
-    @cached_property
-    def limits(self) -> tuple[ca.SX, ca.SX]:
-        """u1, u2."""
-        return self.inputs["u1"], self.inputs["u2"]
-
-    @cached_property
-    def shares(self) -> tuple[ca.SX, ca.SX]:
-        """E, 1 - E."""
-        return self.inputs["E"], 1 - self.inputs["E"]
+    def __init__(self, smooth: bool) -> None:
+        self.smooth = smooth
+        self.inputs = t = symbols("v c followed target E u1 u2", "E u1 u2")
+        self.free = symbols("carried end x_followed x_target")
+        self.limits = t["u1"], t["u2"]
+        self.shares = t["E"], 1 - t["E"]
 
     @property
     def start(self) -> ca.SX:
@@ -75,23 +65,6 @@ class Step:
         way = (t["c"], t["followed"], t["target"])
         return prox_step(t["v"], way, self.shares, self.limits, self.smooth)
 
-    def cuts(self, *names: str) -> dict[str, ca.SX]:
-        """What the free numbers of these names stand for."""
-        t, one = self.inputs, ca.SX(1)
-        every = {
-            "carried": self.start,
-            "end": resolvent(self.argument, self.shares[1], *self.limits, self.smooth),
-            "x_followed": resolvent(t["followed"], one, *self.limits, self.smooth),
-            "x_target": resolvent(t["target"], one, *self.limits, self.smooth),
-        }
-        return {name: every[name] for name in names}
-
-    @property
-    def plain(self) -> tuple[Relation, ...]:
-        """0 < u2 < u1, 0 < E < 1."""
-        t = self.inputs
-        return above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"])
-
     def states(
         self,
         goals: tuple[Relation, ...],
@@ -99,15 +72,23 @@ class Step:
         names: tuple[str, ...],
         more: dict[str, ca.SX] | None = None,
     ) -> Statement:
-        """The statement on the graph of `prox_step`, cut at ``names``."""
-        table = {**self.inputs, **self.free, **(more or {})}
-        return Statement(table, goals, (*self.plain, *given), self.cuts(*names))
+        """For 0 < u2 < u1 and 0 < E < 1, on the graph of `prox_step`, cut at ``names``."""
+        t, one = self.inputs, ca.SX(1)
+        inner = {
+            "carried": self.start,
+            "end": resolvent(self.argument, self.shares[1], *self.limits, self.smooth),
+            "x_followed": resolvent(t["followed"], one, *self.limits, self.smooth),
+            "x_target": resolvent(t["target"], one, *self.limits, self.smooth),
+        }
+        plain = above(t["u2"]), above(t["u1"], t["u2"]), above(t["E"]), above(1, t["E"])
+        cuts = {name: inner[name] for name in names}
+        return Statement({**t, **self.free, **(more or {})}, goals, (*plain, *given), cuts)
 
 
-claim = Claims(by=HARD)
+claim = Claims(by=HARD, given="0 < v_u2 < v_u1, 0 < E < 1")
 
 
-@claim("prox.inside{key}", given="0 < v_u2 < v_u1, 0 < E < 1", over=FORMS)
+@claim("prox.inside{key}", over=FORMS)
 def inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v+| < v_u1 for every v, c, c_m, c+, over the real numbers ({words}).
 
@@ -176,12 +157,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
 
 
-@claim(
-    "prox.linear{key}",
-    given="0 < v_u2 < v_u1, 0 < E < 1",
-    premises="transport.plain{key}",
-    over=FORMS,
-)
+@claim("prox.linear{key}", premises="transport.plain{key}", over=FORMS)
 def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size ({words}).
 
@@ -213,7 +189,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     reached = ca.fabs(s.argument) <= most
     given = (
         at_least(u1, ca.fabs(s.free["carried"])), at_least(C, ca.fabs(s.inputs["target"])),
-        Relation(ca.if_else(reached, u1 - t["m"] - ca.fabs(s.free["end"]), 0), ">="),
+        when(reached, at_least(u1 - t["m"], ca.fabs(s.free["end"]))),
     )  # fmt: skip
     return s.states((at_least(u1 - t["m"], ca.fabs(s.end)),), given, ("carried", "end"), t)
 
@@ -240,7 +216,7 @@ def rises(mutation: Mutation) -> Statement:
         equal(root_of**2, 2 * value)
         for root_of, value in (
             (S, t["before"]), (t["S_next"], t["after"]),
-            (root["S_mid"], t["mid"]), (root["S_carried"], t["carried"]),
+            (root["S_mid"], t["mid"]), (root["S_carried"], t["carried"])
         )
     ]  # fmt: skip
     roots = [at_least(x) for x in (S, t["S_next"], *root.values())]
@@ -251,5 +227,5 @@ def rises(mutation: Mutation) -> Statement:
         at_least(E**2 * t["mid"], t["after"]),
     )  # fmt: skip
     most = E * (S + mutation(1, 0.9) * t["way"])
-    level = Relation(ca.if_else(t["way"] > 0, 0, E**2 * t["before"] - t["after"]), ">=")
+    level = Relation(ca.if_else(t["way"] > 0, 0, E**2 * t["before"] - t["after"]), AT_LEAST)
     return Statement({**t, **root}, (at_least(most, t["S_next"]), level), given)

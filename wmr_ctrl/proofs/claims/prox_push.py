@@ -6,7 +6,6 @@ v+, friction and the observer's force stand as free numbers with what other entr
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -23,36 +22,24 @@ from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equa
 AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
 
 
-@dataclass(frozen=True)
 class Sampled:
-    """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers."""
+    """One axis of the law's graph, with v+, friction and exp(-wo T) - 1 as free numbers.
 
-    axis: int
+    ``free``: v+, friction there, the observer's force, exp(-wo T) - 1, friction between samples;
+    ``old``, ``f_old``: the previous measurement and the observer's previous force.
+    """
 
-    @cached_property
-    def law(self) -> LawGraph:
-        """The law's graph."""
-        return LawGraph("prox")
-
-    @cached_property
-    def free(self) -> dict[str, ca.SX]:
-        """v+, friction there, the observer's force; exp(-wo T) - 1, friction between samples."""
-        return symbols("next friction f fall drag")
-
-    @property
-    def period(self) -> ca.SX:
-        """T."""
-        return self.law.symbols["clock.control"]
+    def __init__(self, axis: int) -> None:
+        self.axis, self.law = axis, LawGraph("prox")
+        t = self.law.symbols
+        self.free = symbols("next friction f fall drag")
+        self.period, self.v = t["clock.control"], t[VELOCITY_NAMES[axis]]
+        self.old, self.f_old = t[f"v_previous[{axis + 1}]"], t[f"f_hat[{axis + 1}]"]
 
     @property
     def mass(self) -> ca.SX:
         """Believed mass."""
-        return self.law.own(self.law.sample.mass)[self.axis]
-
-    @property
-    def v(self) -> ca.SX:
-        """Measured velocity."""
-        return self.law.symbols[VELOCITY_NAMES[self.axis]]
+        return self.law.own(self.law.context.mass)[self.axis]
 
     @property
     def force(self) -> ca.SX:
@@ -62,8 +49,8 @@ class Sampled:
     @cached_property
     def force_cuts(self) -> dict[str, ca.SX]:
         """v+, the friction there, and the observer's force."""
-        law, step = self.law, next_velocity(self.law.sample)
-        both = law.own(ca.vertcat(step, law.sample.friction_at(step)))
+        law, step = self.law, next_velocity(self.law.context)
+        both = law.own(ca.vertcat(step, law.context.friction_at(step)))
         return {
             "next": both[self.axis],
             "friction": both[2 + self.axis],
@@ -77,25 +64,15 @@ class Sampled:
         torque = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
         return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
 
-    @property
-    def old(self) -> ca.SX:
-        """The previous measurement."""
-        return self.law.symbols[f"v_previous[{self.axis + 1}]"]
-
-    @property
-    def f_old(self) -> ca.SX:
-        """The observer's previous force."""
-        return self.law.symbols[f"f_hat[{self.axis + 1}]"]
-
     @cached_property
     def observer_cuts(self) -> dict[str, ca.SX]:
         """exp(-wo T) - 1, and the friction at the middle velocity."""
         law, t = self.law, self.law.symbols
         old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
-        middle = 0.5 * (law.own(law.sample.v) + old)
+        middle = 0.5 * (law.own(law.context.v) + old)
         return {
             "fall": ca.expm1(-t["gains.prox.wo"] * self.period),
-            "drag": law.own(law.sample.friction_at(middle))[self.axis],
+            "drag": law.own(law.context.friction_at(middle))[self.axis],
         }
 
     @property

@@ -30,14 +30,21 @@ FORMS = (
     {"key": "", "smooth": False, "words": "paper's barrier", "bound": "m (m + C - v_u1)"},
     {
         "key": "-smooth", "smooth": True, "words": "smooth barrier",
-        "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))",
+        "bound": "m (m + C - v_u1 + k/(v_u1 - v_u2))"
     },
 )  # fmt: skip
 claim = Claims(by=Z3(effort=150))
 
 
+@claim.also(
+    "prox.optimal-smooth",
+    "the same for the smooth barrier",
+    "Also where the barrier has no corner.",
+    equations=(),
+    smooth=True,
+)
 @claim("prox.optimal", (14, 15, 18), given=ANY)
-def optimal_paper(mutation: Mutation, smooth: bool = False) -> Statement:
+def optimal(mutation: Mutation, smooth: bool = False) -> Statement:
     """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1.
 
     The closed form is the nearest velocity inside the limit.
@@ -54,17 +61,15 @@ def optimal_paper(mutation: Mutation, smooth: bool = False) -> Statement:
     return Statement(t, (equal(miss), at_least(rest), at_least(s * x), inside), _target(t))
 
 
-@claim("prox.optimal-smooth", given=ANY)
-def optimal_smooth(mutation: Mutation) -> Statement:
-    """the same for the smooth barrier.
-
-    Also where the barrier has no corner.
-    """
-    return optimal_paper(mutation, True)
-
-
+@claim.also(
+    "prox.monotone-smooth",
+    "the same for the smooth barrier",
+    "So is the smooth one.",
+    equations=(),
+    smooth=True,
+)
 @claim("prox.monotone", (14, 15), given="every 0 < v_u2 < v_u1, |x| < v_u1")
-def monotone_paper(mutation: Mutation, smooth: bool = False) -> Statement:
+def monotone(mutation: Mutation, smooth: bool = False) -> Statement:
     """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included.
 
     The barrier is convex.
@@ -86,15 +91,6 @@ def monotone_paper(mutation: Mutation, smooth: bool = False) -> Statement:
         for part in (at_least(t[name]), at_least(ca.SX(1), t[name] * (t["u1"] - t["u2"])))
     ]
     return Statement(t, (at_least(rises),), (*_limits(t), *sizes, *kinks))
-
-
-@claim("prox.monotone-smooth", given="every 0 < v_u2 < v_u1, |x| < v_u1")
-def monotone_smooth(mutation: Mutation) -> Statement:
-    """the same for the smooth barrier.
-
-    So is the smooth one.
-    """
-    return monotone_paper(mutation, True)
 
 
 @claim(

@@ -40,7 +40,7 @@ class Held:
         free = symbols("c cdot d")
         extra = mutation(1, 8)
         push = (
-            acceleration(law.own(law.sample.mass), law.force, ca.SX(0))[self.axis]
+            acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
             + extra * free["d"]
         )
         following = v + float(Fraction(self.period)) * push

@@ -12,7 +12,14 @@ from wmr_ctrl.barrier.proximal import resolvent
 from wmr_ctrl.barrier.stable import Barrier, smooth_barrier
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import ALL_LIMITS, CLOSED_FORM, FINITE, NO_SERIES, BarrierAxis
+from wmr_ctrl.proofs.claims.common import (
+    ALL_LIMITS,
+    CLOSED_FORM,
+    FINITE,
+    NO_SERIES,
+    BarrierAxis,
+    barrier_axis,
+)
 from wmr_ctrl.proofs.methods.spec import Ring
 from wmr_ctrl.proofs.regions import CHARTED, SIDE_EDGES, SIDES, side_value, smooth_cases
 from wmr_ctrl.proofs.statement import Statement, at_least, equal, symbols
@@ -48,7 +55,7 @@ OFF_CORNERS = tuple(
     for c in EVERY
     if c.label != "v_c0 zero, v zero" and "corner" not in c.label and "kink" not in c.label
 )
-claim = Claims(by=Ring(EVERY, CLOSED_FORM))
+claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE)
 
 
 @claim("smooth.V1", given=ALL_LIMITS + NO_SERIES, premises="cover.smooth-targets cover.beyond")
@@ -59,7 +66,7 @@ def value(mutation: Mutation) -> Statement:
     The sum of non-negative terms is the same function.
     """
     a = BarrierAxis()
-    return Statement(a.symbols, (equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)),))
+    return a.states(equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)))
 
 
 @claim(
@@ -81,22 +88,16 @@ def above_tangent(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "smooth.v_c1",
-    given=ALL_LIMITS + FINITE,
-    by=Ring(EVERY),
-    premises="prox.optimal-smooth cover.smooth-targets cover.beyond",
+    "smooth.v_c1", by=Ring(EVERY), premises="prox.optimal-smooth cover.smooth-targets cover.beyond"
 )
 def target(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled v_c1 is X_1(v_c0), and w = v - v_c1.
 
     The generated code aims at the nearest velocity inside the limit.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
-    return Statement(
-        a.symbols, (equal(found.v_c1, mutation * nearest), equal(found.w, v - nearest))
-    )
+    return a.states(equal(found.v_c1, mutation * nearest), equal(found.w, v - nearest))
 
 
 @claim(
@@ -113,9 +114,7 @@ def slope(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     found = _compiled(a)
-    return Statement(
-        a.symbols, (equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w),)
-    )
+    return a.states(equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w))
 
 
 @claim(
@@ -128,24 +127,20 @@ def quotient(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     found = _compiled(a)
-    return Statement(a.symbols, (equal(found.V1_over_A * found.w, mutation * found.q * found.V1),))
+    return a.states(equal(found.V1_over_A * found.w, mutation * found.q * found.V1))
 
 
 @claim(
-    "prox.smooth-ratio",
-    given=ALL_LIMITS + FINITE,
-    by=Ring(EVERY),
-    premises="smooth.slope cover.smooth-targets cover.beyond",
+    "prox.smooth-ratio", by=Ring(EVERY), premises="smooth.slope cover.smooth-targets cover.beyond"
 )
 def ratio(mutation: Mutation) -> Statement:
     """smooth barrier: 1 <= A/(v - v_c1) <= 1 + 1/(v_u1 - max(|v|, |v_c1|))^2, as compiled (1/q).
 
     The network's regressor is bounded where V1 is.
     """
-    a = BarrierAxis()
-    v, _, u1, _ = a.all
+    a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
     m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
     share = mutation(1, 0.9)
     top = (1 + share / (u1 - m) ** 2) * found.q
-    return Statement(a.symbols, (at_least(1, found.q), at_least(top, 1)))
+    return a.states(at_least(1, found.q), at_least(top, 1))

@@ -11,7 +11,7 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.common import BarrierAxis
+from wmr_ctrl.proofs.claims.common import barrier_axis
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Refute, Ring
@@ -126,8 +126,7 @@ def pull(mutation: Mutation) -> Statement:
 
     The limit weakens a correction but never reverses it.
     """
-    a = BarrierAxis()
-    _, _, u1, u2 = a.all
+    a, _, _, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("p y")}
     moved = barrier.minimiser(t["p"] + t["y"], u1, u2) - mutation * t["p"]
     given = (*a.inside, at_least(u2, t["p"]), at_least(t["p"], -u2))
@@ -160,7 +159,7 @@ def argument(mutation: Mutation) -> Statement:
         equal(target[0], p[0] + k[0] * e[0]),
         equal(target[1], p[1] + mutation * k[2] * ca.sin(e[2])),
     )
-    return Statement(t.names, goals)
+    return t.states(*goals)
 
 
 @claim(
@@ -225,7 +224,7 @@ def paper_level(mutation: Mutation) -> Statement:
     """
     t = Tracking()
     limit = mutation(0.33, 0.3)
-    return Statement(t.names, (above(limit, analysis.position_lyapunov(t.e, t.k[1])),))
+    return t.states(above(limit, analysis.position_lyapunov(t.e, t.k[1])))
 
 
 @claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))

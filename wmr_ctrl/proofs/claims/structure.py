@@ -14,6 +14,7 @@ from wmr_ctrl.proofs.claims.common import (
     OFF_EDGES,
     BarrierAxis,
     LawGraph,
+    barrier_axis,
 )
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import all_cases, target_cases
@@ -30,10 +31,9 @@ def bregman(mutation: Mutation) -> Statement:
 
     The barrier function is a squared distance plus something that only grows towards the limit.
     """
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - mutation * (c - a.x) * a.w
-    return Statement(a.symbols, (equal(a.V - 0.5 * a.w**2, distance), at_least(distance)))
+    return a.states(equal(a.V - 0.5 * a.w**2, distance), at_least(distance))
 
 
 @claim("P1.prox", (16, 18), given=ALL_LIMITS, premises="lemma.log")
@@ -44,10 +44,9 @@ def subgradient(mutation: Mutation) -> Statement:
     The target velocity is a smooth clip of v_c0 to the limit, of the kind known from optimisation.
     """
     # f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0).
-    a = BarrierAxis()
-    v, c, u1, u2 = a.all
+    a, v, c, u1, u2 = barrier_axis()
     line = barrier.f(a.x, u1, u2) + mutation * (c - a.x) * (v - a.x)
-    return Statement(a.symbols, (at_least(barrier.f(v, u1, u2), line),))
+    return a.states(at_least(barrier.f(v, u1, u2), line))
 
 
 @claim("P2", (16, 25), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -56,9 +55,8 @@ def envelope_slope(mutation: Mutation) -> Statement:
 
     The corrected sign of (25), without time.
     """
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
-    return Statement(a.symbols, (equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c),))
+    a, _, c, u1, u2 = barrier_axis()
+    return a.states(equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c))
 
 
 @claim("P3", (10, 12), given=ALL_LIMITS, premises="lemma.log")
@@ -69,7 +67,7 @@ def three_points(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     share = mutation(0.5, 0.75)
-    return Statement(a.symbols, (at_least(a.A * a.w, a.V + share * a.w**2),))
+    return a.states(at_least(a.A * a.w, a.V + share * a.w**2))
 
 
 @claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
@@ -80,7 +78,7 @@ def q_range(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     top = mutation(1, 0.5)
-    return Statement(a.symbols, (at_least(a.stable.q), at_least(top, a.stable.q)))
+    return a.states(at_least(a.stable.q), at_least(top, a.stable.q))
 
 
 @claim(
@@ -95,7 +93,7 @@ def q_positive(mutation: Mutation) -> Statement:
     The feed-forward never has the wrong sign.
     """
     a = BarrierAxis()
-    return Statement(a.symbols, (above(mutation * a.stable.q),))
+    return a.states(above(mutation * a.stable.q))
 
 
 @claim(
@@ -114,7 +112,7 @@ def quotient_range(mutation: Mutation) -> Statement:
     a = BarrierAxis()
     top = mutation(1, 0.5)
     product = a.stable.V1_over_A * a.stable.w
-    return Statement(a.symbols, (at_least(product), at_least(top * a.stable.w**2, product)))
+    return a.states(at_least(product), at_least(top * a.stable.w**2, product))
 
 
 @claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -123,13 +121,12 @@ def target_slope(mutation: Mutation) -> Statement:
 
     The target velocity never moves faster than v_c0.
     """
-    a = BarrierAxis()
-    _, c, u1, u2 = a.all
+    a, _, c, u1, u2 = barrier_axis()
     slope = ca.gradient(a.x, c)
     edge = u2 + 1 / (u1 - u2)
     far = 1 / (1 + mutation / (u1 - ca.fabs(a.x)) ** 2)
     written = ca.if_else(ca.fabs(c) <= u2, 1, ca.if_else(ca.fabs(c) <= edge, 0, far))
-    return Statement(a.symbols, (equal(slope, written), at_least(slope), at_least(1, slope)))
+    return a.states(equal(slope, written), at_least(slope), at_least(1, slope))
 
 
 @claim("P7", (9, 18), given=OFF_EDGES + FINITE, by=Ring(target_cases(edges=False)))
@@ -138,10 +135,9 @@ def q_at_target(mutation: Mutation) -> Statement:
 
     On target, the law tells the robot to follow the target's own acceleration.
     """
-    a = BarrierAxis()
-    v, c, _, _ = a.all
+    a, v, c, _, _ = barrier_axis()
     q = ca.substitute(a.stable.q, v, a.x)
-    return Statement(a.symbols, (equal(q, ca.gradient(a.x, c) + mutation(0, c)),))
+    return a.states(equal(q, ca.gradient(a.x, c) + mutation(0, c)))
 
 
 @claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")
@@ -156,12 +152,12 @@ def bounded_command(mutation: Mutation) -> Statement:
     t = {**names, **symbols("quotient q w cdot friction")}
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t["friction"]
-    axis = law.sample.barrier[0]
+    axis = law.context.barrier[0]
     inner = {
         "quotient": law.own(axis.V1_over_A),
         "q": law.own(axis.q),
-        "cdot": law.own(law.sample.v_c0_dot)[0],
-        "friction": law.own(law.sample.friction)[0],
+        "cdot": law.own(law.context.v_c0_dot)[0],
+        "friction": law.own(law.context.friction)[0],
     }
     given = (
         above(rho),

@@ -30,7 +30,7 @@ GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
-claim = Claims(by=Z3())
+claim = Claims(by=Z3(), form=PRINTED)
 
 
 @claim(
@@ -61,7 +61,6 @@ def start(mutation: Mutation) -> Statement:
 @claim(
     "eq40.printed",
     (40,),
-    form=PRINTED,
     given="l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
     by=Refute((SIDE_POINT,)),
 )
@@ -74,18 +73,13 @@ def eq40_printed(mutation: Mutation) -> Statement:
 
 
 @claim(
-    "eq41",
-    (41,),
-    form=PRINTED,
-    given="V2 differentiable along the motion",
-    by=HAND,
-    premises="lemma.integration",
+    "eq41", (41,), given="V2 differentiable along the motion", by=HAND, premises="lemma.integration"
 )
 def eq41() -> None:
     """V2(t) = V2(t0) + integral of V2'."""
 
 
-@claim("eq42.rate", (42,), form=PRINTED, given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")
+@claim("eq42.rate", (42,), given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")
 def growth(mutation: Mutation) -> Statement:
     """eps1 < k3 V2(t0)/(2 l^2 k2).
 
@@ -102,7 +96,7 @@ def growth(mutation: Mutation) -> Statement:
     return Statement(t, (above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1),), given)
 
 
-@claim("eq42", (42,), form=PRINTED, given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
+@claim("eq42", (42,), given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
 def window_value(mutation: Mutation) -> Statement:
     """V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2.
 
@@ -123,7 +117,8 @@ def window_value(mutation: Mutation) -> Statement:
     return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
 
 
-@claim("eq43", (43,), form=PRINTED, given="V2 < 0.594 e2(t0)^2")
+@claim.also("eq44", "|e1| < 1.1 |e2(t0)|", "", equations=(44,), index=0)
+@claim("eq43", (43,), given="V2 < 0.594 e2(t0)^2")
 def side_bound(mutation: Mutation, index: int = 1) -> Statement:
     """|e2| < 1.1 |e2(t0)|."""
     t = Tracking()
@@ -134,13 +129,7 @@ def side_bound(mutation: Mutation, index: int = 1) -> Statement:
     return Statement(names, (above(121 * names["E"] ** 2 * limit, 121 * t.e[index] ** 2),), given)
 
 
-@claim("eq44", (44,), form=PRINTED, given="V2 < 0.594 e2(t0)^2")
-def eq44(mutation: Mutation) -> Statement:
-    """|e1| < 1.1 |e2(t0)|."""
-    return side_bound(mutation, 0)
-
-
-@claim("eq45.printed", (45, 50), form=PRINTED, given="any", by=Ring(GAINS))
+@claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))
 def eq45_printed(mutation: Mutation) -> Statement:
     """e3' = -k2 v1d e2 - k3 sin e3 + z2.
 
@@ -158,13 +147,12 @@ def angle_rate(mutation: Mutation) -> Statement:
     t = Tracking()
     k, e = t.k, t.e
     written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - mutation * t.z[1]
-    return Statement(t.names, (equal(t.rate[2], written),))
+    return t.states(equal(t.rate[2], written))
 
 
 @claim(
     "eq46",
     (46,),
-    form=PRINTED,
     given="|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
     by=Z3(points=(PUSHED,)),
     premises="lemma.integration",
@@ -178,15 +166,11 @@ def angle_grows(mutation: Mutation) -> Statement:
     k, e = t.k, t.e
     push = ca.fabs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
     given = (above(k[2]), at_least(e[2] * ca.sin(e[2])))
-    return Statement(t.names, (at_least(push * ca.fabs(e[2]), e[2] * t.rate[2]),), given)
+    return t.states(at_least(push * ca.fabs(e[2]), e[2] * t.rate[2]), given=given)
 
 
 @claim(
-    "eq47",
-    (47,),
-    form=PRINTED,
-    given="T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l",
-    premises="eq43 eq46",
+    "eq47", (47,), given="T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l", premises="eq43 eq46"
 )
 def angle_bound(mutation: Mutation) -> Statement:
     """|e3(t0)| + (1.1 k2 v1dmax |e2(t0)| + |z2|) T < |e2(t0)| (1/l + 11 v1dmax/(l v1dmin) + k3/(5
@@ -212,17 +196,17 @@ def angle_bound(mutation: Mutation) -> Statement:
     )
 
 
-@claim("eq48", (48,), form=PRINTED, given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
+@claim("eq48", (48,), given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
 def side_rate(mutation: Mutation) -> Statement:
     """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
     t = Tracking()
     e, v2 = t.e, t.followed[1]
     given = (above(t.v_d[0]), at_least(ca.fabs(e[2]), ca.fabs(ca.sin(e[2]))))
     bound = ca.fabs(e[0]) * ca.fabs(v2) + mutation * t.v_d[0] * ca.fabs(e[2])
-    return Statement(t.names, (at_least(bound, ca.fabs(t.rate[1])),), given)
+    return t.states(at_least(bound, ca.fabs(t.rate[1])), given=given)
 
 
-@claim("eq49", (49,), form=PRINTED, given=FIVE, premises="eq44 eq47 eq48")
+@claim("eq49", (49,), given=FIVE, premises="eq44 eq47 eq48")
 def side_stays(mutation: Mutation) -> Statement:
     """|e2| > 0.8 |e2(t0)|.
 

@@ -8,7 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
-from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
+from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.theorem1 import conditions, positive
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
@@ -28,7 +28,7 @@ def paper_gains(t: dict[str, ca.SX]) -> tuple[Relation, ...]:
     return tuple(equal(a * t[name], b) for name, a, b in exact)
 
 
-claim = Claims(by=Z3())
+claim = Claims(by=Z3(), form=PRINTED)
 
 
 @claim(
@@ -51,7 +51,6 @@ def angle_falls(mutation: Mutation) -> Statement:
 @claim(
     "eq51.printed",
     (51,),
-    form=PRINTED,
     given="k2, k3, v1dmin, v1dmax > 0",
     by=Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)),
 )
@@ -119,7 +118,6 @@ def angle_speed(mutation: Mutation) -> Statement:
 @claim(
     "eq52",
     (52,),
-    form=PRINTED,
     given="(39)",
     by=Z3(points=(at(e1=1, e2=0, e3=1, z1=0, z2=0, k1=1, k2=1, k3=1, eps1=1),)),
     premises="eq39",
@@ -136,7 +134,6 @@ def rise(mutation: Mutation) -> Statement:
 @claim(
     "eq53-54",
     (53, 54),
-    form=PRINTED,
     given="|e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0",
     premises="eq51",
 )
@@ -166,7 +163,6 @@ def angle_end(mutation: Mutation) -> Statement:
 @claim(
     "eq55.printed",
     (55,),
-    form=PRINTED,
     given="x = sqrt(k2 eps1/k3) + |z2|/(2 k3) < 11/14 (just above pi/4), |e3| < 22/7",
     by=Refute((at(e3="-78001/25000", x="39/50", root="39/50", eps1="1521/2500", **LATE),)),
 )
@@ -215,7 +211,7 @@ def eq55(mutation: Mutation) -> Statement:
     return eq55_printed(mutation, True)
 
 
-@claim("eq56", (56,), form=PRINTED, given="any", by=Ring())
+@claim("eq56", (56,), given="any", by=Ring())
 def mean(mutation: Mutation) -> Statement:
     """(3/5) T eps1 - (2/5) T 3 eps1 = -(3/5) T eps1.
 
@@ -227,7 +223,7 @@ def mean(mutation: Mutation) -> Statement:
     )
 
 
-@claim("conditions.least", (40,), given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.least", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
 def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256) -> Statement:
     """with the paper's gains all six conditions on l (the sixth corrected) hold for every l > 256.
 
@@ -240,7 +236,7 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     return Statement(t, tuple(above(six[i]) for i in range(6)), (*paper_gains(t), start))
 
 
-@claim("conditions.256", (40,), given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.256", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
 def at_256(_: Mutation) -> Statement:
     """l = 256 itself satisfies them.
 
@@ -254,7 +250,7 @@ def at_256(_: Mutation) -> Statement:
     )
 
 
-@claim("conditions.printed", (40, 51), given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.printed", (40, 51), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
 def conditions_printed(mutation: Mutation) -> Statement:
     """with the sixth condition as printed they hold for every l > 1136.
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterable
 
 import casadi as ca
 
@@ -13,48 +12,31 @@ from wmr_ctrl.proofs.case import FREE, POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.statement import Statement, above, at_least, column, equal, stacked, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    column,
+    equal,
+    stacked,
+    symbols,
+)
 
 
-@dataclass(frozen=True)
 class Tracking:
-    """e, z = v - v_c0, desired velocity and gains, with the rates that follow."""
+    """e, z = v - v_c0, a free velocity v, the desired one and gains, with the rates that follow."""
 
-    @cached_property
-    def names(self) -> dict[str, ca.SX]:
-        """All symbols."""
-        return {
-            **column("e", 3),
-            **column("z", 2),
-            **symbols("v1d v2d"),
-            **column("k", 3, fixed=True),
-            **column("v", 2),
-        }
+    def __init__(self) -> None:
+        free = {**column("e", 3), **column("z", 2), **symbols("v1d v2d")}
+        self.names = {**free, **column("k", 3, fixed=True), **column("v", 2)}
+        self.e, self.k = (stacked(self.names, name, 3) for name in "ek")
+        self.z, self.v = (stacked(self.names, name, 2) for name in "zv")
+        self.v_d = ca.vertcat(self.names["v1d"], self.names["v2d"])
 
-    @property
-    def e(self) -> ca.SX:
-        """Tracking error."""
-        return stacked(self.names, "e", 3)
-
-    @property
-    def z(self) -> ca.SX:
-        """Velocity error."""
-        return stacked(self.names, "z", 2)
-
-    @property
-    def k(self) -> ca.SX:
-        """Gains of Eq. (7)."""
-        return stacked(self.names, "k", 3)
-
-    @property
-    def v_d(self) -> ca.SX:
-        """Desired velocity."""
-        return ca.vertcat(self.names["v1d"], self.names["v2d"])
-
-    @property
-    def v(self) -> ca.SX:
-        """A free velocity."""
-        return stacked(self.names, "v", 2)
+    def states(self, *goals: Relation, given: Iterable[Relation] = ()) -> Statement:
+        """The statement about these symbols alone."""
+        return Statement(self.names, goals, tuple(given))
 
     @property
     def followed(self) -> ca.SX:
@@ -85,10 +67,10 @@ SIGNED = Case(
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
-claim = Claims(by=Ring(GAINS))
+claim = Claims(by=Ring(GAINS), form=PRINTED)
 
 
-@claim("eq32", (31, 32), form=PRINTED, given=ANY)
+@claim("eq32", (31, 32), given=ANY)
 def derivative(mutation: Mutation) -> Statement:
     """V2' = e1' e1 + e2' e2 + e3' sin e3/k2.
 
@@ -98,10 +80,10 @@ def derivative(mutation: Mutation) -> Statement:
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     rate = error_rate(e, v, v_d)
     chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * ca.sin(e[2]) / k2
-    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), chain),))
+    return t.states(equal(analysis.position_rate(e, v, v_d, k2), chain))
 
 
-@claim("eq36", (33, 34, 35, 36), form=PRINTED, given=ANY)
+@claim("eq36", (33, 34, 35, 36), given=ANY)
 def expanded(mutation: Mutation) -> Statement:
     """V2' with (33)-(35) put in.
 
@@ -111,10 +93,10 @@ def expanded(mutation: Mutation) -> Statement:
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     s, c = ca.sin(e[2]), ca.cos(e[2])
     written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + mutation * (v_d[1] - v[1]) * s / k2
-    return Statement(t.names, (equal(analysis.position_rate(e, v, v_d, k2), written),))
+    return t.states(equal(analysis.position_rate(e, v, v_d, k2), written))
 
 
-@claim("eq37", (7, 13, 37), form=PRINTED, given=ANY)
+@claim("eq37", (7, 13, 37), given=ANY)
 def with_targets(mutation: Mutation) -> Statement:
     """V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z.
 
@@ -123,10 +105,10 @@ def with_targets(mutation: Mutation) -> Statement:
     t = Tracking()
     e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
     written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - mutation * z[1] * s / k[1]
-    return Statement(t.names, (equal(t.fall, written),))
+    return t.states(equal(t.fall, written))
 
 
-@claim("eq38", (38,), form=PRINTED, given="k1, k2, k3 > 0")
+@claim("eq38", (38,), given="k1, k2, k3 > 0")
 def squares(mutation: Mutation) -> Statement:
     """the same with completed squares."""
     t = Tracking()
@@ -134,10 +116,10 @@ def squares(mutation: Mutation) -> Statement:
     written = analysis.position_rate_bound(t.e, mutation * z, k) + analysis.square_rest(
         z[0] ** 2, z[1] ** 2, k
     )
-    return Statement(t.names, (equal(t.fall, written),))
+    return t.states(equal(t.fall, written))
 
 
-@claim("eq39", (39,), form=PRINTED, given="k1, k2, k3, eps0 > 0", by=Ring((SIGNED,)))
+@claim("eq39", (39,), given="k1, k2, k3, eps0 > 0", by=Ring((SIGNED,)))
 def bounded(mutation: Mutation) -> Statement:
     """V2' <= the squares + eps1 for |z1|, |z2| < eps0.
 
@@ -153,7 +135,6 @@ def bounded(mutation: Mutation) -> Statement:
 @claim(
     "eq39.threshold",
     (39,),
-    form=PRINTED,
     given="|z2| <= eps0; root stands for the square root",
     by=Z3(
         points=(
@@ -198,7 +179,6 @@ def beyond(mutation: Mutation) -> Statement:
 @claim(
     "eq39.printed",
     (39,),
-    form=PRINTED,
     given="|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7",
     by=Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),)),
 )

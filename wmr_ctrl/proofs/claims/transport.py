@@ -6,7 +6,6 @@ V1(.; c) lies above its chords and, by w^2/2, above its minimum at v_c1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -17,42 +16,29 @@ from wmr_ctrl.barrier.proximal import level_share, resolvent, transported
 from wmr_ctrl.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols, when
 
 ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 FORMS = (
     {
         "key": "", "smooth": False, "words": "paper's barrier", "convex": "convex",
-        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox",
+        "optimal": "prox.optimal", "least": "eq81", "compiled": "forms.V1 forms.v_c1 P1.prox"
     },
     {
         "key": "-smooth", "smooth": True, "words": "smooth barrier", "convex": "smooth.convex",
         "optimal": "prox.optimal-smooth", "least": "prox.optimal-smooth",
-        "compiled": "smooth.V1 smooth.v_c1",
+        "compiled": "smooth.V1 smooth.v_c1"
     },
 )  # fmt: skip
 
 
-def when(condition: ca.SX, relation: Relation) -> Relation:
-    """``condition`` implies the relation, which must be one that 0 fulfils."""
-    return Relation(ca.if_else(condition, relation.expr, 0), relation.kind)
-
-
-@dataclass(frozen=True)
 class Carried:
     """`transported` with its targets, V0, D1 and theta as free numbers; V1(v*; c+) is ``after``."""
 
-    smooth: bool
-
-    @cached_property
-    def inputs(self) -> dict[str, ca.SX]:
-        """v and both targets, limits."""
-        return symbols("v c c_next u1 u2", "u1 u2")
-
-    @cached_property
-    def free(self) -> dict[str, ca.SX]:
-        """x, x+, V0, D1, theta and V1(v*; c+)."""
-        return symbols("x x_next level excess share after")
+    def __init__(self, smooth: bool) -> None:
+        self.smooth = smooth
+        self.inputs = symbols("v c c_next u1 u2", "u1 u2")
+        self.free = symbols("x x_next level excess share after")
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
@@ -75,21 +61,17 @@ class Carried:
         limits = (t["u1"], t["u2"])
         return transported(t["v"], t["c"], t["c_next"], limits, self.smooth)
 
-    @property
-    def known(self) -> tuple[Relation, ...]:
-        """0 < u2 < u1, |x| and |x+| < u1, x = x+ where the target is held, theta by its entry."""
+    def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
+        """The statement on the graph of `transported`.
+
+        0 < u2 < u1, |x| and |x+| < u1, x = x+ where the target is held, theta by its entry.
+        """
         t = {**self.inputs, **self.free}
         u1, share = t["u1"], t["share"]
         inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
-        return (
-            above(t["u2"]), above(u1, t["u2"]), *inside,
-            when(ca.eq(t["c"], t["c_next"]), equal(t["x"], t["x_next"])),
-            at_least(share), at_least(1, share),
-        )  # fmt: skip
-
-    def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
-        """The statement on the graph of `transported`."""
-        return Statement({**self.inputs, **self.free}, goals, (*self.known, *given), self.cuts)
+        held = when(ca.eq(t["c"], t["c_next"]), equal(t["x"], t["x_next"]))
+        known = (above(t["u2"]), above(u1, t["u2"]), *inside, held, at_least(share))
+        return Statement(t, goals, (*known, at_least(1, share), *given), self.cuts)
 
 
 claim = Claims(by=Z3(effort=150))

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import casadi as ca
 
 from wmr_ctrl.guard.guard import MAPS
@@ -19,14 +16,11 @@ BOX = (
 )
 
 
-@dataclass(frozen=True)
 class MappedWheels:
-    """A guard's box, a force in it, and wheels with reach phi."""
+    """A guard's box, a force in it, and wheels with reach phi [N]; half is l, r the radius [m]."""
 
-    @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
-        """lo, hi and force of both axes; phi [N], half (l) and r [m]."""
-        return symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
+    def __init__(self) -> None:
+        self.symbols = symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
 
     def pair(self, name: str) -> ca.SX:
         """Both axes of one quantity."""
@@ -96,6 +90,12 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(t, (above(largest, t["phi"] * t["r"] / 2),), (*positive, *held, tight))
 
 
+@claim.also(
+    "wheels.rotation-first",
+    "rotation-first ends in the guard's box and within reach",
+    "Nor does it when the rotation is served first.",
+    name="rotation-first",
+)
 @claim("wheels.linear-first", given=BOX)
 def linear(mutation: Mutation, name: str = "linear-first") -> Statement:
     """linear-first ends in the guard's box and within reach.
@@ -105,15 +105,6 @@ def linear(mutation: Mutation, name: str = "linear-first") -> Statement:
     w = MappedWheels()
     found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
     return Statement(w.symbols, (*w.within(found), w.reached(found)), w.given)
-
-
-@claim("wheels.rotation-first", given=BOX)
-def rotation(mutation: Mutation) -> Statement:
-    """rotation-first ends in the guard's box and within reach.
-
-    Nor does it when the rotation is served first.
-    """
-    return linear(mutation, "rotation-first")
 
 
 @claim("wheels.per-wheel", given=BOX)

@@ -79,6 +79,12 @@ WHOLE = (
 claim = Claims(by=Z3(effort=150))
 
 
+@claim.also(
+    "world.encoder.omega",
+    "and an omega that is off by less than 2 pi r/(N w l)",
+    "The same for the turn.",
+    axis=1,
+)
 @claim("world.encoder.v1", given=WHOLE)
 def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     """counts differenced over w show a v1 that is off by less than 2 pi r/(N w).
@@ -111,15 +117,12 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
     )  # fmt: skip
 
 
-@claim("world.encoder.omega", given=WHOLE)
-def counted_turn(mutation: Mutation) -> Statement:
-    """and an omega that is off by less than 2 pi r/(N w l).
-
-    The same for the turn.
-    """
-    return counted_speed(mutation, 1)
-
-
+@claim.also(
+    "world.wheels.misread-omega",
+    "and omega off by at most |c l'/l - 1| u2 + |d| u1/l",
+    "The same for the turn.",
+    axis=1,
+)
 @claim("world.wheels.misread-v1", given=INSIDE)
 def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     """turns of other wheels than believed show v1 off by at most |c - 1| u1 + |d| l' u2, c and d
@@ -146,15 +149,12 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     return Statement({**g.symbols, **t}, within(off, bounds[axis] * mutation(1, 0.9)), given)
 
 
-@claim("world.wheels.misread-omega", given=INSIDE)
-def misread_turn(mutation: Mutation) -> Statement:
-    """and omega off by at most |c l'/l - 1| u2 + |d| u1/l.
-
-    The same for the turn.
-    """
-    return misread_speed(mutation, 1)
-
-
+@claim.also(
+    "world.wheels.moment",
+    "and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r",
+    "The same for the moment, with the track.",
+    axis=1,
+)
 @claim("world.wheels.thrust", given=SIZES)
 def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     """torques of at most tau make a thrust that is off by at most tau sum |1/(1 + radius_i) - 1|/r.
@@ -174,12 +174,3 @@ def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
         *within(told[1], most["most"]),
     )
     return Statement({**g.symbols, **most}, within(made - meant, bound * mutation(1, 0.9)), given)
-
-
-@claim("world.wheels.moment", given=SIZES)
-def wheels_moment(mutation: Mutation) -> Statement:
-    """and a moment off by at most l tau sum |(1 + track)/(1 + radius_i) - 1|/r.
-
-    The same for the moment, with the track.
-    """
-    return wheels_thrust(mutation, 1)
