@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from functools import lru_cache
 from importlib import import_module
+from importlib.resources import files
 
 from wmr_ctrl.paper import equations
 from wmr_ctrl.proofs.claim import PRINTED, Claim
@@ -47,10 +49,9 @@ THEMES = (
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
     ("composition", "How the parts are put together"),
-    ("manual", "Arguments by hand, assumptions, open ends"),
 )
 """(file, or file and name of its claims; title)."""
-DEFINITIONS = "Definitions"
+BY_HAND, DEFINITIONS = "Arguments by hand, assumptions, open ends", "Definitions"
 
 
 @lru_cache(maxsize=1)
@@ -61,7 +62,7 @@ def all_claims() -> tuple[Claim, ...]:
         file, _, name = place.partition(":")
         claims = vars(import_module(f"wmr_ctrl.proofs.claims.{file}"))[name or "claim"]
         found += [replace(claim, theme=title) for claim in claims.listed]
-    return (*found, *_definitions())
+    return (*found, *_by_hand(), *_definitions())
 
 
 def forget() -> None:
@@ -69,6 +70,17 @@ def forget() -> None:
     from wmr_ctrl.proofs.claims.network_axis import network_axis
 
     network_axis.cache_clear()
+
+
+def _by_hand() -> list[Claim]:
+    """What only a person's argument closes, and what stays open: words alone."""
+    text = files("wmr_ctrl.proofs.claims").joinpath("by_hand.toml").read_text(encoding="utf-8")
+    lists = ("equations", "premises")
+    rows = tomllib.loads(text)["entry"]
+    return [
+        Claim(**row | {key: tuple(row.get(key, ())) for key in lists}, theme=BY_HAND)
+        for row in rows
+    ]
 
 
 def _definitions() -> list[Claim]:
