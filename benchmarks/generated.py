@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.api import compile_loop
-from wmr_ctrl.codegen.build import build_loop
+from wmr_ctrl.codegen.build import build_law, build_watched_loop
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
@@ -44,7 +44,13 @@ def settled(law: str, control: float = 1e-2) -> Settled:
 @cache
 def compiled(law: str, control: float = 1e-2) -> CompiledLoop:
     """The compiled loop of a law."""
-    return build_loop(settled(law, control))
+    return build_watched_loop(settled(law, control))
+
+
+@cache
+def compiled_law(law: str) -> CompiledLoop:
+    """The compiled controller of a law by itself."""
+    return build_law(settled(law))
 
 
 def inputs_of(law: str) -> Array:
@@ -57,14 +63,14 @@ def inputs_of(law: str) -> Array:
 def step(law: str, steps: int) -> Candidate:
     """One control sample, in a loop in C, called through a pointer."""
     numbers = compiled(law).law
-    entry = load(compiled(law).library).wmr_export_controller
+    entry = load(compiled_law(law).library).wmr_export_controller
     x, p = np.array([*numbers.start, 0.0]), np.array(numbers.values)
     return Candidate(partial(out_of_place(entry, inputs_of(law), x, p, 2), steps), steps)
 
 
 def call_from_python(law: str, steps: int) -> Candidate:
     """One control sample called from Python, arrays and pointers kept."""
-    one = CompiledLaw(compiled(law))
+    one = CompiledLaw(compiled_law(law))
     one.u[:] = inputs_of(law)[0]
     return Candidate(_repeated(one.step, steps), steps)
 
@@ -97,7 +103,7 @@ EXACT: Mapping[str, object] = {
 def robot(changes: Mapping[str, object]) -> Candidate:
     """80 s of the guarded NN loop of robot-10ms with some changes; a step is one control sample."""
     setup = settle(load_scenario("robot-10ms", changes), "nn")
-    loop = runnable_of(build_loop(setup), setup)
+    loop = runnable_of(build_watched_loop(setup), setup)
     return Candidate(laid_out([Task(loop, 0)], []).run, setup.scenario.clock.samples)
 
 

@@ -320,11 +320,11 @@ def compile_law(law: str, scenario: str | Path | Scenario = "paper-simulation") 
     >>> bool(left > right)  # the target is to the right
     True
     """
-    from wmr_ctrl.codegen.build import build_loop
+    from wmr_ctrl.codegen.build import build_law
     from wmr_ctrl.control.setup import settle
     from wmr_ctrl.sim.compiled_law import CompiledLaw
 
-    return CompiledLaw(build_loop(settle(scenario_of(scenario), law)))
+    return CompiledLaw(build_law(settle(scenario_of(scenario), law)))
 
 
 def compile_loop(

@@ -38,13 +38,18 @@ int32_t WMR_OWN(wmr_run_set)(const void *settings, void *findings, void *state)
     return cancelled;
 }
 
-/* Lanes, bytes of the settings, findings, sums, columns, numbers of the state and parameters. */
+/* Lanes, bytes of the settings, findings, sums (0: every run must have a log), columns, numbers of the
+   state and parameters. */
 void WMR_OWN(wmr_set_sizes)(int64_t sizes[7])
 {
     sizes[0] = WMR_WIDTH;
     sizes[1] = (int64_t)sizeof(wmr_settings);
     sizes[2] = WMR_FINDINGS;
+#ifdef WMR_SAMPLE_WATCHED_PREPARED
     sizes[3] = WMR_WINDOW;
+#else
+    sizes[3] = 0;
+#endif
     sizes[4] = WMR_ROW;
     sizes[5] = WMR_STATE;
     sizes[6] = WMR_PARAMETERS;

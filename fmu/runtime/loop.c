@@ -90,7 +90,9 @@ static void prepare(const wmr_settings *s, wmr_loop *w)
 #else
     const wmr_v *p = parameters(s, w);
     wmr_sample_logged_prepare(p, w->prepared_logged);
+#ifdef WMR_SAMPLE_WATCHED_PREPARED
     wmr_sample_watched_prepare(p, w->prepared_watched);
+#endif
     wmr_step_prepare(p, w->prepared_step);
 #endif
 }
@@ -237,6 +239,7 @@ static void plant_steps(const wmr_settings *s, wmr_loop *w, const wmr_v *held)
     }
 }
 
+#ifdef WMR_SAMPLE_WATCHED_PREPARED
 /* Adds this sample to the windows that it is in; behind the sums is how far it was off at most. */
 static void add_up(const wmr_settings *s, const wmr_loop *w, const wmr_v *seen)
 {
@@ -268,6 +271,7 @@ static void watch(wmr_loop *w, const wmr_v *seen)
     }
     set(peak, w->running & wmr_not(wmr_mask(seen[WMR_SEEN_PEAK] <= *peak)), seen[WMR_SEEN_PEAK]);
 }
+#endif
 
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
 {
@@ -277,13 +281,16 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
     change(s, w);
     draw(s, w, 0, 1, w->sample, draws);
     p = parameters(s, w);
-    if (row) {
-        wmr_sample_logged(&k, x, p, draws, w->prepared_logged, next, held, row);
-    } else {
+#ifdef WMR_SAMPLE_WATCHED_PREPARED
+    if (!row) {
         wmr_v seen[WMR_SEEN];
         wmr_sample_watched(&k, x, p, draws, w->prepared_watched, next, held, seen);
         watch(w, seen);
         add_up(s, w, seen);
+    } else
+#endif
+    {
+        wmr_sample_logged(&k, x, p, draws, w->prepared_logged, next, held, row);
     }
     w->findings[WMR_FOUND_SAMPLES] += wmr_number(w->running);
     copy(w->states[!w->now], x, WMR_FAST);

@@ -40,7 +40,9 @@ typedef struct {
     wmr_v findings[WMR_FINDINGS];
 #ifndef WMR_OUTSIDE
     wmr_v prepared_logged[WMR_SAMPLE_LOGGED_PREPARED + 1]; /* of this phase's parameters alone */
+#ifdef WMR_SAMPLE_WATCHED_PREPARED /* the kernels do runs without a log, too */
     wmr_v prepared_watched[WMR_SAMPLE_WATCHED_PREPARED + 1];
+#endif
     wmr_v prepared_step[WMR_STEP_PREPARED + 1];
 #endif
 } wmr_loop;
@@ -50,7 +52,8 @@ static inline wmr_v *wmr_loop_state(wmr_loop *w) { return w->states[w->now]; }
 
 void wmr_loop_start(const wmr_settings *s, wmr_loop *w);
 
-/* One control sample and its plant steps; `row` (WMR_ROW numbers) may be NULL. */
+/* One control sample and its plant steps; `row` (WMR_ROW numbers) may be NULL where the kernels do
+   runs without a log. */
 void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row);
 
 /* A whole run from the start; 0, or 1 if it was cancelled. */

@@ -1,5 +1,5 @@
-/* The loop for one robot, with the same entries as dispatch.c has for vectors of them; and, for
-   callers that take one kernel at a time, the kernels themselves. */
+/* The loop for one robot, with the same entries as dispatch.c has for vectors of them; and the
+   kernels themselves, one at a time. */
 #define WMR_SET native
 #define WMR_LANES 0
 
@@ -22,39 +22,6 @@ WMR_EXPORT int32_t wmr_run(int32_t k, const void *settings, void *findings, void
 {
     (void)k;
     return wmr_run_set_native(settings, findings, state);
-}
-
-/* One sample of the law in place, for callers that keep one pointer. */
-typedef struct {
-    const double *u, *p;
-    double *x, *y;
-    double largest; /* what no input may exceed in size */
-} wmr_call;
-
-/* What is no number is not within anything. */
-static int all_within(const double *values, int count, double most)
-{
-    for (int i = 0; i < count; i++) {
-        if (!(values[i] >= -most && values[i] <= most)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* 1 if an input is too large, or a result is none: torques 0, the memory as it was. */
-WMR_EXPORT int32_t wmr_law_step(const wmr_call *c)
-{
-    double next[WMR_CONTROLLER_NX + 1];
-    if (all_within(c->u, WMR_CONTROLLER_NU, c->largest)) {
-        wmr_controller(c->u, c->x, c->p, next, c->y);
-        if (all_within(c->y, 2, DBL_MAX) && all_within(next, WMR_CONTROLLER_NX, DBL_MAX)) {
-            copy(c->x, next, WMR_CONTROLLER_NX);
-            return 0;
-        }
-    }
-    c->y[0] = c->y[1] = 0.0;
-    return 1;
 }
 
 WMR_EXPORT void wmr_noise_block(const uint64_t *counter, const uint64_t *key, uint64_t *out)

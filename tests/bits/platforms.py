@@ -81,7 +81,7 @@ def built(platform: Platform, law: str, names: Iterable[str], folder: Path) -> P
 def written(lanes: int, law: str, name: str, folder: Path) -> Path:
     """The unit of a case, with all that it includes beside it."""
     one = case(law, name)
-    text = one.program.generated_lanes if lanes else one.program.generated
+    text = one.program.generated_lanes if lanes else one.program.generated_watched
     unit = folder / "case.c"
     folder.mkdir(parents=True)
     for file, content in {**unity(text, LOOP), "numbers.h": numbers(one)}.items():

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.codegen.build import LOOP, build_loop, program_of, unity
+from wmr_ctrl.codegen.build import LOOP, build_law, build_loop, program_of, unity
 from wmr_ctrl.codegen.emit import definition, kernel
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.compiled import elements
@@ -21,7 +21,7 @@ from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.sim.memory import REALS, load
+from wmr_ctrl.sim.memory import REALS, load, opened
 from wmr_ctrl.world.effect import Rate
 
 SCENARIO = load_scenario("paper-simulation")
@@ -34,7 +34,8 @@ def settled(law: str) -> Setup:
 
 def compiled(law: str, name: str) -> object:
     """Call of one exported kernel: arrays in, arrays out."""
-    entry = getattr(load(build_loop(settled(law)).library), f"wmr_export_{name}")
+    build = build_law if name == "controller" else build_loop
+    entry = opened(build(settled(law)).library)[f"wmr_export_{name}"]
     entry.restype = None
 
     def call(inputs: list[np.ndarray], sizes: list[int]) -> list[np.ndarray]:

@@ -15,13 +15,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import casadi as ca
-
 from wmr_ctrl.codegen.compiler import Toolchain, is_zig
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
 from wmr_ctrl.codegen.kernels import (
     FINDINGS,
     controller_kernel,
+    logged_kernels,
     loop_constants,
     loop_kernels,
     outside_constants,
@@ -44,6 +43,7 @@ from wmr_ctrl.signals import PLANT_STATE, Signal
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
 NATIVE = ("native.c", *LOOP)
 OUTSIDE = ("outside.c", *LOOP[1:])
+LAW = ("law.c", "arithmetic.h", "export.h")
 _DISPATCH = "dispatch.c"
 
 
@@ -69,16 +69,33 @@ def vector_sets() -> tuple[Instructions, ...]:
 def build_loop(setup: Setup) -> CompiledLoop:
     """Compile the closed loop of a setup for one robot, or find it in the cache.
 
+    Its runs have a log: `build_watched_loop` makes those that have none, too, and takes longer.
     Raises CompilerError without a working compiler.
     """
     program = program_of(setup)
-    return filled(program, setup, program.native, program.digest)
+    text = program.generated
+    return filled(program, setup, _for_this_processor(unity(text)), digest(text))
+
+
+def build_watched_loop(setup: Setup) -> CompiledLoop:
+    """The same for runs with a log and for runs without."""
+    program = program_of(setup)
+    text = program.generated_watched
+    return filled(program, setup, _for_this_processor(unity(text)), digest(text))
+
+
+def build_law(setup: Setup) -> CompiledLoop:
+    """The controller by itself, for callers of single samples, with the numbers of its loop."""
+    program = program_of(setup)
+    law = program.loop.controller
+    text = sources(sizes_of("controller", law), [controller_kernel(law)], SCALAR)
+    return filled(program, setup, _for_this_processor(unity(text, LAW)), digest(text))
 
 
 def build_batch(setup: Setup) -> CompiledLoop:
-    """The same for lanes of robots."""
+    """The closed loop for lanes of robots, with a log and without."""
     program = program_of(setup)
-    return filled(program, setup, program.lanes, program.lanes_digest)
+    return filled(program, setup, program.lanes, digest(program.generated_lanes))
 
 
 def build_plantless(setup: Setup) -> CompiledLoop:
@@ -87,55 +104,35 @@ def build_plantless(setup: Setup) -> CompiledLoop:
     That plant tells the state of ours, and the way and skid where a sensor asks for them.
     """
     program = program_of(setup, external_plant=True)
-    return filled(program, setup, program.plantless, program.digest)
+    loop = program.loop
+    text = sources(plantless_constants(loop), plantless_kernels(loop), SCALAR)
+    library = _for_this_processor(unity(text, OUTSIDE))
+    return filled(program, setup, library, digest(text))
 
 
 class Program:
     """Graphs, C text and libraries of one structure, made when they are asked for."""
 
     def __init__(self, setup: Setup, structure: Hashable, *, external_plant: bool = False) -> None:
-        """Compose the graphs of a setup of this structure; ``apart``: its plant is elsewhere."""
+        """Compose the graphs of a setup of this structure, or all of them but the plant."""
         self.loop = LoopGraphs(setup, external_plant=external_plant)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
         self.layout = layout_of(self.loop)
 
     @cached_property
-    def functions(self) -> dict[str, ca.Function]:
-        """What the runtime calls, as CasADi evaluates it, by name."""
-        return {item.name: item.function for item in loop_kernels(self.loop)}
+    def generated(self) -> dict[str, str]:
+        """C text for one robot whose runs have a log."""
+        return sources(loop_constants(self.loop), logged_kernels(self.loop), SCALAR)
 
     @cached_property
-    def generated(self) -> dict[str, str]:
-        """C text for one robot; the controller by itself is for callers of single samples."""
-        law = self.loop.controller
-        constants = {**loop_constants(self.loop), **sizes_of("controller", law)}
-        return sources(constants, (*loop_kernels(self.loop), controller_kernel(law)), SCALAR)
+    def generated_watched(self) -> dict[str, str]:
+        """C text for one robot, with what is watched where there is no log."""
+        return sources(loop_constants(self.loop), loop_kernels(self.loop), SCALAR)
 
     @cached_property
     def generated_lanes(self) -> dict[str, str]:
         """C text for lanes."""
         return sources(loop_constants(self.loop), loop_kernels(self.loop), LANES)
-
-    @cached_property
-    def digest(self) -> str:
-        """Hash of the text for one robot."""
-        return digest(self.generated)
-
-    @cached_property
-    def lanes_digest(self) -> str:
-        """Hash of the text for lanes."""
-        return digest(self.generated_lanes)
-
-    @cached_property
-    def native(self) -> Path:
-        """The library for one robot."""
-        return _for_this_processor(unity(self.generated))
-
-    @cached_property
-    def plantless(self) -> Path:
-        """The library for one robot whose plant is elsewhere."""
-        kernels, sizes = plantless_kernels(self.loop), plantless_constants(self.loop)
-        return _for_this_processor(unity(sources(sizes, kernels, SCALAR), OUTSIDE))
 
     @cached_property
     def lanes(self) -> Path:

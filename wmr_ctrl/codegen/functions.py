@@ -8,6 +8,7 @@ from pathlib import Path
 import casadi as ca
 
 from wmr_ctrl.codegen.build import filled, program_of
+from wmr_ctrl.codegen.kernels import logged_kernels
 from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.loop import CLOCK
 from wmr_ctrl.control.setup import Setup
@@ -50,7 +51,8 @@ class LoopFunctions:
 def loop_functions(setup: Setup) -> LoopFunctions:
     """The closed loop of a setup without a compiler."""
     program = program_of(setup)
-    loop, functions = program.loop, program.functions
+    loop = program.loop
+    functions = {item.name: item.function for item in logged_kernels(loop)}
     numbers = filled(program, setup, Path(), "")
     clock = functions["clock"](numbers.parameters[0]).full().ravel().tolist()
     said = iter(clock[len(CLOCK) :])

@@ -27,58 +27,54 @@ samples with the clip active."""
 
 def loop_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
     """The C functions that the runtime calls."""
-    given = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
-    left = {"next": loop.next_slow, "held": loop.held}
+    clock, logged, step = logged_kernels(loop)
+    given, left = _sampled(loop), {"next": loop.next_slow, "held": loop.held, "seen": loop.seen}
+    meaning = "A control sample and what is watched."
+    return clock, logged, kernel("sample_watched", meaning, given, left, prepared=True), step
+
+
+def logged_kernels(loop: LoopGraphs) -> tuple[Kernel, Kernel, Kernel]:
+    """Those of runs with a log."""
+    left = {"next": loop.next_slow, "held": loop.held, "row": loop.row}
+    moved, after = _stepped(loop), {"next": loop.next_fast}
     return (
-        kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
+        _clock(loop),
         kernel(
-            "sample_logged",
-            "A control sample with its log.",
-            given,
-            {**left, "row": loop.row},
-            prepared=True,
+            "sample_logged", "A control sample with its log.", _sampled(loop), left, prepared=True
         ),
-        kernel(
-            "sample_watched",
-            "A control sample and what is watched.",
-            given,
-            {**left, "seen": loop.seen},
-            prepared=True,
-        ),
-        kernel(
-            "step",
-            "The fast state after a plant step.",
-            _stepped(loop),
-            {"next": loop.next_fast},
-            prepared=True,
-        ),
+        kernel("step", "The fast state after a plant step.", moved, after, prepared=True),
     )
 
 
 def outside_kernels(loop: PlantlessGraphs) -> tuple[Kernel, ...]:
     """The C functions of what lies between a controller and a plant that are elsewhere."""
-    sampled = {"k": loop.sample.clock.sym, "x": loop.x, "p": loop.p, "w": loop.draws(Rate.SAMPLE)}
-    return (
-        kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock}),
-        kernel(
-            "measure",
-            "What the sensors show, and what disturbs.",
-            sampled,
-            {"next": stack(loop.sample.following), "y": loop.measured},
-        ),
-        _acting(loop),
-    )
+    left = {"next": stack(loop.sample.following), "y": loop.measured}
+    measure = kernel("measure", "What the sensors show, and what disturbs.", _sampled(loop), left)
+    return _clock(loop), measure, _acting(loop)
 
 
 def plantless_kernels(loop: LoopGraphs) -> tuple[Kernel, ...]:
     """The C functions of a whole loop whose plant alone is elsewhere."""
-    clock, logged, _, _ = loop_kernels(loop)
+    clock, logged, _ = logged_kernels(loop)
     return clock, replace(logged, prepared=False), _acting(loop)
+
+
+def _clock(loop: Graphs) -> Kernel:
+    return kernel("clock", "Numbers that the loop itself takes.", {"p": loop.p}, {"n": loop.clock})
 
 
 def _acting(loop: Graphs) -> Kernel:
     moved = {"next": loop.resting, "y": loop.acting}
     return kernel("act", "What acts on the plant.", _stepped(loop), moved)
+
+
+def _sampled(loop: Graphs) -> dict[str, ca.SX]:
+    return {
+        "k": loop.sample.clock.sym,
+        "x": loop.x,
+        "p": loop.p,
+        "w": loop.draws(Rate.SAMPLE),
+    }
 
 
 def _stepped(loop: Graphs) -> dict[str, ca.SX]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.signals import LARGEST
-from wmr_ctrl.sim.memory import load
+from wmr_ctrl.sim.memory import opened
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class CompiledLaw:
         self.x: Floats = self._start.copy()
         self._arrays = (self.u, self.parameters, self.x, self.torque)
         self._pointers = Call(*(item.ctypes.data for item in self._arrays), LARGEST)
-        load(loop.library)  # says what is wrong with a library that cannot be loaded
+        opened(loop.library)  # says what is wrong with a library that cannot be loaded
         # A step is shorter than letting go of Python's lock; and the function takes its one
         # argument as it is, since conversion would cost as much as the call.
         self._call = ct.PyDLL(loop.library)["wmr_law_step"]

@@ -196,6 +196,11 @@ def laid_out(
     loop = runs[0].loop
     compiled, clock = loop.compiled, loop.scenario.clock
     chosen = vector_set(compiled.library, runs[0].vectors)
+    if not (log or chosen.sums):
+        raise ArgumentError(
+            "this loop was compiled for runs with a log alone. Ask for a log, or compile it by "
+            "`compile_loop`."
+        )
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
     arrays: dict[str, Numbers] = {
         "parameters": _columns([_parameters(run.loop.compiled) for run in padded]),
