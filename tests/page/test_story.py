@@ -62,7 +62,9 @@ def test_prox_needs_no_guard_where_nn_does() -> None:
     assert max(nn.summary()["guard_share"]) > 0.5
 
 
-def test_a_robot_has_room_for_delay_that_no_law_is_told() -> None:
+def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wmr_ctrl.page.scenes.PERIODS", ())
+    monkeypatch.setattr("wmr_ctrl.page.scenes.LATE", ())
     known = {"actuator.delay": 0.01, "actuator.unmodelled_delay": 0.9, "clock.plant": 0.001}
     scenario = override(load_scenario("paper-simulation-nominal"), known)
     scene = PageScene("late", "Late", "", scenario, ("pid",))

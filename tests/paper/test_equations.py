@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
@@ -35,6 +36,7 @@ def numbers(text: str) -> set[int]:
     return found
 
 
+@lru_cache(maxsize=1)
 def docstrings() -> list[tuple[str, str]]:
     found = []
     for path in PACKAGE.rglob("*.py"):

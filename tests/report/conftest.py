@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
 import pytest
 
 from tests.campaign.conftest import campaign as campaign
@@ -28,21 +31,29 @@ def comparison(comparison_cases) -> FigureTable:
         return run_comparison(comparison_cases)
 
 
-@pytest.fixture
-def few_pictures(monkeypatch) -> frozenset[str]:
-    """To save time: one picture of each kind, for the page only; empty ones for the others."""
-    drawn = frozenset(
-        ("fig3a_trajectory", "fig3b_lyapunov", "fig3c_v1", "fig3k_weights_1", "measure", "switch",
-         "torque", "limits_all_seeds")
-    )  # fmt: skip
+@contextmanager
+def drawn_for_the_page(wanted: Callable[[str], bool]) -> Iterator[None]:
+    """To save time: only the pictures of these names, as SVG; empty ones for the others."""
     whole = Drawing.save
 
     def save(drawing, folder):
-        if drawing.name in drawn:
+        if wanted(drawing.name):
             return whole(drawing, folder, (".svg",))
         path = folder / f"{drawing.name}.svg"
         path.write_text("<svg/>")
         return (path,)
 
-    monkeypatch.setattr(Drawing, "save", save)
-    return drawn
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Drawing, "save", save)
+        yield
+
+
+@pytest.fixture
+def few_pictures() -> Iterator[frozenset[str]]:
+    """One picture of each kind."""
+    drawn = frozenset(
+        ("fig3a_trajectory", "fig3b_lyapunov", "fig3c_v1", "fig3k_weights_1", "measure", "switch",
+         "torque", "limits_all_seeds")
+    )  # fmt: skip
+    with drawn_for_the_page(drawn.__contains__):
+        yield drawn
