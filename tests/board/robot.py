@@ -8,7 +8,7 @@ from tests.codegen.compiled import compiled
 from wmr_ctrl.codegen.block import plant_block
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 
 
 class Robot:

@@ -14,7 +14,7 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 
 SCENARIO = load_scenario("paper-simulation")
 CASES = [

@@ -12,8 +12,7 @@ from wmr_ctrl.api import scenario_of, simulate
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import quantity
-from wmr_ctrl.world.references.evaluate import MOST_SAMPLES
-from wmr_ctrl.world.references.kind import Reference, ReferenceKind, timed
+from wmr_ctrl.world.references.kind import MOST_SAMPLES, Reference, ReferenceKind, timed
 from wmr_ctrl.world.references.registry import REFERENCES
 
 

@@ -19,7 +19,7 @@ from wmr_ctrl.model.system import Output, Parameters, System, port, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.effect import EffectRole
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.registry import EFFECTS
 
 PARALLEL = Signal(

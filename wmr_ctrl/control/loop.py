@@ -49,7 +49,7 @@ from wmr_ctrl.signals import (
 )
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.phases import KEYS, demanded
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
 """Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same

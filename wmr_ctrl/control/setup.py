@@ -31,7 +31,7 @@ from wmr_ctrl.signals import TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
 from wmr_ctrl.world.grip import grip
-from wmr_ctrl.world.references.evaluate import check_finite
+from wmr_ctrl.world.references.kind import check_finite
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, net, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import largest_friction
-from wmr_ctrl.world.references.evaluate import reference_bounds
+from wmr_ctrl.world.references.kind import reference_bounds
 
 
 @dataclass(frozen=True)

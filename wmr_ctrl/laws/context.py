@@ -19,17 +19,18 @@ from wmr_ctrl.model.kinematics import (
     reference_rate,
     tracking_error,
 )
-from wmr_ctrl.model.system import Output, Parameters, Port, System, ports, stack
+from wmr_ctrl.model.system import KeyedNumbers, Output, Parameters, Port, System, ports, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import DIAGNOSTICS, FORCE, POSE, REFERENCE, VELOCITY, Signal
 
 AXES = (0, 1)
+KINEMATIC = "gains.kinematics.k"
 S = TypeVar("S", bound=Section)
 Desired = tuple[ca.SX, ca.SX, ca.SX]
 """Desired pose (3,), velocity (2,) and its rate (2,)."""
 
 
-class LawNumbers(Protocol):
+class LawNumbers(KeyedNumbers, Protocol):
     """What a law's graph is built from: its name, its checked gains, the scenario, all numbers."""
 
     @property
@@ -43,9 +44,6 @@ class LawNumbers(Protocol):
     @property
     def gains(self) -> Section:
         """The law's gains, complete and checked."""
-
-    def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
-        """Signal and value of a number by its key, gains included."""
 
 
 class LawContext:
@@ -96,23 +94,20 @@ class LawContext:
         return tracking_error(self.pose_d, self.pose)
 
     @cached_property
-    def _k(self) -> ca.SX:
-        return self.parameters.take("gains.kinematics.k")
-
-    @cached_property
     def v_c0(self) -> ca.SX:
         """Auxiliary velocity, Eq. (7)."""
-        return auxiliary_velocity(self.e, self.v_d, self._k)
+        return auxiliary_velocity(self.e, self.v_d, self.parameters.take(KINEMATIC))
 
     @cached_property
     def v_c0_dot(self) -> ca.SX:
         """Its exact rate."""
-        return auxiliary_rate(self.e, self.v, self.v_d, self.v_d_dot, self._k)
+        k = self.parameters.take(KINEMATIC)
+        return auxiliary_rate(self.e, self.v, self.v_d, self.v_d_dot, k)
 
     @cached_property
     def v_c0_dot_reference(self) -> ca.SX:
         """The reference's share of that rate, by v_d' alone."""
-        return reference_rate(self.e, self.v_d, self.v_d_dot, self._k)
+        return reference_rate(self.e, self.v_d, self.v_d_dot, self.parameters.take(KINEMATIC))
 
     @cached_property
     def mass(self) -> ca.SX:
@@ -159,8 +154,7 @@ class LawContext:
 
     def diagnostics(self) -> tuple[Output, ...]:
         """The diagnostics that every law publishes."""
-        u1 = self.parameters.take("limits.v_u1")
-        share = [1 - ca.fabs(self.v[i]) / u1[i] for i in AXES]
+        share = [1 - ca.fabs(self.v[i]) / self.u1[i] for i in AXES]
         v1 = self.barrier[0].V1 + self.barrier[1].V1
         exprs = (self.v_c0, self.per_axis("v_c1"), v1, self.per_axis("q"), ca.fmin(*share))
         return tuple(Output(signal, expr) for signal, expr in zip(DIAGNOSTICS, exprs, strict=True))
@@ -178,15 +172,14 @@ class LawContext:
 
         ``further_inputs`` may hold tau_applied and tau_sent, which `controller` supplies.
         """
-        following = ca.SX(0, 1) if update is None else update
-        every = (*self.diagnostics(), *diagnostics)
+        every = (*self.diagnostics(), *diagnostics)  # before the parameters that it takes
         return System(
             self.law,
             title,
             inputs=(*self.inputs, *further_inputs),
             state=tuple(state),
             params=self.parameters.ports,
-            update=following,
+            update=ca.SX(0, 1) if update is None else update,
             outputs=(Output(FORCE, force),),
             diagnostics=every,
             period=self.scenario.clock.control,

@@ -56,7 +56,9 @@ def build(context: LawContext) -> System:
     observer = Observer(context, context.gain("wo"), context.friction_at)
     last = port(COMMAND)
     then, sent = ahead(context, observer.force)
-    command = _limited(then, ca.if_else(observer.started > 0, last.sym, then.v))
+    start = ca.if_else(observer.started > 0, last.sym, then.v)
+    top, most = then.gain("share") * then.u1, then.gain("a_max") * then.period
+    command = start + _cut(_cut(wanted_velocity(then), top) - start, most)
     pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
     a = then.v_d_dot + pull * (command - then.v)
     asked = context.mass * a + context.friction_at(then.v + context.period * a)
@@ -77,22 +79,9 @@ def wanted_velocity(context: LawContext) -> ca.SX:
     return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
 
 
-def _limited(context: LawContext, last: ca.SX) -> ca.SX:
-    """The command (2,) [m/s, rad/s] after ``last``: within share v_u1, a_max T away at most."""
-    top, most = context.gain("share") * context.u1, context.gain("a_max") * context.period
-    wanted = _cut(wanted_velocity(context), top)
-    return last + _cut(wanted - last, most)
-
-
 def _cut(values: ca.SX, most: ca.SX) -> ca.SX:
     return ca.vertcat(*(ca.fmax(-most[i], ca.fmin(most[i], values[i])) for i in AXES))
 
 
-LAW = Law(
-    "kanayama",
-    gains=KanayamaGains,
-    build=build,
-    traits=Traits(model=True, observer=True),
-    doc=__doc__ or "",
-    tuned=("k", "rate", "wo", "a_max"),
-)
+TRAITS = Traits(model=True, observer=True)
+LAW = Law("kanayama", KanayamaGains, build, TRAITS, __doc__, tuned=("k", "rate", "wo", "a_max"))

@@ -48,13 +48,13 @@ class Law:
     gains: type[Section]
     build: Callable[[LawContext], System]
     traits: Traits
-    doc: str
+    doc: str | None
     tuned: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
-        """The first line of what its file says."""
-        return self.doc.strip().splitlines()[0].rstrip(".") if self.doc.strip() else self.name
+        """First line of its file's docstring, or its name."""
+        return ((self.doc or "").strip().splitlines() or [self.name])[0].rstrip(".")
 
 
 class TorqueLimited(Section, key="gains"):

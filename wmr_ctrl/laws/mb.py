@@ -47,11 +47,5 @@ def decay_rate(context: LawContext) -> ca.SX:
     return -ca.expm1(-rho * context.period) / context.period
 
 
-LAW = Law(
-    "mb",
-    gains=ModelBasedGains,
-    build=build,
-    traits=Traits(auxiliary=True, barrier=True, model=True, theorem=1),
-    doc=__doc__ or "",
-    tuned=("rho",),
-)
+TRAITS = Traits(auxiliary=True, barrier=True, model=True, theorem=1)
+LAW = Law("mb", ModelBasedGains, build, TRAITS, __doc__, tuned=("rho",))

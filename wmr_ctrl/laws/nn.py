@@ -90,23 +90,19 @@ def _adapted(context: LawContext, axis: int, weights: ca.SX, basis: ca.SX) -> ca
     return (1 - leak) * weights - learning * basis
 
 
-LAW = Law(
-    "nn",
-    gains=NetworkGains,
-    build=build,
-    traits=Traits(auxiliary=True, barrier=True, theorem=2, estimates=True),
-    doc=__doc__ or "",
-    tuned=("rho1", "Gamma"),
-)
-
-
 def corner_centres(dimensions: int, node: float) -> list[tuple[float, ...]]:
     """Centres in the order of `corner_basis`: the first dimension varies slowest, -node first."""
     return list(itertools.product((-node, node), repeat=dimensions))
 
 
 def corner_basis(z: ca.SX, eta: ca.SX, node: ca.SX) -> ca.SX:
-    """S(Z), 2^n x 1, for Z (n x 1), width eta and corner coordinate node (units of Z)."""
+    """S(Z), 2^n x 1, for Z (n x 1), width eta and corner coordinate node (units of Z).
+
+    S_j(Z) = exp(-|Z - c_j|^2/eta^2), c_j in {-node, +node}^n.  The squared distance is a sum over
+    the dimensions, so S_j is a product, and the factors of the far and the near side differ by
+    exp(-4 node |z|/eta^2): n + 1 exponentials instead of 2^n.  Everything stays in [0, 1]: nothing
+    overflows, whatever Z is.
+    """
     scale = 1 / (eta * eta)
     right = [z[i] >= 0 for i in range(z.numel())]
     size = [ca.if_else(right[i], z[i], -z[i]) for i in range(z.numel())]
@@ -141,3 +137,7 @@ def _sum(terms: list[ca.SX]) -> ca.SX:
     for term in terms[1:]:
         total = total + term
     return total
+
+
+TRAITS = Traits(auxiliary=True, barrier=True, theorem=2, estimates=True)
+LAW = Law("nn", NetworkGains, build, TRAITS, __doc__, tuned=("rho1", "Gamma"))

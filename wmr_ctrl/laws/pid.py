@@ -40,11 +40,4 @@ def build(context: LawContext) -> System:
     return context.system("PID", force, (old, started), ca.vertcat(z, 1))
 
 
-LAW = Law(
-    "pid",
-    gains=PidGains,
-    build=build,
-    traits=Traits(auxiliary=True),
-    doc=__doc__ or "",
-    tuned=("Kp", "Kd"),
-)
+LAW = Law("pid", PidGains, build, Traits(auxiliary=True), __doc__, tuned=("Kp", "Kd"))

@@ -149,11 +149,5 @@ def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
     return shares[0] * v + shares[1] * target
 
 
-LAW = Law(
-    "prox",
-    gains=ProxGains,
-    build=build,
-    traits=Traits(auxiliary=True, barrier=True, model=True, observer=True),
-    doc=__doc__ or "",
-    tuned=("rho", "wo"),
-)
+TRAITS = Traits(auxiliary=True, barrier=True, model=True, observer=True)
+LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"))

@@ -1,7 +1,7 @@
 """The registry of control laws: one module a law, named in one tuple.
 
-A law's module has a docstring, a frozen dataclass of gains, ``build(sample) -> System`` whose
-output is the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
+A law's module has a docstring, a `Section` of gains, ``build(context) -> System`` whose output is
+the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
 through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`).
 """
 
@@ -29,7 +29,13 @@ class LawRegistry(Mapping[str, Law]):
             law: Law = import_module(f"wmr_ctrl.laws.{name}").LAW
             return law
         if isinstance(name, str) and name in self.plugins:
-            return _checked(name, load(self.plugins[name], GROUP))
+            loaded = load(self.plugins[name], GROUP)
+            if isinstance(loaded, Law) and loaded.name == name:
+                return loaded
+            raise ArgumentError(
+                f"the entry point {name!r} of the group {GROUP} gives {loaded!r}: it must be a Law "
+                f"called {name!r}. Let it point to the value LAW of the law's module."
+            )
         raise UnknownNameError("law", name, self)
 
     def __iter__(self) -> Iterator[str]:
@@ -48,15 +54,6 @@ class LawRegistry(Mapping[str, Law]):
     def plugins(self) -> dict[str, EntryPoint]:
         """Entry points of other packages' laws, by name."""
         return {point.name: point for point in entry_points(group=GROUP)}
-
-
-def _checked(name: str, loaded: object) -> Law:
-    if isinstance(loaded, Law) and loaded.name == name:
-        return loaded
-    raise ArgumentError(
-        f"the entry point {name!r} of the group {GROUP} gives {loaded!r}: it must be a Law called "
-        f"{name!r}. Let it point to the value LAW of the law's module."
-    )
 
 
 LAWS = LawRegistry()

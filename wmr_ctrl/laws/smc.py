@@ -63,11 +63,5 @@ def build(context: LawContext) -> System:
     )
 
 
-LAW = Law(
-    "smc",
-    gains=SmcGains,
-    build=build,
-    traits=Traits(auxiliary=True, estimates=True),
-    doc=__doc__ or "",
-    tuned=("K", "eta"),
-)
+TRAITS = Traits(auxiliary=True, estimates=True)
+LAW = Law("smc", SmcGains, build, TRAITS, __doc__, tuned=("K", "eta"))

@@ -22,7 +22,7 @@ from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import BODY_FORCE, TORQUE_NOISE
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 
 
 def to_nlsys(system: System) -> ct.NonlinearIOSystem:

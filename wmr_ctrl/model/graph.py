@@ -70,17 +70,14 @@ class Graph:
         node = self.nodes[number]
         if node.op != SELECT:
             return node.op in LOGICAL
-        arms = [arm for arm in node.operands[1:] if not self._is_bit(arm)]
+        bits = [Node(ca.OP_CONST, number=0.0), Node(ca.OP_CONST, number=1.0)]
+        arms = [arm for arm in node.operands[1:] if self.nodes[arm] not in bits]
         return bool(arms) and all(self.is_logical(arm) for arm in arms)
 
     def cost(self, number: int) -> int:
         """Rough price of one operation: 20 for a call, 5 for a division or root, else 1."""
         op = self.nodes[number].op
         return 20 if op in _CALLS else 5 if op in _SLOW else 1
-
-    def _is_bit(self, number: int) -> bool:
-        node = self.nodes[number]
-        return node.op == ca.OP_CONST and node.number in (0.0, 1.0)
 
 
 def read(function: ca.Function, inputs: Iterable[str], outputs: Iterable[str]) -> Graph:
@@ -198,12 +195,9 @@ def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
         if number in live:
             live.update(nodes[number].operands)
     new = {old: place for place, old in enumerate(sorted(live))}
-    used = tuple(_renumbered(nodes[old], new) for old in sorted(live))
-    return Graph(used, tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
-
-
-def _renumbered(node: Node, new: dict[int, int]) -> Node:
-    return Node(node.op, tuple(new[old] for old in node.operands), node.number, node.place)
+    used = (nodes[old] for old in new)
+    kept = (Node(n.op, tuple(new[old] for old in n.operands), n.number, n.place) for n in used)
+    return Graph(tuple(kept), tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
 
 
 _ROUNDING = frozenset({ca.OP_FLOOR, ca.OP_CEIL})
@@ -238,11 +232,9 @@ def _unrounded(expr: ca.SX, varying: ca.SX) -> tuple[ca.SX, bool]:
             operands, varies = [slots[i][0] for i in used], any(slots[i][1] for i in used)
             rounded = varies and op in _ROUNDING
             rounding |= rounded
-            slots[place[0]] = operands[0] if rounded else _applied(op, operands), varies
+            if rounded or op == ca.OP_ASSIGN:
+                value = operands[0]
+            else:
+                value = (ca.SX.unary if len(operands) == 1 else ca.SX.binary)(op, *operands)
+            slots[place[0]] = value, varies
     return ca.vertcat(*into) if into else ca.SX(0, 1), rounding
-
-
-def _applied(op: int, operands: list[ca.SX]) -> ca.SX:
-    if op == ca.OP_ASSIGN:
-        return operands[0]
-    return ca.SX.unary(op, *operands) if len(operands) == 1 else ca.SX.binary(op, *operands)

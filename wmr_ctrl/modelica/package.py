@@ -39,7 +39,7 @@ from wmr_ctrl.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.signals import TIME, Signal
-from wmr_ctrl.world.references.evaluate import reference
+from wmr_ctrl.world.references.kind import reference
 
 FILE = "WheeledRobot.mo"
 CLOCK = "clock.control"

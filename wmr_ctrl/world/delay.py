@@ -6,16 +6,11 @@ at; this System passes them on.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
-from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, Rate
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, Rate, Scenario
 
 MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""

@@ -43,8 +43,10 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+    from wmr_ctrl import scenario
 
+Scenario: TypeAlias = "scenario.Scenario"
+"""By name only: a scenario's tables are those of its effects, so it imports them."""
 Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
 Number = TypeVar("Number", float, "ca.SX")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
@@ -23,14 +22,12 @@ from wmr_ctrl.world.effect import (
     EffectRole,
     History,
     Number,
+    Scenario,
     history,
     on_axes,
 )
 from wmr_ctrl.world.gyro import axes_without_gyro
 from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
 
 DIFFERENCE, TIME = "difference", "time"
 COUNTS = Signal("wheel_counts", "1", "whole counts of the wheels' turn (right, left)", 2)

@@ -6,15 +6,10 @@ of what other sensors make of it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Scenario
 
 NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 

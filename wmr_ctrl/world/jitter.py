@@ -6,17 +6,12 @@ anew for each command.  A command never overtakes the one before it, since jitte
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
 from wmr_ctrl.signals import STEP, TORQUE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 NUMBERS = Signal("jitter", "1", "uniform numbers on [-1, 1) of a sample", 2)
 ACTING = Signal("jitter_acting", "N.m", "torque that acts (right, left)", 2)

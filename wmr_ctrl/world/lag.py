@@ -8,7 +8,6 @@ Source: motors whose winding warms up, drives whose tuning is not known.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import (
@@ -24,10 +23,7 @@ from wmr_ctrl.model.system import (
 )
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)

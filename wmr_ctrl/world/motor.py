@@ -8,17 +8,13 @@ with its full stall torque.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario
 
 
 class Motor(Section, key="motor"):

@@ -6,15 +6,10 @@ late pose as if it were new, which is what a controller does that does not know 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
-from wmr_ctrl.world.effect import Effect, EffectRole, adds_nothing, history, remembered
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing, history, remembered
 
 OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 

@@ -5,16 +5,11 @@ Source: Section VI of the paper has such a sensor; how it is read between two po
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, SAMPLE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Effect, EffectRole, adds_nothing
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
 
 NUMBERS = Signal("pose", "1", "uniform numbers on [-1, 1)", 2)
 LOST = Signal("pose_lost", "1", "uniform numbers on [-1, 1)", 2)

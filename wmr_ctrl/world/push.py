@@ -6,17 +6,12 @@ acts as torque at the wheels and is held over a control period.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Output, Parameters, System, ports, stack
 from wmr_ctrl.signals import TORQUE_NOISE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 
 
 class Push(Section, key="disturbance"):

@@ -6,16 +6,11 @@ robot's friction is; a force in proportion to the velocity for bearings and air.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, heaviest
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario, heaviest
 
 
 class Resistance(Section, key="resistance"):

@@ -8,16 +8,12 @@ level ground.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, heaviest
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario, heaviest
 
 
 class Slope(Section, key="slope"):

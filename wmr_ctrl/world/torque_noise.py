@@ -6,15 +6,11 @@ Source: Section V of the paper adds such noise without saying more.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import NORMAL, Output, Parameters, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Scenario
 
 SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""

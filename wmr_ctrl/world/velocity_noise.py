@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, ports
 from wmr_ctrl.signals import MEASURED_VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 
 NUMBERS = Signal("velocity", "1", "uniform numbers on [-1, 1)", 2)
 

@@ -9,18 +9,14 @@ Noise and push are torques at wheels of the believed size.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Pair, Rate
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Pair, Rate, Scenario
 from wmr_ctrl.world.motor import largest_torque
-
-if TYPE_CHECKING:
-    from wmr_ctrl.scenario import Scenario
 
 
 class Wheels(Section, key="wheels"):
