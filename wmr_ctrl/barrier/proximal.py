@@ -38,19 +38,13 @@ def resolvent(c: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX, smooth: bool = False) ->
     size = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST)  # fabs has no slope at 0
     delta = u1 - u2
     if smooth:
-        far = u2 + _beyond(size, k, u1, u2)
-        x = ca.if_else(size <= u2, size, far)
+        d = root(size - u1 + k / delta, k)
+        beyond = (size - u2) * d * delta / (d * delta + k)  # (c - u2)/(1 + k/(d delta)), 0 at u2
+        x = ca.if_else(size <= u2, size, u2 + beyond)
     else:
         far = u1 - root(size - u1, k)
         x = ca.if_else(size <= u2, size, ca.if_else(size <= u2 + k / delta, u2, far))
     return ca.if_else(c >= 0, x, -x)
-
-
-def _beyond(size: ca.SX, k: ca.SX, u1: ca.SX, u2: ca.SX) -> ca.SX:
-    """x - u2 under the smooth barrier: (c - u2)/(1 + k/(d delta)), which is 0 at c = u2."""
-    delta = u1 - u2
-    d = root(size - u1 + k / delta, k)
-    return (size - u2) * d * delta / (d * delta + k)
 
 
 def transported(

@@ -267,11 +267,11 @@ def adds_nothing(_: Scenario) -> Bound:
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
     """What a sensor of the velocity adds where it makes only these axes' (0 linear, 1 angular)."""
-    kept: dict[str, Any] = {
+    shown: dict[str, Any] = {
         name: tuple(float(axis in axes) * getattr(bound, name)[axis] for axis in (0, 1))
         for name in ("nbar", "age", "window")
     }
-    return replace(bound, **kept)
+    return replace(bound, **shown)
 
 
 def total(bounds: list[Bound]) -> Bound:

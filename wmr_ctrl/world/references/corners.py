@@ -47,7 +47,9 @@ def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
     for k, way in enumerate(ways):
         begin, end = ring[k] + sides[k] * way, ring[k + 1] - sides[k + 1] * way
         if lengths[k] - sides[k] - sides[k + 1] > SHORTEST:
-            pieces.append(_line(begin, end))
+            straight = np.zeros((DEGREE + 1, 2))
+            straight[0], straight[1] = begin, end - begin
+            pieces.append(straight)
             spans.append(lengths[k] - sides[k] - sides[k + 1])
         if sides[k + 1] > 0:
             pieces.append(_corner(ring[k + 1], way, ways[(k + 1) % len(ways)], sides[k + 1]))
@@ -61,7 +63,7 @@ def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
 
 
 def simplified(points: Array, within: float, closed: bool) -> Array:
-    """As few of ``points`` (n, 2) [m] as the way of Ramer, Douglas and Peucker needs.
+    """Ramer-Douglas-Peucker simplification of ``points`` (n, 2) [m].
 
     Straight lines through those that are left stay within that distance [m] of the lines through
     all, at a place that is as far along: what is left out goes back by no more than that either.
@@ -103,23 +105,14 @@ def _sides(ways: Array, lengths: Array, tolerance: float, closed: bool) -> Array
     return np.append(sides, sides[0] if closed else 0.0)
 
 
-def _line(begin: Array, end: Array) -> Array:
-    """Coefficients (6, 2) of a straight piece."""
-    table = np.zeros((DEGREE + 1, 2))
-    table[0], table[1] = begin, end - begin
-    return table
-
-
 def _corner(corner: Array, before: Array, after: Array, side: float) -> Array:
     """Coefficients (6, 2) of a corner, from its control points."""
     control = np.array(
         [corner - side * s * before for s in SHARES]
         + [corner + side * s * after for s in reversed(SHARES)]
     )
-    rows = [
-        math.comb(DEGREE, p) * sum(
-            (-1) ** (p - j) * math.comb(p, j) * control[j] for j in range(p + 1)
-        )
+    rows = (
+        sum((-1) ** (p - j) * math.comb(p, j) * control[j] for j in range(p + 1))
         for p in range(DEGREE + 1)
-    ]  # fmt: skip
-    return np.array(rows)
+    )
+    return np.array([math.comb(DEGREE, p) * row for p, row in enumerate(rows)])

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,6 @@ class Reference(Section, key="reference"):
         return None
 
 
-R = TypeVar("R", bound=Reference)
 Trajectory: TypeAlias = "Callable[[ca.SX, Mapping[str, ca.SX]], ca.SX]"
 """From time [s] and the parameters' symbols by name to the reference (7, 1)."""
 

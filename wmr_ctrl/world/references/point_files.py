@@ -69,20 +69,23 @@ def read_points(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
             f"{place} holds {len(points)} point(s), but a path needs at least 2. "
             "Give one point a row, as x,y in m."
         )
-    _refuse_twins(points, [row for row, _ in numbered], place)
+    for i in range(1, len(points)):
+        if math.dist(points[i - 1], points[i]) < SAME:
+            raise ScenarioError(
+                f"{place}, rows {numbered[i - 1][0]} and {numbered[i][0]} are the same point "
+                f"{points[i]}: the path has no direction there. Remove one of them."
+            )
     return tuple(points)
 
 
-def _separator(text: str) -> str:
-    """What separates the cells of the first row that is not a comment: the strongest sign in it."""
-    rows = (row for row in text.splitlines() if row.strip() and not row.startswith("#"))
-    first = next(rows, "").strip()
-    return next((sign for sign in ";\t, " if sign in first), ",")
-
-
 def _rows(text: str, place: str) -> Iterator[tuple[int, list[str]]]:
-    """Number and cells of each row that holds something, with a point as the decimal sign."""
-    separator, begun = _separator(text), False
+    """Number and cells of each row that holds something, with a point as the decimal sign.
+
+    Cells are separated by the strongest sign in the first row that is not a comment.
+    """
+    rows = (row for row in text.splitlines() if row.strip() and not row.startswith("#"))
+    first, begun = next(rows, "").strip(), False
+    separator = next((sign for sign in ";\t, " if sign in first), ",")
     reader = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True)
     try:
         for cells in reader:
@@ -112,14 +115,10 @@ def _number(cell: str) -> float | None:
         return None
 
 
-def _is_header(cells: list[str]) -> bool:
-    return all(cell and _number(cell) is None for cell in cells)
-
-
 def _without_headers(numbered: list[tuple[int, list[str]]], place: str) -> Columns:
     """The columns by the headers, which are taken out: one, or a comment's and one."""
     orders = []
-    while numbered and _is_header(numbered[0][1]):
+    while numbered and all(cell and _number(cell) is None for cell in numbered[0][1]):
         row, header = numbered.pop(0)
         orders.append(_columns_of(header, f"{place}, row {row}"))
         if orders[0] != orders[-1]:
@@ -167,26 +166,14 @@ def _check_width(cells: list[str], columns: Columns, place: str) -> None:
 
 def _point(cells: list[str], columns: Columns, place: str) -> Point:
     _check_width(cells, columns, place)
-    x, y = (_coordinate(cells[i], f"{place}, column {i + 1}") for i in (columns.x, columns.y))
-    return x * columns.units[0], y * columns.units[1]
-
-
-def _coordinate(cell: str, place: str) -> float:
-    value = _number(cell)
-    if value is None:
-        raise ScenarioError(f"{place}: {show(cell)} is not a number. Give a coordinate in m.")
-    if not math.isfinite(value):
-        raise ScenarioError(f"{place}: {cell} is not a finite number. Give a coordinate in m.")
-    return value
-
-
-def _refuse_twins(points: list[Point], rows: list[int], place: str) -> None:
-    for i in range(1, len(points)):
-        if math.dist(points[i - 1], points[i]) < SAME:
-            raise ScenarioError(
-                f"{place}, rows {rows[i - 1]} and {rows[i]} are the same point {points[i]}: the "
-                "path has no direction there. Remove one of them."
-            )
+    point = []
+    for i, unit in zip((columns.x, columns.y), columns.units, strict=True):
+        value = _number(cells[i])
+        if value is None or not math.isfinite(value):
+            said = f"{show(cells[i])} is not a" if value is None else f"{cells[i]} is not a finite"
+            raise ScenarioError(f"{place}, column {i + 1}: {said} number. Give a coordinate in m.")
+        point.append(value * unit)
+    return point[0], point[1]
 
 
 def read_poses(file: Path, path: str = "reference.file") -> tuple[Point, ...]:
@@ -269,15 +256,15 @@ def _pose_point(pose: object, place: str) -> Point:
             inner = inner[key]
     if not isinstance(inner, Mapping) or not {"x", "y"} <= set(inner):
         raise ScenarioError(f"{place} = {show(pose)} has no position with x and y in m.")
-    x, y = (_pose_number(inner[name], f"{place}, {name}") for name in ("x", "y"))
-    return x, y
-
-
-def _pose_number(value: object, place: str) -> float:
-    try:
-        number = math.nan if isinstance(value, bool | str) else float(value)  # type: ignore[arg-type]
-    except (TypeError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise ScenarioError(f"{place} = {show(value)} is not a finite number. Give it in m.")
-    return number
+    point = []
+    for name in ("x", "y"):
+        value = inner[name]
+        try:
+            point.append(math.nan if isinstance(value, bool | str) else float(value))
+        except (TypeError, OverflowError):
+            point.append(math.nan)
+        if not math.isfinite(point[-1]):
+            raise ScenarioError(
+                f"{place}, {name} = {show(value)} is not a finite number. Give it in m."
+            )
+    return point[0], point[1]

@@ -64,7 +64,9 @@ def square_points(side: float, corner: float) -> Array:
     run_out = np.column_stack([np.full_like(along, side / 2), corner + along])[:-1]
     middle = turn + np.array([straight / 2, 0.0])
     first = np.vstack([run_up, middle[:-1], run_out]) if straight > 0 else middle[:-1]
-    return np.vstack([_turned(first, quarter, side) for quarter in range(4)])
+    centre, right_angle = np.array([0.0, side / 2]), np.array([[0.0, -1.0], [1.0, 0.0]])
+    turns = (np.linalg.matrix_power(right_angle, quarter).T for quarter in range(4))
+    return np.vstack([(first - centre) @ turn + centre for turn in turns])
 
 
 def _corner(corner: float) -> Array:
@@ -85,13 +87,6 @@ def _graded(length: float, step: float) -> Array:
         distances.append(distances[-1] + step)
         step *= GROWTH
     return np.array([*distances, length])[::-1]
-
-
-def _turned(points: Array, quarter: int, side: float) -> Array:
-    """The points turned by ``quarter`` right angles about the square's centre (0, side/2)."""
-    centre = np.array([0.0, side / 2])
-    turn = np.linalg.matrix_power(np.array([[0.0, -1.0], [1.0, 0.0]]), quarter)
-    return np.asarray((points - centre) @ turn.T + centre)
 
 
 KIND = ReferenceKind("rounded-square", RoundedSquare, timed(trajectory), numbers)

@@ -82,7 +82,9 @@ def fastest(path: SplinePath, limits: PathLimits, rest: bool, stop: bool) -> Spe
     path cannot be driven under the limits.
     """
     cells = _cells(path, COARSE)
-    most = _most(cells, limits)
+    each = _squares(cells, limits)
+    inner = np.minimum(each[:-1, -1], each[1:, 0])
+    most = np.concatenate([each[:1, 0], inner, each[-1:, -1]])  # at the n + 1 points
     begin = 0.0 if rest else None
     end = 0.0 if stop else float(most[-1])
     squares, accelerations = _driven(cells, limits, most, begin, end)
@@ -95,15 +97,13 @@ def fastest(path: SplinePath, limits: PathLimits, rest: bool, stop: bool) -> Spe
     return _stretched(path, limits, _in_time(cells, squares, accelerations, stop))
 
 
-def _edges(path: SplinePath) -> Array:
-    """Local parameters of the grid on a segment, closer to each other at both ends."""
-    count = int(np.clip(MOST_ROWS // len(path.headings), 2, 16))
-    return np.asarray((1 - np.cos(np.pi * np.arange(count + 1) / count)) / 2)
-
-
 def _cells(path: SplinePath, within: Array) -> _Cells:
-    """Cells of a path, with the geometry at places ``within`` [0, 1] each of them."""
-    edges = _edges(path)
+    """Cells of a path, with the geometry at places ``within`` [0, 1] each of them.
+
+    On each segment they are smaller towards both ends.
+    """
+    count = int(np.clip(MOST_ROWS // len(path.headings), 2, 16))
+    edges = (1 - np.cos(np.pi * np.arange(count + 1) / count)) / 2
     inner = edges[:-1, None] + np.diff(edges)[:, None] * within
     shape = (len(path.headings) * len(inner), len(within))
     first, second, third = (
@@ -131,13 +131,6 @@ def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def _most(cells: _Cells, limits: PathLimits) -> Array:
-    """Largest square of the rate that speed and turning admit, at the n + 1 points."""
-    each = _squares(cells, limits)
-    inner = np.minimum(each[:-1, -1], each[1:, 0])
-    return np.concatenate([each[:1, 0], inner, each[-1:, -1]])
-
-
 def _squares(cells: _Cells, limits: PathLimits) -> Array:
     """Largest square of the rate that speed and turning admit, per cell and place."""
     turning = np.maximum(np.abs(cells.turning), 1e-12)
@@ -157,7 +150,8 @@ def _driven(
     squares[0] = reach[0] if begin is None else min(begin, reach[0])
     chosen = np.empty(len(lines))
     for k, line in enumerate(lines):
-        top = _highest(line, cells.widths[k], reach[k + 1], squares[k])
+        upper = _bounds(line, cells.widths[k], reach[k + 1])[1]
+        top = float((upper[:, 0] + upper[:, 1] * squares[k]).min())
         squares[k + 1] = np.clip(squares[k] + 2 * cells.widths[k] * top, 0.0, reach[k + 1])
         chosen[k] = (squares[k + 1] - squares[k]) / (2 * cells.widths[k])
     return squares, chosen
@@ -166,45 +160,38 @@ def _driven(
 def _lines(cells: _Cells, limits: PathLimits, squares: Array, k: int) -> Array:
     """Rows (a, b, c), a >= 0: |a u + b x| <= c at all places of cell k; x at the cell's start."""
     grown = 2 * cells.widths[k] * cells.within  # x grows by this times u
+    most, turning_most = limits.acceleration, limits.angular_acceleration
     kinds = (
-        (cells.speed[k], cells.speed_slope[k], np.full_like(grown, limits.acceleration)),
-        (cells.turning[k], cells.turning_slope[k],
-         np.full_like(grown, limits.angular_acceleration)),
+        (cells.speed[k], cells.speed_slope[k], np.full_like(grown, most)),
+        (cells.turning[k], cells.turning_slope[k], np.full_like(grown, turning_most)),
         (np.zeros_like(grown), np.ones_like(grown), squares),
-    )  # fmt: skip
-    rows = [np.column_stack([value + grown * slope, slope, c]) for value, slope, c in kinds]
-    table = np.vstack(rows)
+    )
+    table = np.vstack([np.column_stack([v + grown * slope, slope, c]) for v, slope, c in kinds])
     table[table[:, 0] < 0, :2] *= -1
     return table
 
 
-def _bounds(lines: Array, width: float, next_most: float) -> tuple[Array, Array, Array, float]:
+def _bounds(lines: Array, width: float, next_most: float) -> tuple[Array, Array, float]:
     """Lower and upper bounds of u as lines (at x = 0, slope), and the largest x by itself."""
     a, b, c = lines.T
     flat = a <= 1e-12 * np.maximum(np.abs(b), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
         alone = np.where(flat & (b != 0), c / np.abs(b), np.inf).min()
     a, b, c = a[~flat], b[~flat], c[~flat]
-    upper = np.column_stack([np.append(c / a, next_most / (2 * width)),
-                             np.append(-b / a, -1 / (2 * width))])  # fmt: skip
-    lower = np.column_stack([np.append(-c / a, 0.0), np.append(-b / a, -1 / (2 * width))])
-    return lower, upper, a, float(alone)
+    slopes = np.append(-b / a, -1 / (2 * width))
+    upper = np.column_stack([np.append(c / a, next_most / (2 * width)), slopes])
+    lower = np.column_stack([np.append(-c / a, 0.0), slopes])
+    return lower, upper, float(alone)
 
 
 def _widest(lines: Array, width: float, next_most: float) -> float:
     """Largest x for which some u keeps all limits and reaches at most ``next_most``."""
-    lower, upper, _, alone = _bounds(lines, width, next_most)
+    lower, upper, alone = _bounds(lines, width, next_most)
     slopes = lower[:, None, 1] - upper[None, :, 1]
     gaps = upper[None, :, 0] - lower[:, None, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         crossings = np.where(slopes > 0, gaps / slopes, np.inf)
     return max(0.0, min(alone, float(crossings.min())))
-
-
-def _highest(lines: Array, width: float, next_most: float, square: float) -> float:
-    """Largest u at the square x of the rate."""
-    _, upper, _, _ = _bounds(lines, width, next_most)
-    return float((upper[:, 0] + upper[:, 1] * square).min())
 
 
 def _in_time(cells: _Cells, squares: Array, accelerations: Array, stop: bool) -> SpeedProfile:
@@ -225,18 +212,13 @@ def _stretched(path: SplinePath, limits: PathLimits, profile: SpeedProfile) -> S
     u = profile.accelerations[:-1, None]
     x = profile.rates[:-1, None] ** 2 + 2 * u * cells.widths[:, None] * FINE
     rate = np.sqrt(np.maximum(x, 0.0))
-    speeds = (
+    shares = (
         np.abs(cells.speed) * rate / limits.speed,
         np.abs(cells.turning) * rate / limits.turning,
-    )
-    pushes = (
         np.abs(cells.speed * u + cells.speed_slope * x) / limits.acceleration,
         np.abs(cells.turning * u + cells.turning_slope * x) / limits.angular_acceleration,
     )
-    worst = MARGIN * max(
-        1.0, *(float(s.max()) for s in speeds), *(float(p.max()) ** 0.5 for p in pushes)
-    )
-    return SpeedProfile(
-        profile.starts * worst, profile.places, profile.rates / worst,
-        profile.accelerations / worst**2,
-    )  # fmt: skip
+    first, second, third, fourth = (float(share.max()) for share in shares)
+    worst = MARGIN * max(1.0, first, second, third**0.5, fourth**0.5)
+    starts, accelerations = profile.starts * worst, profile.accelerations / worst**2
+    return SpeedProfile(starts, profile.places, profile.rates / worst, accelerations)

@@ -181,7 +181,10 @@ def on_path(tau: ca.SX, lap: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     inside = ca.fmin(tau, p["ref_knots"][-1])
     row = _row(inside, p)
     position, velocity, acceleration, jerk = _derivatives(inside, row)
-    theta = _heading(row[4], velocity) + lap * p["ref_turn"]
+    middle = row[4]  # theta_d is the mid-heading and the angle between it and the velocity
+    forward = ca.vertcat(-ca.sin(middle), ca.cos(middle))
+    swing = ca.atan2(cross(forward, velocity), ca.dot(forward, velocity))
+    theta = middle + swing + lap * p["ref_turn"]
     position += (tau - inside) * velocity
     return ca.vertcat(position, theta, speeds(velocity, acceleration, jerk))
 
@@ -219,9 +222,3 @@ def _horner(coefficients: ca.SX, s: ca.SX) -> ca.SX:
     for i in reversed(range(coefficients.numel() - 1)):
         value = value * s + coefficients[i]
     return value
-
-
-def _heading(middle: ca.SX, velocity: ca.SX) -> ca.SX:
-    """theta_d from the segment's mid-heading and the angle between it and the velocity."""
-    forward = ca.vertcat(-ca.sin(middle), ca.cos(middle))
-    return middle + ca.atan2(cross(forward, velocity), ca.dot(forward, velocity))
