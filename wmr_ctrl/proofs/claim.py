@@ -84,7 +84,7 @@ class Claim:
 class Claims:
     """The claims of one file in their order, and what most of them have."""
 
-    by: Method | str | None = None
+    by: Method | str | Callable[..., Method] | None = None
     form: str = OURS
     given: str = ""
     listed: list[Claim] = field(default_factory=list)

@@ -1,6 +1,4 @@
-"""Parts put together: the guard's axes and what its flag promises, desired motions, dead reckoning,
-and the prediction to the time when a command acts.
-"""
+"""Parts put together: desired motions, dead reckoning, prediction to when a command acts."""
 
 from __future__ import annotations
 
@@ -9,8 +7,6 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.barrier.lyapunov import target_rate
-from wmr_ctrl.guard.bounds import ROUNDING
-from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
 from wmr_ctrl.laws.prediction import acts_for, slowed
 from wmr_ctrl.proofs.case import POSITIVE, Case
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -19,7 +15,6 @@ from wmr_ctrl.proofs.claims.common import (
     LawGraph,
     barrier_axis,
 )  # fmt: skip
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, GuardAxis, LateAxis
 from wmr_ctrl.proofs.methods.spec import Z3, Ring
 from wmr_ctrl.proofs.regions import target_cases
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
@@ -30,35 +25,8 @@ HARD = Z3(effort=150)
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
 POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
-DELAYS = (
-    {"key": "", "late": False, "where": "without delay (delay = 0 in the claim)"},
-    {"key": "-late", "late": True, "where": "behind a delay"},
-)
 MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
 claim = Claims(by=HARD)
-
-
-@claim("guard.axes", given="T > 0")
-def axes(mutation: Mutation) -> Statement:
-    """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
-    i = 1, 2.
-
-    What is shown of one axis holds for each of the two.
-    """
-    one, two = GuardAxis(), GuardAxis()
-    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
-    both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
-    result = guarded(ca.vertcat(one["asked"], two["asked"]), ca.vertcat(one["y"], two["y"]), both)
-    goals = [
-        goal
-        for i, a in enumerate((one, two))
-        for goal in (
-            equal(result.force[i], clipped(mutation * a["asked"], a["y"], a.bounds)),
-            equal(result.safe[i], clipped(ca.SX(0), a["y"], a.bounds)),
-        )
-    ]
-    positive = tuple(above(a["period"]) for a in (one, two))
-    return Statement(table, tuple(goals), positive)
 
 
 @claim("law.mass", (4,), given="any values", by=Ring())
@@ -82,27 +50,6 @@ def eq18_rate(mutation: Mutation) -> Statement:
     t = {**a.symbols, **symbols("cdot")}
     rate = target_rate(c, t["cdot"], u1, u2)
     return Statement(t, (equal(rate, mutation * ca.gradient(a.x, c) * t["cdot"]),))
-
-
-@claim("guard.promise{key}", given="{where}", by=HARD, over=DELAYS)
-def promise(mutation: Mutation, late: bool) -> Statement:
-    """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
-    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1 + 2^-44.
-
-    The published flag stands for the theorem's hypotheses, signs aside and alpha T to rounding.
-    """
-    a = LateAxis() if late else GuardAxis()
-    b = a.bounds
-    delay = 1 + b.alpha * a["delay"] if late else 1
-    goals = (
-        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), mutation(2, 2.01) * a.net * delay),
-        at_least(b.u1, 2 * b.nbar),
-        at_least(b.brake, a.net),
-        at_least(1 + ROUNDING, b.alpha * b.period),
-        at_least(b.M_max, b.M_min),
-        above(b.u1, b.f_speed),
-    )
-    return Statement(a.symbols, goals, (above(feasible(b)),))
 
 
 @claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)

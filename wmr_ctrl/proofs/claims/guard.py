@@ -1,229 +1,253 @@
-"""The velocity guard: what keeps the limit, what brings the robot back, and what cannot be better.
+"""The velocity guard: what keeps the limit, and what brings the robot back.
 
-All parameters are symbols.  The statements are about one sample of one axis; that they hold for
-every instant of a run is the comparison lemma (guard.lemma) with induction over the samples.
+All parameters are symbols.  The statements are about one sample of one axis: with velocities and
+drives at once, behind a delay, with late velocities, jitter and lag, behind a lag that varies.
+What commands under way count for is in `guard_sent`; that nothing better can be had, and by hand
+what follows for every instant of a run, in `guard_limits`.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 
-from wmr_ctrl.guard.guard import ceiling, clipped, floor
-from wmr_ctrl.model.dynamics import plant, rk4_step, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.common import PRESET, scalars
-from wmr_ctrl.proofs.claims.guard_axis import GuardAxis, both_ways
-from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.claims.guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
-from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.proofs.statement import Statement, above, at_least
 
-ALL = (
+NUMBERS_FREE = (
     "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1, brake, f_min, f_speed that are "
-    "feasible"
+    "feasible: 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - "
+    "f_min, brake >= 0"
 )
-FEASIBLE = (
-    "2 (dbar - f_min) <= M_min alpha (u1 - f_speed), 2 nbar <= u1, brake >= dbar - f_min, "
-    "brake >= 0"
+CAPS = (
+    "0 <= brakes, net <= brakes <= largest, late (largest + net) + max(brakes + net, 0)/alpha <= "
+    "M_min (u1 - f_speed), mixed (largest + net) <= M_min (u1 - 2 nbar) (guard.late.caps)"
 )
+_AT_ONCE: dict[str, Any] = {
+    "a": GuardAxis(AT_ONCE), "effort": 150, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
+    "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
+    "acts": "M_min <= M <= M_max", "v": "{sign}v", "where": "", "counts": "", "filled": "",
+    "spare": "(brakes - net) M_min >= M_max D", "late": "", "steady": "",
+}  # fmt: skip
+_DELAYED = _AT_ONCE | {
+    "a": GuardAxis(DELAYED), "caps": "0 <= brakes, net <= brakes <= largest (guard.delay.caps)",
+    "enough": "{caps}; guard.{at}room, 2 nbar <= u1, alpha T <= 1", "capped": "guard.delay.caps",
+    "rests": "guard.{at}room {capped}", "inside": "{seen}, alpha T <= 1, {caps}, lo <= hi",
+    "kept": "guard.{at}feasible", "where": " where the new command takes over",
+    "filled": "; lo <= hi (guard.{at}feasible)", "spare": "brakes - net >= D", "late": " + delay",
+}  # fmt: skip
+_LATE = _DELAYED | {
+    "a": GuardAxis(LATE), "effort": 400, "caps": CAPS, "capped": "guard.late.caps", "v": "v+",
+    "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
+    "mean that was measured as y to within nbar (guard.late.mean)",
+    "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
+    "inside": "guard.{at}left, alpha T <= 1, {caps}, lo <= hi",
+    "kept": "guard.{at}feasible guard.{at}left",
+}  # fmt: skip
+_LAGGING = _LATE | {
+    "a": GuardAxis(LAGGING), "seen": "guard.{at}counts", "filled": "", "v": "what is reached",
+    "counts": "guard.{at}counts",
+}  # fmt: skip
+HARD = Z3(effort=400)
+"""Where the room has more than one line."""
+STEADY = {"steady": "; the delay does not vary, J = 0"}
+KINDS: dict[str, dict[str, Any]] = {
+    "": _AT_ONCE,
+    "delay.": _DELAYED,
+    "late.": _LATE,
+    "late.steady.": _LATE | STEADY | {"a": GuardAxis(LATE, varies=False)},
+    "varying.": _LAGGING,
+    "varying.steady.": _LAGGING | STEADY | {"a": GuardAxis(LAGGING, varies=False)},
+}
+"""Axes by how their ids begin, and what the claims' texts say of each."""
+_FORWARDS = {
+    "way": 1, "sign": "", "against": "-", "back": "", "limit": "upper", "behind": "",
+    "face": "forwards",
+}  # fmt: skip
+_BACKWARDS = {
+    "way": -1, "sign": "-", "against": "", "back": "-back", "limit": "lower", "behind": "{filled}",
+    "face": "backwards",
+}  # fmt: skip
 
 
-claim = Claims(by=Z3(effort=150))
+def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
+    """Tables of a claim about these axes, forwards and, with ``back``, backwards."""
+    rows = [
+        {**KINDS[kind], **way, "at": kind}
+        for way in ((_FORWARDS, _BACKWARDS) if back else (_FORWARDS,))
+        for kind in kinds
+    ]
+    for row in rows * 2:  # words of words
+        row |= {key: text.format(**row) for key, text in row.items() if isinstance(text, str)}
+    return rows
 
 
-@claim("guard.feasible", given=f"{ALL}: {FEASIBLE}")
-def not_empty(mutation: Mutation) -> Statement:
-    """lo(y) <= hi(y) for every y.
+def solver(effort: int = 150) -> Z3:
+    """The method, with the effort that a table states."""
+    return Z3(effort=effort)
 
-    There is a safe force at every measured velocity.
+
+claim = Claims(by=solver)
+
+
+@claim(
+    "guard.{at}feasible",
+    given="{enough}{steady}",
+    premises="{rests}",
+    over=on(*KINDS),
+)
+def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
+    """lo(y) <= hi(y) for every y, whatever was sent.
+
+    There is always a safe force: nothing has to be checked while it runs.
     """
-    a = GuardAxis()
-    given = a.feasible(mutation(1, 1.01))
-    return Statement(
-        a.symbols, (at_least(ceiling(a["y"], a.bounds), floor(a["y"], a.bounds)),), given
-    )
+    return Statement(a.symbols, (at_least(a.hi, a.lo),), a.can_brake(mutation(1, 1.01)), a.rooms)
 
 
-@claim("guard.upper", given=f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max")
-def upper(mutation: Mutation, way: int = 1) -> Statement:
-    """max(v, f_speed) + t max(F + dbar - f_min, 0)/M <= u1 for all t in [0, T].
+@claim("guard.{at}largest", given="{caps}", premises="guard.{at}caps", over=on("delay.", "late."))
+def largest(mutation: Mutation, a: GuardAxis) -> Statement:
+    """|F| <= largest.
 
-    Whatever the law asks for, the robot does not pass its limit forwards within the sample.
+    Commands stay as small as those before them were assumed to be.
     """
-    a = GuardAxis()
-    given = (*a.feasible(1, mutation(1, 1.01)), *a.measured, *a.inside, *a.during)
-    return Statement(a.symbols, (at_least(a["u1"], a.farthest(way)),), given)
+    most, force = mutation(1, 0.99) * a.largest, a.force(a["asked"])
+    goals = (at_least(most, force), at_least(most, -force))
+    return Statement(a.symbols, goals, a.stated, a.rooms)
 
 
-@claim("guard.lower", given=f"{ALL}: {FEASIBLE}; |v| <= u1, |y - v| <= nbar, M_min <= M <= M_max")
-def lower(mutation: Mutation) -> Statement:
-    """max(-v, f_speed) + t max(-F + dbar - f_min, 0)/M <= u1 for all t in [0, T].
+@claim("guard.{at}anchor", given="{caps}", premises="{capped}", over=on("", "delay.", "late."))
+def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
+    """|clip(0, lo, hi)| <= brakes = min(brake, cap).
 
-    Nor backwards.
+    The force of least effort is within the brake cap: the wheel maps keep the box.
     """
-    return upper(mutation, -1)
+    most = mutation(1, 0.99) * a.bounds.braking
+    return Statement(a.symbols, (at_least(most, ca.fabs(a.force(ca.SX(0)))),), a.stated, a.rooms)
 
 
-@claim("guard.too-fast", given=f"{ALL}, but alpha T <= 1.01")
-def too_fast(mutation: Mutation) -> Statement:
-    """the same with alpha T up to 1.01.
+@claim(
+    "guard.{at}{limit}",
+    given="{inside}; {acts}{steady}",
+    premises="{kept}",
+    over=on("", "delay.", "late.", "late.steady.", back=True),
+)
+def upper(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """v+ <= u1{where}: v+ + t max({sign}F + net, 0)/M <= u1 as long as it acts, v+ = max({sign}v,
+    f_speed), whatever the law asks for.
 
-    False: alpha = 1/T is the fastest approach to the limit that a held force admits.
+    Inside stays inside, {face}.
     """
-    return upper(-mutation, 1)
+    given = a.kept(way, mutation(1, 1.01))
+    return Statement(a.symbols, (at_least(a["u1"], a.then(way)),), given, a.rooms)
 
 
-@both_ways(claim, "guard.outside", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar")
-def outside(mutation: Mutation, way: int = 1) -> Statement:
-    """v > u1: F + dbar - f_min <= -min(FB - dbar + f_min, M_max (v - u1)/T) <= 0.
+@claim(
+    "guard.{at}outside{back}",
+    given="{seen}; {caps}{behind}{steady}",
+    premises="{counts}",
+    over=on(*KINDS, back=True),
+)
+def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """{v} > u1{where}: {sign}F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0.
 
-    Outside the limit no disturbance can make the robot faster.
+    Outside the limit no disturbance can make the robot faster, once what was sent before is over.
     """
-    a = GuardAxis()
-    b, beyond = a.bounds, way * a["v"] - a["u1"]
-    spare = ca.fmin(b.brake, b.cap) - a.net
-    needed = ca.fmin(spare, mutation(1, 1.01) * b.M_max * beyond / b.period)
-    left = way * a.force + a.net
-    given = (*a.feasible(), *a.measured, above(beyond))
-    return Statement(a.symbols, (at_least(-left), at_least(-left, needed)), given)
+    b = a.bounds
+    needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
+    goals = (at_least(-a.push(way)), at_least(-a.push(way), needed))
+    return Statement(a.symbols, goals, a.outside(way), a.cuts)
 
 
-@both_ways(claim, "guard.return", given=f"{ALL}: {FEASIBLE}; |y - v| <= nbar, M_min <= M <= M_max")
-def return_step(mutation: Mutation, way: int = 1) -> Statement:
-    """v > u1: after a sample v <= max(u1, v - T (FB - dbar + f_min)/M).
+@claim(
+    "guard.{at}return{back}",
+    given="{seen}, M_min <= M <= M_max; {caps}{behind}{steady}",
+    over=on("", "delay.", "late.steady.", back=True),
+)
+def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M).
 
-    Hence back inside within ceil((v - u1) M/(T (FB - dbar + f_min))) samples, M_max for M at worst.
+    Back inside after all that is late and ceil(({v} - u1) M/(T (brakes - net))) samples, {v} being
+    the speed then and M at worst M_max.
     """
-    a = GuardAxis()
-    b, mass = a.bounds, a["mass"]
-    step = b.period * (ca.fmin(b.brake, b.cap) - a.net) / mass
-    start = way * a["v"]
-    end = start + b.period * (way * a.force + a.net) / mass
+    b, mass, start = a.bounds, a["mass"], a.start(way)
+    step = b.period * (b.braking - a.net) / mass
+    end = start + b.period * a.push(way) / mass
     goal = at_least(ca.fmax(a["u1"], start - mutation(1, 1.01) * step), end)
-    given = (*a.feasible(), *a.measured, *a.during, above(start, a["u1"]))
-    return Statement(a.symbols, (goal,), given)
+    return Statement(a.symbols, (goal,), a.outside(way, *a.during()), a.cuts)
 
 
-@both_ways(claim, "guard.no-overshoot", given=f"{ALL}: {FEASIBLE}")
-def no_overshoot(mutation: Mutation, way: int = 1) -> Statement:
-    """f_speed + t max(-F + dbar - f_min, 0)/M <= u1, also from v > u1.
+@claim("guard.no-overshoot{back}", given="{caps}; |y - v| <= nbar", over=on("", back=True))
+def no_overshoot(mutation: Mutation, way: int) -> Statement:
+    """f_speed + t max({against}F + dbar - f_min, 0)/M <= u1, also from {sign}v > u1.
 
     Braking from outside never throws the robot through the other limit.
     """
     a = GuardAxis()
-    b = a.bounds
-    fallen = b.f_speed + a["t"] * ca.fmax(a.net - way * a.force, 0) / a["mass"]
+    fallen = a["f_speed"] + a["t"] * ca.fmax(a.net - way * a.force(a["asked"]), 0) / a["mass"]
     limit = mutation(a["u1"], 0.99 * a["u1"])
-    given = (*a.feasible(), *a.during, above(way * a["v"], a["u1"]), *a.measured)
+    given = (*a.feasible(), *a.during(), above(way * a["v"], a["u1"]), *a.measured)
     return Statement(a.symbols, (at_least(limit, fallen),), given)
 
 
-@claim("guard.maximal", given="nbar = f_min = f_speed = 0, alpha = 1/T")
-def maximal(mutation: Mutation) -> Statement:
-    """0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1.
-
-    No guard that intervenes less is safe.
-    """
-    a = GuardAxis()
-    b = a.bounds
-    exact = (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period)
-    given = (*a.feasible(), *(Relation(item, "=") for item in exact), at_least(a["v"]), *a.inside)
-    more = a["asked"] - ceiling(a["v"], b)
-    end = a["v"] + b.period * (a["asked"] + b.dbar) / mutation(b.M_min, b.M_max)
-    return Statement(a.symbols, (above(end, a["u1"]),), (*given, above(more)))
-
-
-@claim("guard.necessary", given="u1, T, M_min, dbar > 0")
-def necessary(mutation: Mutation) -> Statement:
-    """2 dbar T > M_min u1 and F + dbar <= 0: T (dbar - F)/M_min > u1.
-
-    Beyond this bound no guard at all can keep the limit: friction of unknown size may stop the
-    robot.
-    """
-    t = symbols("u1 period M_min dbar force")
-    held = at_least(ca.SX(0), t["force"] + t["dbar"])
-    tight = above(2 * t["dbar"] * t["period"], mutation(1, 0.99) * t["M_min"] * t["u1"])
-    swung = t["period"] * (t["dbar"] - t["force"]) / t["M_min"]
-    positive = tuple(above(t[name]) for name in ("u1", "period", "M_min", "dbar"))
-    return Statement(t, (above(swung, t["u1"]),), (*positive, tight, held))
-
-
-@both_ways(
-    claim, "guard.graceful", given=f"{ALL}: {FEASIBLE}; (FB - dbar + f_min) M_min >= M_max D"
+@claim(
+    "guard.{at}graceful{back}",
+    given="{seen}; {spare}; {caps}{behind}",
+    over=on("", "delay.", back=True),
 )
-def graceful(mutation: Mutation, way: int = 1) -> Statement:
-    """|d| <= dbar + D keeps |v| <= u1 + D T/M_min.
+def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """|d| <= dbar + D keeps {sign}v <= u1 + D (T{late})/M_min.
 
     A bound that is broken by D costs a known excess, no more.
     """
-    a = GuardAxis()
-    b, extra = a.bounds, ca.SX.sym("extra")
-    limit = b.u1 + mutation(1, 0.99) * extra * b.period / b.M_min
-    brakes = (ca.fmin(b.brake, b.cap) - a.net) * b.M_min - b.M_max * extra
+    b, D = a.bounds, a["extra"]
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     given = (
-        *a.feasible(),
-        *a.measured,
-        *a.during,
-        at_least(extra),
-        at_least(brakes),
-        at_least(limit, way * a["v"]),
-    )
-    return Statement(
-        {**a.symbols, "extra": extra}, (at_least(limit, a.farthest(way, extra)),), given
-    )
-
-
-@claim("guard.anchor", given=f"{ALL}: {FEASIBLE}")
-def anchor(mutation: Mutation) -> Statement:
-    """|clip(0, lo, hi)| <= FB.
-
-    The force of least effort is within the brake cap.
-    """
-    a = GuardAxis()
-    b = a.bounds
-    size = ca.fabs(clipped(ca.SX(0), a["y"], b))
-    cap = mutation(1, 0.99) * ca.fmin(b.brake, b.cap)
-    return Statement(a.symbols, (at_least(cap, size),), a.feasible())
-
-
-@claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
-def simulated(mutation: Mutation) -> Statement:
-    """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
-    g)/m), F all that pushes; omega ends at omega + h N/I.
-
-    The simulated robot does not outrun the comparison that the guard counts with, but for speeds
-    that friction alone turns round within a step. This is over the real numbers: the step's own
-    rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
-    u1 by so much.
-    """
-    robot = plant(load_scenario(PRESET))
-    t = {**scalars((*robot.inputs, *robot.state, *robot.params)), **symbols("step", "step")}
-    m, inertia, mu, r, half, g, v_s = (
-        t[f"robot.{name}"] for name in ("m", "I", "mu", "r", "l", "g", "v_s")
-    )
-    tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + t["noise_left"])
-    push = wheel_to_force(r, half, tau) + ca.vertcat(t["thrust"], t["moment"])
-    after = rk4_step(robot, t["step"])[3:5]
-    friction = mu * m * g
-    driven = t["v1"] + t["step"] * ca.fmax(push[0], 0) / m
-    slow = t["step"] * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
-    goals = (
-        at_least(ca.fmax(driven, slow), after[0]),
-        equal(after[1], t["omega"] + t["step"] * push[1] / inertia),
-    )
-    positive = tuple(above(item) for item in (m, inertia, r, half, g, v_s, t["step"]))
-    given = (*positive, at_least(mu))
-    return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
+        *a.stated, *a.seen(way, D * a.late / b.M_min, *a.during()), at_least(D), a.withstands(D),
+        at_least(limit, a.start(way)), *a.ordered(way),
+    )  # fmt: skip
+    return Statement(a.symbols, (at_least(limit, a.then(way, D)),), given, a.cuts)
 
 
 @claim(
-    "guard.lemma",
-    given="F1 v >= f_min |v| above f_speed, F1 v >= 0 below, |d| <= dbar, F held",
-    by=HAND,
+    "guard.{at}graceful{back}",
+    given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; brakes - net "
+    ">= D; {caps}{steady}",
+    premises="guard.{at}left",
+    over=on("late.", "late.steady.", back=True),
 )
-def guard_lemma() -> None:
-    """v+ = max(v, f_speed) is absolutely continuous, and M dv+/dt <= F + dbar - f_min where v >
-    f_speed, 0 elsewhere; so v+(t) <= v+(0) + t max(F + dbar - f_min, 0)/M_min.
+def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
+    """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for {sign}v.
 
-    One inequality at the sample bounds the velocity at every instant up to the next.
+    A bound that is broken by D costs a known excess, no more.
     """
+    # t at its end, as v is linear.
+    b, D, left = a.bounds, a["extra"], a["room"]
+    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    over, most = a.start(way, D), a.hi if way > 0 else -a.lo
+    last = b.period + a.J - a["since"]
+    end = over + last * ca.fmax(most + a.net + D, 0) / a["mass"]
+    free = a["arrived"] - D * (a.late - a.J) / b.M_min - b.u1
+    given = (
+        *a.sound(), *a.capped, *a.during(), at_least(a["arrived"], b.f_speed),
+        *a.lines(way, left, -free), at_least(D), a.withstands(D), at_least(limit, over),
+    )  # fmt: skip
+    cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
+    return Statement(a.symbols, (at_least(limit, end),), given, cuts)
+
+
+@claim("guard.{at}left", given="{seen}{steady}", over=on("late.", "late.steady."))
+def left(mutation: Mutation, a: GuardAxis) -> Statement:
+    """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
+    command may first take over; either way.
+
+    What the room is counted from.
+    """
+    goals = [
+        goal
+        for left, way in zip(a.left, (1, -1), strict=True)
+        for goal in a.lines(way, left, a["u1"] - mutation(1, 1.01) * a.reached(way))
+    ]
+    return Statement(a.symbols, tuple(goals), (*a.sound(), *a.measured, *a.moving))

@@ -1,42 +1,70 @@
-"""Symbols and hypotheses that the guard's claims share."""
+"""One axis of the guard in one sample: its symbols and hypotheses, however late things may be.
+
+Lateness changes what is known of v where the new command takes over, and what the guard's graph
+reads; what it makes of the room to the limit is one function.  What commands under way count for
+are free sums, so that a statement holds for any number of them; exponentials are symbols with what
+is true of them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
 
 import casadi as ca
 
-from wmr_ctrl.guard.delay import InFlight, in_flight, largest_force
-from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor
-from wmr_ctrl.proofs.claim import Claims
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
+from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
+from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
+from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
-Directed = TypeVar("Directed", bound=Callable[..., Statement])
+AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
-PRESENT = "v y asked mass t"
-LATE = "delay ahead back arrived sent other periods since extra"
+PARAMETERS = (
+    f"{NUMBERS} delay jitter mixed usual fast slow falls rises_by rise_J rise rise_late most share"
+)
+FREE = (
+    "v y asked mass t ahead back rest_ahead rest_back arrived sent other periods since extra "
+    "z_ahead z_back after_ahead after_back again_ahead again_back room_ahead room_back room "
+    "beyond brakes largest hat more lo"
+)
 
 
 @dataclass(frozen=True)
 class GuardAxis:
-    """Symbols of one axis: the guard's numbers, and what happens in one sample."""
+    """The guard's numbers, and what happens in one sample.
+
+    ``lateness``: velocities and drives are at once; behind a delay, ``arrived`` bounding v+ where
+    the new command takes over; late in any way, ``sent`` being the last command; the same behind
+    a lag in [fast, slow].  ``varies``: with jitter, or J = mixed = 0 and the graph of that.
+    ``way`` is 1 forwards and -1 backwards.
+    """
+
+    lateness: int = AT_ONCE
+    varies: bool = True
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT}", NUMBERS)
+        return symbols(f"{PARAMETERS} {FREE}", PARAMETERS)
 
     def __getitem__(self, name: str) -> ca.SX:
         """The symbol of a name."""
         return self.symbols[name]
 
+    def __call__(self, name: str, way: int) -> ca.SX:
+        """The symbol of one direction."""
+        return self.symbols[name + ("ahead" if way > 0 else "back")]
+
     @cached_property
     def bounds(self) -> Bounds:
         """What the guard's graph reads."""
-        return Bounds(**{name: self[name] for name in NUMBERS.split()})
+        b = Bounds(**{name: self[name] for name in NUMBERS.split()})
+        if self.lateness >= DELAYED:
+            b = replace(b, delay=self["delay"])
+        if self.lateness >= LATE and self.varies:
+            b = replace(b, jitter=self["jitter"])
+        mixed = self.lateness == LAGGING or b.jitter is not None
+        return replace(b, mixed=self["mixed"]) if mixed else b
 
     @property
     def net(self) -> ca.SX:
@@ -44,21 +72,173 @@ class GuardAxis:
         return self["dbar"] - self["f_min"]
 
     @property
-    def force(self) -> ca.SX:
+    def late(self) -> ca.SX:
+        """All that counts of what was sent [s]."""
+        return self["delay"] if self.lateness else ca.SX(0)
+
+    @property
+    def J(self) -> ca.SX:
+        """By how much the delay varies [s]."""
+        return self["jitter"] if self.varies else ca.SX(0)
+
+    @property
+    def mixed(self) -> ca.SX:
+        """Time in which either of two commands may act [s]."""
+        return ca.SX(0) if self.bounds.mixed is None else self["mixed"]
+
+    @property
+    def again(self) -> InFlight:
+        """What the last command adds where the new one comes late."""
+        if self.lateness == LAGGING:
+            return InFlight(self["again_ahead"], self["again_back"])
+        pair = ca.vertcat(self["sent"], self["other"])
+        return in_flight([(pair, self.J / self["period"])], 0, self.bounds)
+
+    @property
+    def coming(self) -> InFlight | None:
+        """What is under way; None where nothing is late."""
+        return self.sums if self.lateness else None
+
+    @property
+    def sums(self) -> InFlight:
+        """What is under way, as its sums, and what is felt of it then and later."""
+        if self.lateness < LATE:
+            return InFlight(self["ahead"], self["back"])
+        rest = InFlight(self["rest_ahead"], self["rest_back"])
+        felt = None
+        if self.lateness == LAGGING:
+            now, after = ((self[f"{z}_ahead"], self[f"{z}_back"]) for z in ("z", "after"))
+            felt = Lagging(now, after if self.varies else now, self["rise"], self["rise_late"])
+        again = self.again if self.varies else None
+        return InFlight(self["ahead"], self["back"], rest, again, felt)
+
+    @property
+    def largest(self) -> ca.SX:
+        """What no command exceeds."""
+        return largest_force(self.bounds)
+
+    @property
+    def S(self) -> ca.SX:
+        """Most that any command pushes."""
+        return self.largest + self.net
+
+    @property
+    def left(self) -> tuple[ca.SX, ca.SX]:
+        """What is left to the limit ahead, and behind."""
+        b, coming = self.bounds, self.coming
+        return room(self["y"], b, coming), room(-self["y"], b, coming and coming.mirrored)
+
+    @property
+    def cuts(self) -> dict[str, ca.SX]:
+        """Caps that stand for any numbers with what `capped` says of them."""
+        caps = {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
+        return caps if self.lateness < LAGGING else caps | self._left
+
+    @property
+    def rooms(self) -> dict[str, ca.SX]:
+        """Caps and, where the room has several lines, rooms that stand for any numbers."""
+        return self.cuts if self.lateness < LATE else self.cuts | self._left
+
+    @property
+    def _left(self) -> dict[str, ca.SX]:
+        return dict(zip(("room_ahead", "room_back"), self.left, strict=True))
+
+    def force(self, asked: ca.SX) -> ca.SX:
         """What the guard lets through."""
-        return clipped(self["asked"], self["y"], self.bounds)
+        return clipped(asked, self["y"], self.bounds, self.coming)
+
+    @property
+    def hi(self) -> ca.SX:
+        """Largest safe force."""
+        return ceiling(self["y"], self.bounds, self.coming)
+
+    @property
+    def lo(self) -> ca.SX:
+        """Smallest safe force."""
+        return floor(self["y"], self.bounds, self.coming)
+
+    def push(self, way: int) -> ca.SX:
+        """Most that pushes while the new command acts."""
+        return way * self.force(self["asked"]) + self.net
+
+    @property
+    def _signs(self) -> tuple[Relation, ...]:
+        b, late = self.bounds, [self["delay"]] if self.lateness else []
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, *late)]
+        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
+        return (*positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
+
+    @property
+    def _times(self) -> tuple[Relation, ...]:
+        if self.lateness < LATE:
+            return ()
+        late, J, mixed = at_least(self["delay"], self["usual"]), self.J, self.mixed
+        jitter = (above(J), at_least(self["period"], J), at_least(mixed, J))
+        return (*jitter, at_least(self["usual"], mixed), late) if self.varies else (late,)
+
+    def sound(self, faster: float = 1) -> tuple[Relation, ...]:
+        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; not a word of dbar."""
+        b = self.bounds
+        quick = at_least(ca.SX(faster), b.alpha * b.period)
+        return (*self._signs, quick, at_least(b.u1, 2 * b.nbar), *self._times)
 
     def feasible(self, pushed: float = 1, faster: float = 1) -> tuple[Relation, ...]:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
         b = self.bounds
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha)]
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        reach = b.M_min * b.alpha * (b.u1 - b.f_speed)
+        have, need = (
+            b.M_min * b.alpha * (b.u1 - b.f_speed),
+            2 * self.net * (1 + b.alpha * self.late),
+        )
         return (
-            *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
-            at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * reach, 2 * self.net),
-            at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net),
+            *self._signs, at_least(ca.SX(faster), b.alpha * b.period),
+            at_least(pushed * have, need), at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net),
+            *self._times, *([self.spread] * (not self.mixed.is_zero())),
         )  # fmt: skip
+
+    @property
+    def spread(self) -> Relation:
+        """The inequality that jitter brings: 2 net mixed <= M_min (u1 - 2 nbar)."""
+        b = self.bounds
+        return at_least(b.M_min * (b.u1 - 2 * b.nbar), 2 * self.net * self.mixed)
+
+    @property
+    def capped(self) -> tuple[Relation, ...]:
+        """What guard.delay.caps proves of the caps, but for their sum."""
+        brakes = self.bounds.braking
+        return at_least(brakes), at_least(brakes, self.net), at_least(self.largest, brakes)
+
+    def shared(self, more: float = 1) -> Relation:
+        """The caps' sum: both directions together keep what braking needs."""
+        b = self.bounds
+        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
+        return at_least(b.u1 - b.f_speed, self.late * self.S / b.M_min + more * needed)
+
+    def apart(self, more: float = 1) -> Relation:
+        """mixed (largest + net) <= M_min (u1 - 2 nbar), a cap's share."""
+        b = self.bounds
+        return at_least(more * b.M_min * (b.u1 - 2 * b.nbar), self.mixed * self.S)
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """What is known of numbers and caps."""
+        return (*self.sound(), *self.capped) if self.lateness else self.feasible()
+
+    def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relation:
+        """What is under way leaves, ahead or behind or both together, what braking needs."""
+        b = self.bounds
+        need = ca.fmax(b.braking + self.net, 0)
+        if self.lateness < LATE:
+            left = more * (b.u1 - b.f_speed) - self["ahead"] - self["back"]
+            return at_least(b.M_min * b.alpha * left, need)
+        most = ca.fmax(ca.fmax(*rooms), rooms[0] + rooms[1])
+        return at_least(more * b.M_min * b.alpha * most, need)
+
+    def can_brake(self, more: float = 1) -> tuple[Relation, ...]:
+        """Why there is a safe force; a factor above 1 relaxes it."""
+        if not self.lateness:
+            return self.feasible(more)
+        sums = self.moving if self.lateness < LATE else ()
+        return (*self.stated, *sums, self.enough((self["room_ahead"], self["room_back"]), more))
 
     @property
     def measured(self) -> tuple[Relation, ...]:
@@ -72,153 +252,104 @@ class GuardAxis:
         return at_least(self["u1"], self["v"]), at_least(self["v"], -self["u1"])
 
     @property
-    def during(self) -> tuple[Relation, ...]:
-        """0 <= t <= T, M_min <= M <= M_max."""
-        b, mass = self.bounds, self["mass"]
-        return (
-            at_least(self["t"]),
-            at_least(b.period, self["t"]),
-            at_least(mass, b.M_min),
-            at_least(b.M_max, mass),
-        )
-
-    def farthest(self, way: int, more: ca.SX | float = 0) -> ca.SX:
-        """Comparison bound of way * v at time t: max(v, f_speed) + t max(F + net, 0)/M."""
-        b = self.bounds
-        start = ca.fmax(way * self["v"], b.f_speed)
-        return start + self["t"] * ca.fmax(way * self.force + self.net + more, 0) / self["mass"]
-
-
-@dataclass(frozen=True)
-class LateAxis(GuardAxis):
-    """One axis behind a delay: any number of commands under way, by what they add up to.
-
-    ``arrived`` bounds v (or -v) at the instant at which the new command starts to act; ``place`` is
-    the axis among the two that a command has.
-    """
-
-    place: int = 0
-
-    @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
-        """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT} {LATE}", f"{NUMBERS} delay")
-
-    @cached_property
-    def bounds(self) -> Bounds:
-        """What the guard's graph reads."""
-        at_once = Bounds(**{name: self[name] for name in NUMBERS.split()})
-        return replace(at_once, delay=self["delay"])
-
-    @property
-    def coming(self) -> InFlight:
-        """What is under way, as its two sums."""
-        return InFlight(self["ahead"], self["back"])
-
-    @cached_property
-    def one(self) -> InFlight:
-        """What is under way where it is a single command ``sent`` for some ``periods``."""
-        pair = [self["other"], self["other"]]
-        pair[self.place] = self["sent"]
-        return in_flight([(ca.vertcat(*pair), self["periods"])], self.place, self.bounds)
-
-    @cached_property
-    def largest(self) -> ca.SX:
-        """What no command exceeds."""
-        return largest_force(self.bounds)
-
-    @property
-    def cuts(self) -> dict[str, ca.SX]:
-        """Caps that stand for any numbers with what `capped` says of them."""
-        return {"brakes": self.bounds.braking, "largest": self.largest}
-
-    @property
-    def force(self) -> ca.SX:
-        """What the guard lets through."""
-        return clipped(self["asked"], self["y"], self.bounds, self.coming)
-
-    @property
-    def hi(self) -> ca.SX:
-        """Largest safe force."""
-        return ceiling(self["y"], self.bounds, self.coming)
-
-    @property
-    def lo(self) -> ca.SX:
-        """Smallest safe force."""
-        return floor(self["y"], self.bounds, self.coming)
-
-    def sound(self, faster: float = 1) -> tuple[Relation, ...]:
-        """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1: no word about dbar."""
-        b = self.bounds
-        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self["delay"])]
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        return (
-            *positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed),
-            at_least(ca.SX(faster), b.alpha * b.period), at_least(b.u1, 2 * b.nbar),
-        )  # fmt: skip
-
-    def can_be_kept(self, pushed: float = 1) -> tuple[Relation, ...]:
-        """The theorem's hypotheses; a factor above 1 relaxes the first."""
-        b = self.bounds
-        need = 2 * self.net * (1 + b.alpha * self["delay"])
-        have = b.M_min * b.alpha * (b.u1 - b.f_speed)
-        return (*self.sound(), at_least(pushed * have, need), at_least(b.brake, self.net))
-
-    @property
-    def capped(self) -> tuple[Relation, ...]:
-        """What guard.delay.caps proves of the caps, but for their sum."""
-        b = self.bounds
-        return (
-            at_least(b.braking), at_least(b.braking, self.net), at_least(self.largest, b.braking),
-        )  # fmt: skip
-
-    def shared(self, more: float = 1) -> Relation:
-        """The caps' sum: both directions together keep what braking needs."""
-        b = self.bounds
-        late = self["delay"] * (self.largest + self.net) / b.M_min
-        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
-        return at_least(b.u1 - b.f_speed, late + more * needed)
-
-    def room(self, coming: InFlight, more: float = 1) -> Relation:
-        """M_min alpha (u1 - f_speed - ahead - back) >= max(brakes + net, 0)."""
-        b = self.bounds
-        left = b.M_min * b.alpha * (more * (b.u1 - b.f_speed) - coming.ahead - coming.back)
-        return at_least(left, ca.fmax(b.braking + self.net, 0))
-
-    @property
     def moving(self) -> tuple[Relation, ...]:
-        """ahead >= 0, back >= 0."""
-        return at_least(self["ahead"]), at_least(self["back"])
+        """No sum is negative."""
+        names = ("ahead", "back", "rest_ahead", "rest_back")
+        return tuple(at_least(self[name]) for name in names[: 2 if self.lateness < LATE else 4])
 
-    def arrives(self, way: int, more: ca.SX | float = 0) -> tuple[Relation, ...]:
-        """f_speed <= arrived <= max(way v, f_speed) + what is under way (+ more)."""
-        coming = self["ahead"] if way > 0 else self["back"]
-        most = ca.fmax(way * self["v"], self["f_speed"]) + coming + more
-        return at_least(most, self["arrived"]), at_least(self["arrived"], self["f_speed"])
+    def during(self, longer: float = 1) -> tuple[Relation, ...]:
+        """0 <= t <= T, M_min <= M <= M_max; of what is late 0 <= since <= J, t <= T + J - since."""
+        b, mass, since, t = self.bounds, self["mass"], self["since"], self["t"]
+        masses = (at_least(mass, b.M_min), at_least(b.M_max, mass))
+        if self.lateness < LATE:
+            return at_least(t), at_least(b.period, t), *masses
+        end = at_least(longer * (b.period + self.J) - since, t)
+        return at_least(since), at_least(self.J, since), at_least(t), end, *masses
 
-    def not_empty(self, way: int) -> tuple[Relation, ...]:
-        """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""
-        return () if way > 0 else (at_least(self.hi, self.lo),)
+    def reached(self, way: int) -> ca.SX:
+        """v+ when the new command may first take over; ``v`` is measured, or its mean."""
+        speed = self["f_speed"]
+        mean = ca.fmax(way * self["v"], speed) + self("", way)
+        return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
+
+    def seen(self, way: int, more: ca.SX | float = 0, *during: Relation) -> tuple[Relation, ...]:
+        """What is known of `start`; ``more`` is what a broken bound adds until then."""
+        if not self.lateness:
+            return (*self.measured, *during)
+        most, arrived = self.reached(way) + more, self["arrived"]
+        arrives = (at_least(most, arrived), at_least(arrived, self["f_speed"]))
+        return (*self.measured, *during, *self.moving, *arrives)
+
+    def start(self, way: int, more: ca.SX | float = 0) -> ca.SX:
+        """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
+        if self.lateness < LATE:
+            return self["arrived"] if self.lateness else way * self["v"]
+        push = ca.fmax(way * self["sent"] + self.net + more, 0)
+        return self["arrived"] + self["since"] * push / self["mass"]
 
     def then(self, way: int, more: ca.SX | float = 0) -> ca.SX:
-        """Comparison bound t after the new command has started to act."""
-        push = ca.fmax(way * self.force + self.net + more, 0)
-        return self["arrived"] + self["t"] * push / self["mass"]
+        """Comparison bound of v+ t after the new command has taken over."""
+        start, push = self.start(way, more), ca.fmax(self.push(way) + more, 0)
+        start = start if self.lateness else ca.fmax(start, self["f_speed"])
+        return start + self["t"] * push / self["mass"]
 
+    def kept(self, way: int, longer: float) -> tuple[Relation, ...]:
+        """Why inside stays inside; a factor above 1 lets alpha T, or what acts, be larger."""
+        if not self.lateness:
+            return (*self.feasible(1, longer), *self.measured, *self.inside, *self.during())
+        u1, arrived, brakes = self["u1"], self["arrived"], at_least(self.bounds.braking, self.net)
+        limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
+        if self.lateness < LATE:
+            return (*self.sound(longer), brakes, *self.seen(way, 0, *self.during()), *limits)
+        lines = self.lines(way, self("room_", way), u1 - arrived)
+        known = (*self.during(longer), at_least(arrived, self["f_speed"]), *lines)
+        return (*self.sound(), brakes, *known, *limits)
 
-def both_ways(
-    claim: Claims, id: str, given: str, premises: str = "", back: str = ""
-) -> Callable[[Directed], Directed]:
-    """Enter the function as the claim ``id`` about v, and as ``id``-back about -v.
+    def beyond(self, way: int) -> ca.SX:
+        """By how much v+ is too large where the new command takes over."""
+        return self["beyond"] if self.lateness == LAGGING else self.start(way) - self["u1"]
 
-    ``back``: what the second one assumes beside ``given``.
-    """
+    def outside(self, way: int, *during: Relation) -> tuple[Relation, ...]:
+        """What is known there."""
+        beyond, ordered = self.beyond(way), self.ordered(way)
+        if self.lateness < LATE:
+            return (*self.stated, *self.seen(way, 0, *during), above(beyond), *ordered)
+        if self.lateness < LAGGING:
+            return (*self.stated, *self.seen(way), *self.during(), above(beyond), *ordered)
+        u1, most, again = self["u1"], self["arrived"], self.lasts(way)[2] / self["M_min"]
+        return (
+            *self.stated, above(beyond), at_least(most + again - u1, beyond),
+            at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo),
+        )  # fmt: skip
 
-    def enter(function: Directed) -> Directed:
-        claim(id, given=given, premises=premises)(function)
-        claim(f"{id}-back", given=given + back, premises=premises, wording=f"{id} for -v", way=-1)(
-            function
+    def ordered(self, way: int) -> tuple[Relation, ...]:
+        """lo <= hi, of which forwards nothing hangs: the clip to hi is the last."""
+        return (at_least(self.hi, self.lo),) if self.lateness and way < 0 else ()
+
+    def withstands(self, extra: ca.SX) -> Relation:
+        """The brakes do, a push that is ``extra`` too large."""
+        b, spare = self.bounds, self.bounds.braking - self.net
+        return (
+            at_least(spare, extra) if self.lateness else at_least(spare * b.M_min, b.M_max * extra)
         )
-        return function
 
-    return enter
+    def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Z now and later, and M_min times what the last command adds, of one direction."""
+        z = self("z_", way)
+        if not self.varies:
+            return z, z, ca.SX(0)
+        return z, self("after_", way), self("again_", way) * self.bounds.M_min
+
+    def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relation]:
+        """What is left, each line of it; ``spare`` is u1 less what is reached."""
+        b, J, rise, late = self.bounds, self.J, self["rise"], self["rise_late"]
+        whole = at_least(spare, (1 + b.alpha * J) * left)
+        if self.lateness < LAGGING:
+            again = self.again.ahead if way > 0 else self.again.back
+            return [at_least(spare, left + again), whole]
+        z, after, again = (item / b.M_min for item in self.lasts(way))
+        return [
+            at_least(spare - again, left), whole,
+            at_least(spare - again + rise * after, (1 + b.alpha * rise) * left),
+            at_least(spare + late * z, (1 + b.alpha * (J + late)) * left),
+        ]  # fmt: skip

@@ -8,28 +8,125 @@ command after the other; what one of them adds is shown for any sum before it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from functools import cached_property
+
 import casadi as ca
 
 from wmr_ctrl.guard.delay import largest_force
-from wmr_ctrl.guard.guard import clipped, floor
+from wmr_ctrl.guard.guard import Bounds, floor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims import guard_delay_sums as sums
+from wmr_ctrl.proofs.claims.guard_axis import DELAYED
 from wmr_ctrl.proofs.claims.guard_delay_sums import ROUNDS
-from wmr_ctrl.proofs.claims.guard_queued_axis import READ, SPREAD, WHEELS, QueuedAxis
-from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE
+from wmr_ctrl.proofs.claims.guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import UNIT, Statement, at_least
+from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least
+
+SPREAD = 16
+"""Largest (G1 + G2/l)/K1 max(1, alpha delay), and the same for the second axis: the range."""
+WHEELS = ON_WHEELS * SPREAD
+READ = 5 * SPREAD
+"""Units of K that the wheels' rounding takes, and that reading a command back from torques does."""
+FAR = 15 / 32
+"""Share of ``kept`` by which both sums together may be more than the caps allow."""
 
 
-def _clipped(asked: ca.SX, a: QueuedAxis) -> dict[str, ca.SX]:
-    return {"hat": clipped(asked, a["y"], a.aimed, a.coming)}
+@dataclass(frozen=True)
+class QueuedAxis(RoundedAxis):
+    """One axis; ``arrived`` bounds v (or -v) where the new command starts to act.
+
+    ``share`` is what is left of u1, ``brakes`` and ``largest`` the computed caps.
+    """
+
+    lateness: int = DELAYED
+    widest: int = SPREAD
+
+    @property
+    def held_back(self) -> ca.SX:
+        """What is kept back, as a share of u1."""
+        return 1 - self["share"]
+
+    @cached_property
+    def aimed(self) -> Bounds:
+        """What the text reads: u1 is shrunk."""
+        return replace(self.bounds, u1=self["u1"] * self["share"])
+
+    @property
+    def caps(self) -> dict[str, ca.SX]:
+        """The computed caps, which stand for any numbers with what `bounded` says of them."""
+        return {"brakes": self.aimed.braking, "largest": largest_force(self.aimed)}
+
+    @property
+    def waits(self) -> ca.SX:
+        """alpha delay."""
+        return self["alpha"] * self["delay"]
+
+    @property
+    def stated(self) -> tuple[Relation, ...]:
+        """The theorem's hypotheses with room for the rounding, but for those of the caps."""
+        b, less = self.bounds, self["u1"] * (1 - 4 * self.held_back)
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, self["delay"])]
+        counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self["ahead"], self["back"])
+        return (
+            *positive, *(at_least(item) for item in counted), at_least(b.M_max, b.M_min),
+            at_least(1 + DOUBLE.quicker, b.alpha * b.period),
+            at_least(self.held_back, 1024 * UNIT), at_least(2.0**-20, self.held_back),
+            at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
+            at_least(self.reach, self.net), at_least(self.reach, -self.net),
+        )  # fmt: skip
+
+    @property
+    def counts(self) -> Relation:
+        """kept = (1 + n) 2^-44 with alpha delay <= n, n commands."""
+        return at_least(self.held_back * (1 + 2.0**-40), 512 * UNIT * (1 + self.waits))
+
+    @property
+    def met(self) -> tuple[Relation, ...]:
+        """The conditions of the caps."""
+        room = self.held_back * self.reach
+        need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
+        have = self.slope * (self["u1"] - self["f_speed"])
+        brakes = at_least(self["brake"], ca.fabs(self.net) + 5 * room)
+        return (at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts)
+
+    @property
+    def aim(self) -> ca.SX:
+        """M_min alpha (u1 (1 - kept) - f_speed)."""
+        return self.slope * (self["u1"] * self["share"] - self["f_speed"])
+
+    @property
+    def bounded(self) -> tuple[Relation, ...]:
+        """What brakes and the largest command leave to each other."""
+        room, brakes, largest = 2 * self.held_back * self.reach, self["brakes"], self["largest"]
+        return (
+            at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
+            at_least(largest, self.net + room),
+        )  # fmt: skip
+
+    @property
+    def over(self) -> ca.SX:
+        """By how much the computed brakes' part of the sum may be off, times 1 + alpha delay."""
+        return (16 + 8 * (1 + self.waits)) * UNIT * self.reach
+
+    def arrives(self, way: int) -> tuple[Relation, ...]:
+        """arrived <= max(way v, f_speed) + what was computed to be under way, and <= u1."""
+        fastest = ca.fmax(way * self["v"], self["f_speed"])
+        most = fastest + self("", way) * (1 + self.held_back / 64) + self["u1"] * self.held_back / 8
+        return at_least(most, self["arrived"]), at_least(self["u1"], self["arrived"])
+
+    def leaves(self, brakes: ca.SX) -> Relation:
+        """What both sums leave for braking."""
+        u1 = self["u1"] * (1 - self.held_back * (1 - FAR))
+        left = self.slope * (u1 - self["f_speed"] - self["ahead"] - self["back"])
+        return at_least(left, ca.fmax(brakes + self.net, 0))
 
 
 def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
     """What braking and the largest command take together, and the rounding in it."""
-    both = a.late * (a["largest"] + a.net) + ca.fmax(a["brakes"] + a.net, 0)
-    return both, (8 + 4 * a.late) * UNIT * a.reach
+    both = a.waits * (a["largest"] + a.net) + ca.fmax(a["brakes"] + a.net, 0)
+    return both, (8 + 4 * a.waits) * UNIT * a.reach
 
 
 RANGE = (
@@ -59,8 +156,8 @@ def brakes(mutation: Mutation) -> Statement:
     What the guard brakes with is right but for a few roundings.
     """
     a = QueuedAxis()
-    least = ca.fabs(a.net) + mutation(5, 5.1) * a.kept * a.reach
-    share = (a["brakes"] + a.net) * (1 + a.late)
+    least = ca.fabs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
+    share = (a["brakes"] + a.net) * (1 + a.waits)
     goals = (at_least(a["brakes"], least), at_least(a.aim + a.over, share))
     computed = {"brakes": a.aimed.braking}
     return Statement(a.symbols, goals, (*a.stated, *a.met), computed=computed)
@@ -92,20 +189,17 @@ def largest(mutation: Mutation) -> Statement:
     premises="guard.delay.rounding.brakes guard.delay.rounding.largest",
     caps=CAPS,
 )
-def guard_delay_rounding_caps(mutation: Mutation) -> Statement:
+def caps(mutation: Mutation) -> Statement:
     """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
 
     So the caps keep their order.
     """
     a = QueuedAxis()
     both, off = _sum(a)
-    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.kept * a.reach)
-    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.late))
+    braked = at_least(a["brakes"], ca.fabs(a.net) + 5 * a.held_back * a.reach)
+    part = at_least(a.aim + a.over, (a["brakes"] + a.net) * (1 + a.waits))
     more = (a.over + off) * mutation(1, 0.1)
-    goals = (
-        *a.capped(a["brakes"], a["largest"]),
-        at_least(more, a.late * (a["brakes"] - a["largest"])),
-    )
+    goals = (*a.bounded, at_least(more, a.waits * (a["brakes"] - a["largest"])))
     given = (*a.stated, *a.met, braked, part, at_least(both, a.aim - off))
     return Statement(a.symbols, goals, given)
 
@@ -117,21 +211,21 @@ def guard_delay_rounding_caps(mutation: Mutation) -> Statement:
     premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both "
     "guard.delay.rounding.both-angular",
 )
-def guard_delay_rounding_room(mutation: Mutation) -> Statement:
+def room(mutation: Mutation) -> Statement:
     """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
 
     What is under way never takes the room that braking needs, as computed.
     """
     a = QueuedAxis()
     both, off = _sum(a)
-    extra = (WHEELS + READ + 32 + 20 * a.late) * UNIT * a.reach
+    extra = (WHEELS + READ + 32 + 20 * a.waits) * UNIT * a.reach
     counted = a["delay"] * (a["largest"] + a.net + a["more"])
     given = (
-        *a.stated, a.enough, *a.capped(a["brakes"], a["largest"]), at_least(a.aim + off, both),
-        at_least(a["more"]), at_least(extra * mutation(1, 100), a.late * a["more"]),
-        at_least((1 + a.kept / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
+        *a.stated, a.counts, *a.bounded, at_least(a.aim + off, both),
+        at_least(a["more"]), at_least(extra * mutation(1, 100), a.waits * a["more"]),
+        at_least((1 + a.held_back / 64) * counted, a["M_min"] * (a["ahead"] + a["back"])),
     )  # fmt: skip
-    return Statement(a.symbols, (a.room(a["brakes"]),), given)
+    return Statement(a.symbols, (a.leaves(a["brakes"]),), given)
 
 
 @claim(
@@ -145,14 +239,11 @@ def size(mutation: Mutation) -> Statement:
     No computed force is large enough to make its rounding matter.
     """
     a = QueuedAxis()
-    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
     caps = ca.fmax(a["largest"], a["brakes"])
-    given = (
-        *a.stated, *a.capped(a["brakes"], a["largest"]), at_least(reach, a["brakes"]),
-    )  # fmt: skip
+    given = (*a.stated, *a.bounded, at_least(reach, a["brakes"]))
     goals = tuple(at_least(most, way * a["hat"]) for most in (reach, caps) for way in (1, -1))
-    return Statement(a.symbols, goals, given, cuts, computed=_clipped(a["asked"], a))
+    return Statement(a.symbols, goals, given, a.caps, computed=a.text(a["asked"]))
 
 
 @claim(
@@ -166,31 +257,25 @@ def anchor(mutation: Mutation) -> Statement:
     What the wheels have to keep free is what the text keeps free.
     """
     a = QueuedAxis()
-    cuts = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
     most = mutation(1, 0.99) * a["brakes"]
     goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    given = (*a.stated, *a.capped(a["brakes"], a["largest"]))
-    return Statement(a.symbols, goals, given, cuts, computed=_clipped(ca.SX(0), a))
+    given = (*a.stated, *a.bounded)
+    return Statement(a.symbols, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
 
 @claim(
     "guard.delay.rounding.force-{word}",
-    given=f"{RANGE}; {CAPS}; |y - v| <= nbar; v+ <= max({{sign}}v, f_speed) + (1 + kept/64) "
-    f"{{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
+    given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max({{sign}}v, f_speed) + "
+    f"(1 + kept/64) {{word}} + u1 kept/8 and v+ <= u1{{known}}{ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps{premises}",
     over=(
         {"word": "ahead", "way": 1, "sign": "", "known": "", "premises": "", "spare": SPARE},
-        {
-            "word": "back",
-            "way": -1,
-            "sign": "-",
-            "spare": SPARE,
-            "known": "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; "
-            "guard.delay.rounding.room",
-            "premises": " guard.delay.rounding.force-ahead guard.delay.rounding.room",
-        },
+        {"word": "back", "way": -1, "sign": "-", "spare": SPARE,
+         "known": "; lo(y) = -hi(-y) by guard.delay.rounding.force-ahead; "
+         "guard.delay.rounding.room",
+         "premises": " guard.delay.rounding.force-ahead guard.delay.rounding.room"},
     ),
-)
+)  # fmt: skip
 def force(mutation: Mutation, way: int) -> Statement:
     """the computed force F^ has {sign}F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) -
     v+), 0), v+ being {sign}v or f_speed where the new command starts to act.
@@ -204,14 +289,12 @@ def force(mutation: Mutation, way: int) -> Statement:
     cuts = {"brakes": b.braking, "largest": largest_force(b)}
     given = [*a.stated, *a.measured]
     if way > 0:
-        room = 2 * a.kept * a.reach
-        given += [*a.arrives(way), at_least(a["brakes"], a.net + room)]
+        given += [*a.arrives(way), at_least(a["brakes"], a.net + 2 * a.held_back * a.reach)]
     else:
-        cuts["lo"] = floor(a["y"], b, a.coming)
-        given += [*a.capped(a["brakes"], a["largest"]), *a.arrives(way)]
-        given += [a.safe(way, a["lo"]), a.room(mutation * a["brakes"])]
-    computed = {"hat": clipped(a["asked"], a["y"], b, a.coming)}
-    return Statement(a.symbols, (a.safe(way, a["hat"]),), tuple(given), cuts, computed=computed)
+        cuts["lo"], left = floor(a["y"], b, a.coming), a.leaves(mutation * a["brakes"])
+        given += [*a.bounded, *a.arrives(way), a.safe(way, a["lo"]), left]
+    goal, text = a.safe(way, a["hat"]), a.text(a["asked"], b)
+    return Statement(a.symbols, (goal,), tuple(given), cuts, computed=text)
 
 
 PARTS = " ".join(part.id for part in (*sums.claim.listed, *claim.listed))
@@ -236,7 +319,8 @@ def together(mutation: Mutation) -> Statement:
     lost = mutation(1, 2) * a.on_wheels
     end = a["arrived"] + a["t"] * ca.fmax(a["hat"] + a.net, 0) / a["mass"]
     given = (
-        *a.stated, *a.during, at_least(a["u1"], a["arrived"]), at_least(a["arrived"], a["f_speed"]),
+        *a.stated, *a.during(), at_least(a["u1"], a["arrived"]),
+        at_least(a["arrived"], a["f_speed"]),
         at_least(ca.fmax(a["asked"], a["most"]) + lost, a["hat"]),
         a.safe(1, a["asked"]), a.safe(1, a["most"]),
     )  # fmt: skip
@@ -252,7 +336,7 @@ def together(mutation: Mutation) -> Statement:
     by=HAND,
     premises="guard.delay.rounding guard.delay.lemma",
 )
-def guard_delay_rounding_lemma() -> None:
+def lemma() -> None:
     """behind a constant delay the exact robot, pushed by the double-precision torques of the
     compiled text, keeps |v| <= u1 at every instant, from every start that guard.delay.lemma allows.
 

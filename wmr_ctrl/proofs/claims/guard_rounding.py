@@ -19,26 +19,21 @@ from wmr_ctrl.guard.bounds import rounding
 from wmr_ctrl.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard_axis import NUMBERS, PRESENT, GuardAxis
+from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import UNIT, Relation, Statement, above, at_least, symbols
 
 
 @dataclass(frozen=True)
 class Precision:
-    """Doubles or floats: the unit of rounding, the share of u1 kept back, what is left of that.
+    """Doubles or floats: the unit of rounding, and the share of u1 that is kept back.
 
-    ``left``: share of u1 for the motion's own inequality; ``spare``: share of M_min alpha u1, or of
-    u1, by which the guard's conditions hold; ``quicker``: by how much alpha T may exceed 1.
+    ``spare``: share of M_min alpha u1, or of u1, by which the guard's conditions hold; ``quicker``:
+    by how much alpha T may exceed 1, as the default 1/T is a rounded number.
     """
 
     unit: float
     kept: float
-
-    @property
-    def left(self) -> float:
-        """1/32 of what is kept back."""
-        return self.kept / 32
 
     @property
     def spare(self) -> float:
@@ -47,7 +42,7 @@ class Precision:
 
     @property
     def quicker(self) -> float:
-        """8 units: the default 1/T is a rounded number."""
+        """8 units."""
         return 8 * self.unit
 
 
@@ -55,25 +50,31 @@ DOUBLE = Precision(UNIT, rounding(0))
 SINGLE = Precision(2.0**-24, MARGIN)
 ON_WHEELS = 18
 """Units of rounding of |F| + |N|/l: 12 of the map, 5 of the conversion, 1 for their product."""
-SPREAD = 24
-"""Largest G/(M_min alpha u1), G of both axes: the promise's range."""
 
 
 @dataclass(frozen=True)
 class RoundedAxis(GuardAxis):
-    """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out."""
+    """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out.
+
+    ``widest`` is the largest G/(M_min alpha u1), G of both axes: the promise's range.
+    """
 
     precision: Precision = DOUBLE
+    widest: int = 24
 
-    @cached_property
-    def symbols(self) -> dict[str, ca.SX]:
-        """Every number by name."""
-        return symbols(f"{NUMBERS} {PRESENT} hat most lo", NUMBERS)
+    @property
+    def held_back(self) -> float | ca.SX:
+        """What is kept back, as a share of u1."""
+        return self.precision.kept
 
     @cached_property
     def aimed(self) -> Bounds:
         """What the text reads: u1 is shrunk."""
-        return replace(self.bounds, u1=self["u1"] * (1 - self.precision.kept))
+        return replace(self.bounds, u1=self["u1"] * (1 - self.held_back))
+
+    def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
+        """What is computed of a force."""
+        return {"hat": clipped(asked, self["y"], b or self.aimed, self.coming)}
 
     @property
     def measured(self) -> tuple[Relation, ...]:
@@ -82,9 +83,14 @@ class RoundedAxis(GuardAxis):
         return at_least(most, gap), at_least(most, -gap)
 
     @property
+    def slope(self) -> ca.SX:
+        """M_min alpha."""
+        return self["M_min"] * self["alpha"]
+
+    @property
     def reach(self) -> ca.SX:
         """K = M_min alpha u1 [N or N m]: what stops the robot from its limit in 1/alpha."""
-        return self["M_min"] * self["alpha"] * self["u1"]
+        return self.slope * self["u1"]
 
     @property
     def stated(self) -> tuple[Relation, ...]:
@@ -92,26 +98,25 @@ class RoundedAxis(GuardAxis):
         b, spare = self.bounds, self.precision.spare * self.reach
         positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha)]
         not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        slope, less = b.M_min * b.alpha, b.u1 * (1 - self.precision.spare)
+        less = b.u1 * (1 - self.precision.spare)
         return (
             *positive, *not_negative, at_least(b.M_max, b.M_min),
             at_least(1 + self.precision.quicker, b.alpha * b.period),
-            at_least(slope * (b.u1 - b.f_speed), 2 * self.net + spare),
+            at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
             at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
             at_least(b.brake, self.net + spare / 2), at_least(self.reach, -self.net),
         )  # fmt: skip
 
-    def safe(self, way: int, force: ca.SX, wheels: ca.SX) -> Relation:
+    def safe(self, way: int, force: ca.SX) -> Relation:
         """The force leaves what the wheels' rounding and the motion need."""
-        b = self.bounds
-        fastest = ca.fmax(way * self["v"], b.f_speed)
-        left = b.M_min * b.alpha * (b.u1 * (1 - self.precision.left) - fastest)
-        return at_least(ca.fmax(left, 0), way * force + self.net + wheels)
+        fastest = self["arrived"] if self.lateness else ca.fmax(way * self["v"], self["f_speed"])
+        left = self.slope * (self["u1"] * (1 - self.held_back / 32) - fastest)
+        return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
 
     @property
     def on_wheels(self) -> ca.SX:
         """What the wheels' rounding may take of this axis."""
-        return ON_WHEELS * SPREAD * self.precision.unit * self.reach
+        return ON_WHEELS * self.widest * self.precision.unit * self.reach
 
 
 def _wheels() -> dict[str, ca.SX]:
@@ -144,7 +149,7 @@ PARTS = "force-ahead force-back size anchor linear-first rotation-first torques"
 def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
     """What the texts name of one precision."""
     shares = {
-        "unit": precision.unit, "left": precision.left, "quicker": precision.quicker,
+        "unit": precision.unit, "left": precision.kept / 32, "quicker": precision.quicker,
         "reach": 4 * precision.unit,
     }  # fmt: skip
     return {
@@ -211,13 +216,13 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     arithmetic adds; the branch that brakes is in it.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
-    a = RoundedAxis(precision)
+    a = RoundedAxis(precision=precision)
     b = mutation(a.aimed, a.bounds)
     cuts = {"lo": floor(a["y"], b)}
-    known = () if way > 0 else (a.safe(way, a["lo"], a.on_wheels),)
+    known = () if way > 0 else (a.safe(way, a["lo"]),)
     given = (*a.stated, *a.measured, *a.inside, *known)
-    goal = a.safe(way, a["hat"], a.on_wheels)
-    computed = {"hat": clipped(a["asked"], a["y"], b)}
+    goal = a.safe(way, a["hat"])
+    computed = a.text(a["asked"], b)
     return Statement(a.symbols, (goal,), given, cuts, computed=computed, unit=precision.unit)
 
 
@@ -228,10 +233,10 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     No computed force is large enough to make its rounding matter.
     """
     # Of what may be asked, and of the safe point.
-    a = RoundedAxis(precision)
+    a = RoundedAxis(precision=precision)
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
     goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    computed = {"hat": clipped(a["asked"], a["y"], a.aimed)}
+    computed = a.text(a["asked"])
     return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
 
 
@@ -241,10 +246,10 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
 
     What the wheels have to keep free is what the text keeps free.
     """
-    a = RoundedAxis(precision)
+    a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a["most"]
     goals = (at_least(most, a["hat"]), at_least(most, -a["hat"]))
-    computed = {"hat": clipped(ca.SX(0), a["y"], a.aimed), "most": a.aimed.braking}
+    computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
     return Statement(a.symbols, goals, a.stated, computed=computed, unit=precision.unit)
 
 
@@ -319,14 +324,14 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     {meaning}
     """
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
-    a = RoundedAxis(precision)
+    a = RoundedAxis(precision=precision)
     b, lost = a.bounds, mutation(1, 2) * a.on_wheels
-    goals, given = [], [*a.stated, *a.inside, *a.during]
+    goals, given = [], [*a.stated, *a.inside, *a.during()]
     for way in (1, -1):
         fastest = ca.fmax(way * a["v"], b.f_speed)
         end = fastest + a["t"] * ca.fmax(way * a["hat"] + a.net, 0) / a["mass"]
         goals.append(at_least(b.u1, end))
         asked, safe = way * a["asked"], way * a["most"]
         given.append(at_least(ca.fmax(asked, safe) + lost, way * a["hat"]))
-        given += [a.safe(way, a[name], a.on_wheels) for name in ("asked", "most")]
+        given += [a.safe(way, a[name]) for name in ("asked", "most")]
     return Statement(a.symbols, tuple(goals), tuple(given))

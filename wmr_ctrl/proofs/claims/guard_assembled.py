@@ -1,23 +1,110 @@
-"""What the monitor accuses: never bounds that hold, and the push itself where nothing is unsure."""
+"""The guard's parts in the assembled controller and simulator: axes, flag, monitor, plant."""
 
 from __future__ import annotations
 
 import casadi as ca
 
+from wmr_ctrl.guard.bounds import ROUNDING
+from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
 from wmr_ctrl.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.guard.monitor import LateMotion, least_push
+from wmr_ctrl.model.dynamics import plant, rk4_step, wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.guard import ALL, FEASIBLE
-from wmr_ctrl.proofs.claims.guard_axis import GuardAxis
-from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.claims.common import PRESET, scalars
+from wmr_ctrl.proofs.claims.guard import NUMBERS_FREE, solver
+from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.scenario import load_scenario
 
-claim = Claims(by=Z3(effort=150))
+claim = Claims(by=solver)
+
+
+@claim("guard.axes", given="T > 0")
+def axes(mutation: Mutation) -> Statement:
+    """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
+    i = 1, 2.
+
+    What is shown of one axis holds for each of the two.
+    """
+    one, two = GuardAxis(), GuardAxis()
+    table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a.symbols}
+    both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
+    result = guarded(ca.vertcat(one["asked"], two["asked"]), ca.vertcat(one["y"], two["y"]), both)
+    goals = [
+        goal
+        for i, a in enumerate((one, two))
+        for goal in (
+            equal(result.force[i], clipped(mutation * a["asked"], a["y"], a.bounds)),
+            equal(result.safe[i], clipped(ca.SX(0), a["y"], a.bounds)),
+        )
+    ]
+    positive = tuple(above(a["period"]) for a in (one, two))
+    return Statement(table, tuple(goals), positive)
+
+
+@claim(
+    "guard.{name}",
+    given="{which}",
+    over=(
+        {"name": "promise", "a": GuardAxis(), "which": "without delay (delay = 0 in the claim)"},
+        {"name": "promise-late", "a": GuardAxis(DELAYED), "which": "behind a delay"},
+        {"name": "late.promise", "a": GuardAxis(LATE), "effort": 400,
+         "which": "with jitter; and 2 net mixed <= M_min (u1 - 2 nbar)"},
+    ),
+)  # fmt: skip
+def promise(mutation: Mutation, a: GuardAxis) -> Statement:
+    """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
+    brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1 + 2^-44.
+
+    The published flag stands for the theorem's hypotheses, signs aside and alpha T to rounding.
+    """
+    b = a.bounds
+    need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
+    goals = (
+        at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need),
+        *([a.spread] if a.lateness == LATE else []),
+        at_least(b.u1, 2 * b.nbar),
+        at_least(b.brake, a.net),
+        at_least(1 + ROUNDING, b.alpha * b.period),
+        at_least(b.M_max, b.M_min),
+        above(b.u1, b.f_speed),
+    )
+    return Statement(a.symbols, goals, (above(feasible(b)),))
+
+
+@claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
+def simulated(mutation: Mutation) -> Statement:
+    """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
+    g)/m), F all that pushes; omega ends at omega + h N/I.
+
+    The simulated robot does not outrun the comparison that the guard counts with, but for speeds
+    that friction alone turns round within a step. This is over the real numbers: the step's own
+    rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
+    u1 by so much.
+    """
+    robot = plant(load_scenario(PRESET))
+    t = {**scalars((*robot.inputs, *robot.state, *robot.params)), **symbols("step", "step")}
+    m, inertia, mu, r, half, g, v_s = (
+        t[f"robot.{name}"] for name in ("m", "I", "mu", "r", "l", "g", "v_s")
+    )
+    tau = ca.vertcat(t["tau_right"] + t["noise_right"], t["tau_left"] + t["noise_left"])
+    push = wheel_to_force(r, half, tau) + ca.vertcat(t["thrust"], t["moment"])
+    after = rk4_step(robot, t["step"])[3:5]
+    friction = mu * m * g
+    driven = t["v1"] + t["step"] * ca.fmax(push[0], 0) / m
+    slow = t["step"] * (ca.fabs(push[0]) + mutation(2, -1) * friction) / m
+    goals = (
+        at_least(ca.fmax(driven, slow), after[0]),
+        equal(after[1], t["omega"] + t["step"] * push[1] / inertia),
+    )
+    positive = tuple(above(item) for item in (m, inertia, r, half, g, v_s, t["step"]))
+    given = (*positive, at_least(mu))
+    return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
 @claim(
     "guard.monitor",
-    given=f"{ALL}: {FEASIBLE}; push of either sign; both measured velocities beyond nbar on the "
+    given=f"{NUMBERS_FREE}; push of either sign; both measured velocities beyond nbar on the "
     "same side, friction against the motion",
 )
 def not_blamed(mutation: Mutation) -> Statement:
@@ -35,7 +122,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t["drag"]))
     least = least_push(y, before, a["asked"], b)
-    given = (*a.feasible(), *a.during, *errors, *ahead)
+    given = (*a.feasible(), *a.during(), *errors, *ahead)
     return Statement({**a.symbols, **t}, (at_least(ca.fmax(t["push"], 0), least),), given)
 
 
