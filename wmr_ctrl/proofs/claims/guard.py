@@ -158,7 +158,8 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     b = a.bounds
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
     goals = (at_least(-a.push(way)), at_least(-a.push(way), needed))
-    return Statement(a.symbols, goals, a.outside(way), a.cuts)
+    cuts = a.rooms if a.lateness == LAGGING else a.cuts
+    return Statement(a.symbols, goals, a.outside(way), cuts)
 
 
 @claim(

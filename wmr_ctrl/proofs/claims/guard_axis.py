@@ -2,8 +2,7 @@
 
 Lateness changes what is known of v where the new command takes over, and what the guard's graph
 reads; what it makes of the room to the limit is one function.  What commands under way count for
-are free sums, so that a statement holds for any number of them; exponentials are symbols with what
-is true of them.
+are free sums, so that a statement holds for any number of them; exponentials are symbols.
 """
 
 from __future__ import annotations
@@ -131,17 +130,13 @@ class GuardAxis:
     @property
     def cuts(self) -> dict[str, ca.SX]:
         """Caps that stand for any numbers with what `capped` says of them."""
-        caps = {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
-        return caps if self.lateness < LAGGING else caps | self._left
+        return {"brakes": self.bounds.braking, "largest": self.largest} if self.lateness else {}
 
     @property
     def rooms(self) -> dict[str, ca.SX]:
         """Caps and, where the room has several lines, rooms that stand for any numbers."""
-        return self.cuts if self.lateness < LATE else self.cuts | self._left
-
-    @property
-    def _left(self) -> dict[str, ca.SX]:
-        return dict(zip(("room_ahead", "room_back"), self.left, strict=True))
+        rooms = dict(zip(("room_ahead", "room_back"), self.left, strict=True))
+        return self.cuts if self.lateness < LATE else self.cuts | rooms
 
     def force(self, asked: ca.SX) -> ca.SX:
         """What the guard lets through."""
