@@ -264,8 +264,8 @@ RESULTS = (
     "wmr_ctrl.proofs.ledger.Ledger",
     "wmr_ctrl.proofs.ledger.Entry",
     "wmr_ctrl.tuning.gains.Tuning",
-    "wmr_ctrl.tuning.trial.TrialFigures",
-    "wmr_ctrl.tuning.trial.WorseFigure",
+    "wmr_ctrl.tuning.gains.TrialFigures",
+    "wmr_ctrl.tuning.gains.WorseFigure",
 )
 BUILDING = (
     "wmr_ctrl.signals.Signal",

@@ -37,8 +37,9 @@ def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
     assert list(faults(simulate(case, "prox"), case))
 
 
-def test_some_runs_are_judged_as_the_rule_has_it() -> None:
-    rows = list(judged(REPORTED_ON, 12))
+@pytest.mark.parametrize("runs", [3, pytest.param(12, marks=pytest.mark.slow)])
+def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
+    rows = list(judged(REPORTED_ON, runs))
 
     assert all(bool(row.keys) >= bool(row.faults) for row in rows)
     assert "missed: bad" in table(rows)

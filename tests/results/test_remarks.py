@@ -21,10 +21,12 @@ from wmr_ctrl.results import (
 )
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
+pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 MakeRun = Callable[..., Run]
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
 AT_100_MS = {"clock.control": 0.1}
 LATE = {**AT_100_MS, "actuator.delay": 0.05}
+OTHER_DELAYS = ((0.05, 0.05), (0.02, 0.06), (0.01, 0.05))
 
 
 def keys(run: Run) -> list[str]:
@@ -79,7 +81,8 @@ def test_nothing_needs_to_be_done_only_without_remarks() -> None:
 
 
 @pytest.mark.parametrize(
-    ("period", "delay"), [(0.1, 0.05), (0.05, 0.05), (0.02, 0.06), (0.01, 0.05)]
+    ("period", "delay"),
+    [(0.1, 0.05), *(pytest.param(*case, marks=pytest.mark.slow) for case in OTHER_DELAYS)],
 )
 def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
     late = {"clock.control": period, "actuator.delay": delay}
@@ -103,7 +106,7 @@ def test_nor_is_a_guarded_far_start() -> None:
     assert oscillation(simulate("far-start", "prox", overrides=short)) is None
 
 
-@pytest.mark.parametrize(("period", "delay"), [(0.05, 0.05), (0.02, 0.06), (0.01, 0.05)])
+@pytest.mark.parametrize(("period", "delay"), OTHER_DELAYS)
 @pytest.mark.parametrize("duration", [6.0, 10.0, 20.0])
 def test_limit_cycles_are_told_on_short_runs_too(
     period: float, delay: float, duration: float
@@ -202,7 +205,7 @@ def test_rounding_is_no_violation(engine: str, share: float, counted: bool) -> N
     assert (run.monitor.violations > 0) == counted
 
 
-@pytest.mark.parametrize("changed", [{}, LATE, {"actuator.lag": 0.02}])
+@pytest.mark.parametrize("changed", [{}, {**LATE, "actuator.lag": 0.02}])
 def test_tables_have_the_runs_figures(changed: dict[str, float]) -> None:
     table = simulate_many("safe-simulation", "prox", range(3), changed)
     for seed in range(3):

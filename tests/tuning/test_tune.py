@@ -19,6 +19,7 @@ from wmr_ctrl.results.figures import FIGURES, Figure
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.tuning import TrialFigures, judged, tunable
 
+pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
 

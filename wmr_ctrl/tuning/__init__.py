@@ -1,7 +1,7 @@
 """Gains of a law for a scenario, found by search on runs."""
 
+from wmr_ctrl.tuning.gains import TrialFigures as TrialFigures
 from wmr_ctrl.tuning.gains import Tuning as Tuning
 from wmr_ctrl.tuning.gains import judged as judged
 from wmr_ctrl.tuning.gains import tunable as tunable
 from wmr_ctrl.tuning.gains import tune as tune
-from wmr_ctrl.tuning.trial import TrialFigures as TrialFigures

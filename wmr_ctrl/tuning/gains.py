@@ -16,15 +16,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import partial
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from wmr_ctrl.api import scenario_of
-from wmr_ctrl.engines import runnable_batch
+from wmr_ctrl.engines import table_of
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.problems import show
@@ -36,9 +34,8 @@ from wmr_ctrl.results import atomic_write, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
-from wmr_ctrl.sim.many import RunTable, checked_seeds, run_many
+from wmr_ctrl.sim.many import RunTable, checked_seeds
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
-from wmr_ctrl.tuning.trial import TrialFigures, WorseFigure
 
 Progress = Callable[[float], None]
 
@@ -50,15 +47,8 @@ LOST, SEARCH = 10.0, 0.9
 """What a run that ended early counts [m]; share of the time that the search takes."""
 
 MOST_TRIALS = 100_000
-
-
-class RunMany(Protocol):
-    """How runs are made, such as `wmr_ctrl.sim.many.run_many`."""
-
-    def __call__(
-        self, scenarios: Sequence[Scenario], seeds: Sequence[int], *, figures: Sequence[str] = ()
-    ) -> RunTable:
-        """A row of figures for each scenario and its seed."""
+WORSE = 0.05
+"""Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,15 +93,54 @@ class TuningPlan:
 
     @property
     def searched(self) -> tuple[str, ...]:
-        """Keys of the gains that are searched."""
-        keys = (key for key in tunable(LAWS[self.law]) if key not in self.hold)
-        return tuple(self._own(key) for key in keys)
-
-    def _own(self, key: str) -> str:
-        """The key; of Eq. (7)'s gains that of the law's own, where the scenario states them."""
+        """Keys of the gains that are searched; of Eq. (7) the law's own, where there are such."""
         own = f"gains.{self.law}.kinematics"
         stated = self.scenario.gains.get(self.law, {}).get("kinematics") is not None
-        return own if stated and key == "gains.kinematics.k" else key
+        keys = (key for key in tunable(LAWS[self.law]) if key not in self.hold)
+        return tuple(own if stated and key == "gains.kinematics.k" else key for key in keys)
+
+
+@dataclass(frozen=True)
+class WorseFigure:
+    """A figure of the test that tuning made worse: on which reference and robot, from and to."""
+
+    reference: str
+    mass: float
+    figure: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class TrialFigures:
+    """Medians over the test seeds on one reference, for one ratio of true to believed mass.
+
+    ``position_rms`` [m] and ``torque_change_rms`` [N m] as in a run; ``max_abs_v`` [m/s, rad/s] and
+    ``lost``, runs that ended early, are the worst and the number of all; ``figures``: those of
+    other packages.
+    """
+
+    reference: str
+    mass: float
+    position_rms: float
+    torque_change_rms: float
+    max_abs_v: tuple[float, float]
+    lost: int
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+    def worse_than(self, before: TrialFigures, limits: Sequence[float]) -> Iterator[WorseFigure]:
+        """Errors and torques that grew by more than WORSE, velocities beyond limits, runs lost."""
+        rows = [
+            ("position_rms", before.position_rms, self.position_rms, 0.0),
+            ("torque_change_rms", before.torque_change_rms, self.torque_change_rms, 0.0),
+        ]
+        pairs = zip(before.max_abs_v, self.max_abs_v, limits, strict=True)
+        rows += [(f"max_abs_v[{k}]", *pair) for k, pair in enumerate(pairs, start=1)]
+        for name, old, new, limit in rows:
+            if not new <= (max(old, limit) if limit else (1 + WORSE) * old):
+                yield WorseFigure(self.reference, self.mass, name, old, new)
+        if self.lost > before.lost:
+            yield WorseFigure(self.reference, self.mass, "lost", before.lost, self.lost)
 
 
 @dataclass(frozen=True)
@@ -129,11 +158,8 @@ class Tuning:
     @property
     def worse(self) -> tuple[WorseFigure, ...]:
         """Figures of the test that are worse after than before, in the order of the table."""
-        return tuple(
-            WorseFigure(new.reference, new.mass, *figure)
-            for old, new in zip(self.before, self.after, strict=True)
-            for figure in new.worse_than(old, self.scenario.limits.v_u1)
-        )
+        pairs, limits = zip(self.before, self.after, strict=True), self.scenario.limits.v_u1
+        return tuple(item for old, new in pairs for item in new.worse_than(old, limits))
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -181,33 +207,34 @@ def tune(
     """
     chosen = scenario_of(scenario)
     plan = TuningPlan(
-        scenario=chosen, law=law, seeds=tuple(checked_seeds(seeds)),
-        test_seeds=tuple(checked_seeds(test_seeds)), trials=trials, weight=weight, hold=tuple(hold),
-    )  # fmt: skip
-    return _searched(
-        plan, partial(run_many, partial(runnable_batch, law=law), jobs=jobs), out, progress
+        scenario=chosen,
+        law=law,
+        seeds=tuple(checked_seeds(seeds)),
+        test_seeds=tuple(checked_seeds(test_seeds)),
+        trials=trials,
+        weight=weight,
+        hold=tuple(hold),
     )
-
-
-def _searched(plan: TuningPlan, run: RunMany, out: str | Path, progress: Progress | None) -> Tuning:
-    target = check_writable(out)
-    start = _start(plan)
-    tell, tries = progress or (lambda share: None), Trials(target, _digest(plan))
-    search = Search(start)
+    target, start = check_writable(out), _start(plan)
+    tell, tries, search = (
+        progress or (lambda share: None),
+        Trials(target, _digest(plan)),
+        Search(start),
+    )
     while search.tried < plan.trials:
         candidates = search.ask()
         costs = tries.known(search.generation)
         if costs is None:
-            costs = _costs(plan, run, [search.gains(item) for item in candidates])
+            costs = _costs(plan, [search.gains(item) for item in candidates], jobs)
             tries.keep(costs)
         search.tell(candidates, costs)
         tell(SEARCH * min(1.0, search.tried / plan.trials))
     best = search.best()
-    first, last = _costs(plan, run, [start, best])
+    first, last = _costs(plan, [start, best], jobs)
     if last > first:
         best, last = start, first
-    better = with_gains(plan.scenario, best)
-    before, after = (_judged(run, item, plan.test_seeds) for item in (plan.scenario, better))
+    better = with_gains(chosen, best)
+    before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
     tuning = Tuning(plan, better, best, (first, last), before, after, target)
     with atomic_write(target, text=True) as file:
         file.write(_document(tuning))
@@ -252,41 +279,46 @@ def _robots(scenario: Scenario) -> Iterator[tuple[float, Scenario]]:
 
 
 def _costs(
-    plan: TuningPlan, run: RunMany, sets: Sequence[Mapping[str, Sequence[float]]]
+    plan: TuningPlan, sets: Sequence[Mapping[str, Sequence[float]]], jobs: int | None
 ) -> list[float]:
     """The objective of each set of gains, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
-    rows = [(case, seed) for case in cases for seed in plan.seeds]
-    table = run([case for case, _ in rows], [seed for _, seed in rows])
+    table = _table(cases, plan.law, plan.seeds, jobs)
     position = np.where(table["stop"] > 0, LOST, table["tracking_drive"][:, 0])
     change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
     squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
     return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
 
 
+def _table(
+    cases: Sequence[Scenario],
+    law: str,
+    seeds: Sequence[int],
+    jobs: int | None,
+    figures: Sequence[str] = (),
+) -> RunTable:
+    """All seeds of each case, a row a run."""
+    listed = [case for case in cases for _ in seeds]
+    return table_of("ode", listed, law, [*seeds] * len(cases), figures=figures, jobs=jobs)
+
+
 def judged(
     scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
 ) -> tuple[TrialFigures, ...]:
     """Figures of a law on a scenario as `tune` tells them: its reference and others, each robot."""
-    run = partial(run_many, partial(runnable_batch, law=law), jobs=jobs)
-    return _judged(run, scenario_of(scenario), tuple(seeds))
-
-
-def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[TrialFigures, ...]:
-    """Figures on the test seeds, on the scenario's reference and on others."""
-    own = scenario.reference_kind.name
-    cases = []
-    for kind in (own, *(item for item in REFERENCES if item != own)):
-        on = scenario if kind == own else override(scenario, {"reference.kind": kind})
+    chosen, listed = scenario_of(scenario), tuple(seeds)
+    own, cases = chosen.reference_kind.name, []
+    for kind in dict.fromkeys((own, *REFERENCES)):
+        on = chosen if kind == own else override(chosen, {"reference.kind": kind})
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
-    rows = [(case, seed) for _, _, case in cases for seed in seeds]
     names = [figure.name for figure in FIGURES.plugins]
-    table = run([case for case, _ in rows], [seed for _, seed in rows], figures=names)
-    count = len(seeds)
+    table = _table([case for _, _, case in cases], law, listed, jobs, names)
+    count = len(listed)
     parts = (slice(k * count, (k + 1) * count) for k in range(len(cases)))
     return tuple(
         TrialFigures(
-            kind, ratio,
+            kind,
+            ratio,
             float(np.median(table["tracking_drive"][part, 0])),
             float(np.median(table["torque_change_rms"][part])),
             (float(table["max_abs_v"][part, 0].max()), float(table["max_abs_v"][part, 1].max())),
@@ -294,7 +326,7 @@ def _judged(run: RunMany, scenario: Scenario, seeds: Sequence[int]) -> tuple[Tri
             {name: float(np.median(table[name][part])) for name in names},
         )
         for part, (kind, ratio, _) in zip(parts, cases, strict=True)
-    )  # fmt: skip
+    )
 
 
 def _document(tuning: Tuning) -> str:

@@ -6,15 +6,14 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError, MissingExtraError
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results.frames import library
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +38,7 @@ class Search:
             "CMA_diagonal": 0, "tolfun": 0, "tolfunhist": 0, "tolx": 0, "tolstagnation": 10**9,
             "tolflatfitness": 10**9,
         }  # fmt: skip
-        self._engine = _cma().CMAEvolutionStrategy(np.zeros(size), SPREAD, options)
+        self._engine = library("cma", "tune").CMAEvolutionStrategy(np.zeros(size), SPREAD, options)
         self.tried = self.generation = 0
         self._best: tuple[float, Floats] = (math.inf, np.zeros(size))
 
@@ -113,13 +112,3 @@ class Trials:
     def forget(self) -> None:
         """The search is over."""
         self.path.unlink(missing_ok=True)
-
-
-def _cma() -> ModuleType:
-    try:
-        return import_module("cma")
-    except ImportError as error:
-        raise MissingExtraError(
-            "tuning needs the package cma, which is not installed. Install the extra tune: "
-            "pip install wmr_ctrl[tune]."
-        ) from error
