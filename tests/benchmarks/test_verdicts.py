@@ -37,7 +37,7 @@ def test_the_rule_finds_what_is_wrong(changed: dict[str, object]) -> None:
     assert list(faults(simulate(case, "prox"), case))
 
 
-@pytest.mark.parametrize("runs", [3, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [3, 12])
 def test_some_runs_are_judged_as_the_rule_has_it(runs: int) -> None:
     rows = list(judged(REPORTED_ON, runs))
 

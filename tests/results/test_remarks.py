@@ -82,7 +82,7 @@ def test_nothing_needs_to_be_done_only_without_remarks() -> None:
 
 @pytest.mark.parametrize(
     ("period", "delay"),
-    [(0.1, 0.05), *(pytest.param(*case, marks=pytest.mark.slow) for case in OTHER_DELAYS)],
+    [(0.1, 0.05), *OTHER_DELAYS],
 )
 def test_limit_cycles_under_delay_are_told(period: float, delay: float) -> None:
     late = {"clock.control": period, "actuator.delay": delay}

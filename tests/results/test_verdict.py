@@ -97,7 +97,7 @@ def test_the_motion_needs_friction_on_a_line_and_half_of_it_a_wheel() -> None:
     assert run.needed[-1] == pytest.approx([1.2 * torque, 1.2 * torque], rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(7101, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, 7101])
 def test_gains_for_another_period_are_objected_whatever_the_seed(seed: int) -> None:
     run = simulate("safe-simulation", "prox", seed=seed, overrides={"clock.control": 0.1})
     text = next(item.text for item in run.remarks if item.key == "objected")
@@ -118,7 +118,7 @@ def test_a_verdict_does_not_hang_on_the_seed(preset: str, law: str, changed: dic
     assert all("objected" in keys(run) for run in runs)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
+@pytest.mark.parametrize("seed", range(3))
 def test_cycles_below_half_a_hertz_are_told(seed: int) -> None:
     run = simulate("safe-simulation", "pid", seed=seed, overrides=SLOW_CYCLE)
 

@@ -111,31 +111,24 @@ def _difference(
     name: str, run_a: Run, run_b: Run, rows_a: NDArray[np.intp], rows_b: NDArray[np.intp]
 ) -> ColumnDifference:
     a, b = run_a[name][rows_a], run_b[name][rows_b]
-    apart = _apart(a, b)
-    row = int(np.argmax(apart))
-    largest = float(apart[row])
-    relative = _relative(largest, a, b)
-    return ColumnDifference(
-        name, run_a.signal(name).unit, largest, float(run_a.time[rows_a[row]]), relative
-    )
+    gaps = _gaps(a, b)
+    row = int(np.argmax(gaps))
+    largest = relative = float(gaps[row])
+    if 0 < largest < math.inf:
+        finite = np.concatenate((a, b))[np.isfinite(np.concatenate((a, b)))]
+        span = float(np.max(finite)) - float(np.min(finite))
+        relative = largest / span if math.isfinite(span) else math.inf
+    unit, time = run_a.signal(name).unit, float(run_a.time[rows_a[row]])
+    return ColumnDifference(name, unit, largest, time, relative)
 
 
-def _apart(a: FloatArray, b: FloatArray) -> FloatArray:
+def _gaps(a: FloatArray, b: FloatArray) -> FloatArray:
     """|a - b| by element: 0 for equal values (NaN equals NaN), inf for one finite, one not."""
     same = (a == b) | (np.isnan(a) & np.isnan(b))
     comparable = np.isfinite(a) & np.isfinite(b) & ~same
     with np.errstate(over="ignore"):
         gaps = np.abs(np.subtract(a, b, out=np.zeros_like(a), where=comparable))
     return np.where(same | comparable, gaps, np.inf)
-
-
-def _relative(largest: float, a: FloatArray, b: FloatArray) -> float:
-    if largest == 0 or math.isinf(largest):
-        return largest
-    values = np.concatenate((a, b))
-    finite = values[np.isfinite(values)]
-    span = float(np.max(finite)) - float(np.min(finite))
-    return largest / span if math.isfinite(span) else math.inf
 
 
 def _verdict(
@@ -195,49 +188,34 @@ def _same(a: Any, b: Any, tolerance: float) -> bool:
 
 def comparison_text(comparison: Comparison) -> str:
     """Facts that differ, columns that differ, notes, and the verdict as the last line."""
+    facts = [(fact.name, _short(fact.in_a), _short(fact.in_b)) for fact in comparison.facts]
+    rows = [
+        (c.name, c.unit, f"{c.largest:.3g}", f"{c.time:.6g}", f"{c.relative:.3g}")
+        for c in comparison.columns
+        if c.largest > 0
+    ]
+    equal = [column.name for column in comparison.columns if column.largest == 0]
     parts = (
-        _fact_table(comparison),
-        _columns(comparison.columns),
+        _aligned(("differs", "first run", "second run"), facts),
+        _aligned(("column", "unit", "largest difference", "at t [s]", "of its range"), rows),
+        fill(f"No difference in {', '.join(equal)}.", _LINE) if equal else "",
         "\n".join(comparison.notes),
         _closing(comparison),
     )
     return "\n\n".join(part for part in parts if part)
 
 
-def _fact_table(comparison: Comparison) -> str:
-    if not comparison.facts:
-        return ""
-    rows = [(fact.name, _short(fact.in_a), _short(fact.in_b)) for fact in comparison.facts]
-    return _aligned([("differs", "first run", "second run"), *rows])
-
-
-def _columns(columns: Sequence[ColumnDifference]) -> str:
-    differing = [column for column in columns if column.largest > 0]
-    equal = [column.name for column in columns if column.largest == 0]
-    rows = [
-        (c.name, c.unit, f"{c.largest:.3g}", f"{c.time:.6g}", f"{c.relative:.3g}")
-        for c in differing
-    ]
-    header = ("column", "unit", "largest difference", "at t [s]", "of its range")
-    table = _aligned([header, *rows]) if rows else ""
-    same = fill(f"No difference in {', '.join(equal)}.", _LINE) if equal else ""
-    return "\n\n".join(part for part in (table, same) if part)
-
-
 def _closing(comparison: Comparison) -> str:
     span = f"{comparison.rows} shared samples of {len(comparison.columns)} shared columns"
+    manner = f"by more than {comparison.tolerance:g}"
+    if all(column.within(comparison.tolerance) for column in comparison.columns):
+        manner = "in their outcome, though no value differs by more than the tolerance"
     return {
         "equal": f"EQUAL: no value differs in {span}.",
         "agree": f"AGREE to {comparison.tolerance:g}: {span}, no value farther apart than that.",
-        "differ": f"DIFFER {_manner(comparison)}: {span}.",
+        "differ": f"DIFFER {manner}: {span}.",
         "nothing shared": "NOTHING SHARED: the runs have no sample in common.",
     }[comparison.verdict]
-
-
-def _manner(comparison: Comparison) -> str:
-    if all(column.within(comparison.tolerance) for column in comparison.columns):
-        return "in their outcome, though no value differs by more than the tolerance"
-    return f"by more than {comparison.tolerance:g}"
 
 
 def _short(value: str) -> str:
@@ -245,10 +223,11 @@ def _short(value: str) -> str:
     return line if len(line) <= _WIDTH else f"{line[: _WIDTH - 3]}..."
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with columns of one width; empty without rows."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
     lines = (
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
+        for row in (head, *rows)
     )
-    return "\n".join(lines)
+    return "\n".join(lines) if rows else ""

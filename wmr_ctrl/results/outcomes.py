@@ -128,14 +128,16 @@ class Outcome(StrEnum):
         ``guard`` tells whether the velocity guard was on.
         """
         text = _GUARDED if guard and self is Outcome.LIMIT_VIOLATED else _SENTENCES[self]
+        linear, angular = monitor.max_abs_v
+        count = monitor.violations
         return text.format(
             violation=_place(monitor.first_violation),
             stop=_place(monitor.stopped),
             left=_place(monitor.bounds_left),
-            unit=_unit(monitor.stopped),
+            unit=_AXES[monitor.stopped[1]][1] if monitor.stopped else "m/s or rad/s",
             bound=f"{DIVERGENCE:g}",
-            steps=_steps(monitor.violations),
-            extremes=_extremes(monitor.max_abs_v),
+            steps="1 plant step was" if count == 1 else f"{count} plant steps were",
+            extremes=f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s",
             failure=monitor.failure,
             **_rigid(monitor.rigid),
         )
@@ -229,16 +231,3 @@ def _place(event: Event | None) -> str:
         return "velocity, at a time that was not recorded"
     time, axis = event
     return f"{_AXES[axis][0]} at t = {time:.6g} s"
-
-
-def _unit(event: Event | None) -> str:
-    return _AXES[event[1]][1] if event else "m/s or rad/s"
-
-
-def _steps(count: int) -> str:
-    return "1 plant step was" if count == 1 else f"{count} plant steps were"
-
-
-def _extremes(max_abs_v: tuple[float, float]) -> str:
-    linear, angular = max_abs_v
-    return f"largest |v1| {linear:.4g} m/s, largest |omega| {angular:.4g} rad/s"
