@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from wmr_ctrl.codegen.cache import cached_text
@@ -58,10 +58,7 @@ def plain_sources(kernels: Iterable[Kernel], name: str) -> dict[str, str]:
     Quick to write, for functions whose speed does not matter.
     """
     listed = tuple(kernels)
-    bodies = "\n".join(
-        framed(item, prototype(item), item.graph, (*item.inputs, *item.outputs), _lines(item.graph))
-        for item in listed
-    )
+    bodies = "\n".join(_cached(item, "plain", _plain_definition) for item in listed)
     return {
         f"{name}.h": _header(name.upper(), "", map(prototype, listed)),
         f"{name}.c": f'{_BANNER}#include "{name}.h"\n\n#include "{HEADER}"\n\n{bodies}',
@@ -93,10 +90,21 @@ def _exported(item: Kernel, dialect: Dialect) -> str:
 
 def cached_definition(item: Kernel, dialect: Dialect = SCALAR) -> str:
     """`emit.definition` of a kernel, from the cache if it was written before."""
-    form = repr((item.name, item.inputs, item.outputs, item.prepared, dialect))
+    return _cached(item, repr(dialect), partial(definition, dialect=dialect))
+
+
+def _cached(item: Kernel, style: str, write: Callable[[Kernel], str]) -> str:
+    """Text of a kernel in a style, from the cache if it was written before."""
+    form = repr((item.name, item.inputs, item.outputs, item.prepared, style))
     parts = (_fingerprint(), item.meaning, form, item.function.serialize())
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
-    return cached_text(key, lambda: definition(item, dialect))
+    return cached_text(key, lambda: write(item))
+
+
+def _plain_definition(item: Kernel) -> str:
+    """A kernel with an assignment for each operation."""
+    places = (*item.inputs, *item.outputs)
+    return framed(item, prototype(item), item.graph, places, _lines(item.graph))
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 import casadi as ca
@@ -81,20 +81,29 @@ class CosimSetup:
         """Whether the guard is a part of its own."""
         return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
 
-    @property
+    @cached_property
     def diagnostics(self) -> tuple[Signal, ...]:
         """Signals that the controller publishes beside those of all laws."""
         if self.foreign:
             return GUARD_DIAGNOSTICS
         return own_diagnostics(watched_controller(self.own))
 
-    def model(self, name: str) -> FmuModel:
-        """The model of ours for a part; a guard steps right behind its controller."""
-        if name == "guard":
-            return guard_model(self.own)
+    @cached_property
+    def models(self) -> Mapping[str, FmuModel]:
+        """Models of ours by part, but for files with a map; made for the master.
+
+        A guard steps right behind its controller, under either.
+        """
         setup = self.bare or self.own
-        model = model_of(setup.name if name == "controller" else name, setup.name, setup.scenario)
-        return parallel(model) if self.at_once else model
+        kinds = {"reference": "reference", "controller": setup.name, "plant": "plant"}
+        models = {
+            part: model_of(kind, setup.name, setup.scenario)
+            for part, kind in kinds.items()
+            if part not in self.maps or self.files.get(part) is None
+        }
+        if self.at_once:
+            models = {part: parallel(model) for part, model in models.items()}
+        return models | ({"guard": guard_model(self.own)} if self.guarded else {})
 
 
 def cosimulate(
@@ -191,7 +200,7 @@ def _slaves(case: CosimSetup, fmi: int, folder: Path) -> dict[str, Slave]:
         given = case.files.get(name)
         path = Path(given) if given is not None else folder / f"{name}.fmu"
         if given is None:
-            write_fmu(case.model(name), fmi, targets_of("host"), path, result=False)
+            write_fmu(case.models[name], fmi, targets_of("host"), path, result=False)
         slaves[name] = Slave(path, name, folder / name)
     return slaves
 
@@ -209,7 +218,7 @@ def _run(
     )
     check_parts(case.setup, parts.plant)
     for name, slave in slaves.items():
-        starts = maps[name].start if name in maps else _starts(case.model(name), slave)
+        starts = maps[name].start if name in maps else _starts(case.models[name], slave)
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
