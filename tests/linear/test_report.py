@@ -43,6 +43,19 @@ def test_json_holds_the_figures_of_the_audit(report_of):
     assert found["adaptive_stable"] is None
 
 
+def figures(text: str) -> set[str]:
+    return {word.strip(",:") for word in text.split() if word[0].isdigit()}
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 100])
+def test_no_line_is_wider_than_the_terminal(report_of, width):
+    """Tables that do not fit are paragraphs, with every figure in them."""
+    text, wide = (report_of("nn").table(columns) for columns in (width, 200))
+
+    assert max(map(len, text.splitlines())) <= width
+    assert figures(wide) <= figures(text)
+
+
 def test_the_network_law_is_told_to_be_unstable_while_it_learns(report_of):
     found = report_of("nn").to_json()
 

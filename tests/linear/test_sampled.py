@@ -20,7 +20,7 @@ from wmr_ctrl.linear import (
     spectral_radius,
     stepper,
 )
-from wmr_ctrl.linear.learning import learning_step
+from wmr_ctrl.linear.sampled import learning_step
 from wmr_ctrl.scenario import override
 
 BELOW, ABOVE = 0.99, 1.01

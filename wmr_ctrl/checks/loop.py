@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.checks.sampled_plant import Motion
+from wmr_ctrl.checks.sampled_plant import Point
 from wmr_ctrl.checks.surroundings import DriveTimes, Surroundings, surroundings
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
 from wmr_ctrl.control.applied import remembered
@@ -41,18 +41,6 @@ class StartPoint:
     e: Floats
     v: Floats
     v_c0: Floats
-
-
-@dataclass(frozen=True)
-class LawPoint:
-    """Where a law is linearised: e and v (5), v_d (2) and its rate (2); its memory; a force (2).
-
-    The force is the one that it is told to have been applied and sent.
-    """
-
-    seen: tuple[Floats, Floats, Floats]
-    memory: Floats
-    force: Floats
 
 
 @dataclass(frozen=True)
@@ -155,17 +143,29 @@ class Loop:
         The sample is one in which a pose comes, unless it is given; ``theta`` [rad] counts where
         something acts by it.
         """
-        speeds = tuple(map(float, v_d))
-        law = self.linear(self.on_reference(speeds), period, drives=drives)
-        motion = Motion((0.0, 0.0, 0.0), speeds, speeds, theta)
-        plant = self.around.plant(motion, period, drives=drives, robot=robot, sample=sample)
+        at = replace(self.on_reference(tuple(map(float, v_d))), theta=theta)
+        return self.closed_at(at, period, drives=drives, robot=robot, sample=sample)
+
+    def closed_at(
+        self,
+        at: Point,
+        period: float,
+        *,
+        drives: DriveTimes | None = None,
+        robot: Robot | None = None,
+        sample: int | None = None,
+        learning: bool = False,
+    ) -> Floats:
+        """The same near any point, estimates and weights moving where the law is ``learning``."""
+        law = self.linear(at, period, drives=drives, learning=learning)
+        plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
         upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
         whole = np.block([[*upper], [law.b @ plant.measured, law.a]])
         return _once(whole, plant.sent, np.arange(len(whole) - law.sent, len(whole)))
 
     def linear(
         self,
-        at: LawPoint,
+        at: Point,
         period: float,
         *,
         drives: DriveTimes | None = None,
@@ -182,7 +182,7 @@ class Loop:
         asked = remembered(law.core)
         graph = law._gradient_learning if moving else law._gradient
         forces = np.tile(at.force, len(asked))
-        whole = graph(*at.seen, at.memory, forces, law.parameters(period)).full()
+        whole = graph(at.s, at.v_d, at.v_d_dot, at.memory, forces, law.parameters(period)).full()
         n = ROBOT + len(whole) - COMMAND
         force, memory = whole[:COMMAND], whole[COMMAND:]
         if not asked:
@@ -199,32 +199,34 @@ class Loop:
             behind.sent,
         )  # fmt: skip
 
-    def on_reference(self, v_d: tuple[float, ...]) -> LawPoint:
+    def on_reference(self, v_d: tuple[float, ...]) -> Point:
         """The law on the reference at v_d (2): its start's memory, or what one sample there leaves.
 
         The forces that it knows of are those that friction takes, as it believes.
         """
         if v_d not in self._points:
-            seen = np.array((0.0, 0.0, 0.0, *v_d)), np.array(v_d), np.zeros(2)
-            bot = self.scenario.believed
-            force = drag(bot, Phase(0.0, bot.m, bot.mu), np.array(v_d))[:, 0]
-            there = LawPoint(seen, np.array(self.core.x0), force)
+            bot, speed = self.scenario.believed, np.array(v_d)
+            force = drag(bot, Phase(0.0, bot.m, bot.mu), speed)[:, 0]
+            memory = np.array(self.core.x0)
+            there = Point(np.zeros(3), speed, speed, np.zeros(2), memory, force)
             self._points[v_d] = replace(self.after_a_sample(there), force=force)
         return self._points[v_d]
 
     @cached_property
-    def _points(self) -> dict[tuple[float, ...], LawPoint]:
+    def _points(self) -> dict[tuple[float, ...], Point]:
         return {}
 
-    def after_a_sample(self, point: LawPoint) -> LawPoint:
+    def after_a_sample(self, point: Point) -> Point:
         """The same with the memory that a sample leaves there, and the force that it asks for.
 
         Estimates stay as they are.
         """
         forces = np.tile(point.force, len(remembered(self.core)))
-        force, memory = self.act(*point.seen, point.memory, forces, self.core.p0)
+        force, memory = self.act(
+            point.s, point.v_d, point.v_d_dot, point.memory, forces, self.core.p0
+        )
         after = point.memory if self.traits.estimates else memory.full().ravel()
-        return LawPoint(point.seen, after, force.full().ravel())
+        return replace(point, memory=after, force=force.full().ravel())
 
     def force_towards(self, v: Floats, v_c0: Floats, period: float | None = None) -> Floats:
         """Force (2, N) [N, N m] at velocities ``v`` (2, N), for an auxiliary velocity that stays.

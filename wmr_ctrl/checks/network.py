@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
@@ -35,7 +36,8 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
         bound = square_bound(loop, axis)
         if size > bound:
             widest = _widest(loop, bound, gains.eta)
-            needed = 2 * _masses(loop)[axis] * _kinematic(loop)[axis]
+            learning = axis_learning(loop, axis)
+            needed = 2 * learning.mass * learning.kinematic
             yield Warning(
                 "gains.nn.eta",
                 f"gains.nn.eta = {gains.eta:.4g} makes the network's |S|^2 = {size:.3g} on the "
@@ -62,6 +64,28 @@ def learning_too_fast(loop: Loop) -> Iterator[Warning]:
         )
 
 
+@dataclass(frozen=True)
+class AxisLearning:
+    """What the velocity loop and the weights of one axis rest on: Eqs. (57), (58) linearised.
+
+    a = rho1/(2 M1) [1/s], the mass M1, Gamma, the leak Gamma sigma [1/s] and the gain K of Eq. (7).
+    """
+
+    a: float
+    mass: float
+    gamma: float
+    leak: float
+    kinematic: float
+
+
+def axis_learning(loop: Loop, axis: int) -> AxisLearning:
+    """The numbers of axis 0 or 1."""
+    gains, robot, k = loop.setup.own(NetworkGains), loop.scenario.robot, loop.setup.kinematics.k
+    mass, gamma = (robot.m, robot.I)[axis], gains.Gamma[axis]
+    a = gains.rho1[axis] / (2 * mass)
+    return AxisLearning(a, mass, gamma, gains.sigma[axis] * gamma, k[2 * axis])
+
+
 def learning_limit(loop: Loop, axis: int, size: float) -> float:
     """Longest period [s] that is stable for velocity and weights of axis 0 or 1.
 
@@ -70,12 +94,11 @@ def learning_limit(loop: Loop, axis: int, size: float) -> float:
     v' = -a v + W'S/M1 over a held torque, then W'S falls by T (Gamma |S|^2 v + leak W'S); the
     product of both eigenvalues passes 1 at this T.  The kinematic loop is left out.
     """
-    gains, mass = loop.setup.own(NetworkGains), _masses(loop)[axis]
-    a, leak = gains.rho1[axis] / (2 * mass), gains.sigma[axis] * gains.Gamma[axis]
-    b = gains.Gamma[axis] * size / mass
-    if gains.integrator == "explicit":
-        b += a * leak
-    return (a + leak) / b if b > 0 else math.inf
+    n = axis_learning(loop, axis)
+    b = n.gamma * size / n.mass
+    if loop.setup.own(NetworkGains).integrator == "explicit":
+        b += n.a * n.leak
+    return (n.a + n.leak) / b if b > 0 else math.inf
 
 
 def largest_square(loop: Loop, eta: float) -> float:
@@ -85,21 +108,10 @@ def largest_square(loop: Loop, eta: float) -> float:
 
 def square_bound(loop: Loop, axis: int) -> float:
     """|S|^2 above which axis 0 or 1 is unstable; inf where rho1 is large enough for any network."""
-    gains = loop.setup.own(NetworkGains)
-    mass, kinematic = _masses(loop)[axis], _kinematic(loop)[axis]
-    a = gains.rho1[axis] / (2 * mass)
-    if a >= kinematic or gains.Gamma[axis] == 0:
+    n = axis_learning(loop, axis)
+    if n.a >= n.kinematic or n.gamma == 0:
         return math.inf
-    return a * a * kinematic / (kinematic - a) * mass / gains.Gamma[axis]
-
-
-def _masses(loop: Loop) -> tuple[float, float]:
-    return loop.scenario.robot.m, loop.scenario.robot.I
-
-
-def _kinematic(loop: Loop) -> tuple[float, float]:
-    k1, _, k3 = loop.setup.kinematics.k
-    return k1, k3
+    return n.a * n.a * n.kinematic / (n.kinematic - n.a) * n.mass / n.gamma
 
 
 def _square(loop: Loop, v_d: Floats, eta: float) -> float:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.sampled_plant import Point
 from wmr_ctrl.checks.surroundings import DriveTimes
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.scenario import Robot, Scenario
@@ -41,10 +43,8 @@ def largest_radius(
     stretches = stretches_of(loop.scenario)
 
     def of(v_d: Floats, theta: float) -> Floats:
-        """From one pose to the next."""
-        closed = partial(loop.closed, v_d, period, drives=drives, robot=robot, theta=theta)
-        matrix = closed()
-        return cycle(matrix, closed(sample=samples + 1), samples) if samples > 1 else matrix
+        at = replace(loop.on_reference(tuple(map(float, v_d))), theta=theta)
+        return from_pose_to_pose(loop, at, period, drives=drives, robot=robot)
 
     def at(theta: float) -> float:
         if stretches is None:
@@ -56,12 +56,25 @@ def largest_radius(
     return max(at(theta) for theta in loop.around.headings) ** (1 / samples)
 
 
-def cycle(pose: Floats, none: Floats, samples: int) -> Floats:
-    """From one pose to the next, so many samples later; scaled back where it grows beyond doubles.
+def from_pose_to_pose(
+    loop: Loop,
+    at: Point,
+    period: float,
+    *,
+    drives: DriveTimes | None = None,
+    robot: Robot | None = None,
+    learning: bool = False,
+) -> Floats:
+    """Matrix of the sampled loop from one pose to the next, near a point.
 
-    ``pose``, ``none``: matrices of a sample in which one comes, and does not.  Hundreds of powers
-    of ten on, the one pose in between makes no difference.
+    Scaled back where it grows beyond doubles: hundreds of powers of ten on, the one pose in between
+    makes no difference.
     """
+    closed = partial(loop.closed_at, at, period, drives=drives, robot=robot, learning=learning)
+    samples, pose = loop.around.samples_a_pose(period), closed()
+    if samples == 1:
+        return pose
+    none = closed(sample=samples + 1)
     with np.errstate(over="ignore", invalid="ignore"):
         whole = np.linalg.matrix_power(none, samples - 1) @ pose
     if np.isfinite(whole).all() or not np.isfinite(none).all():

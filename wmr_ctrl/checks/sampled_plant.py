@@ -40,6 +40,34 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Point:
+    """Operating point: e (3) [m, m, rad], v (2), v_d (2) and its rate (2), memory, force (2).
+
+    The force is the one that the law is told to have been applied and sent; ``theta`` [rad] that of
+    the reference, where something acts by it.
+    """
+
+    e: Floats
+    v: Floats
+    v_d: Floats
+    v_d_dot: Floats
+    memory: Floats
+    force: Floats
+    theta: float = 0.0
+
+    @property
+    def s(self) -> Floats:
+        """e and v in one vector (5)."""
+        return np.concatenate((self.e, self.v))
+
+    @property
+    def motion(self) -> Motion:
+        """The robot's part of it."""
+        e, v, v_d = (tuple(map(float, item)) for item in (self.e, self.v, self.v_d))
+        return Motion(e, v, v_d, self.theta)
+
+
+@dataclass(frozen=True)
 class SampledPlant:
     """x_next = moved x + forced u + pushed d for the command u and a disturbance d [N, N m].
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wmr_ctrl.cli.console import DIFFERENCE, json_text, print_json, say
+from wmr_ctrl.cli.console import DIFFERENCE, json_text, print_json, say, width
 from wmr_ctrl.cli.options import (
     check_folder,
     check_output,
@@ -182,7 +182,7 @@ def linearize(
     if as_json:
         print_json(report.to_json())
     else:
-        click.echo(report.table())
+        click.echo(report.table(width()))
     for path in paths:
         say("wrote", str(path))
 

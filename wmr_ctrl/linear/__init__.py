@@ -8,10 +8,6 @@ from wmr_ctrl.linear.kinematic import SADDLE as SADDLE
 from wmr_ctrl.linear.kinematic import kinematic_loop as kinematic_loop
 from wmr_ctrl.linear.kinematic import kinematic_poles as kinematic_poles
 from wmr_ctrl.linear.kinematic import kinematics_at as kinematics_at
-from wmr_ctrl.linear.learning import frozen_regressor as frozen_regressor
-from wmr_ctrl.linear.learning import largest_stable_square as largest_stable_square
-from wmr_ctrl.linear.learning import learning_periods as learning_periods
-from wmr_ctrl.linear.learning import regressor_square as regressor_square
 from wmr_ctrl.linear.linearise import linearise as linearise
 from wmr_ctrl.linear.loop import TimeInvariant as TimeInvariant
 from wmr_ctrl.linear.loop import TimeVarying as TimeVarying
@@ -43,10 +39,14 @@ from wmr_ctrl.linear.pull import pull_curve as pull_curve
 from wmr_ctrl.linear.pull import settled_speed as settled_speed
 from wmr_ctrl.linear.report import LinearReport as LinearReport
 from wmr_ctrl.linear.report import report_linear as report_linear
+from wmr_ctrl.linear.sampled import frozen_regressor as frozen_regressor
 from wmr_ctrl.linear.sampled import kink_periods as kink_periods
 from wmr_ctrl.linear.sampled import largest_learning_period as largest_learning_period
 from wmr_ctrl.linear.sampled import largest_stable_period as largest_stable_period
+from wmr_ctrl.linear.sampled import largest_stable_square as largest_stable_square
+from wmr_ctrl.linear.sampled import learning_periods as learning_periods
 from wmr_ctrl.linear.sampled import one_step_period as one_step_period
+from wmr_ctrl.linear.sampled import regressor_square as regressor_square
 from wmr_ctrl.linear.sampled import spectral_radius as spectral_radius
 from wmr_ctrl.linear.stepper import linear_gain as linear_gain
 from wmr_ctrl.linear.stepper import loop_pair as loop_pair

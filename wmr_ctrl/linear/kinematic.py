@@ -19,8 +19,7 @@ import numpy as np
 from wmr_ctrl.barrier.lyapunov import position_lyapunov
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.control.setup import kinematic_gains
-from wmr_ctrl.linear.blocks import V_D
-from wmr_ctrl.linear.linearise import Floats, linearise
+from wmr_ctrl.linear.linearise import V_D, Floats, linearise
 from wmr_ctrl.linear.point import reference_velocity
 from wmr_ctrl.model.kinematics import auxiliary_velocity, error_rate, error_rotation
 from wmr_ctrl.model.system import Output, System, port

@@ -1,6 +1,6 @@
 """Exact linearisation of a System: gradients of its graph by CasADi, as a named StateSpace.
 
-Beside it the numerical helpers that the other files share.
+Beside it the names of what is linearised, and numerical helpers that the other files share.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wmr_ctrl.model.system import System
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import FORCE, TRACKING_ERROR, VELOCITY, Signal
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +21,16 @@ Floats = NDArray[np.float64]
 def element_names(signals: Iterable[Signal]) -> list[str]:
     """Names of all elements in order: ``e[1]``, ``e[2]``, ``e[3]``, ``v1``, ``omega``, ..."""
     return [name for signal in signals for name in signal.elements]
+
+
+DISTURBANCE = Signal(
+    "disturbance", "N, N.m", "disturbing generalised force (thrust, turning moment)", 2
+)
+V_D = Signal("v_d", "m/s, rad/s", "desired velocity", 2)
+FORCES = element_names((FORCE,))
+DISTURBANCES = element_names((DISTURBANCE,))
+STATES = element_names((TRACKING_ERROR, *VELOCITY))
+"""e (3), v1, omega: the robot seen from its reference."""
 
 
 def column(value: ArrayLike) -> Floats:

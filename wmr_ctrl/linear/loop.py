@@ -13,17 +13,23 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmr_ctrl.checks.radius import cycle
+from wmr_ctrl.checks.radius import from_pose_to_pose
 from wmr_ctrl.checks.surroundings import DriveTimes, is_sampled, surroundings
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear.blocks import DISTURBANCES, FORCES, STATES, law_loop, unguarded
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.linear.linearise import DISTURBANCES, FORCES, STATES, Floats
+from wmr_ctrl.linear.point import Point, law_loop, on_reference, unguarded
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references import sample
 
 MEMORY = ("frozen", "learning")
+
+
+def is_learning(memory: str) -> bool:
+    """Whether estimates and weights move; raises UnknownNameError for another reading."""
+    if memory not in MEMORY:
+        raise UnknownNameError("reading of the memory", memory, MEMORY)
+    return memory == "learning"
 
 
 def plant_at(
@@ -79,12 +85,10 @@ def law_at(
     drives make of it.  Read continuously a law predicts nothing, and its drives are ideal: there is
     no delay to predict over.
     """
-    if memory not in MEMORY:
-        raise UnknownNameError("reading of the memory", memory, MEMORY)
     loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
     drives, commands = (DriveTimes(0.0, 0.0, 0.0), 0) if period is None else (None, None)
-    learning = memory == "learning"
-    near = loop.linear(point.law, own, drives=drives, learning=learning, commands=commands)
+    learning = is_learning(memory)
+    near = loop.linear(point, own, drives=drives, learning=learning, commands=commands)
     moving = (near.a != 0).any(axis=1) | (near.a != 0).any(axis=0) | (near.b != 0).any(axis=1)
     moving |= (near.c != 0).any(axis=0)
     a, b, c = near.a[np.ix_(moving, moving)], near.b[moving], near.c[:, moving]
@@ -117,30 +121,6 @@ def closed_loop(
     )
 
 
-def closed_matrix(plant: ct.StateSpace, law: ct.StateSpace) -> Floats:
-    """State matrix of the same loop, without the bookkeeping: for searches over many periods."""
-    push = plant.B[:, [plant.input_labels.index(name) for name in FORCES]]
-    moved = np.hstack((plant.A + push @ law.D @ plant.C, push @ law.C))
-    return np.vstack((moved, np.hstack((law.B @ plant.C, law.A))))
-
-
-def cycle_at(
-    scenario: Scenario, law: str, point: Point, period: float, memory: str = "frozen"
-) -> tuple[Floats, int]:
-    """Matrix of the sampled loop from one pose to the next, and how many samples that takes.
-
-    One, where a pose comes at every sample.
-    """
-    controller = law_at(scenario, law, point, period, memory)
-
-    def moved(comes: bool) -> Floats:
-        return closed_matrix(plant_at(scenario, point, period, comes=comes), controller)
-
-    samples = surroundings(scenario).samples_a_pose(period)
-    pose = moved(True)
-    return cycle(pose, moved(False), samples) if samples > 1 else pose, samples
-
-
 GONE = 1e-6
 """Sampled poles up to this size are gone within a sample: what is only passed on."""
 
@@ -149,10 +129,10 @@ def poles_at(scenario: Scenario, law: str, at: Point, memory: str = "frozen") ->
     """Poles [1/s], those furthest right first; ln z / T of the sampled loop where it is late."""
     if not late(scenario):
         return _sorted(closed_loop(scenario, law, at, memory=memory).poles())
-    period = scenario.clock.control
-    matrix, samples = cycle_at(scenario, law, at, period, memory)
+    loop, period = law_loop(scenario, law), scenario.clock.control
+    matrix = from_pose_to_pose(loop, at, period, learning=is_learning(memory))
     z = np.linalg.eigvals(matrix).astype(complex)
-    return _sorted(np.log(z[np.abs(z) > GONE]) / (samples * period))
+    return _sorted(np.log(z[np.abs(z) > GONE]) / (loop.around.samples_a_pose(period) * period))
 
 
 def _sorted(poles: ArrayLike) -> Floats:

@@ -17,10 +17,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
-from wmr_ctrl.linear.blocks import FORCES, STATES, unguarded
-from wmr_ctrl.linear.linearise import Floats, is_stable
+from wmr_ctrl.linear.linearise import FORCES, STATES, Floats, is_stable
 from wmr_ctrl.linear.loop import late, law_at, plant_at, with_inputs
-from wmr_ctrl.linear.point import Point, on_reference
+from wmr_ctrl.linear.point import Point, on_reference, unguarded
 from wmr_ctrl.scenario import Model, Scenario
 
 LOWEST, POINTS = 1e-3, 1000

@@ -6,20 +6,21 @@ exactly what the compiled code computes.  All signals have their names from the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
+from dataclasses import replace
+from itertools import pairwise
 
 import casadi as ca
 import control as ct
 import numpy as np
 
+from wmr_ctrl.checks.loop import PERIOD
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.errors import UnknownNameError
-from wmr_ctrl.linear.blocks import continuous_reading, holding
 from wmr_ctrl.linear.linearise import Floats, column, element_names
-from wmr_ctrl.linear.loop import MEMORY
+from wmr_ctrl.linear.loop import is_learning
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.model.system import System
+from wmr_ctrl.model.system import System, stack
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import BODY_FORCE, TORQUE_NOISE
 from wmr_ctrl.world.references.kind import reference
@@ -60,10 +61,8 @@ def law_nlsys(
 
     ``memory="frozen"`` keeps all its memory at its start values.
     """
-    if memory not in MEMORY:
-        raise UnknownNameError("reading of the memory", memory, MEMORY)
     block = controller(settle(scenario, law))
-    if memory == "frozen":
+    if not is_learning(memory):
         block = holding(block, [item.signal.name for item in block.state])
     return to_nlsys(block if sampled else continuous_reading(block))
 
@@ -120,3 +119,24 @@ def _over_period(scenario: Scenario) -> System:
         outputs=moving.outputs,
         period=clock.control,
     )
+
+
+def holding(system: System, held: Container[str]) -> System:
+    """The System with the memory of the ports named in ``held`` kept at its present value."""
+    moving = tuple(item for item in system.state if item.signal.name not in held)
+    fixed = tuple(item for item in system.state if item.signal.name in held)
+    ends = np.cumsum([0, *(item.signal.size for item in system.state)])
+    names = (item.signal.name for item in system.state)
+    rows = {name: system.update[a:b] for name, (a, b) in zip(names, pairwise(ends), strict=True)}
+    update = stack(rows[item.signal.name] for item in moving)
+    return replace(system, state=moving, params=(*system.params, *fixed), update=update)
+
+
+def continuous_reading(system: System) -> System:
+    """A sampled System as a continuous one: each memory's rate is its change over one period.
+
+    For explicit Euler steps (weights, estimates) that is the law as published; a remembered sample
+    (PID) becomes a first-order lag of one period.
+    """
+    period = next(item.sym for item in system.params if item.signal.name == PERIOD)
+    return replace(system, update=(system.update - system.x) / period, period=None)

@@ -11,10 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wmr_ctrl.checks.radius import largest_radius
-from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.margins import frequencies, open_loop
-from wmr_ctrl.linear.point import learned_point
+from wmr_ctrl.linear.point import law_loop, learned_point
 from wmr_ctrl.linear.pull import pull_curve
 from wmr_ctrl.linear.sampled import spectral_radius
 from wmr_ctrl.results import make_folder

@@ -2,51 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.checks.loop import LawPoint
-from wmr_ctrl.checks.sampled_plant import Motion
+from wmr_ctrl.checks.loop import Loop, loop_of
+from wmr_ctrl.checks.sampled_plant import Point as Point
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats, column
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import FORCE, GUARD_DIAGNOSTICS
 from wmr_ctrl.world.references import sample
 
 
-@dataclass(frozen=True)
-class Point:
-    """Error e (3) [m, m, rad], v (2), desired velocity (2) and its rate (2), memory, force (2)."""
+def law_loop(scenario: Scenario, law: str) -> Loop:
+    """``law`` on ``scenario`` as the checks see it, built once."""
+    return loop_of(settle(scenario, law))
 
-    e: Floats
-    v: Floats
-    v_d: Floats
-    v_d_dot: Floats
-    memory: Floats
-    force: Floats
 
-    @property
-    def s(self) -> Floats:
-        """e and v in one vector (5)."""
-        return np.concatenate((self.e, self.v))
-
-    @property
-    def motion(self) -> Motion:
-        """Where the robot is linearised."""
-        e, v, v_d = (tuple(map(float, item)) for item in (self.e, self.v, self.v_d))
-        return Motion(e, v, v_d)
-
-    @property
-    def law(self) -> LawPoint:
-        """Where the law is linearised."""
-        return LawPoint((self.s, self.v_d, self.v_d_dot), self.memory, self.force)
+def unguarded(scenario: Scenario) -> Scenario:
+    """The scenario with its guard off."""
+    return replace(scenario, guard=replace(scenario.guard, enabled=False))
 
 
 def reference_velocity(scenario: Scenario, t: float) -> tuple[Floats, Floats]:
@@ -82,18 +63,10 @@ def on_reference(scenario: Scenario, law: str, t: float = 0.0) -> Point:
     Estimates and weights have their start values; a remembered sample is that of the reference.
     """
     v_d, v_d_dot = reference_velocity(scenario, t)
-    return point_at(scenario, law, np.zeros(3), v_d, v_d, v_d_dot)
-
-
-def point_at(
-    scenario: Scenario, law: str, e: Floats, v: Floats, v_d: Floats, v_d_dot: Floats
-) -> Point:
-    """Any point, with the memory that one sample there leaves; estimates stay at their start."""
-    loop, s = law_loop(scenario, law).over(0), np.concatenate((e, v))
-    start = LawPoint((s, v_d, v_d_dot), np.array(loop.core.x0), np.zeros(2))
+    loop = law_loop(scenario, law).over(0)
+    start = Point(np.zeros(3), v_d, v_d, v_d_dot, np.array(loop.core.x0), np.zeros(2))
     there = loop.after_a_sample(start)
-    force = loop.after_a_sample(there).force
-    return Point(e, v, v_d, v_d_dot, there.memory, force)
+    return replace(there, force=loop.after_a_sample(there).force)
 
 
 def resting_point(scenario: Scenario, law: str, t: float = 0.0) -> Point:

@@ -14,10 +14,9 @@ import control as ct
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.linearise import Floats
 from wmr_ctrl.linear.loop import closed_loop
-from wmr_ctrl.linear.point import Point
+from wmr_ctrl.linear.point import Point, law_loop
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import Phase, drag
 

@@ -16,7 +16,6 @@ from wmr_ctrl.checks.sample_time import largest_period, largest_stable_delay, st
 from wmr_ctrl.control.setup import settle, with_kinematics
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.laws.registry import LAWS
-from wmr_ctrl.linear.blocks import law_loop
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable
 from wmr_ctrl.linear.loop import constant_speed, late, poles_at
@@ -25,6 +24,7 @@ from wmr_ctrl.linear.point import (
     Point,
     check_inactive,
     instant,
+    law_loop,
     learned_point,
     on_reference,
 )
@@ -141,11 +141,11 @@ class LinearReport:
         }
         return {key: json_safe(item) for key, item in content.items()}
 
-    def table(self) -> str:
-        """The same as text: all figures, a line each, then the warnings."""
+    def table(self, width: int = 100) -> str:
+        """The same as text of at most ``width`` columns: a line each, then the warnings."""
         from wmr_ctrl.linear.table import lines_of
 
-        return "\n".join(lines_of(self))
+        return "\n".join(lines_of(self, width))
 
     @checks_arguments
     def plots(self, folder: str | Path, progress: Progress | None = None) -> list[Path]:

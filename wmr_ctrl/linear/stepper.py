@@ -22,10 +22,9 @@ from wmr_ctrl.checks.sampled_plant import steps_in
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.linear.blocks import STATES, law_loop, unguarded
-from wmr_ctrl.linear.linearise import Floats
+from wmr_ctrl.linear.linearise import STATES, Floats
 from wmr_ctrl.linear.loop import closed_loop, late
-from wmr_ctrl.linear.point import Point, on_reference, resting_point
+from wmr_ctrl.linear.point import Point, law_loop, on_reference, resting_point, unguarded
 from wmr_ctrl.scenario import Scenario
 
 LONGEST_STEP = 2e-3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,121 +17,159 @@ from wmr_ctrl.linear.point import reference_velocity
 if TYPE_CHECKING:
     from wmr_ctrl.linear.report import LinearReport
 
-
-def lines_of(report: LinearReport) -> Iterator[str]:
-    """Yield the lines of a report."""
-    for part in (_head, _poles, _times, _margins, _errors, _warnings):
-        yield from part(report)
-
-
 _FORCES = ("thrust", "moment")
-_WIDTH = 44
+_NAMES = 46
+"""Columns of a figure's name."""
 
 
-def _head(report: LinearReport) -> list[str]:
-    kind = (
-        "time-invariant" if report.time_invariant else f"time-varying; figures at {_when(report)}"
+def lines_of(report: LinearReport, width: int) -> Iterator[str]:
+    """Yield the lines of a report, at most ``width`` columns each."""
+    yield from _head(report, width)
+    yield from _poles(report, width)
+    yield from _figures(_times(report), width)
+    yield from _margins(report, width)
+    yield from _model_errors(report, width)
+    if report.warnings:
+        yield ""
+    for text in report.warnings:
+        yield _folded(f"- {text}", width)
+
+
+def _folded(text: str, width: int) -> str:
+    return textwrap.fill(
+        text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
     )
-    lines = [f"{report.law} on {report.scenario.name}, in error coordinates ({kind})"]
-    if report.guarded:
-        lines.append("The guard is on and inactive there: near that point it changes nothing.")
-    return [*lines, ""]
 
 
-def _when(report: LinearReport) -> str:
+def _figures(figures: list[tuple[str, str]], width: int) -> Iterator[str]:
+    """A line for each name and value; the value below its name where they do not fit."""
+    for name, value in figures:
+        line = f"{name:<{_NAMES}} {value}"
+        if len(line) <= width:
+            yield line
+        else:
+            yield _folded(name, width)
+            yield textwrap.fill(value, width, initial_indent="    ", subsequent_indent="    ")
+
+
+def _table(header: tuple[str, ...], rows: list[tuple[str, ...]], width: int) -> Iterator[str]:
+    """Columns to the right of the rows' names; a paragraph for each row where they do not fit."""
+    cells = zip_longest(header, *rows, fillvalue="")
+    first, *others = (max(map(len, column)) + 2 for column in cells)
+    if first + sum(others) <= width:
+        for name, *values in (header, *rows):
+            right = (f"{value:>{size}}" for value, size in zip(values, others, strict=False))
+            yield f"{name:<{first}}{''.join(right)}"
+        return
+    yield _folded(header[0], width)
+    for name, *values in rows:
+        named = (f"{key} {value}" for key, value in zip(header[1:], values, strict=False))
+        shown = values if len(values) < len(header) - 1 else named
+        yield _folded(f"- {name}: {', '.join(shown)}", width)
+
+
+def _head(report: LinearReport, width: int) -> Iterator[str]:
     v, omega = reference_velocity(report.scenario, report.at)[0]
-    return f"t = {report.at:.4g} s, v_d = {v:.3g} m/s and {omega:.3g} rad/s"
+    instant = f"t = {report.at:.4g} s, v_d = {v:.3g} m/s and {omega:.3g} rad/s"
+    kind = "time-invariant" if report.time_invariant else f"time-varying; figures at {instant}"
+    yield _folded(f"{report.law} on {report.scenario.name}, in error coordinates ({kind})", width)
+    if report.guarded:
+        yield _folded(
+            "The guard is on and inactive there: near that point it changes nothing.", width
+        )
+    yield ""
 
 
-def _poles(report: LinearReport) -> list[str]:
-    lines = []
+def _poles(report: LinearReport, width: int) -> Iterator[str]:
+    figures = []
     if report.kinematic_poles is not None and report.saddle_poles is not None:
-        lines = [
-            _line("poles of Eq. (7) alone [1/s]", _complex(report.kinematic_poles)),
-            _line("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
+        figures = [
+            ("poles of Eq. (7) alone [1/s]", _complex(report.kinematic_poles)),
+            ("the same at e3 = pi (saddle)", _complex(report.saddle_poles)),
         ]
     if report.adaptive_poles is not None:
         verdict = "stable" if report.adaptive_stable else "UNSTABLE"
         shown = f"{_complex(report.adaptive_poles[:3])}  {verdict}"
-        lines.append(_line("poles with learning, rightmost [1/s]", shown))
+        figures.append(("poles with learning, rightmost [1/s]", shown))
+    yield from _figures(figures, width)
     if report.late:
-        lines.append(
-            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it;"
-            " where poses are rare, from one pose to the next, T being the time between two."
+        yield _folded(
+            "Poles are ln z / T of the loop sampled with the clock, delay and late sensors in it; "
+            "where poses are rare, from one pose to the next, T being the time between two.",
+            width,
         )
-    if said := rare_poses(report.scenario):
-        lines.append(f"Margins and Bode plots are {said}.")
-    if said := lost_poses(report.scenario):
-        lines.append(f"All other figures are {said}.")
-    if said := rounded_effects(report.scenario):
-        lines.append(f"All figures are {said}.")
-    lines += ["", f"{'pole [1/s]':>24} {'frequency [rad/s]':>20} {'damping':>10}"]
-    for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True):
-        lines.append(f"{_one(pole):>24} {frequency:>20.5g} {ratio:>10.4f}")
-    return [*lines, ""]
+    scenario = report.scenario
+    for figures_of, said in (
+        ("Margins and Bode plots", rare_poses(scenario)),
+        ("All other figures", lost_poses(scenario)),
+        ("All figures", rounded_effects(scenario)),
+    ):
+        if said:
+            yield _folded(f"{figures_of} are {said}.", width)
+    yield ""
+    rows = [
+        (_one(pole), f"{frequency:.5g}", f"{ratio:.4f}")
+        for pole, (frequency, ratio) in zip(report.poles, report.damping, strict=True)
+    ]
+    yield from _table(("pole [1/s]", "frequency [rad/s]", "damping"), rows, width)
+    yield ""
 
 
-def _times(report: LinearReport) -> list[str]:
+def _times(report: LinearReport) -> list[tuple[str, str]]:
     clock = report.scenario.clock.control
+    figures = [
+        (f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
+        ("largest stable period, linear loop [s]", _number(report.max_sample_time)),
+        (f"largest delay at {clock:g} s, if told [s]", _number(report.max_delay, "0")),
+    ]
+    if report.mass_range is not None:
+        low, high = report.mass_range
+        name = f"stable for true over believed mass at {clock:g} s"
+        figures.append((name, f"{low:.3g} to {high:.3g}"))
     return [
-        _line(f"spectral radius at {clock:g} s", f"{report.spectral_radius:.6f}"),
-        _line("largest stable period, linear loop [s]", _number(report.max_sample_time)),
-        _line(f"largest delay at {clock:g} s, if told [s]", _number(report.max_delay, "0")),
-        *(
-            [_line(f"stable for true over believed mass at {clock:g} s", _mass(report))]
-            if report.mass_range is not None
-            else []
-        ),
-        _line("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
-        _line("  at the barrier's kink [s]", _several(report.max_sample_time_kink)),
-        _line("  one step from the barrier, at the start [s]", _several(report.one_step_safe_time)),
-        "",
+        *figures,
+        ("  with learning [s]", _number(report.max_sample_time_adaptive, "-")),
+        ("  at the barrier's kink [s]", _several(report.max_sample_time_kink)),
+        ("  one step from the barrier, at the start [s]", _several(report.one_step_safe_time)),
     ]
 
 
-def _mass(report: LinearReport) -> str:
-    assert report.mass_range is not None
-    low, high = report.mass_range
-    return f"{low:.3g} to {high:.3g}"
+def _margins(report: LinearReport, width: int) -> Iterator[str]:
+    given = {f"{report.scenario.clock.control:g} s": report.sampled_margins}
+    if not report.late:
+        given = {"continuous": report.margins} | given
+    rows = [
+        (f"{force}, {label}", *_margin_cells(item))
+        for label, both in given.items()
+        for force, item in zip(_FORCES, both, strict=True)
+    ]
+    header = ("margins", "gain up", "gain down", "phase [deg]", "delay [s]", "disk")
+    yield ""
+    yield from _table(header, rows, width)
+    yield ""
 
 
-def _margins(report: LinearReport) -> list[str]:
-    columns = ("gain up", "gain down", "phase [deg]", "untold [s]", "disk")
-    lines = [f"{'margins':<22}" + "".join(f"{name:>13}" for name in columns)]
-    clock = f"{report.scenario.clock.control:g} s"
-    rows = {clock: report.sampled_margins}
-    for label, both in (rows if report.late else {"continuous": report.margins} | rows).items():
-        for force, item in zip(_FORCES, both, strict=True):
-            lines.append(f"{f'{force}, {label}':<22}" + _margin_cells(item))
-    return [*lines, ""]
-
-
-def _margin_cells(item: Margins | None) -> str:
+def _margin_cells(item: Margins | None) -> tuple[str, ...]:
     if item is None:
-        return f"{'unstable':>13}"
-    shown = (item.gain, item.gain_down, item.phase, item.delay, item.disk)
-    return "".join(f"{_number(value):>13}" for value in shown)
+        return ("unstable",)
+    return tuple(map(_number, (item.gain, item.gain_down, item.phase, item.delay, item.disk)))
 
 
-def _errors(report: LinearReport) -> list[str]:
-    columns = ("phase [deg]", "disk", "period [s]")
+def _model_errors(report: LinearReport, width: int) -> Iterator[str]:
     kind = f"at {report.scenario.clock.control:g} s" if report.late else "continuous"
-    lines = [f"{'unlike model, ' + kind:<22}" + "".join(f"{name:>13}" for name in columns)]
-    for item in report.model_errors:
-        cells = (item.phase, item.disk, item.max_sample_time)
-        shown = "".join(f"{_number(value):>13}" for value in cells)
-        name = f"{item.parameter} x {item.factor:g}"
-        lines.append(f"{name:<22}" + (shown if item.stable else f"{'unstable':>13}"))
-    return lines
-
-
-def _warnings(report: LinearReport) -> list[str]:
-    wrapped = [textwrap.fill(text, 98, subsequent_indent="  ") for text in report.warnings]
-    return ["", *(f"- {text}" for text in wrapped)] if wrapped else []
-
-
-def _line(name: str, value: str) -> str:
-    return f"{name:<{_WIDTH}} {value}"
+    rows = [
+        (
+            f"{item.parameter} x {item.factor:g}",
+            *(
+                map(_number, (item.phase, item.disk, item.max_sample_time))
+                if item.stable
+                else ("unstable",)
+            ),
+        )
+        for item in report.model_errors
+    ]
+    header = (f"unlike model, {kind}", "phase [deg]", "disk", "period [s]")
+    yield from _table(header, rows, width)
 
 
 def _number(value: float | None, none: str = "none") -> str:
