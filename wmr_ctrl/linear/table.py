@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
@@ -52,7 +52,7 @@ def _figures(figures: list[tuple[str, str]], width: int) -> Iterator[str]:
             yield textwrap.fill(value, width, initial_indent="    ", subsequent_indent="    ")
 
 
-def _table(header: tuple[str, ...], rows: list[tuple[str, ...]], width: int) -> Iterator[str]:
+def _table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]], width: int) -> Iterator[str]:
     """Columns to the right of the rows' names; a paragraph for each row where they do not fit."""
     cells = zip_longest(header, *rows, fillvalue="")
     first, *others = (max(map(len, column)) + 2 for column in cells)
