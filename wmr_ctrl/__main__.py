@@ -1,6 +1,7 @@
 """The program, as the script ``wmr-ctrl`` or as ``python -m wmr_ctrl``."""
 
 import signal
+import sys
 
 
 def main() -> None:
@@ -14,8 +15,32 @@ def main() -> None:
     from wmr_ctrl.cli import main as commands
 
     if heard:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    commands()
+        signal.signal(signal.SIGINT, _interrupt)
+        if sys.platform != "win32":
+            signal.signal(signal.SIGALRM, _interrupt)
+    try:
+        commands()
+    finally:
+        _repeat(0.0)
+
+
+def _interrupt(number: int, _: object) -> None:
+    """Raise KeyboardInterrupt, and once more where it was dropped.
+
+    Code of a library, CasADi's where it builds expressions, may drop an exception of Python's.
+    """
+    _repeat(0.1)
+    error = sys.exc_info()[1]
+    while error and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    if number == signal.SIGINT or error is None:
+        raise KeyboardInterrupt
+
+
+def _repeat(seconds: float) -> None:
+    """Call `_interrupt` again after some seconds; 0: never."""
+    if sys.platform != "win32":
+        signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 if __name__ == "__main__":

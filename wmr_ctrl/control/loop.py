@@ -75,11 +75,12 @@ class Graphs:
     ``sample`` and ``step``: the wirings of both rates; ``plant``: whose state comes first; ``u``:
     what a sample leaves to its steps; ``acting``: torques that act over a plant step, and what
     disturbs; ``resting``: the fast state after it where the plant is elsewhere; ``clock``: see
-    CLOCK.
+    CLOCK; ``rolling``: what the sensors ask of the plant beside its state.
     """
 
     parameters: Parameters
     plant: System
+    rolling: tuple[Signal, ...]
     sample: Wiring
     step: Wiring
     u: Port
@@ -121,6 +122,33 @@ class Graphs:
         """The fast state after a step of everything but the plant."""
         return ca.vertcat(self.plant.x, *self.step.following)
 
+    def _join_sensors(self, setup: Setup, *, external_plant: bool) -> list[System]:
+        """Plant and wirings of both rates, with what the sensors read; returns these."""
+        self.parameters = Parameters(setup)
+        sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
+        sensors = sample.effects(EffectRole.SENSOR)
+        self.rolling = rolling_of(sensors)
+        rolling = self.rolling if external_plant else self.rolling[:1]
+        self.plant = plant(setup.scenario, rolling=rolling)
+        true: Named = {item.signal.name: item.sym for item in self.plant.state}
+        sample.known |= {SKID.name: ca.SX(0), **true}
+        self.sample, self.step = sample, Wiring(setup, self.parameters, Rate.STEP, true)
+        if any(item.signal == TRAVEL for system in sensors for item in system.inputs):
+            now, mark = sample.column((PATH, POSE[2])), port(TRAVELLED)
+            way = ca.if_else(sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
+            sample.known[TRAVEL.name] = way
+            sample.add((mark,), now)
+        return sensors
+
+    def _join_drives(self, drives: list[System], gusts: list[System], *, pushed: bool) -> None:
+        """What acts over a plant step, from what a sample leaves to it."""
+        rate, signals = self.step, held_signals(pushed)
+        self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
+        rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
+        self._late = rate.drive(drives)
+        rate.disturb(gusts)
+        self.acting = rate.column((*TORQUE, *DISTURBING))
+
     def plant_step(self) -> ca.SX:
         """The fast state after a plant step, from what is held and has arrived."""
         h = ca.SX.sym("h")
@@ -153,20 +181,14 @@ class LoopGraphs(Graphs):
     """
 
     def __init__(self, setup: Setup, *, external_plant: bool = False) -> None:
-        """Compose all Systems of ``setup``; ``apart``: for a plant that is elsewhere, and skids."""
-        self.setup, self.parameters = setup, Parameters(setup)
+        """Compose all Systems of ``setup``, perhaps for a plant that is elsewhere, and skids."""
+        self.setup = setup
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
-        sampled = Wiring(setup, self.parameters, Rate.SAMPLE, {})
-        sensors = sampled.effects(EffectRole.SENSOR)
-        rolling = rolling_of(sensors)
-        self.plant = plant(setup.scenario, rolling=rolling if external_plant else rolling[:1])
-        true = {item.signal.name: item.sym for item in self.plant.state}
-        sampled.known |= {SKID.name: ca.SX(0), **true}
-        self.sample = sampled
-        self.step = Wiring(setup, self.parameters, Rate.STEP, true)
-        add_travel(sampled, sensors)
+        sensors = self._join_sensors(setup, external_plant=external_plant)
         self._compose_sample(sensors)
-        self._compose_step()
+        drives, gusts = map(self.step.effects, (EffectRole.DRIVE, EffectRole.DISTURBANCE))
+        self._join_drives(drives, gusts, pushed=self._pushed)
+        self.next_fast = self.plant_step()
 
     @property
     def next_slow(self) -> ca.SX:
@@ -204,7 +226,8 @@ class LoopGraphs(Graphs):
         mass, u1, period, dbar = (cast(Any, p.take(key)) for key in keys)  # symbols for floats
         most = admitted(dbar, stopping_force(mass, u1, period))
         sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
-        squares = _squared(torque), _squared(torque - self._torque_before())
+        before = next(item.sym for item in self.slow if item.signal == TORQUE_BEFORE)
+        squares = _squared(torque), _squared(torque - before)
         beyond = [least[axis] > most[axis] for axis in (0, 1)]
         needed = demanded(
             ca.vertcat(*map(p.take, KEYS)),
@@ -213,11 +236,6 @@ class LoopGraphs(Graphs):
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
         summed = (*sums, *squares, 1, _squared(needed), at_limit)
         return ca.vertcat(*summed, peak, known["clip_active"], least, *beyond)
-
-    def _torque_before(self) -> ca.SX:
-        """Torques (2,) [N m] that were commanded at the previous sample, 0 before the first."""
-        named = {item.signal: item.sym for item in self.slow}
-        return named[TORQUE_BEFORE]
 
     def _compose_sample(self, sensors: list[System]) -> None:
         rate, known = self.sample, self.sample.known
@@ -236,51 +254,26 @@ class LoopGraphs(Graphs):
         known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
         self.held = rate.column(held_signals(self._pushed))
 
-    def _compose_step(self) -> None:
-        """The fast state after one plant step, from what is held and has arrived."""
-        rate, signals = self.step, held_signals(self._pushed)
-        self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
-        rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
-        self._late = rate.drive(rate.effects(EffectRole.DRIVE))
-        rate.disturb(rate.effects(EffectRole.DISTURBANCE))
-        self.acting = rate.column((*TORQUE, *DISTURBING))
-        self.next_fast = self.plant_step()
-
 
 class PlantlessGraphs(Graphs):
     """The loop without reference, controller and plant, which are coupled from outside.
 
     ``measured``: what the sensors show, what disturbs over the sample, and ``columns`` of the log;
-    ``steady``: whether what acts is the same in all steps of a sample; ``rolling``: what the
-    sensors ask of the plant beside its state.
+    ``steady``: whether what acts is the same in all steps of a sample.
     """
 
     def __init__(self, setup: Setup) -> None:
         """Compose sensors, disturbances and drives."""
-        self.parameters = Parameters(setup)
-        self.sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
-        sensors = self.sample.effects(EffectRole.SENSOR)
-        self.rolling = rolling_of(sensors)
-        self.plant = plant(setup.scenario, rolling=self.rolling)
-        true: Named = {item.signal.name: item.sym for item in self.plant.state}
-        self.sample.known |= true
-        self.step = Wiring(setup, self.parameters, Rate.STEP, dict(true))
-        add_travel(self.sample, sensors)
+        sensors = self._join_sensors(setup, external_plant=True)
         self.sample.measure(sensors)
         disturbances = self.sample.effects(EffectRole.DISTURBANCE)
         self.sample.disturb(disturbances)
-        pushed = pushes([*disturbances, *self.step.effects(EffectRole.DISTURBANCE)])
+        drives, gusts = map(self.step.effects, (EffectRole.DRIVE, EffectRole.DISTURBANCE))
+        pushed = pushes([*disturbances, *gusts])
         self.columns = (*(BODY_FORCE if pushed else ()), *self.sample.shown)
         self.measured = self.sample.column((*MEASURED, *DISTURBING, *self.columns))
-        signals = held_signals(pushed=True)
-        self.u = port(Signal("held", "1", "torque commanded, and what disturbs", len(signals)))
-        self.step.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
-        drives = self.step.effects(EffectRole.DRIVE)
-        gusts = self.step.effects(EffectRole.DISTURBANCE)
         self.steady = not (drives or gusts)
-        self._late = self.step.drive(drives)
-        self.step.disturb(gusts)
-        self.acting = self.step.column((*TORQUE, *DISTURBING))
+        self._join_drives(drives, gusts, pushed=True)
         self.parameters.take("limits.v_u1")
 
 
@@ -302,12 +295,3 @@ def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:
     asked = {item.signal for system in sensors for item in system.inputs}
     way = (PATH,) if asked & {PATH, SKID, TRAVEL} else ()
     return (*way, *((SKID,) if SKID in asked else ()))
-
-
-def add_travel(sample: Wiring, sensors: Sequence[System]) -> None:
-    """Way and turn since the previous sample, where a sensor reads them."""
-    if all(item.signal != TRAVEL for system in sensors for item in system.inputs):
-        return
-    now, mark = sample.column((PATH, POSE[2])), port(TRAVELLED)
-    sample.known[TRAVEL.name] = ca.if_else(sample.clock.sym > 0, now - mark.sym, ca.SX.zeros(2))
-    sample.add((mark,), now)

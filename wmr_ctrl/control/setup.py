@@ -38,7 +38,6 @@ from wmr_ctrl.world.registry import EFFECTS
 KINEMATICS = "kinematics"
 GUARD_ALONE = "guard"
 """Name of a setup without a law."""
-Pair = tuple[float, float]
 S = TypeVar("S", bound=Section)
 
 
@@ -133,27 +132,25 @@ class Setup:
 
         Raises KeyError for a key that names no number.
         """
-        own = self._own_section(key)
-        return self.scenario.number(key) if own is None else number_of(own[0], own[1], key)
+        section, name = self._place(key)
+        return number_of(section, name, key) if section else self.scenario.number(key)
 
     def value(self, key: str) -> tuple[float, ...]:
         """Value of the number at a key alone."""
-        own = self._own_section(key)
-        return self.scenario.value(key) if own is None else numbers_in(*own)
+        section, name = self._place(key)
+        return numbers_in(section, name) if section else self.scenario.value(key)
 
-    def _own_section(self, key: str) -> tuple[Section, str] | None:
-        """Section and field of a key that is not the scenario's alone."""
-        section, _, name = key.partition(".")
-        if section == "guard":
+    def _place(self, key: str) -> tuple[Section | None, str]:
+        """Section and field of a key; no section where it is the scenario's alone."""
+        table, _, name = key.partition(".")
+        if table == "guard":
             return self.guard, name
-        if section != "gains":
-            return None
+        if table != "gains":
+            return None, name
         law, _, gain = name.partition(".")
-        if law == KINEMATICS:
-            return self.kinematics, gain
-        if law != self.name:
+        if law not in (KINEMATICS, self.name):
             raise KeyError(key)
-        return self.gains, gain
+        return self.kinematics if law == KINEMATICS else self.gains, gain
 
 
 def settle(scenario: Scenario, law: str | None) -> Setup:
@@ -173,16 +170,22 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
 @lru_cache(maxsize=4096)
 def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) -> Setup:
     """What `settle` gives for these laws and effects, which other packages may change."""
-    check_gains(scenario)
+    named = check_gains(scenario)
     _finite_reference(scenario)
-    gains = Section() if chosen is None else gains_of(scenario, chosen)
+    gains = Section() if chosen is None else named.get(chosen.name) or gains_of(scenario, chosen)
     present = tuple(item for item in known if item.present(scenario))
-    if scenario.guard.enabled or chosen is None:
-        _check_bounds(present)
+    settling = scenario.guard.enabled or chosen is None
+    boundless = [item.title for item in present if item.bound is None]
+    if settling and boundless:
+        raise ScenarioError(
+            f"guard.enabled: the effect {boundless[0]} states no bound, "
+            "so no guard can count on anything. Switch the guard off, take the effect out of "
+            "the scenario, or give its Effect a bound."
+        )
     bound, limit = bound_of(scenario, present), wheel_limit_of(scenario, gains)
     guard = (
         feasible_guard(scenario, bound, limit, partial(bound_of, present=present))
-        if scenario.guard.enabled or chosen is None
+        if settling
         else derived_guard(scenario, bound, limit)
     )
     if scenario.guard.enabled:
@@ -217,9 +220,8 @@ def gains_of(scenario: Scenario, law: Law) -> Section:
 
 def gains_by_law(scenario: Scenario) -> dict[str, Section]:
     """What every law would run with: the scenario's gains, else the law's own; Eq. (7)'s first."""
-    return {KINEMATICS: kinematic_gains(scenario)} | {
-        name: gains_of(scenario, LAWS[name]) for name in LAWS
-    }
+    laws = {name: gains_of(scenario, LAWS[name]) for name in LAWS}
+    return {KINEMATICS: kinematic_gains(scenario)} | laws
 
 
 def kinematic_gains(scenario: Scenario) -> KinematicGains:
@@ -235,15 +237,17 @@ def with_kinematics(scenario: Scenario, law: Law | None) -> Scenario:
     return override(scenario, {f"gains.{KINEMATICS}.k": list(gains.kinematics)})
 
 
-def check_gains(scenario: Scenario) -> None:
-    """Raise where the scenario names a law or a gain that does not exist, or a bad value."""
+def check_gains(scenario: Scenario) -> dict[str, Section]:
+    """Gains of the laws that the scenario names, by law.
+
+    Raises UnknownNameError for a law or a gain that does not exist, ScenarioError for a bad value.
+    """
     kinematic_gains(scenario)
-    for name in scenario.gains:
-        if name == KINEMATICS:
-            continue
+    laws = [name for name in scenario.gains if name != KINEMATICS]
+    for name in laws:
         if name not in LAWS:
             raise UnknownNameError("section of gains", name, (*LAWS, KINEMATICS))
-        gains_of(scenario, LAWS[name])
+    return {name: gains_of(scenario, LAWS[name]) for name in laws}
 
 
 def wheel_limit_of(scenario: Scenario, gains: Section) -> float:
@@ -309,16 +313,6 @@ def _is_noise(effect: Effect, scenario: Scenario) -> bool:
     at_wheels = all(item.signal in TORQUE_NOISE for item in system.outputs)
     quiet = ca.substitute(system.y, system.w, ca.SX.zeros(system.w.shape))
     return at_wheels and not system.state and bool(system.draws) and quiet.is_zero()
-
-
-def _check_bounds(present: tuple[Effect, ...]) -> None:
-    for item in present:
-        if item.bound is None:
-            raise ScenarioError(
-                f"guard.enabled: the effect {item.title} states no bound, "
-                "so no guard can count on anything. Switch the guard off, take the effect out of "
-                "the scenario, or give its Effect a bound."
-            )
 
 
 _FINITE: dict[tuple[object, ...], None] = {}
