@@ -21,8 +21,8 @@ import pytest
 import wmr_ctrl
 from wmr_ctrl import simulate
 from wmr_ctrl.campaign.engine import PlannedCase
+from wmr_ctrl.campaign.study_chunks import StudyChunk
 from wmr_ctrl.campaign.study_plan import load_plan, plan_of
-from wmr_ctrl.campaign.study_rows import StudyChunk
 from wmr_ctrl.campaign.study_run import _told, run_study
 from wmr_ctrl.campaign.study_store import counted_reasons, opened
 from wmr_ctrl.errors import ArgumentError, ResultFileError, ScenarioError, UnknownNameError
@@ -480,7 +480,7 @@ def test_a_scheduler_of_its_own_loses_nothing_with_a_worker(tmp_path):
 
 def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("wmr_ctrl.campaign.executors.PATIENCE", 0.5)
+    monkeypatch.setattr("wmr_ctrl.campaign.study_chunks.PATIENCE", 0.5)
 
     with pytest.raises(ArgumentError, match=r"dask://127\.0\.0\.1:9.*does not answer"):
         wmr_ctrl.study(REAL, tmp_path, executor="dask://127.0.0.1:9")

@@ -59,10 +59,8 @@ class Silent:
 
 def build_loop(case: PlannedCase) -> RunnableLoop:
     """The compiled loop of a case, without its plant for the rigid body.  Raises as `settle`."""
-    from wmr_ctrl.engines import (
-        runnable_batch,
-        runnable_plantless,
-    )  # a worker that builds none is light
+    # imported here, so that a worker that builds none is light
+    from wmr_ctrl.engines import runnable_batch, runnable_plantless
 
     build = runnable_batch if case.plant == "ode" else runnable_plantless
     return build(scenario_of(case), case.law)
@@ -184,7 +182,10 @@ def run_campaign(
     if not plan:
         raise ArgumentError("the plan is empty: name at least one law and one seed.")
     taken = [FIGURES[name] for name in figures] or reported()
-    first = _first_seeds(plan) if whole else {}
+    first: dict[tuple[str, str], int] = {}
+    for case, seed in plan if whole else ():
+        key = case.name, case.law
+        first[key] = min(seed, first.get(key, seed))
     runs: dict[tuple[str, str], Run] = {}
 
     def row(place: int, run: Run) -> RunRow:
@@ -200,12 +201,3 @@ def run_campaign(
     ]
     ordered = {key: runs[key] for key in first if key in runs}  # threads end in any order
     return Campaign(FigureTable(rows), MappingProxyType(ordered))
-
-
-def _first_seeds(plan: Iterable[PlannedRun]) -> dict[tuple[str, str], int]:
-    """The lowest seed of each case's name and law."""
-    first: dict[tuple[str, str], int] = {}
-    for case, seed in plan:
-        key = (case.name, case.law)
-        first[key] = min(seed, first.get(key, seed))
-    return first

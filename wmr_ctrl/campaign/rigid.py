@@ -8,14 +8,13 @@ A slope has a key of its own on either plant, since one inclines the ground and 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
 
 from wmr_ctrl.campaign.engine import Campaign, PhaseProgress, run_campaign
 from wmr_ctrl.campaign.plan import Overrides, Study
-from wmr_ctrl.campaign.table import FigureTable
+from wmr_ctrl.campaign.table import FigureTable, RunRow
 from wmr_ctrl.results import PLANTS
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
@@ -93,8 +92,6 @@ def run_rigid_comparison(
 
 
 MUJOCO, ODE = "mujoco", "ode"
-Worst: TypeAlias = Callable[[FigureTable, str], list[float | None]]
-"""The number that a claim bounds, a seed each; None where a run has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,122 +106,122 @@ class RigidClaim:
 
 @dataclass(frozen=True, slots=True)
 class _Expected:
-    """A number of each run that lies between two bounds, or is expected to."""
+    """A number of each run on tyres that lies between two bounds, or is expected to.
+
+    ``of`` takes it from a run and the run of the same seed in the case and plant ``beside`` (none:
+    the run itself).
+    """
 
     text: str
     laws: tuple[str, ...]
-    of: Worst
+    case: str
+    of: Callable[[RunRow, RunRow], float | None]
+    unit: str = ""
+    beside: tuple[str, str] | None = None
     least: float = float("-inf")
     most: float = float("inf")
-    unit: str = ""
+
+    def numbers(self, rows: FigureTable, law: str) -> list[float | None]:
+        """The number that is bounded, a seed each; None where a run has none."""
+        name, plant = self.beside or (self.case, MUJOCO)
+        others = {row.seed: row for row in rows.of(name, law, plant=plant)}
+        mine = rows.of(self.case, law, plant=MUJOCO)
+        return [self.of(row, others[row.seed]) for row in mine if row.seed in others]
 
 
 def rigid_claims(rows: FigureTable) -> tuple[RigidClaim, ...]:
     """Each sentence for each of its laws that was run."""
-    return tuple(_judged(rows))
+    return tuple(
+        _judged(claim, law, numbers)
+        for claim in _CLAIMS
+        for law in claim.laws
+        if (numbers := claim.numbers(rows, law))
+    )
 
 
-def _judged(rows: FigureTable) -> Iterator[RigidClaim]:
-    for claim in _CLAIMS:
-        for law in claim.laws:
-            numbers = claim.of(rows, law)
-            known = [number for number in numbers if number is not None]
-            if not numbers:
-                continue
-            holds = len(known) == len(numbers) and all(
-                claim.least < number < claim.most for number in known
-            )
-            yield RigidClaim(claim.text, law, holds, _span(known, len(numbers), claim.unit))
-
-
-def _span(known: Sequence[float], count: int, unit: str) -> str:
-    """Least and greatest number, and how many runs have one."""
+def _judged(claim: _Expected, law: str, numbers: Sequence[float | None]) -> RigidClaim:
+    """The verdict, with least and greatest number, and how many runs have one."""
+    count, known = len(numbers), [number for number in numbers if number is not None]
     if not known:
-        return f"none in {count} runs"
+        return RigidClaim(claim.text, law, False, f"none in {count} runs")
+    holds = len(known) == count and all(claim.least < n < claim.most for n in known)
     low, high = (f"{value:.3g}" for value in (min(known), max(known)))
     both = low if low == high else f"{low} to {high}"
     few = "" if len(known) == count else f" in {len(known)} of {count} runs"
-    return f"{both}{unit}{few}"
+    return RigidClaim(claim.text, law, holds, f"{both}{claim.unit}{few}")
 
 
-def _pairs(
-    figure: str, rows: FigureTable, law: str, one: tuple[str, str], other: tuple[str, str]
-) -> Iterator[tuple[float | None, float | None]]:
-    """A figure of one seed in two cases on two plants."""
-    known = {row.seed: row[figure] for row in rows.of(other[0], law, plant=other[1])}
-    mine = rows.of(one[0], law, plant=one[1])
-    return ((row[figure], known[row.seed]) for row in mine if row.seed in known)
-
-
-def _ise_apart(one: tuple[str, str], other: tuple[str, str]) -> Worst:
+def _ise_apart(row: RunRow, other: RunRow) -> float | None:
     """Distance of two ISE as a share of the second [%]."""
-
-    def of(rows: FigureTable, law: str) -> list[float | None]:
-        pairs = _pairs("ise_total", rows, law, one, other)
-        return [100 * abs(a / b - 1) if a and b else None for a, b in pairs]
-
-    return of
+    a, b = row["ise_total"], other["ise_total"]
+    return 100 * abs(a / b - 1) if a and b else None
 
 
-def _e1_apart(rows: FigureTable, law: str) -> list[float | None]:
-    """Distance of the late e1 on tyres from that of the plane model [mm]."""
-    pairs = _pairs(E1, rows, law, *_SAME)
-    return [None if a is None or b is None else 1e3 * abs(a - b) for a, b in pairs]
+def _e1_apart(row: RunRow, other: RunRow) -> float | None:
+    """Distance of the late e1 [mm]."""
+    a, b = row[E1], other[E1]
+    return None if a is None or b is None else 1e3 * abs(a - b)
 
 
-def _growth(rows: FigureTable, law: str) -> list[float | None]:
+def _growth(row: RunRow, _: RunRow) -> float | None:
     """e1 after the change of parameters over that before."""
-    errors = ((row[E1], row[E1_BEFORE]) for row in rows.of(LIMITED, law, plant=MUJOCO))
-    return [after / before if after and before else None for after, before in errors]
+    after, before = row[E1], row[E1_BEFORE]
+    return after / before if after and before else None
 
 
-def _on_slope(rows: FigureTable, law: str) -> list[float | None]:
-    """Late e1 on the slope [mm]."""
-    errors = (row[E1] for row in rows.of(SLOPED, law, plant=MUJOCO))
-    return [None if error is None else 1e3 * error for error in errors]
+def _late_e1(row: RunRow, _: RunRow) -> float | None:
+    """Late e1 [mm]."""
+    error = row[E1]
+    return None if error is None else 1e3 * error
 
 
-def _fall(rows: FigureTable, law: str) -> list[float | None]:
+def _fall(row: RunRow, _: RunRow) -> float | None:
     """When it fell [s]."""
-    return [row["tipped"] for row in rows.of(AS_PRINTED, law, plant=MUJOCO)]
+    return row["tipped"]
 
 
-def _ratio(case: str) -> Worst:
-    """Largest velocity over its limit of runs that stay up."""
-
-    def of(rows: FigureTable, law: str) -> list[float | None]:
-        runs = rows.of(case, law, plant=MUJOCO)
-        return [None if row["tipped"] else row["limit_ratio"] for row in runs]
-
-    return of
+def _ratio(row: RunRow, _: RunRow) -> float | None:
+    """Largest velocity over its limit of a run that stays up."""
+    return None if row["tipped"] else row["limit_ratio"]
 
 
-_SAME = ((LIMITED, MUJOCO), (LIMITED, ODE))
+def _stays_up(text: str, case: str) -> _Expected:
+    words = f"{text} it stays up and within its limits"
+    return _Expected(words, OURS_TOO, case, _ratio, " of the limit", most=1.0)
+
+
+_PLANE = (LIMITED, ODE)
+_ISE = "With 10 N m the ISE is within 5 % of the plane model’s"
+_LATE = "With 10 N m the late e₁ is within 0.2 mm of the plane model’s"
+_GROWN = "After the change e₁ is more than 10 times that before"
+_LEARNT = "After the change e₁ is less than 3 times that before"
+_FALLS = "As printed, without a torque limit, the robot falls over"
+_STEP = "With plant steps of {:g} ms the ISE is within 1 % of that with 1 ms"
 _CLAIMS = (
-    _Expected("With 10 N m the ISE is within 5 % of the plane model’s", OURS_TOO,
-              _ise_apart(*_SAME), most=5.0, unit=" %"),
-    _Expected("With 10 N m the late e₁ is within 0.2 mm of the plane model’s", OURS_TOO,
-              _e1_apart, most=0.2, unit=" mm"),
-    _Expected("After the change e₁ is more than 10 times that before", ("mb",), _growth,
-              least=10.0),
-    _Expected("After the change e₁ is less than 3 times that before", ("nn",), _growth,
-              most=3.0),
-    _Expected("As printed, without a torque limit, the robot falls over", ("mb", "nn"), _fall,
-              unit=" s"),
-    _Expected("With encoders it stays up and within its limits", OURS_TOO, _ratio(ENCODERS),
-              most=1.0, unit=" of the limit"),
-    _Expected("With a torque limit of 10 N m it stays up and within its limits", OURS_TOO,
-              _ratio(LIMITED), most=1.0, unit=" of the limit"),
-    _Expected("With the guard’s bound of acceleration it stays up and within its limits", OURS_TOO,
-              _ratio(GUARDED), most=1.0, unit=" of the limit"),
-    _Expected("On a slope of 5 degrees e₁ is above 5 mm", ("mb",), _on_slope, least=5.0,
-              unit=" mm"),
-    _Expected("On a slope of 5 degrees e₁ is below 2 mm", ("nn", "prox"), _on_slope, most=2.0,
-              unit=" mm"),
+    _Expected(_ISE, OURS_TOO, LIMITED, _ise_apart, " %", _PLANE, most=5.0),
+    _Expected(_LATE, OURS_TOO, LIMITED, _e1_apart, " mm", _PLANE, most=0.2),
+    _Expected(_GROWN, ("mb",), LIMITED, _growth, least=10.0),
+    _Expected(_LEARNT, ("nn",), LIMITED, _growth, most=3.0),
+    _Expected(_FALLS, ("mb", "nn"), AS_PRINTED, _fall, " s"),
+    _stays_up("With encoders", ENCODERS),
+    _stays_up("With a torque limit of 10 N m", LIMITED),
+    _stays_up("With the guard’s bound of acceleration", GUARDED),
+    _Expected(
+        "On a slope of 5 degrees e₁ is above 5 mm", ("mb",), SLOPED, _late_e1, " mm", least=5.0
+    ),
+    _Expected(
+        "On a slope of 5 degrees e₁ is below 2 mm",
+        ("nn", "prox"),
+        SLOPED,
+        _late_e1,
+        " mm",
+        most=2.0,
+    ),
     *(
-        _Expected(f"With plant steps of {1e3 * h:g} ms the ISE is within 1 % of that with 1 ms",
-                  OURS_TOO, _ise_apart((name, MUJOCO), (LIMITED, MUJOCO)), most=1.0, unit=" %")
+        _Expected(
+            _STEP.format(1e3 * h), OURS_TOO, name, _ise_apart, " %", (LIMITED, MUJOCO), most=1.0
+        )
         for h, name in STEPS.items()
     ),
-)  # fmt: skip
+)
 """What is asked of every seed."""

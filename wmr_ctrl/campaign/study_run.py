@@ -15,10 +15,9 @@ import numpy as np
 
 from wmr_ctrl import __version__
 from wmr_ctrl.campaign.engine import PhaseProgress, Silent, build_loop
-from wmr_ctrl.campaign.executors import executor_named
 from wmr_ctrl.campaign.plan import PlannedCase, Study
+from wmr_ctrl.campaign.study_chunks import StudyChunk, chunk_rows, executor_named
 from wmr_ctrl.campaign.study_plan import load_plan, plan_of
-from wmr_ctrl.campaign.study_rows import StudyChunk, chunk_rows
 from wmr_ctrl.campaign.study_store import Rows, StudyFolder, opened
 from wmr_ctrl.errors import WmrError
 from wmr_ctrl.fields.arguments import checks_arguments
@@ -85,22 +84,17 @@ def study(
         plan = load_plan(plan)
     chosen = plan_of(plan) if isinstance(plan, Mapping) else plan
     if chosen.plant == "mujoco":
-        _check_body(chosen.loaded)
+        from wmr_ctrl.physics.description import description
+        from wmr_ctrl.physics.rigid import mujoco
+
+        mujoco()
+        description(chosen.loaded)  # refuses what no rigid body is
     facts = partial(study_facts, chosen.loaded, chosen.laws, chosen.plant)
     with ThreadPoolExecutor(1) as beside:
         known = beside.submit(facts)  # while processes start
         with executor_named(executor, jobs, known.result, facts) as running:
             made_by = known.result()
             return run_study(chosen, Path(out), chunk_rows, made_by, running, jobs, progress)
-
-
-def _check_body(scenario: Scenario) -> None:
-    """Raise MissingExtraError, or ScenarioError for what no rigid body is."""
-    from wmr_ctrl.physics.description import description
-    from wmr_ctrl.physics.rigid import mujoco
-
-    mujoco()
-    description(scenario)
 
 
 def study_facts(scenario: Scenario, laws: tuple[str, ...], plant: str) -> dict[str, str]:
@@ -146,7 +140,8 @@ def run_study(
         for look, end in enumerate(counts):
             chosen = (cell * plan.seeds + k for cell in cells for k in range(begin, end))
             runs = len(cells) * (end - begin)
-            shown.start(runs, _phase(look, len(counts)))
+            which = f", look {look + 1} of {len(counts)}" if len(counts) > 1 else ""
+            shown.start(runs, f"Running the study{which}")
             blocks = _blocks(chosen, runs, plan.chunk)
             paths = _finished(folder, look, blocks, make, executor, jobs, shown)
             shown.done()
@@ -161,14 +156,9 @@ def run_study(
                 ]
                 if not cells:
                     break
+        table, refused = folder.write_table(looks), folder.refusals(looks)
         stopped = plan.cells - len(cells)
-        table = folder.write_table(looks)
-        refused = folder.refusals(looks)
         return StudyOutcome(out, table, done, plan.runs, stopped, plan.warnings, refused)
-
-
-def _phase(look: int, looks: int) -> str:
-    return "Running the study" if looks == 1 else f"Running the study, look {look + 1} of {looks}"
 
 
 def _collect(
@@ -240,7 +230,10 @@ def _sent(
             while waiting and (path is None or len(waiting) >= ahead):
                 ended, _ = wait(waiting, return_when=FIRST_COMPLETED)
                 for future in ended:
-                    keep(*waiting.pop(future), _raised(future.result()))
+                    answer = future.result()
+                    if isinstance(answer, WmrError):
+                        raise answer
+                    keep(*waiting.pop(future), answer)
             if path is not None:
                 waiting[executor.submit(_told, make, _chunk(plan, block), 1)] = (path, block)
     finally:
@@ -257,12 +250,6 @@ def _told(make: MakeRows, chunk: StudyChunk, jobs: int | None) -> Rows | WmrErro
         return make(chunk, jobs)
     except WmrError as error:
         return error.with_traceback(None)
-
-
-def _raised(answer: Rows | WmrError) -> Rows:
-    if isinstance(answer, WmrError):
-        raise answer
-    return answer
 
 
 def _blocks(indices: Iterator[int], count: int, longest: int) -> Iterator[list[int]]:

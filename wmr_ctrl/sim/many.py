@@ -48,10 +48,12 @@ class RunTable(Mapping[str, NDArray[np.float64]]):
         """The first runs and their main figures, for notebooks."""
         columns = self.columns()
         names = [name for name in SHOWN if name in columns]
+        units = {f.name: f.unit for f in FIGURES if f.name not in HEADS}
+        heads = [f"{name} [{units[name]}]" if name in units else name for name in names]
         rows = [
             [figure(columns[name][k].item()) for name in names] for k in range(min(self.rows, 8))
         ]
-        return table_html(f"{self.rows} runs", rows, [_headed(name) for name in names])
+        return table_html(f"{self.rows} runs", rows, heads)
 
     @property
     def rows(self) -> int:
@@ -95,25 +97,11 @@ def run_many(
 ) -> RunTable:
     """Figures of one run per seed.
 
-    Parameters
-    ----------
-    build
-        The compiled loop of a scenario; called once for each different one.
-    scenarios
-        One for all runs, or one a run.
-    seeds
-        One a run.
-    starts
-        x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0, one a run; None: the scenario's.
-    figures
-        Names of further figures of the catalogue; for those that need a log all is run once more.
-    jobs, progress
-        As in `sim.batch.run_tasks`; Ctrl-C likewise.
-
-    Raises
-    ------
-    ArgumentError
-        If the numbers of scenarios, seeds and starts do not fit, or there is no run.
+    ``build`` gives the compiled loop of a scenario, once for each different one; ``scenarios`` and
+    ``starts`` (x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0; None: the scenario's) are
+    one a run, or one scenario for all; ``figures``: names of further figures of the catalogue, for
+    which all is run once more where they need a log.  Otherwise as `sim.batch.run_tasks`.
+    Raises ArgumentError if the numbers of them do not fit, or there is no run.
     """
     tasks = planned_tasks(build, scenarios, seeds, starts, progress)
     return tabulated(tasks, figures, jobs, later(progress))
@@ -145,43 +133,6 @@ def planned_tasks(
 ) -> list[Task]:
     """A task a seed, of loops that are built once for each different scenario; as `run_many`."""
     count = len(seeds)
-    _check(count, scenarios, starts)
-    listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
-    known = _prepared(build, list(dict.fromkeys(listed)), progress)
-    tasks = []
-    for k, (scenario, seed) in enumerate(zip(listed, seeds, strict=True)):
-        start = None if starts is None else tuple(float(value) for value in starts[k])
-        tasks.append(Task(known[scenario], int(seed), start))
-    return tasks
-
-
-PREPARING = 0.1
-"""Share of the progress that is told while loops are compiled and filled with numbers."""
-
-
-def _prepared(
-    build: Callable[[Scenario], RunnableLoop], different: list[Scenario], progress: Progress | None
-) -> dict[Scenario, RunnableLoop]:
-    """The loop of each different scenario; progress is told from the first one on."""
-    loops = {}
-    for k, scenario in enumerate(different):
-        if progress and k % 16 == 0:
-            progress(PREPARING * k / len(different))
-        loops[scenario] = build(scenario)
-    return loops
-
-
-def later(progress: Progress | None) -> Progress | None:
-    """Progress of the runs, behind what was told before."""
-    if progress is None:
-        return None
-    report = progress
-    return lambda share: report(PREPARING + (1.0 - PREPARING) * share)
-
-
-def _check(
-    count: int, scenarios: Sequence[Scenario], starts: Sequence[Sequence[float]] | None
-) -> None:
     if count == 0:
         raise ArgumentError("seeds is empty: name at least one.")
     if len(scenarios) not in (1, count):
@@ -191,17 +142,29 @@ def _check(
         )
     if starts is not None and (len(starts) != count or any(len(row) != 5 for row in starts)):
         raise ArgumentError(f"starts must have the shape ({count}, 5), a row a seed.")
+    listed = list(scenarios) * count if len(scenarios) == 1 else list(scenarios)
+    different, loops = list(dict.fromkeys(listed)), dict[Scenario, RunnableLoop]()
+    for k, scenario in enumerate(different):
+        if progress and k % 16 == 0:
+            progress(PREPARING * k / len(different))
+        loops[scenario] = build(scenario)
+    rows = [None] * count if starts is None else [tuple(map(float, row)) for row in starts]
+    runs = zip(listed, seeds, rows, strict=True)
+    return [Task(loops[scenario], int(seed), start) for scenario, seed, start in runs]
+
+
+PREPARING = 0.1
+"""Share of the progress that is told while loops are compiled and filled with numbers."""
+
+
+def later(progress: Progress | None) -> Progress | None:
+    """Progress of the runs, behind what was told before."""
+    return progress and (lambda share: progress(PREPARING + (1.0 - PREPARING) * share))
 
 
 HEADS = ("seed", "outcome", "tracked")
 SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
 """Columns that notebooks show."""
-
-
-def _headed(name: str) -> str:
-    """A column's name and unit."""
-    units = {figure.name: figure.unit for figure in FIGURES}
-    return name if name in HEADS or name not in units else f"{name} [{units[name]}]"
 
 
 T = TypeVar("T")

@@ -1,20 +1,32 @@
-"""Where the chunks of a study run: threads here, any `concurrent.futures` executor, or Dask."""
+"""Chunks of a study: what a worker is sent and gives back, and where they run.
+
+That is threads here, any `concurrent.futures` executor, or Dask.
+"""
 
 from __future__ import annotations
 
 import logging
 import os
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from multiprocessing import resource_tracker
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
-from wmr_ctrl.campaign.study_rows import StudyChunk
+import numpy as np
+
+from wmr_ctrl.campaign.engine import Refusal, Silent, built_loops
+from wmr_ctrl.campaign.plan import PlannedCase
+from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
+from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.sim.batch import cores
+from wmr_ctrl.sim.many import RunTable, tabulated
+from wmr_ctrl.sim.memory import Task
+from wmr_ctrl.sim.runnable import RunnableLoop
 
 THREADS, DASK, SCHEME = "threads", "dask", "dask://"
 PATIENCE = 20.0
@@ -29,8 +41,68 @@ RETRIES = 3
 """How often a chunk is sent again after its worker was lost."""
 
 Facts = Mapping[str, str]
+Columns: TypeAlias = dict[str, np.ndarray]
 P = ParamSpec("P")
 T = TypeVar("T")
+
+
+MOST_LOOPS = 16
+"""Loops that are sent with a chunk; a worker makes more by itself, beside the others."""
+
+
+@dataclass(frozen=True)
+class StudyChunk:
+    """Some runs of a study, and the figures that are asked of them: what a worker is sent.
+
+    ``loops``: that of each run, where the worker need not build them.
+    """
+
+    runs: tuple[tuple[PlannedCase, int], ...]
+    figures: tuple[str, ...]
+    loops: tuple[RunnableLoop | Refusal, ...] = ()
+
+    def with_loops(self) -> StudyChunk:
+        """The same with its loops; as it is where almost every run has a case of its own."""
+        cases = [case for case, _ in self.runs]
+        if len(set(map(id, cases))) > MOST_LOOPS:
+            return self
+        return replace(self, loops=tuple(built_loops(cases, Silent(), "")))
+
+
+def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
+    """Outcome, a guard's refusal and figures of each run of a chunk; a refused one has none.
+
+    On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
+    """
+    loops = chunk.loops or built_loops((case for case, _ in chunk.runs), Silent(), "")
+    ready: list[tuple[RunnableLoop, int]] = []
+    places: list[int] = []
+    for place, (loop, (_, seed)) in enumerate(zip(loops, chunk.runs, strict=True)):
+        if not isinstance(loop, Refusal):
+            ready.append((loop, seed))
+            places.append(place)
+    rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
+    outcome = np.array([REFUSED] * len(loops), dtype="<U16")
+    refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
+    if ready:
+        table = _table(ready, chunk.runs[0][0].plant, chunk.figures, jobs)
+        columns = {"violated": table["violations"] > 0, **table.columns()}
+        outcome[places] = table["outcome"]
+        for name in chunk.figures:
+            rows[name][places] = columns[name]
+    return {"outcome": outcome, "refusal": np.array(refusal), **rows}
+
+
+def _table(
+    ready: Sequence[tuple[RunnableLoop, int]], plant: str, names: Sequence[str], jobs: int | None
+) -> RunTable:
+    """The table of loops and seeds on that plant, with the figures that are not shares of runs."""
+    further = [name for name in names if name not in SHARES]
+    if plant == "mujoco":
+        from wmr_ctrl.physics.run import rigid_table
+
+        return rigid_table(ready, further, jobs)
+    return tabulated([Task(loop, seed) for loop, seed in ready], further, jobs)
 
 
 @contextmanager
