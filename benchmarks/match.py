@@ -32,7 +32,7 @@ from benchmarks.contenders import (
     contenders,
 )  # fmt: skip
 from wmr_ctrl.model.dynamics import plant, rk4_step
-from wmr_ctrl.results import atomic_write, percent
+from wmr_ctrl.results import atomic_text, percent
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.references import sample
 
@@ -236,7 +236,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print("\n\n".join(parts))
     if given.out:
         head, mark, _ = _text(given.out).partition(MARK)
-        with atomic_write(given.out, text=True) as file:
+        with atomic_text(given.out) as file:
             file.write(head + mark + "\n\n" + "\n\n".join(parts) + "\n")
 
 

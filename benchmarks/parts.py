@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_text
 
 
 def renew(page: Path, name: str, text: str) -> None:
@@ -16,5 +16,5 @@ def renew(page: Path, name: str, text: str) -> None:
     _, second, tail = rest.partition(end)
     if not (first and second):
         raise ArgumentError(f"{page}: it has no part between '{begin}' and '{end}'.")
-    with atomic_write(page, text=True) as file:
+    with atomic_text(page) as file:
         file.write(f"{head}{begin}\n\n{text}\n\n{end}{tail}")

@@ -36,7 +36,8 @@ def write_output(what: str, options: ExportOptions) -> list[Path]:
             raise ArgumentError(f"the output {what!r} does not read {name}. Leave it out.")
     given: dict[str, Any] = {**options}
     if what in ("modelica", "simulink"):
-        given["scenario"] = _scenario(options)
+        chosen = options.get("scenario", SCENARIO)
+        given["scenario"] = chosen if isinstance(chosen, Scenario) else load_scenario(chosen)
     return _writer(what)(**given)
 
 
@@ -56,11 +57,6 @@ def _writer(what: str) -> Callable[..., list[Path]]:
     from wmr_ctrl.fmi.export import export_fmu
 
     return partial(export_fmu, what)
-
-
-def _scenario(options: ExportOptions) -> Scenario:
-    given = options.get("scenario", SCENARIO)
-    return given if isinstance(given, Scenario) else load_scenario(given)
 
 
 def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import Run, atomic_path, atomic_write, check_writable, save_run
+from wmr_ctrl.results import Run, atomic_path, atomic_text, atomic_write, check_writable, save_run
 
 MakeRun = Callable[..., Run]
 
@@ -31,7 +31,7 @@ def write_half(path: Path, fault: BaseException) -> None:
 def test_what_was_written_is_there_afterwards_and_nothing_else(tmp_path: Path) -> None:
     with atomic_write(tmp_path / "a.bin") as file:
         file.write(b"new")
-    with atomic_write(str(tmp_path / "a.txt"), text=True) as file:
+    with atomic_text(str(tmp_path / "a.txt")) as file:
         file.write("Größe\n")
 
     assert contents(tmp_path) == {"a.bin": b"new", "a.txt": "Größe\n".encode()}

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.plan import Study
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import atomic_path, atomic_write
+from wmr_ctrl.results import atomic_path, atomic_text, atomic_write
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Section, quantities
@@ -74,12 +74,12 @@ class StudyFolder:
     def write_table(self, looks: Sequence[Sequence[Path]]) -> Path:
         """Write table.csv and columns.csv from the chunks of each look.  Raises ResultFileError."""
         target = self.folder / "table.csv"
-        with atomic_write(self.folder / "columns.csv", text=True) as file:
+        with atomic_text(self.folder / "columns.csv") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(("name", "unit", "meaning"))
             writer.writerows(described_columns(self.plan))
         streams = [self._lines(paths) for paths in looks]
-        with atomic_write(target, text=True) as file:
+        with atomic_text(target) as file:
             named = ("outcome", *self.plan.figures, REFUSAL)
             file.write(_line((*HEAD, *self.plan.keys, *named)))
             for _, line in heapq.merge(*streams, key=lambda pair: pair[0]):
@@ -225,7 +225,7 @@ def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:
     wanted = {"format": FORMAT, "identity": plan.identity, "provenance": dict(facts)}
     if begun is None:
         text = json.dumps({**wanted, "runs": plan.runs, "plan": plan.described()}, indent=1)
-        with atomic_write(file, text=True) as stream:
+        with atomic_text(file) as stream:
             stream.write(text + "\n")
         return
     if begun.get("identity") != plan.identity:

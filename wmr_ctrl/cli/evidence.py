@@ -201,9 +201,9 @@ def bench(file: str | None) -> None:
     with Progress("benchmarks") as progress:
         measured = api.bench(progress=progress)
     if file:
-        from wmr_ctrl.results import atomic_write
+        from wmr_ctrl.results import atomic_text
 
-        with atomic_write(file, text=True) as stream:
+        with atomic_text(file) as stream:
             stream.write(json_text(measured) + "\n")
         say("wrote", file)
     click.echo(measured["text"])

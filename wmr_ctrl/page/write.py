@@ -16,7 +16,7 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.page.content import Content, content_of
 from wmr_ctrl.page.module import build_module
 from wmr_ctrl.page.scenes import scenes
-from wmr_ctrl.results.files import atomic_write, check_writable
+from wmr_ctrl.results.files import atomic_text, check_writable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.many import checked_seeds
 
@@ -63,7 +63,7 @@ def write_page(
     content = content_of(scenes(scenario, chosen), chosen, seed, first)
     module = build_module(content.loops, content.room, second)
     text = page_text(content, module)
-    with atomic_write(target, text=True) as file:
+    with atomic_text(target) as file:
         file.write(text)
     return target
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, differences, exit_code, load
 from wmr_ctrl.proofs.runner import Progress, prove, selected
-from wmr_ctrl.results import atomic_write, write_all
+from wmr_ctrl.results import atomic_text, write_all
 
 REMEDY = (
     "Some entries were not checked; install the proving packages with: "
@@ -55,7 +55,7 @@ def run_prove(
     ledger = prove(asked, progress, anew=anew)
     committed = load() if COMMITTED.exists() else Ledger(())
     if json_file is not None:
-        with atomic_write(json_file, text=True) as stream:
+        with atomic_text(json_file) as stream:
             stream.write(ledger.to_json() + "\n")
     if asked:
         sys.stdout.write("\n".join(map(described, ledger.entries)) + "\n")

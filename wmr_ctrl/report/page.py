@@ -19,7 +19,7 @@ from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import ABSENT, page_environment, picture, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_text
 from wmr_ctrl.scenario import preset_titles
 
 _STRESS_CASES = {
@@ -103,7 +103,7 @@ def write_page(
             ledger=load(),
         )
     )
-    with atomic_write(path, text=True) as file:
+    with atomic_text(path) as file:
         file.write(text)
 
 

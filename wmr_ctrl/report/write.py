@@ -30,7 +30,7 @@ from wmr_ctrl.report.evidence_figures import evidence_figures
 from wmr_ctrl.report.page import Reproduction, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.rigid_section import rigid_figures
-from wmr_ctrl.results import atomic_write, check_writable, json_safe, make_folder
+from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
 from wmr_ctrl.results.windows import BEFORE, LATE
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
@@ -181,7 +181,7 @@ def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress) ->
 
 def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     """Write a header and rows, whole or not at all; None becomes an empty cell."""
-    with atomic_write(path, text=True) as file:
+    with atomic_text(path) as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
@@ -263,7 +263,7 @@ def write_claims(path: Path, judged: Sequence[Judged], table: FigureTable) -> No
         "claims": [_claim(one) for one in judged],
         "read_into_the_paper": load_readings(),
     }
-    with atomic_write(path, text=True) as file:
+    with atomic_text(path) as file:
         json.dump(json_safe(content), file, indent=1, ensure_ascii=False, allow_nan=False)
         file.write("\n")
 

@@ -9,6 +9,7 @@ from wmr_ctrl.results.compare import Comparison as Comparison
 from wmr_ctrl.results.compare import Fact as Fact
 from wmr_ctrl.results.compare import compare as compare
 from wmr_ctrl.results.files import atomic_path as atomic_path
+from wmr_ctrl.results.files import atomic_text as atomic_text
 from wmr_ctrl.results.files import atomic_write as atomic_write
 from wmr_ctrl.results.files import check_writable as check_writable
 from wmr_ctrl.results.files import make_folder as make_folder

@@ -6,9 +6,9 @@ import errno
 import os
 import secrets
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, Literal, overload
+from typing import IO
 
 from wmr_ctrl.errors import ResultFileError
 
@@ -43,24 +43,24 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
             scratch.unlink()
 
 
-@overload
-def atomic_write(
-    path: str | os.PathLike[str], *, text: Literal[True]
-) -> AbstractContextManager[IO[str]]: ...
-
-
-@overload
-def atomic_write(path: str | os.PathLike[str]) -> AbstractContextManager[IO[bytes]]: ...
-
-
-def atomic_write(
-    path: str | os.PathLike[str], *, text: bool = False
-) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
-    """An open file that becomes ``path`` when all went well: bytes, or UTF-8 if ``text``.
+@contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
+    """An open file of bytes that becomes ``path`` when all went well.
 
     Raises ResultFileError where the file cannot be written; other exceptions pass unchanged.
     """
-    return _opened(path, text)
+    with atomic_path(path) as scratch, scratch.open("wb") as file:
+        yield file
+
+
+@contextmanager
+def atomic_text(path: str | os.PathLike[str]) -> Iterator[IO[str]]:
+    """The same for text, in UTF-8."""
+    with (
+        atomic_path(path) as scratch,
+        scratch.open("w", encoding="utf-8", newline="\n") as file,
+    ):
+        yield file
 
 
 def make_folder(folder: Path) -> None:
@@ -79,19 +79,10 @@ def write_all(files: Mapping[str, str], folder: Path) -> list[Path]:
     make_folder(folder)
     with ExitStack() as together:
         for name, text in files.items():
-            file = together.enter_context(atomic_write(folder / name, text=True))
+            file = together.enter_context(atomic_text(folder / name))
             file.write(text)
             file.flush()  # a full disk shows here, before the first file gets its name
     return [folder / name for name in files]
-
-
-@contextmanager
-def _opened(path: str | os.PathLike[str], text: bool) -> Iterator[IO[Any]]:
-    how: dict[str, Any] = {"mode": "wb"}
-    if text:
-        how = {"mode": "w", "encoding": "utf-8", "newline": "\n"}
-    with atomic_path(path) as scratch, scratch.open(**how) as file:
-        yield file
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

@@ -17,6 +17,7 @@ import numpy as np
 
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
+from wmr_ctrl.results.measures import tracked
 from wmr_ctrl.signals import TIME
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from wmr_ctrl.results.run import Run
 
-ABSENT, _YES_NO = "–", ("no", "yes")
+ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
@@ -138,19 +139,18 @@ def library(name: str, extra: str = "data") -> ModuleType:
 
 def run_html(run: Run) -> str:
     """A run's labels, outcome and main figures."""
-    figures = summary(run)
-    position, ise = figures["position_rms"], figures["ise"]
-    assert isinstance(position, Mapping)
-    assert isinstance(ise, Mapping)
-    guarded = ", guarded" if run.guard else ""
+    names = ("position_rms", "position_rms_last_quarter", "ise_total", "tau_peak")
+    taken = values_of(run, map(FIGURES.__getitem__, names))
+    whole, late, ise, peak = (figure(taken[name]) for name in names)
+    reached, guarded = tracked(run), ", guarded" if run.guard else ""
     rows = [
         ("outcome", run.outcome.value),
-        ("tracked", ABSENT if figures["tracked"] is None else _YES_NO[bool(figures["tracked"])]),
-        ("position error, RMS [m]", figure(position["all"])),
-        ("position error, RMS of the last quarter [m]", figure(position["last_quarter"])),
-        ("ISE [m² s + rad² s]", figure(ise["total"])),
+        ("tracked", ABSENT if reached is None else "yes" if reached else "no"),
+        ("position error, RMS [m]", whole),
+        ("position error, RMS of the last quarter [m]", late),
+        ("ISE [m² s + rad² s]", ise),
         ("largest |v1| [m/s], |omega| [rad/s]", ", ".join(map(figure, run.monitor.max_abs_v))),
-        ("largest wheel torque [N m]", figure(figures["tau_peak"])),
+        ("largest wheel torque [N m]", peak),
         *((remark.key, remark.text) for remark in run.remarks),
     ]
     title = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine"

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from wmr_ctrl.checks.outlook import Outlook
     from wmr_ctrl.results.remarks import Remark
 
-__all__ = ["FloatArray", "Monitor", "Outcome", "Run", "Settings"]
-
 FloatArray: TypeAlias = NDArray[np.float64]
 
 

@@ -92,21 +92,16 @@ def _batches(tasks: Sequence[Task]) -> list[list[int]]:
     """Places of the tasks, in groups that fit the lanes of their library and share a structure."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for place, task in enumerate(tasks):
-        groups.setdefault(_structure(task), []).append(place)
+        compiled, windows = task.loop.compiled, windows_of(task.loop.settings)
+        alike = compiled.library, compiled.structure, compiled.phase_start, compiled.delay_steps
+        timed = task.loop.scenario.clock, tuple(windows.values()), task.vectors
+        groups.setdefault((*alike, *timed), []).append(place)
     batches = []
     for places in groups.values():
         first = tasks[places[0]]
         lanes = vector_set(first.loop.compiled.library, first.vectors).lanes
         batches += [places[k : k + lanes] for k in range(0, len(places), lanes)]
     return batches
-
-
-def _structure(task: Task) -> tuple[object, ...]:
-    """What the lanes of one batch have in common."""
-    compiled, scenario = task.loop.compiled, task.loop.scenario
-    windows = tuple(windows_of(task.loop.settings).values())
-    alike = (compiled.library, compiled.structure, compiled.phase_start, task.vectors)
-    return (*alike, scenario.clock, compiled.delay_steps, windows)
 
 
 def _run_batches(

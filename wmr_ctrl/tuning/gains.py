@@ -30,7 +30,7 @@ from wmr_ctrl.fields.section import Section, numbers_in
 from wmr_ctrl.laws.law import Law
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.kinematics import KinematicGains
-from wmr_ctrl.results import atomic_write, check_writable
+from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
@@ -236,7 +236,7 @@ def tune(
     better = with_gains(chosen, best)
     before, after = (judged(item, law, plan.test_seeds, jobs) for item in (chosen, better))
     tuning = Tuning(plan, better, best, (first, last), before, after, target)
-    with atomic_write(target, text=True) as file:
+    with atomic_text(target) as file:
         file.write(_document(tuning))
     tries.forget()
     tell(1.0)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.frames import library
 
 Floats = NDArray[np.float64]
@@ -106,7 +106,7 @@ class Trials:
     def keep(self, costs: list[float]) -> None:
         """One generation more."""
         self.costs.append(costs)
-        with atomic_write(self.path, text=True) as file:
+        with atomic_text(self.path) as file:
             json.dump({"search": self.digest, "costs": self.costs}, file)
 
     def forget(self) -> None:
