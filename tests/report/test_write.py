@@ -10,6 +10,7 @@ import re
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
+from tests.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
 from wmr_ctrl.campaign import paper_plan, run_campaign
@@ -130,6 +131,22 @@ def test_on_a_phone_no_table_is_wider_than_the_page(page):
 
     assert len(kinds) == page.count("<table")
     assert all({"cards", "stack", "pairs"} & set(kind.split()) for kind in kinds)
+
+
+@pytest.mark.slow
+def test_what_is_long_is_folded_on_a_phone_and_nowhere_else(written, tmp_path):
+    table = "document.querySelector('#tables table').checkVisibility()"
+    with browser(tmp_path) as one:
+        for width, seen in ((390, False), (1300, True)):
+            one.show(width, 844)
+            one.open("about:blank")
+            one.open(written.report.as_uri())
+            assert one.value("document.documentElement.scrollWidth") == width
+            assert one.value(table) is seen
+        one.show(390, 844)
+        one.open("about:blank")
+        one.open(f"{written.report.as_uri()}#claim-V-time")
+        assert one.value("document.getElementById('claim-V-time').checkVisibility()")
 
 
 def test_pictures_have_colours_for_light_and_dark(page):

@@ -65,7 +65,7 @@ def _draw_measure(figure: Figure, table: FigureTable) -> None:
     padding = Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
     left, right = row_of_axes(figure, padding, (1, 1), 0.95)
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
-    _panel_measure(right, table, "e1_rms_70_80", "RMS of $e_1$ over 70–80 s [m]")
+    _panel_measure(right, table, "e1_rms_70_80", "RMS of $e_1$ over 70–80 s [mm]", 1e3)
     handles = [
         dot_handle("parameters change at 40 s"),
         dot_handle("the same seeds without the change", face="white"),
@@ -73,14 +73,17 @@ def _draw_measure(figure: Figure, table: FigureTable) -> None:
     heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
 
 
-def _panel_measure(axes: Axes, table: FigureTable, name: str, label: str) -> None:
+def _panel_measure(
+    axes: Axes, table: FigureTable, name: str, label: str, factor: float = 1.0
+) -> None:
     law_rows(axes, table.laws)
     axes.set(xscale="log", xlabel=label)
     plain_ticks(axes)
     for row, law in enumerate(table.laws):
         changed, same = (table.values(name, case, law) for case in (WITH, WITHOUT))
-        dots(axes, changed.values(), row - 0.2, law)
-        dots(axes, same.values(), row + 0.2, law, filled=False)
+        for values, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
+            scaled = [None if value is None else factor * value for value in values.values()]
+            dots(axes, scaled, row + shift, law, filled=filled)
         axes.annotate(_factor(changed, same), (1, row), xycoords=("axes fraction", "data"),
                       xytext=(6, 0), textcoords="offset points", va="center", size=8,
                       weight="bold", color=INK)  # fmt: skip
@@ -116,7 +119,7 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
         axes.set_title(look(law).label, color=look(law).colour, pad=3)
         axes.tick_params(labelleft=axes is row[0])
         mark_switch(axes, switch_time(changed))
-    row[0].set_ylabel("RMS of $e_1$ over 1 s [m]")
+    row[0].set_ylabel("RMS of $e_1$ over 1 s [mm]")
     ranges = np.array([axes.get_ylim() for axes in row])
     for axes in row:
         axes.set_ylim(ranges[:, 0].min(), ranges[:, 1].max())
@@ -129,9 +132,10 @@ def _draw_switch(figure: Figure, runs: Runs, laws: tuple[str, ...]) -> None:
 
 
 def _running_error(run: Run) -> tuple[FloatArray, FloatArray]:
+    """Running RMS of e1 [mm] over time."""
     rows = slice(run.settings.index(_FROM), None)
     rms = running_rms(run["e[1]"], max(1, round(_MEAN / run.settings.control)))
-    return thin(run.time[rows], np.maximum(rms[rows], 1e-6), 600)
+    return thin(run.time[rows], np.maximum(1e3 * rms[rows], 1e-3), 600)
 
 
 # -- V1 of MB and NN without noise and without the change; rises are marked -------------------
@@ -153,7 +157,7 @@ def _draw_barrier(figure: Figure, runs: Runs) -> None:
         rising = np.concatenate((np.diff(y) > 0, [False]))
         rising[1:] |= rising[:-1].copy()
         axes.plot(t, np.where(rising, y, np.nan), color=LIMIT, lw=2.0, alpha=0.9)
-    axes.set(yscale="log", xlabel="t [s]", ylabel="V₁", xlim=(0, _END), ylim=(_FLOOR, 20))
+    axes.set(yscale="log", xlabel="t [s]", ylabel="V₁ [1]", xlim=(0, _END), ylim=(_FLOOR, 20))
     handles = [*law_handles(LAWS), line_handle("rising", LIMIT, 2.2)]
     heading(figure, "Lyapunov function values without noise", handles)
 

@@ -10,6 +10,8 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.patheffects import Normal, Stroke
+from matplotlib.ticker import FuncFormatter
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report.drawing import (
@@ -29,9 +31,11 @@ from wmr_ctrl.report.drawing import (
 from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
 from wmr_ctrl.report.style import (
     DASHED,
+    GRID,
     INK,
     LIMIT,
     MUTED,
+    PAPER,
     driver,
     house_style,
     look,
@@ -79,8 +83,8 @@ def _draw(figure: Figure, run: Run) -> None:
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
     _velocity(parts[3], run, 1)
-    _lines(parts[4], run, "Position errors, Eq. (8)", {"e₁": "e[1]", "e₂": "e[2]"}, ("m", "mm"))
-    _lines(parts[5], run, "Orientation error e₃", {"e₃": "e[3]"}, ("rad", "mrad"))
+    _errors(parts[4], run, "Position errors, Eq. (8) [mm]", {"e₁": "e[1]", "e₂": "e[2]"})
+    _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"})
     _torques(parts[6], run)
     _barrier(parts[7], run)
 
@@ -146,27 +150,32 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol = ("v₁", "ω")[axis]
     axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
-    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
-    axes.plot(*thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
+    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3)
+    rim = [Stroke(linewidth=2.6, foreground=PAPER), Normal()]  # seen on dense curves too
+    t, y = thin(run.time, run[desired])
+    axes.plot(t, y, color=INK, ls=DASHED, lw=0.9, zorder=2.4, path_effects=rim)
     limit = run.settings.v_u1[axis]
     include(axes, (-1.15 * limit, 1.15 * limit))
     shade_limits(axes, limit)
 
 
-SMALL = 0.1
-"""Below this, lengths and angles are drawn in thousandths."""
+SMALL = 100.0
+"""Errors that come farther [mm, mrad] are drawn on a scale that is logarithmic beyond NARROW."""
+NARROW = 10.0
 
 
-def _lines(
-    part: SubFigure, run: Run, title: str, columns: dict[str, str], units: tuple[str, str]
-) -> None:
-    """Scalar columns over time, in a unit or, where they are small, in its thousandth."""
-    rows = [run[name] for name in columns.values()]
-    low = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows) < SMALL
-    scaled = [1e3 * row if low else row for row in rows]
-    axes = _time_axes(part, run, f"{title} [{units[low]}]")
-    _plot_pair(axes, run, dict(zip(columns, scaled, strict=True)))
-    _focus(axes, run, scaled)
+def _errors(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> None:
+    """Errors over time, in mm or mrad, so that the start and what is left at the end are seen."""
+    rows = {label: 1e3 * run[name] for label, name in columns.items()}
+    axes = _time_axes(part, run, title)
+    _plot_pair(axes, run, rows)
+    if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
+        axes.set_yscale("symlog", linthresh=NARROW)
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.axhspan(-NARROW, NARROW, color=GRID, alpha=0.35, lw=0, zorder=0)
+        note = f"logarithmic beyond ±{NARROW:g}"
+        axes.annotate(note, (1, 0), xycoords="axes fraction", size=6.5, xytext=(-2, 2),
+                      textcoords="offset points", ha="right", color=MUTED)  # fmt: skip
 
 
 def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float = 1.0) -> None:
@@ -182,7 +191,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float =
 START = 2.0
 """What happens before [s] may leave the view."""
 MEAN_TIME = 0.25
-"""Torques are drawn as means over so long [s], with their samples faint behind."""
+"""Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
 NEAR = 3.0
 """A torque limit is drawn if it is at most so many times the largest torque after the start."""
 
@@ -221,8 +230,10 @@ def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
 
 def _barrier(part: SubFigure, run: Run) -> None:
     axes = _time_axes(part, run, "Barrier function V₁ [1]")
-    values = np.maximum(run["V1"], 1e-12)
-    axes.plot(*thin(run.time, values), color=look(run.law).colour, lw=0.8)
+    values, colour = np.maximum(run["V1"], 1e-12), look(run.law).colour
+    axes.plot(*thin(run.time, values), color=colour, lw=0.8, alpha=0.3)
+    width = max(1, round(MEAN_TIME / run.settings.control))
+    axes.plot(*thin(run.time, running_mean(values, width)), color=colour, lw=1.0)
     axes.set_yscale("log")
 
 
