@@ -10,7 +10,6 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import FuncFormatter
 
 from wmr_ctrl.errors import ArgumentError
@@ -35,7 +34,6 @@ from wmr_ctrl.report.style import (
     INK,
     LIMIT,
     MUTED,
-    PAPER,
     driver,
     house_style,
     look,
@@ -150,10 +148,8 @@ def _velocity(part: SubFigure, run: Run, axis: int) -> None:
     name, desired, unit = (("v1", "v1_d", "m/s"), ("omega", "v2_d", "rad/s"))[axis]
     symbol = ("v₁", "ω")[axis]
     axes = _time_axes(part, run, f"{symbol} [{unit}], its limits; dashed: desired")
-    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3)
-    rim = [Stroke(linewidth=2.6, foreground=PAPER), Normal()]  # seen on dense curves too
-    t, y = thin(run.time, run[desired])
-    axes.plot(t, y, color=INK, ls=DASHED, lw=0.9, zorder=2.4, path_effects=rim)
+    axes.plot(*thin(run.time, run[name]), color=look(run.law).colour, lw=1.3, alpha=0.6)
+    axes.plot(*thin(run.time, run[desired]), color=INK, ls=DASHED, lw=0.9, zorder=2.4)
     limit = run.settings.v_u1[axis]
     include(axes, (-1.15 * limit, 1.15 * limit))
     shade_limits(axes, limit)
@@ -171,7 +167,9 @@ def _errors(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> N
     _plot_pair(axes, run, rows)
     if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
         axes.set_yscale("symlog", linthresh=NARROW)
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_major_formatter(
+            FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−"))
+        )
         axes.axhspan(-NARROW, NARROW, color=GRID, alpha=0.35, lw=0, zorder=0)
         note = f"logarithmic beyond ±{NARROW:g}"
         axes.annotate(note, (1, 0), xycoords="axes fraction", size=6.5, xytext=(-2, 2),
