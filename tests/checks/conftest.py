@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from wmr_ctrl.checks import Warning, warnings_for
-from wmr_ctrl.checks.loop import Loop
+from tests.checks.asking import told_of
+from wmr_ctrl.checks import Warning
+from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.scenario import load_scenario
 
@@ -17,7 +18,7 @@ NOMINAL = "paper-simulation-nominal"
 @pytest.fixture(scope="session")
 def loop() -> Callable[..., Loop]:
     def build(law: str, overrides: dict | None = None, scenario: str = NOMINAL) -> Loop:
-        return Loop(settle(load_scenario(scenario, overrides), law))
+        return loop_of(settle(load_scenario(scenario, overrides), law))
 
     return build
 
@@ -27,7 +28,6 @@ def told() -> Callable[..., list[Warning]]:
     """The warnings, optionally those of one key."""
 
     def ask(law: str, overrides: dict | None = None, scenario: str = NOMINAL, key: str = ""):
-        found = warnings_for(settle(load_scenario(scenario, overrides), law))
-        return [warning for warning in found if key in ("", warning.key)]
+        return told_of(settle(load_scenario(scenario, overrides), law), key)
 
     return ask

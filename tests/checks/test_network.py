@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from wmr_ctrl.checks.network import largest_square, learning_limit, square_bound
+from wmr_ctrl.checks.radius import radius
 
 ETA, PERIOD = "gains.nn.eta", "clock.control"
 
@@ -55,6 +57,23 @@ def test_longest_period_for_the_steps_of_the_weights(loop, size, linear, angular
     limits = [learning_limit(loop("nn"), axis, size) for axis in (0, 1)]
 
     assert limits == pytest.approx([linear, angular], rel=2e-2)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_that_period_is_where_the_law_s_own_graph_becomes_unstable(loop, axis):
+    """Velocity and weights of one axis, by the gradient of the law with its weights moving."""
+    at, setup = loop("nn"), loop("nn").setup
+    point = at.on_reference((0.2, 0.1))
+    size, mass = largest_square(at, setup.gains.eta), (at.scenario.robot.m, at.scenario.robot.I)
+    limit, column = learning_limit(at, axis, size), 3 + axis
+
+    def largest(period: float) -> float:
+        law = at.linear(point, period, learning=True)
+        speed = 1 + period / mass[axis] * law.d[axis, column]
+        pull = period / mass[axis] * law.c[axis]
+        return radius(np.block([[speed, pull], [law.b[:, [column]], law.a]]))
+
+    assert largest(0.97 * limit) < 1 < largest(1.03 * limit)
 
 
 def test_wide_network_is_too_much_for_the_papers_period(told):

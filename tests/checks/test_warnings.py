@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from itertools import cycle
 
 import pytest
 
+from tests.checks.asking import STABILITY
 from tests.matrix import rotated, turns
 from wmr_ctrl.checks import Warning, warnings_for
+from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.laws import LAWS
@@ -33,6 +37,13 @@ def test_every_reference_is_judged(kind, law):
     scenario = load_scenario("paper-simulation", {"reference.kind": kind})
 
     assert isinstance(warnings_for(settle(scenario, law)), tuple)
+
+
+def test_stability_is_told_by_two_keys_alone():
+    """So that tests of other keys need not ask for it."""
+    for name, law in zip(preset_names()[::2], cycle(LAWS), strict=False):
+        found = sample_time(loop_of(settle(load_scenario(name), law)))
+        assert {warning.key for warning in found} <= set(STABILITY)
 
 
 def test_theorems_own_case_gets_no_objection():

@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
+from tests.checks.asking import told_of
 from wmr_ctrl.api import scenario_of, simulate
-from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.contradictions import beyond_belief, contradictions
@@ -64,15 +64,15 @@ def test_with_the_guard_on_it_is_refused_unless_trusted(changed, key, numbers) -
     assert str(refused.value).startswith(key)
     assert "guard.trust = true" in str(refused.value)
     assert [number for number in numbers if number not in str(refused.value)] == []
-    assert key in [item.key for item in warnings_for(settle(trusted, "kanayama"))]
+    assert told_of(settle(trusted, "kanayama"), key)
     assert [number for number in numbers if number not in settle(trusted, "prox").void] == []
 
 
 @pytest.mark.parametrize(("changed", "key", "numbers"), UNLIKE)
 def test_a_robot_that_is_not_what_the_guard_is_told_is_run_without_promise(changed, key, numbers):
     scenario = scenario_of("safe-simulation", changed)
-    told = [str(item) for item in warnings_for(settle(scenario, "prox")) if item.key == key]
-    (void,) = [r.text for r in simulate(scenario, "prox").remarks if r.key == "assumption-void"]
+    told = [str(item) for item in told_of(settle(scenario, "prox"), key)]
+    void = settle(scenario, "prox").void
 
     assert any(all(number in text for number in numbers) for text in told), told
     assert [number for number in numbers if number not in void] == []
@@ -109,7 +109,7 @@ def test_no_run_with_a_trusted_contradiction_is_said_to_be_well() -> None:
 @pytest.mark.parametrize(("changed", "key", "numbers"), BROKEN)
 def test_with_the_guard_off_it_is_told(changed, key, numbers) -> None:
     off = scenario_of("safe-simulation", {**changed, "guard.enabled": False})
-    told = [item.sentence for item in warnings_for(settle(off, "prox")) if item.key == key]
+    told = [item.sentence for item in told_of(settle(off, "prox"), key)]
 
     assert any(all(number in text for number in numbers) for text in told), told
 
@@ -144,7 +144,7 @@ def test_a_trusted_bound_that_is_broken_costs_the_guarantee() -> None:
 def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told) -> None:
     changed = {"clock.plant": step, "robot.mu": mu, "changes": [], "clock.control": 0.01}
     setup = settle(load_scenario("paper-simulation-nominal", changed), "kanayama")
-    found = [item for item in warnings_for(setup) if item.key == "clock.plant"]
+    found = told_of(setup, "clock.plant")
 
     assert len(found) == told
     assert all(f"{step * mu * 981:.3g}" in item.sentence for item in found)
@@ -156,7 +156,7 @@ def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
             "sensor.velocity_noise": [0.02, 0.0], "guard.enabled": True, "changes": [],
             "clock.duration": 20.0, "gains.kanayama.share": 1.0}  # fmt: skip
     scenario = load_scenario("paper-simulation", fast)
-    (warning,) = [w for w in warnings_for(settle(scenario, "kanayama")) if w.key == "guard.alpha"]
+    (warning,) = told_of(settle(scenario, "kanayama"), "guard.alpha")
     swing = float(re.search(r"swing by about ([\d.]+) N m", warning.sentence)[1])
     run = simulate(scenario, "kanayama")
     late = run["tau_right"][-500:]
@@ -166,4 +166,4 @@ def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
     assert 0.5 * swing < np.ptp(late) < 1.5 * swing
     calm = {"guard.alpha": 10.0, "guard.dbar": [5.0, 1.0]}
     quiet = settle(load_scenario("paper-simulation", fast | calm), "kanayama")
-    assert not [w for w in warnings_for(quiet) if w.key == "guard.alpha"]
+    assert not told_of(quiet, "guard.alpha")

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import casadi as ca
 import pytest
 
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import MODEL, STATED, assumption_sources, derived_guard, reach
-from wmr_ctrl.guard.price import early_speed, unbeatable_speed
+from wmr_ctrl.guard.delay import Tails, delayed_push
+from wmr_ctrl.guard.guard import bounds_of, ceiling, feasible
+from wmr_ctrl.guard.price import early_speed, unbeatable_speed, usable_speed
+from wmr_ctrl.model.system import Parameters, stack, values
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.effect import Bound
 
@@ -136,3 +140,37 @@ def test_what_is_stated_is_counted_as_stated() -> None:
     found = assumption_sources(setup.scenario, setup.guard, setup.effects)["dbar"]
 
     assert (found.value, dict(found.sources)) == ((90.0, 20.0), {STATED: None})
+
+
+GRAPHED = {"sensor.velocity_window": 0.03, "actuator.delay": 0.013, "guard.dbar": [40.0, 8.0],
+           "sensor.velocity_noise": [0.02, 0.03], "disturbance.std": 0.0, **ON}  # fmt: skip
+
+
+@pytest.mark.parametrize("changed", [{}, {"actuator.jitter": 0.004}, {"actuator.lag": 0.02}])
+def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed) -> None:
+    setup = settle(load_scenario("paper-simulation-no-switch", {**GRAPHED, **changed}), None)
+    p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
+    axes = [bounds_of(p, late).axis(i) for i in (0, 1)]
+    held = ca.vertcat(*(b.cap + b.net for b in axes), *map(feasible, axes))
+    symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)
+    first, second, *met = ca.Function("held", [symbols], [held])(numbers).full().ravel()
+
+    assert reach(setup.scenario, setup.guard, 0) == pytest.approx(first, rel=1e-12)
+    assert reach(setup.scenario, setup.guard, 1) == pytest.approx(second, rel=1e-12)
+    assert met == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("i", [0, 1])
+def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i) -> None:
+    """Of a robot that has driven so all along, with every command in flight as large."""
+    setup = settle(load_scenario("paper-simulation-no-switch", GRAPHED), None)
+    friction = (39.24, 2.0)
+    p, late = Parameters(setup), setup.guard.lateness(setup.scenario.clock)
+    b, speed = bounds_of(p, late).axis(i), usable_speed(setup.scenario, setup.guard, friction)[i]
+    sent = [ca.SX(ca.DM(friction))] * late[i].commands
+    coming = delayed_push(sent, late[i], i, b, Tails("tail", late))
+    symbols, numbers = stack(item.sym for item in p.ports), values(p.ports)
+    highest = ca.Function("hi", [symbols], [ceiling(ca.SX(speed), b, coming)])(numbers)
+
+    assert late[i].commands > 1
+    assert float(highest) == pytest.approx(friction[i], rel=1e-9)

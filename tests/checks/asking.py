@@ -1,0 +1,18 @@
+"""Warnings of a setup by their key, without the checks that never tell it."""
+
+from __future__ import annotations
+
+from wmr_ctrl.checks import CHECKS, Warning
+from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.sample_time import sample_time
+from wmr_ctrl.control.setup import Setup
+
+STABILITY = ("clock.control", "model.m")
+"""Keys of what `sample_time` tells, which takes longer than all others together."""
+
+
+def told_of(setup: Setup, key: str = "") -> list[Warning]:
+    """Those of one key, or all of them."""
+    asked = [c for c in CHECKS if key in ("", *STABILITY) or c is not sample_time]
+    found = (warning for check in asked for warning in check(loop_of(setup)))
+    return [warning for warning in found if key in ("", warning.key)]
