@@ -18,7 +18,7 @@ from wmr_ctrl.codegen.block import (
 from wmr_ctrl.codegen.kernels import sizes_of
 from wmr_ctrl.control.ranges import clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.fmi.model import Dependency, FmuModel
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import (
     TIME,
     Variable,
@@ -80,12 +80,20 @@ def _model(
     system = block.system
     sections = _sections(scenario, block, tunable)
     rows = tuple(row for section in sections.values() for row in section)
+    at = {row.name: i for i, row in enumerate(rows)}
     layout = _layout(sections, system)
-    clock = "clock.control" if system.period else "clock.plant"
-    at = next(i for i, row in enumerate(rows) if row.name == clock)
-    layout |= {"AT_PERIOD" if system.period else "AT_STEP": at}
-    parallel_row = [i for i, row in enumerate(rows) if row.name == PARALLEL.name]
-    layout |= {"AT_PARALLEL": parallel_row[0]} if parallel_row else {}
+    if system.period:
+        layout["AT_PERIOD"] = at["clock.control"]
+    else:
+        layout["AT_STEP"] = at["clock.plant"]
+    if PARALLEL.name in at:
+        layout["AT_PARALLEL"] = at[PARALLEL.name]
+    first, known = layout["W"], layout["Z"]
+    dependencies: dict[int, list[tuple[int, bool]]] = {
+        first + row: [] for row in range(layout["NW"])
+    }
+    for row, column, constant in sorted(block.jacobian):
+        dependencies[first + row].append((known + column, constant))
     return FmuModel(
         what,
         title,
@@ -97,7 +105,7 @@ def _model(
         block.derivatives,
         layout,
         {},
-        _dependencies(block, layout),
+        dependencies,
         bool(layout["HAS_ME"]),
         scenario.clock.control,
         block.graph,
@@ -109,30 +117,21 @@ def _sections(
 ) -> Mapping[str, list[Variable]]:
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
     system, discrete = block.system, block.system.period is not None
-    inputs = (
-        [] if _follows_time(system) else list(input_rows(system.inputs, start_of_inputs(scenario)))
-    )
+    results = [item.signal for item in block.results]
     ranges = ranges_of(scenario, (port.signal.name for port in system.params))
     ranges |= {PARALLEL.name: (0.0, 1.0)} | (clock_of(scenario) if discrete else {})
-    published = {item.signal.name for item in system.outputs} - {
-        item.signal.name for item in block.results
-    }
-    taken = {port.signal.name for port in (*system.inputs, *system.params)} | {
-        r.signal.name for r in block.results
-    }
+    shown = {item.name for item in results}
+    published = {item.signal.name for item in system.outputs} - shown
+    taken = {port.signal.name for port in (*system.inputs, *system.params)} | shown
     states = list(state_rows(system.state, published, taken, discrete=discrete))
+    timed = _follows_time(system)
     return {
         "time": [TIME],
-        "U": inputs,
+        "U": [] if timed else list(input_rows(system.inputs, start_of_inputs(scenario))),
         "P": list(parameter_rows(system.params, ranges, tunable)),
         "X": states,
         "rates": [] if discrete else list(rate_rows(states)),
-        "results": list(
-            output_rows(
-                (item.signal for item in block.results),
-                discrete=discrete and not _follows_time(system),
-            )
-        ),
+        "results": list(output_rows(results, discrete=discrete and not timed)),
     }
 
 
@@ -165,10 +164,3 @@ def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str,
         "CONTINUOUS_STATES": count["X"] if continuous else 0,
         "HAS_ME": int(continuous or (_follows_time(system) and not count["X"])),
     }
-
-
-def _dependencies(block: Block, layout: Mapping[str, int]) -> tuple[Dependency, ...]:
-    columns: dict[int, list[tuple[int, bool]]] = {layout["W"] + i: [] for i in range(layout["NW"])}
-    for row, column, constant in sorted(block.jacobian):
-        columns[layout["W"] + row].append((layout["Z"] + column, constant))
-    return tuple(Dependency(row, tuple(on)) for row, on in columns.items())

@@ -35,17 +35,23 @@ MOST = 2147483647
 def closed_loop_model(setup: Setup) -> FmuModel:
     """Reference, sensors, law, drives, disturbances and plant of a setup in one model."""
     loop, scenario = LoopGraphs(setup), setup.scenario
-    ports = _ports(setup, loop)
+    start = Parameters(setup)
+    for key in START:
+        start.take(key)
+    ports = (*start.ports, *loop.parameters.ports)
     absent = _absent(setup, {port.signal.name for port in ports})
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
     ranges |= _drives(setup) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
+    seed = Variable(SEED.name, SEED.unit, SEED.meaning, Role.FIXED, 0.0, 0.0, MOST, integer=True)
     numbers = parameter_rows((*ports, *absent), ranges)
-    parameters = [TIME, *numbers, _seed(), *_changes(scenario)]
+    parameters = [TIME, *numbers, seed, *_changes(scenario)]
     outputs = [
         *output_rows((*loop.columns[1:], MAX_ABS_V), discrete=True),
         *output_rows((VIOLATIONS,), discrete=True, integer=True),
     ]
     rows = (*parameters, *outputs)
+    columns = set(loop.columns)
+    reached = [item for item in loop.plant.outputs if item.signal in columns]
     return FmuModel(
         "closed-loop",
         f"Closed loop: {setup.control_law.title}",
@@ -53,28 +59,15 @@ def closed_loop_model(setup: Setup) -> FmuModel:
         scenario,
         rows,
         loop_constants(loop),
-        (*loop_kernels(loop), _reached_kernel(loop)),
+        (*loop_kernels(loop), _reached_kernel(loop, reached)),
         (),
-        _layout(rows, len(parameters), setup, loop),
-        _tables(rows, loop, scenario),
+        _layout(rows, len(parameters), setup, loop, reached),
+        _tables(rows, loop, scenario, reached),
         None,
         False,
         scenario.clock.control,
         "",
     )
-
-
-def _ports(setup: Setup, loop: LoopGraphs) -> tuple[Port, ...]:
-    """The start, then the loop's parameters."""
-    start = Parameters(setup)
-    for key in START:
-        start.take(key)
-    return (*start.ports, *loop.parameters.ports)
-
-
-def _delay_steps(setup: Setup, loop: LoopGraphs) -> int:
-    signals = tuple(item.signal for item in loop.parameters.ports)
-    return delay_steps_of(loop, numbers_of(setup, signals))
 
 
 def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
@@ -95,14 +88,9 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
     return tuple(item for key, item in ports.items() if key not in known)
 
 
-def _reached(loop: LoopGraphs) -> tuple[Output, ...]:
+def _reached_kernel(loop: LoopGraphs, reached: Iterable[Output]) -> Kernel:
     """Columns of the log that the plant shows of a state, be a sample taken there or not."""
-    columns = set(loop.columns)
-    return tuple(item for item in loop.plant.outputs if item.signal in columns)
-
-
-def _reached_kernel(loop: LoopGraphs) -> Kernel:
-    shown = stack(item.expr for item in _reached(loop))
+    shown = stack(item.expr for item in reached)
     x = stack(item.sym for item in loop.plant.state)
     return kernel("reached", "What the plant shows of a state.", {"x": x}, {"y": shown})
 
@@ -122,10 +110,6 @@ def _drives(setup: Setup) -> dict[str, Range]:
     return held | lag | clock_of(scenario)
 
 
-def _seed() -> Variable:
-    return Variable(SEED.name, SEED.unit, SEED.meaning, Role.FIXED, 0.0, 0.0, MOST, integer=True)
-
-
 def _changes(scenario: Scenario) -> Iterable[Variable]:
     """Parameters ``changes[1].t`` and so on: what the scenario changes, and when."""
     known = dict(quantities(Change))
@@ -140,8 +124,13 @@ def _changes(scenario: Scenario) -> Iterable[Variable]:
 
 
 def _layout(
-    rows: tuple[Variable, ...], first_output: int, setup: Setup, loop: LoopGraphs
+    rows: tuple[Variable, ...],
+    first_output: int,
+    setup: Setup,
+    loop: LoopGraphs,
+    reached: Iterable[Output],
 ) -> dict[str, int]:
+    signals = tuple(item.signal for item in loop.parameters.ports)
     at = {row.name: i for i, row in enumerate(rows)}
     return {
         "ROWS": len(rows),
@@ -157,8 +146,8 @@ def _layout(
         "CONTINUOUS_STATES": 0,
         "HAS_ME": 0,
         "CHANGES": len(setup.scenario.changes),
-        "DELAY_MAX": _delay_steps(setup, loop),
-        "REACHED": len(_elements(item.signal for item in _reached(loop))),
+        "DELAY_MAX": delay_steps_of(loop, numbers_of(setup, signals)),
+        "REACHED": len(_elements(item.signal for item in reached)),
         "AT_SEED": at["seed"],
         "AT_PERIOD": at["clock.control"],
         "AT_STEP": at["clock.plant"],
@@ -166,7 +155,7 @@ def _layout(
 
 
 def _tables(
-    rows: tuple[Variable, ...], loop: LoopGraphs, scenario: Scenario
+    rows: tuple[Variable, ...], loop: LoopGraphs, scenario: Scenario, reached: Iterable[Output]
 ) -> dict[str, Sequence[Sequence[float]]]:
     """By name, the rows that numbers are read from and shown in; 0 where there is none."""
     at = {row.name: i for i, row in enumerate(rows)}
@@ -178,13 +167,10 @@ def _tables(
         for key, signals in START.items()
         for i, signal in enumerate(signals, start=1)
     }
-    changed = [
-        [at.get(f"changes[{k}].{name.removeprefix('robot.')}", 0) for name in names]
-        for k in range(1, len(scenario.changes) + 1)
-    ]
-    robot = [name.startswith("robot.") for name in names]
-    changed = [[row if own else 0 for row, own in zip(r, robot, strict=True)] for r in changed]
-    times = [at[f"changes[{k}].t"] for k in range(1, len(scenario.changes) + 1)]
+    counts = range(1, len(scenario.changes) + 1)
+    fields = [name.removeprefix("robot.") if name.startswith("robot.") else "" for name in names]
+    changed = [[at.get(f"changes[{k}].{field}", 0) for field in fields] for k in counts]
+    times = [at[f"changes[{k}].t"] for k in counts]
     return {
         "PARAMETER_ROWS": [[at[name] for name in names]],
         "CHANGE_ROWS": [*changed, [0] * len(names)],
@@ -192,7 +178,7 @@ def _tables(
         "START": [loop.x0],
         "START_ROWS": [[*(starts.get(name, 0) for name in state), *at_rest]],
         "COLUMN_ROWS": [[at.get(name, 0) for name in _elements(loop.columns)]],
-        "REACHED_ROWS": [[at[name] for name in _elements(o.signal for o in _reached(loop))]],
+        "REACHED_ROWS": [[at[name] for name in _elements(o.signal for o in reached)]],
         "FOUND_ROWS": [[at.get(FOUND.get(name, ""), 0) for name in FINDINGS]],
     }
 

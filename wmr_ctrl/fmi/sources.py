@@ -8,7 +8,6 @@ import math
 import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
@@ -36,7 +35,7 @@ NAMESPACE = uuid.UUID("a2f3b9a0-6d0c-5b58-9a53-0d5f5c3f8f5e")
 
 @dataclass(frozen=True)
 class Sources:
-    """Files by name, flat, and the token that tells this model from any other."""
+    """Files by name, flat, and the token: a GUID of the content, equal for equal content alone."""
 
     files: dict[str, str]
     token: str
@@ -50,17 +49,16 @@ class Sources:
 def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources:
     """All C of ``model`` for one version of FMI; ``arrays``: vectors behind one value reference."""
     generated = kernel_sources(model.constants, model.kernels)
-    files = {name: text for name, text in generated.items() if name in ("kernels.c", "kernels.h")}
+    files = {name: generated[name] for name in ("kernels.h", "kernels.c")}
     files |= plain_sources(model.derivatives, "jacobian") if model.derivatives else {}
-    files |= {name: _read(fmu_dir() / "fmi" / name) for name in (*COMMON, f"kind_{model.kind}.c")}
-    files |= {
-        path.name: _read(path) for path in sorted((fmu_dir() / "fmi").glob(f"fmi{version}*.c"))
-    }
-    files |= {
-        path.name: _read(path)
-        for path in sorted((fmu_dir() / "fmi" / "headers").glob(f"fmi{version}*.h"))
-    }
-    files |= {name: _read(runtime_dir() / name) for name in (*RUNTIME[model.kind], HEADER)}
+    layer, runtime = fmu_dir() / "fmi", runtime_dir()
+    paths = [
+        *(layer / name for name in (*COMMON, f"kind_{model.kind}.c")),
+        *sorted(layer.glob(f"fmi{version}*.c")),
+        *sorted((layer / "headers").glob(f"fmi{version}*.h")),
+        *(runtime / name for name in (*RUNTIME[model.kind], HEADER)),
+    ]
+    files |= {path.name: path.read_text(encoding="utf-8") for path in paths}
     pairs = orders(model)
     files["model.c"] = render(
         "model.c",
@@ -69,23 +67,15 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         orders=pairs,
     )
     if model.tables:
-        files["loop_tables.h"] = render("loop_tables.h", tables=_tables(model))
-    token = _token(model, files)
+        tables = [_table(name, rows) for name, rows in model.tables.items()]
+        files["loop_tables.h"] = render("loop_tables.h", tables=tables)
+    content = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
+    token = f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(content.encode()).hexdigest())}}}"
     layout = [*model.layout.items(), ("ORDERS", len(pairs))]
     files["model.h"] = render(
         "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
     )
     return Sources(files, token)
-
-
-def _read(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
-
-
-def _token(model: FmuModel, files: dict[str, str]) -> str:
-    """A GUID made of the content: equal content, equal token, and nothing else."""
-    text = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
-    return f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(text.encode()).hexdigest())}}}"
 
 
 def _rows(model: FmuModel, arrays: bool) -> list[dict[str, str]]:
@@ -114,19 +104,16 @@ def _number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else f"{'-' if value < 0 else ''}DBL_MAX"
 
 
-def _tables(model: FmuModel) -> list[dict[str, str]]:
-    return [_table(model, name, rows) for name, rows in model.tables.items()]
-
-
-def _table(model: FmuModel, name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
+def _table(name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
     """One constant array; an empty one still has an element, as C wants it."""
     bodies = ["{" + ", ".join(repr(number) for number in row or [0]) + "}" for row in rows]
     if name == "CHANGE_ROWS":
-        return {
-            "type": "int",
-            "name": name,
-            "shape": f"[{len(rows)}][{len(rows[0])}]",
-            "body": f"{{{', '.join(bodies)}}}",
-        }
-    kind = "double" if name == "START" else "int"
-    return {"type": kind, "name": name, "shape": "[]", "body": bodies[0]}
+        shape, body = f"[{len(rows)}][{len(rows[0])}]", f"{{{', '.join(bodies)}}}"
+    else:
+        shape, body = "[]", bodies[0]
+    return {
+        "type": "double" if name == "START" else "int",
+        "name": name,
+        "shape": shape,
+        "body": body,
+    }

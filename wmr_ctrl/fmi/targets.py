@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from importlib import metadata
 from pathlib import Path
 
 from wmr_ctrl.codegen.cache import build_cached
@@ -117,10 +118,8 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
 
     def compile_in(folder: Path) -> Path:
         (folder / LIGHT).write_text(light, encoding="utf-8")
-        return compile_library(
-            chain, [folder / LIGHT, *objects], folder / f"{identifier}{target.suffix}",
-            include=[folder],
-        )  # fmt: skip
+        library = folder / f"{identifier}{target.suffix}"
+        return compile_library(chain, [folder / LIGHT, *objects], library, include=[folder])
 
     return build_cached(
         sources.files,
@@ -159,17 +158,9 @@ def toolchain_for(target: Target) -> Toolchain:
 
 def _zig(target: Target) -> Toolchain:
     command = (sys.executable, "-P", "-m", "ziglang", "cc")
-    base = Toolchain(command, "zig cc", _zig_version(), default_flags(command))
+    version = f"zig {metadata.version('ziglang')}"
+    base = Toolchain(command, "zig cc", version, default_flags(command))
     windows = target.suffix == ".dll"
     flags = tuple(flag for flag in base.flags if not (windows and flag == "-fPIC"))
-    return replace(base, flags=(*flags, *_stripped(target), "-target", target.triple))
-
-
-def _stripped(target: Target) -> Sequence[str]:
-    return () if target.suffix == ".dylib" else ("-s",)
-
-
-def _zig_version() -> str:
-    from importlib.metadata import version
-
-    return f"zig {version('ziglang')}"
+    stripped = () if target.suffix == ".dylib" else ("-s",)
+    return replace(base, flags=(*flags, *stripped, "-target", target.triple))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from wmr_ctrl.control.ranges import Range
@@ -55,6 +55,13 @@ class Variable:
         """Whether it is a parameter, fixed or tunable."""
         return self.role in (Role.FIXED, Role.TUNABLE)
 
+    @property
+    def known(self) -> bool:
+        """Whether outputs at a communication point may depend on it: time, inputs, states."""
+        return self.role in (Role.INDEPENDENT, Role.INPUT) or (
+            self.role is Role.START and not self.discrete
+        )
+
 
 TIME = Variable("time", "s", "time", Role.INDEPENDENT)
 
@@ -90,15 +97,11 @@ def state_rows(
 ) -> Iterator[Variable]:
     """Rows of states: outputs where the System publishes them under their own names."""
     for port in ports:
-        name = port.signal.name
-        clash = name in taken and name not in outputs
-        signal = Signal(
-            f"state.{name}" if clash else name,
-            port.signal.unit,
-            port.signal.meaning,
-            port.signal.size,
+        name, shown = port.signal.name, port.signal.name in outputs
+        signal = (
+            replace(port.signal, name=f"state.{name}") if name in taken - outputs else port.signal
         )
-        yield from _rows(signal, Role.START, port.value, output=name in outputs, discrete=discrete)
+        yield from _rows(signal, Role.START, port.value, output=shown, discrete=discrete)
 
 
 def rate_rows(states: Iterable[Variable]) -> Iterator[Variable]:
@@ -134,10 +137,11 @@ def _rows(
 ) -> Iterator[Variable]:
     array = signal.size >= ARRAY_FROM and len(set(signal.units)) == 1
     for i, value in enumerate(values):
+        place = f", element {i + 1} of {signal.size}" if signal.size > 1 else ""
         yield Variable(
             signal.elements[i],
             signal.units[i],
-            _meaning(signal, i),
+            signal.meaning + place,
             role,
             float(value),
             low,
@@ -149,18 +153,3 @@ def _rows(
             index=i,
             size=signal.size if array else 1,
         )
-
-
-def _meaning(signal: Signal, i: int) -> str:
-    return (
-        signal.meaning
-        if signal.size == 1
-        else f"{signal.meaning}, element {i + 1} of {signal.size}"
-    )
-
-
-def is_known(variable: Variable) -> bool:
-    """Whether outputs at a communication point may depend on it: time, inputs, states."""
-    return variable.role in (Role.INDEPENDENT, Role.INPUT) or (
-        variable.role is Role.START and not variable.discrete
-    )

@@ -8,7 +8,7 @@ from typing import Any
 
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.files import render
-from wmr_ctrl.fmi.model import FmuModel, Unknown, headed, initial_unknowns, outputs, rates
+from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.sources import Sources, row_size
 from wmr_ctrl.fmi.units import NamedUnit, unit_of, units_of
 from wmr_ctrl.fmi.variables import Role, Variable
@@ -50,7 +50,7 @@ def description(
             m={
                 **common,
                 "variables": listed,
-                "structure": _structure(model, FMI2, False),
+                "structure": _structure(model, version, arrays),
             },
         )
     rows = [(i, v) for i, v in enumerate(model.variables) if row_size(v, arrays)]
@@ -58,7 +58,7 @@ def description(
         "fmi3.xml",
         m={
             **common,
-            "structure": _structure(model, FMI3, arrays),
+            "structure": _structure(model, version, arrays),
             "variables": [_fmi3_variable(model, i, v, arrays) for i, v in rows],
         },
     )
@@ -148,16 +148,21 @@ def _causality(v: Variable) -> str:
     return _CAUSALITY.get(v.role, "output" if v.output else "local")
 
 
-def _variability(v: Variable) -> str:
+def _head(v: Variable, row: int, name: str, meaning: str) -> Attributes:
+    """Attributes that a variable of either version begins with."""
+    variability = "discrete" if v.discrete or v.integer else "continuous"
     if v.parameter:
-        return "fixed" if v.role is Role.FIXED else "tunable"
-    return "discrete" if v.discrete or v.integer else "continuous"
-
-
-def _initial(v: Variable) -> Attributes:
-    if v.role in (Role.INDEPENDENT, Role.INPUT):
-        return []
-    return [("initial", "calculated" if v.role is Role.CALCULATED else "exact")]
+        variability = "fixed" if v.role is Role.FIXED else "tunable"
+    initial = "calculated" if v.role is Role.CALCULATED else "exact"
+    given = v.role in (Role.INDEPENDENT, Role.INPUT)
+    return [
+        ("name", name),
+        ("valueReference", str(row)),
+        ("description", meaning),
+        ("causality", _causality(v)),
+        ("variability", variability),
+        *([] if given else [("initial", initial)]),
+    ]
 
 
 def _start(v: Variable) -> str | None:
@@ -166,55 +171,38 @@ def _start(v: Variable) -> str | None:
     return str(int(v.start)) if v.integer else repr(v.start)
 
 
-def _range(v: Variable) -> Attributes:
-    ends = (("min", v.low), ("max", v.high))
-    return [
-        (key, str(int(end)) if v.integer else repr(end)) for key, end in ends if math.isfinite(end)
-    ]
-
-
 def _typed(model: FmuModel, v: Variable) -> Attributes:
     """Attributes that belong to the value: unit, display unit, range, nominal."""
+    ends = [(key, end) for key, end in (("min", v.low), ("max", v.high)) if math.isfinite(end)]
     if v.integer:
-        return _range(v)
+        return [(key, str(int(end))) for key, end in ends]
     display = unit_of(v.unit).display
-    nominal = [("nominal", "1.0")] if model.kind == "continuous" and v.role is Role.START else []
-    shown = [("displayUnit", display[0])] if display else []
-    return [("unit", v.unit), *shown, *_range(v), *nominal]
+    nominal = model.kind == "continuous" and v.role is Role.START
+    return [
+        ("unit", v.unit),
+        *([("displayUnit", display[0])] if display else []),
+        *((key, repr(end)) for key, end in ends),
+        *([("nominal", "1.0")] if nominal else []),
+    ]
 
 
 def _fmi2_variable(model: FmuModel, row: int, v: Variable) -> dict[str, Any]:
-    scalar = [
-        ("name", v.name),
-        ("valueReference", str(row)),
-        ("description", v.meaning),
-        ("causality", _causality(v)),
-        ("variability", _variability(v)),
-        *_initial(v),
-    ]
-    start = _start(v)
-    typed = [*_typed(model, v), *([] if start is None else [("start", start)])]
-    if v.rate_of:
-        typed.append(("derivative", str(model.row(v.rate_of) + 1)))
+    start, typed = _start(v), _typed(model, v)
+    typed += [] if start is None else [("start", start)]
+    typed += [("derivative", str(model.row(v.rate_of) + 1))] if v.rate_of else []
+    scalar = _head(v, row, v.name, v.meaning)
     return {"type": "Integer" if v.integer else "Real", "scalar": scalar, "typed": typed}
 
 
 def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict[str, Any]:
     size = row_size(v, arrays)
     whole = bool(arrays and v.array)
-    elements = model.variables[row : row + size]
-    starts = [start for start in map(_start, elements) if start is not None]
-    attributes = [
-        ("name", v.array if whole else v.name),
-        ("valueReference", str(row)),
-        ("description", v.meaning.partition(", element")[0] if whole else v.meaning),
-        ("causality", _causality(v)),
-        ("variability", _variability(v)),
-        *_initial(v),
-        *_typed(model, v),
+    starts = [
+        start for start in map(_start, model.variables[row : row + size]) if start is not None
     ]
-    if v.rate_of:
-        attributes.append(("derivative", str(model.row(v.rate_of))))
+    meaning = v.meaning.partition(", element")[0] if whole else v.meaning
+    attributes = _head(v, row, v.array if whole else v.name, meaning) + _typed(model, v)
+    attributes += [("derivative", str(model.row(v.rate_of)))] if v.rate_of else []
     attributes += [("start", " ".join(starts))] if starts else []
     return {
         "type": "Int64" if v.integer else "Float64",
@@ -223,52 +211,54 @@ def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict
     }
 
 
-FMI2 = (
-    "index",
-    1,
-    (("Outputs", outputs), ("Derivatives", rates), ("InitialUnknowns", initial_unknowns)),
-)
-FMI3 = (
-    "valueReference",
-    0,
-    (
-        ("Output", outputs),
-        ("ContinuousStateDerivative", rates),
-        ("InitialUnknown", initial_unknowns),
-    ),
-)
+SECTIONS = {
+    2: ("Outputs", "Derivatives", "InitialUnknowns"),
+    3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
+}
+"""By version of FMI, names of ModelStructure's sections."""
 
 
-def _structure(
-    model: FmuModel, dialect: tuple[str, int, Any], arrays: bool
-) -> list[dict[str, Any]]:
-    """Sections with at least one entry; FMI 2 counts variables from 1, FMI 3 names references."""
-    name, base, sections = dialect
-    listed = ((title, list(find(model))) for title, find in sections)
+def _structure(model: FmuModel, version: int, arrays: bool) -> list[dict[str, Any]]:
+    """Sections with at least one entry.
+
+    In initialization mode variables are calculated from parameters and start values too; afterwards
+    outputs depend on inputs and, in continuous models, on states.
+    """
+    rows = list(enumerate(model.variables))
+    contents = (
+        [_unknown(model, i, version, arrays, at_start=False) for i, v in rows if v.output],
+        [_unknown(model, i, version, arrays, at_start=False) for i, v in rows if v.rate_of],
+        [
+            _unknown(model, i, version, arrays, at_start=True)
+            for i, v in rows
+            if v.role is Role.CALCULATED
+        ],
+    )
+    sections = zip(SECTIONS[version], contents, strict=True)
+    return [{"name": name, "unknowns": unknowns} for name, unknowns in sections if unknowns]
+
+
+def _unknown(
+    model: FmuModel, row: int, version: int, arrays: bool, *, at_start: bool
+) -> Attributes:
+    """A variable and its dependencies; FMI 2 counts variables from 1, FMI 3 names references."""
+    key, base = ("index", 1) if version == 2 else ("valueReference", 0)
+    on: list[tuple[int, bool]] = []
+    if model.variables[row].role is Role.START:  # a state that is an output: itself
+        on = [(row, True)]
+    elif model.dependencies is not None:
+        every = model.dependencies[row]
+        on = [(i, constant) for i, constant in every if at_start or model.variables[i].known]
+    elif at_start:
+        return [(key, str(row + base))]
+    heads: dict[int, bool] = {}  # an array's head in place of its elements, constant if all are
+    for i, constant in on:
+        variable = model.variables[i]
+        head = i - variable.index if arrays and variable.array else i
+        heads[head] = heads.get(head, True) and constant
+    kinds = {i: "constant" if constant else "dependent" for i, constant in sorted(heads.items())}
     return [
-        {
-            "name": title,
-            "unknowns": [_unknown(model, item, name, base, arrays) for item in unknowns],
-        }
-        for title, unknowns in listed
-        if unknowns
+        (key, str(row + base)),
+        ("dependencies", " ".join(str(i + base) for i in kinds)),
+        ("dependenciesKind", " ".join(kinds.values())),
     ]
-
-
-def _unknown(model: FmuModel, unknown: Unknown, name: str, base: int, arrays: bool) -> Attributes:
-    row, on = unknown
-    if on is None:
-        return [(name, str(row + base))]
-    rows = headed(model, on, arrays)
-    return [
-        (name, str(row + base)),
-        ("dependencies", _words(i + base for i, _ in rows)),
-        (
-            "dependenciesKind",
-            _words("constant" if constant else "dependent" for _, constant in rows),
-        ),
-    ]
-
-
-def _words(items: Iterable[object]) -> str:
-    return " ".join(map(str, items))
