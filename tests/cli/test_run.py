@@ -182,7 +182,8 @@ def test_several_laws_are_a_study(wmr):
     ("options", "guard"), [((), False), (("--guard",), True), (("--no-guard",), False)]
 )
 def test_guard_is_switched_by_an_option(short_run, options, guard):
-    counted = json.loads(short_run("far-start", "--json", *options).stdout)["guard"]
+    command = ("far-start", "--law", "mb", "--json", *options)
+    counted = json.loads(short_run(*command).stdout)["guard"]
 
     assert (counted is not None) is guard
 
