@@ -85,8 +85,7 @@ EFFECTS: Mapping[str, Mapping[str, object]] = {
 }  # fmt: skip
 SHOWN = (("velocity mean", 3), (COUNTED, 2))
 """Effects and versions of FMI that are tried by default."""
-LAW = "prox"
-"""One with memory; the law that is tried by default, so that kernels are shared."""
+LAW = "mb"
 KINDS = ("reference", "law", "plant")
 TORQUES = [item.name for item in TORQUE]
 STATE = (*(item.name for item in PLANT_STATE), PATH.name)

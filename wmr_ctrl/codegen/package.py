@@ -13,7 +13,7 @@ import casadi as ca
 import jinja2
 
 from wmr_ctrl.codegen.dialect import HEADER
-from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel, definition
+from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel
 from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.single_precision import (
@@ -23,6 +23,7 @@ from wmr_ctrl.codegen.single_precision import (
     package_dialect,
     with_margin,
 )
+from wmr_ctrl.codegen.source import cached_definition
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle
@@ -137,7 +138,7 @@ def _context(
 ) -> Mapping[str, Any]:
     dialect, guarded = package_dialect(float32), scenario.guard.enabled
     vectors = vectors_of(system, scenario.limits, float32=float32)
-    text = definition(step, dialect)
+    text = cached_definition(step, dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
                for o in system.outputs]  # fmt: skip
     return {
