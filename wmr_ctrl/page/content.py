@@ -55,7 +55,9 @@ def content_of(
         variants = list(settled_variants(scene.scenario, laws))
         setups = [setup for item in variants for setup in item.setups.values()]
         phases = max(phases, 1 + len(scene.scenario.changes))
-        steps = max([steps, *(_delay_steps(setup) for setup in setups)])
+        for setup in setups:
+            actuator, step = setup.scenario.actuator, setup.scenario.clock.plant
+            steps = max(steps, round((actuator.delay + actuator.unmodelled_delay) / step))
         scenery.append(_scene(scene, variants, loops))
         progress(len(scenery) / len(scenes))
     numbers = {item.name: item for loop in loops for item in loop.layout.parameters}
@@ -76,11 +78,6 @@ def content_of(
             "scenes": scenery,
         },
     )
-
-
-def _delay_steps(setup: Setup) -> int:
-    actuator, step = setup.scenario.actuator, setup.scenario.clock.plant
-    return round((actuator.delay + actuator.unmodelled_delay) / step)
 
 
 def _names(signals: Iterable[Signal]) -> Plain:

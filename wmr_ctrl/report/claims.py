@@ -222,8 +222,9 @@ class Evidence:
 
         Times have no seeds and stand under 0.
         """
-        if spec.figure in _TIMES:
-            return {0: self._share(spec)}
+        if spec.figure in _TIMES:  # of the slowest law, as a share of the control period
+            times = PAPER_TIMES if spec.figure == "paper_time" else self.times
+            return {0: max(times[law] for law in spec.laws or times) / EVALUATIONS / CONTROL}
         cases = [self._case(spec, one, law) for one in spec.scenarios for law in spec.laws]
         seeds = set.intersection(*(set(case) for case in cases))
         return {seed: _worst(spec, [case[seed] for case in cases]) for seed in sorted(seeds)}
@@ -231,11 +232,6 @@ class Evidence:
     def has(self, spec: TestSpec) -> bool:
         """Whether a test can be made; only our times may be missing."""
         return spec.figure != "our_time" or bool(self.times)
-
-    def _share(self, spec: TestSpec) -> float:
-        """Time of one evaluation of the slowest law, as a share of the control period."""
-        times = PAPER_TIMES if spec.figure == "paper_time" else self.times
-        return max(times[law] for law in spec.laws or times) / EVALUATIONS / CONTROL
 
     def _case(self, spec: TestSpec, scenario: str, law: str) -> dict[int, float | None]:
         values, over = self.table.values(spec.figure, scenario, law), spec.over

@@ -213,16 +213,11 @@ def dots(
         return
     seen = look(law)
     face = seen.colour if filled else "white"
-    axes.plot(x, y + 0.65 * high * _offsets(x.size), ls="", marker=seen.marker, ms=3.6, mfc=face,
+    # The golden ratio spreads any number of values evenly.
+    aside = np.arange(x.size) * 0.6180339887 % 1.0 - 0.5 if x.size > 1 else 0.0
+    axes.plot(x, y + 0.65 * high * aside, ls="", marker=seen.marker, ms=3.6, mfc=face,
               mec=seen.colour, mew=0.7, alpha=0.8, zorder=3)  # fmt: skip
     axes.plot(2 * [np.median(x)], [y - high / 2, y + high / 2], color=INK, lw=1.3, zorder=4)
-
-
-def _offsets(count: int) -> np.ndarray:
-    """Heights in [-0.5, 0.5], spread evenly for any number of values (golden ratio)."""
-    if count == 1:
-        return np.zeros(1)
-    return np.asarray(np.arange(count) * 0.6180339887 % 1.0) - 0.5
 
 
 def plain_ticks(axes: Axes, steps: Sequence[float] = (1, 2, 5)) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias, TypeVar
 
 from wmr_ctrl.campaign import FigureTable, RunRow
@@ -177,7 +178,7 @@ class GuardSection:
 
     def broken_table(self, base: str) -> TextTable:
         """Runs that broke a limit, and the median of plant steps beyond it, without | with it."""
-        return self._table(base, lambda case, law: self._pair(base, case, law, _broken_cell))
+        return self._table(base, partial(self._pair, base, _broken_cell))
 
     def median_table(self, base: str, figure: str) -> TextTable:
         """Median of a figure, lengths in mm, without | with the guard.
@@ -198,12 +199,8 @@ class GuardSection:
             for case in self.rows.scenarios(base)
             if figure != E1_BEFORE or "changes" not in overrides_of(base, case)
         ]
-        return table_by_law(
-            {case: case for case in cases},
-            self.rows.laws,
-            lambda case, law: self._pair(base, case, law, cell),
-            value,
-        )
+        pair = partial(self._pair, base, cell)
+        return table_by_law({case: case for case in cases}, self.rows.laws, pair, value)
 
     def clip_table(self, base: str) -> TextTable:
         """Median share of samples in which the guard changed thrust and moment [%]."""
@@ -213,7 +210,7 @@ class GuardSection:
         cases = {case: case for case in self.rows.scenarios(base)}
         return table_by_law(cases, self.rows.laws, cell)
 
-    def _pair(self, base: str, case: str, law: str, cell: Callable[[Sequence[RunRow]], str]) -> str:
+    def _pair(self, base: str, cell: Callable[[Sequence[RunRow]], str], case: str, law: str) -> str:
         both = (self.rows.of(case, law, base=base, guard=guard) for guard in (False, True))
         return " | ".join(map(cell, both))
 

@@ -72,7 +72,10 @@ def overview(run: Run) -> Drawing:
 
 
 def _draw(figure: Figure, run: Run) -> None:
-    _header(figure, run)
+    title = f"{verbatim(run.scenario)}: {driver(run.law, run.guard)}"
+    figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
+    note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
+    figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
     rest = (_SIZE[1] - _HEAD) / 4.4
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
     grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
@@ -85,13 +88,6 @@ def _draw(figure: Figure, run: Run) -> None:
     _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"})
     _torques(parts[6], run)
     _barrier(parts[7], run)
-
-
-def _header(figure: Figure, run: Run) -> None:
-    title = f"{verbatim(run.scenario)}: {driver(run.law, run.guard)}"
-    figure.text(0.02, 1 - 0.14 / _SIZE[1], title, size=13, weight="bold", va="top")
-    note = f"seed {run.seed}, {run.engine} engine, {run.settings.duration:g} s"
-    figure.text(0.02, 1 - 0.42 / _SIZE[1], note, size=8.5, color=MUTED, va="top")
 
 
 MOST_WAYPOINTS = 60

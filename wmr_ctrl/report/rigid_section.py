@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.campaign import Campaign, FigureTable, RunRow, spread
+from wmr_ctrl.campaign import Campaign, RunRow, spread
 from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
@@ -45,11 +45,6 @@ class RigidSection:
     campaign: Campaign
 
     @property
-    def rows(self) -> FigureTable:
-        """The rows of both plants."""
-        return self.campaign.table
-
-    @property
     def findings(self) -> dict[str, list[RigidFinding]]:
         """Findings by case, of the laws that ran on both plants."""
         by_case: dict[str, list[RigidFinding]] = {}
@@ -66,7 +61,7 @@ class RigidSection:
             ("asked", "law", "verdict", "found"),
             tuple(
                 (claim.text, headed(claim.law), verdict[claim.holds], claim.numbers)
-                for claim in rigid_claims(self.rows)
+                for claim in rigid_claims(self.campaign.table)
             ),
         )
 
@@ -99,7 +94,7 @@ class RigidSection:
     def _pairs(self) -> list[tuple[str, str, tuple[RunRow, ...], tuple[RunRow, ...]]]:
         """Case, law and the rows of both plants, of each case and law that ran on tyres."""
         plane, body = PLANTS
-        rows = self.rows.of
+        rows = self.campaign.table.of
         return [
             (case.label, law, rows(case.label, law, plant=plane), tyres)
             for case in RIGID_STUDIES[plane]

@@ -97,7 +97,12 @@ def write_reproduction(
     runs that lack a law of the paper, ResultFileError where a file cannot be written.
     """
     home, table = Path(folder), reproduction.campaign.table
-    _check_laws(table.laws)
+    missing = [law for law in PAPER_LAWS if law not in table.laws]
+    if missing:
+        raise ArgumentError(
+            f"laws: {', '.join(missing)} is missing. The paper's claims are about "
+            f"{', '.join(PAPER_LAWS)}; run these four, and others after them."
+        )
     figures = home / "figures"
     make_folder(figures)
     compared, rigid = reproduction.comparison, reproduction.rigid
@@ -153,15 +158,6 @@ def check_folder(folder: Path, names: Sequence[str] = FILES) -> None:
         )
     for name in names if known == folder else ():
         check_writable(folder / name)
-
-
-def _check_laws(laws: Sequence[str]) -> None:
-    missing = [law for law in PAPER_LAWS if law not in set(laws)]
-    if missing:
-        raise ArgumentError(
-            f"laws: {', '.join(missing)} is missing. The paper's claims are about "
-            f"{', '.join(PAPER_LAWS)}; run these four, and others after them."
-        )
 
 
 def _draw(drawings: Sequence[Drawing], folder: Path, progress: PhaseProgress) -> list[Path]:
