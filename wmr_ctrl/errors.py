@@ -18,12 +18,9 @@ class UnknownNameError(WmrError, KeyError):
     """A name (scenario, law, engine, gain, key) that is not known; the near ones are listed."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str], remedy: str = "") -> None:
-        options = sorted(known)
-        near = difflib.get_close_matches(str(name), options, n=3, cutoff=0.4)
-        hint = f"near: {', '.join(near)}; " if near else ""
         tail = f" {remedy}" if remedy else ""
-        named = repr(name)[:200]
-        super().__init__(f"no {kind} is named {named} ({hint}known: {', '.join(options)}).{tail}")
+        listed = choices(str(name), known)
+        super().__init__(f"no {kind} is named {repr(name)[:200]} ({listed}).{tail}")
 
     def __str__(self) -> str:
         """The message; a KeyError by itself would show it in quotes."""
@@ -52,3 +49,11 @@ class MissingExtraError(WmrError, ImportError):
 
 class ArgumentError(WmrError, ValueError):
     """An argument of the command line or of the Python interface is out of its range."""
+
+
+def choices(name: str, known: Iterable[str]) -> str:
+    """Say which of the ``known`` names are near ``name``, then list all."""
+    options = sorted(known)
+    near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
+    hint = f"near: {', '.join(near)}; " if near else ""
+    return f"{hint}known: {', '.join(options) or 'none'}"

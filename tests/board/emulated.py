@@ -113,7 +113,7 @@ class HostBuild:
         write_package(law, folder, scenario, float32=float32)
         library = folder / "host.so"
         subprocess.run(
-            ["cc", "-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC",
+            ["cc", "-std=c99", "-O1", "-ffp-contract=off", "-shared", "-fPIC",
              str(folder / f"wmr_{law}.c"), "-lm", "-o", str(library)],
             check=True, capture_output=True,
         )  # fmt: skip

@@ -64,8 +64,8 @@ def test_vectors_pass_and_nothing_warns(
     written(law, tmp_path, float32, guarded)
     command = [compiler, *WARNINGS, "-O2", "-ffp-contract=off"]
     run([*command, "-Wdouble-promotion", "-c", f"wmr_{law}.c"], tmp_path)
-    run([*command, "check.c", f"wmr_{law}.c", "-lm", "-o", "check"], tmp_path)
-    run([*command, "example.c", f"wmr_{law}.c", "-lm", "-o", "example"], tmp_path)
+    for program in ("check", "example"):
+        run([*command, f"{program}.c", f"wmr_{law}.o", "-lm", "-o", program], tmp_path)
 
     assert "largest error" in run(["./check"], tmp_path)
     distance = float(run(["./example"], tmp_path).split()[1])
@@ -74,7 +74,7 @@ def test_vectors_pass_and_nothing_warns(
 
 @pytest.mark.parametrize(
     ("law", "language", "float32"),
-    turns(headed("nn", NAMES), tuple(LANGUAGES), [False, True], shown=9),
+    turns(headed("nn", NAMES), tuple(LANGUAGES), [False, True], shown=4),
 )
 def test_it_is_c_and_cpp_for_every_compiler(
     law: str, language: str, float32: bool, tmp_path: Path
@@ -157,14 +157,15 @@ def test_committed_copy_is_what_is_generated(law: str, float32: bool) -> None:
 def test_committed_copy_passes_its_own_check(law: str, float32: bool, tmp_path: Path) -> None:
     needs("cc")
     shutil.copytree(measured.GOLDEN / footprint_key(law, float32), tmp_path / "copy")
-    command = ["cc", "-std=c99", "-O1", "-ffp-contract=off", "check.c", f"wmr_{law}.c", "-lm"]
+    command = ["cc", "-std=c99", "-O0", "-ffp-contract=off", "check.c", f"wmr_{law}.c", "-lm"]
     run([*command, "-o", "check"], tmp_path / "copy")
     run(["./check"], tmp_path / "copy")
 
 
+@pytest.mark.slow
 def test_cmake_builds_it_and_its_test_passes(tmp_path: Path) -> None:
     needs("cmake", "ctest", "cc")
-    write_package("nn", tmp_path, SCENARIO)
+    write_package("mb", tmp_path, SCENARIO)
     run(["cmake", "-S", ".", "-B", "build"], tmp_path)
     run(["cmake", "--build", "build"], tmp_path)
     run(["ctest", "--test-dir", "build"], tmp_path)

@@ -221,13 +221,17 @@ def test_broken_compilers_on_path_are_told(fake, monkeypatch, body, said):
 
 
 @posix
-@needs_zig
-def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch, zig_cache):
+def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch):
+    works = shutil.which("gcc") or shutil.which("cc")
+    if works is None:
+        pytest.skip("NOT RUN: no compiler on this machine")
     path = fake("sys.exit(1)")
+    other = path.with_name("gcc")
+    other.write_text(f"#!/bin/sh\nPATH='{os.environ['PATH']}' exec {works} \"$@\"\n")
+    other.chmod(0o755)
     monkeypatch.setenv("PATH", str(path.parent))
-    monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
 
-    assert find_toolchain().name == "zig cc"
+    assert find_toolchain().name == "gcc"
 
 
 # -- a compiler that fails on our sources -------------------------------------------------------

@@ -92,59 +92,38 @@ def reference_block(scenario: Scenario) -> Block:
 def results_of(system: System) -> tuple[Output, ...]:
     """Outputs that are no continuous states themselves, then the diagnostics."""
     states = {} if system.period else {item.signal.name: item.sym for item in system.state}
-    own = (item for item in system.outputs if not _is_state(item, states))
-    return (*own, *system.diagnostics)
 
+    def is_state(item: Output) -> bool:
+        sym = states.get(item.signal.name)
+        return sym is not None and bool(ca.is_equal(ca.SX(item.expr), sym))
 
-def _is_state(output: Output, states: dict[str, ca.SX]) -> bool:
-    sym = states.get(output.signal.name)
-    return sym is not None and bool(ca.is_equal(ca.SX(output.expr), sym))
+    return (*(item for item in system.outputs if not is_state(item)), *system.diagnostics)
 
 
 def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
-    z, results = ca.vertcat(system.u, system.p, system.x), results_of(system)
-    y = stack(item.expr for item in results)
-    w = y if system.period else ca.vertcat(system.update, y)
-    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
-    return Block(
-        system,
-        results,
-        (_evaluate(system, results), *more),
-        _derivatives(z, w),
-        _entries(z, w),
-        whole.serialize(),
-    )
-
-
-def _evaluate(system: System, results: tuple[Output, ...]) -> Kernel:
-    """Next state or rates, outputs, diagnostics."""
-    count = len(results) - len(system.diagnostics)
-    own = stack(item.expr for item in results[:count])
-    return kernel(
+    results = results_of(system)
+    own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
+    evaluate = kernel(
         "evaluate",
         f"Results of the {system.title}.",
         {"u": system.u, "x": system.x, "p": system.p},
         {"next": system.update, "y": own, "d": system.d},
     )
+    z, y = ca.vertcat(system.u, system.p, system.x), stack(item.expr for item in results)
+    w = y if system.period else ca.vertcat(system.update, y)
+    whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])
+    derivatives, entries = _derivatives(z, w), _entries(z, w)
+    return Block(system, results, (evaluate, *more), derivatives, entries, whole.serialize())
 
 
 def _derivatives(z: ca.SX, w: ca.SX) -> tuple[Kernel, Kernel]:
     dz, bar = ca.SX.sym("dz", z.numel()), ca.SX.sym("bar", w.numel())
-    forward = ca.densify(ca.jtimes(w, z, dz))
-    reverse = ca.densify(ca.jtimes(w, z, bar, True))
+    forward, reverse = ca.jtimes(w, z, dz), ca.jtimes(w, z, bar, True)
+    along = "Jacobian of the results times a direction."
+    back = "Transposed Jacobian of the results times weights."
     return (
-        kernel(
-            "forward_rows",
-            "Jacobian of the results times a direction.",
-            {"z": z, "dz": dz},
-            {"dw": forward},
-        ),
-        kernel(
-            "reverse_rows",
-            "Transposed Jacobian of the results times weights.",
-            {"z": z, "bar": bar},
-            {"back": reverse},
-        ),
+        kernel("forward_rows", along, {"z": z, "dz": dz}, {"dw": ca.densify(forward)}),
+        kernel("reverse_rows", back, {"z": z, "bar": bar}, {"back": ca.densify(reverse)}),
     )
 
 

@@ -30,7 +30,9 @@ class Finished:
         if self.timed_out:
             return "did not finish in time"
         if self.code < 0:
-            return f"was killed by {_signal_name(-self.code)}"
+            with contextlib.suppress(ValueError):
+                return f"was killed by {signal.Signals(-self.code).name}"
+            return f"was killed by signal {-self.code}"
         return f"ended with exit code {self.code}" if self.code else ""
 
 
@@ -93,10 +95,3 @@ def _kill(process: subprocess.Popen[str]) -> str:
         return process.communicate(timeout=10.0)[0] or ""
     except subprocess.TimeoutExpired:
         return ""
-
-
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"

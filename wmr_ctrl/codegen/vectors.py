@@ -65,7 +65,7 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     if any(item.signal == COUNTS for item in system.inputs):
         inputs = _with_counts(inputs, system)
     if float32:
-        inputs, p = _rounded(inputs), _rounded(p)
+        inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
     torques = np.empty((len(inputs), 2))
     for k, u in enumerate(inputs):
         following, torque = machine(u, x if k % SAMPLES else np.array(system.x0), p)
@@ -105,8 +105,3 @@ def _with_counts(inputs: Floats, system: System) -> Floats:
     counts = np.vstack([np.cumsum(run, axis=0) for run in np.split(moved, len(SITUATIONS))])
     gyro = inputs[:, -1:] if VELOCITY[1].name in names else inputs[:, :0]
     return np.hstack([inputs[:, :-2], gyro, np.floor(counts)])
-
-
-def _rounded(values: Floats) -> Floats:
-    single: Floats = values.astype(np.float32).astype(np.float64)
-    return single

@@ -21,20 +21,25 @@ Range = tuple[float, float]
 
 def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
     """Lowest and highest value of each key path that is a field of the scenario or a law's gain."""
-    holders = ((key, _holder(scenario, key)) for key in keys)
-    return {
-        key: _range(holder, key.rpartition(".")[2]) for key, holder in holders if holder is not None
-    }
+    ranges = {}
+    for key, bounds in fields_of(scenario, keys).items():
+        above, below = bounds.above, bounds.below
+        lows = (bounds.minimum, None if above is None else above + SMALLEST, -LARGEST)
+        highs = (bounds.maximum, None if below is None else below - SMALLEST, LARGEST)
+        low, high = (next(float(x) for x in ends if x is not None) for ends in (lows, highs))
+        ranges[key] = (low, high)
+    return ranges
 
 
 def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
     """What the field of each key path admits, its ends told apart from what is just outside."""
-    holders = ((key, _holder(scenario, key)) for key in keys)
-    return {
-        key: dict(quantities(holder))[key.rpartition(".")[2]].bounds
-        for key, holder in holders
-        if holder is not None
-    }
+    admitted = {}
+    for key in keys:
+        holder = _holder(scenario, key)
+        fields = dict(quantities(holder)) if holder else {}
+        if (name := key.rpartition(".")[2]) in fields:
+            admitted[key] = fields[name].bounds
+    return admitted
 
 
 def clock_of(scenario: Scenario) -> dict[str, Range]:
@@ -45,26 +50,9 @@ def clock_of(scenario: Scenario) -> dict[str, Range]:
 
 
 def _holder(scenario: Scenario, key: str) -> type[Section] | None:
-    """The dataclass that declares the field ``key``, or None."""
-    section, _, rest = key.partition(".")
-    if section == "gains":
-        law = rest.partition(".")[0]
+    """The section that a key's field may stand in, or None."""
+    section, *rest = key.split(".")
+    if section == "gains" and rest:
+        law = rest[0]
         return KinematicGains if law == KINEMATICS else LAWS[law].gains if law in LAWS else None
-    holder = type(scenario.table(section)) if section in sections() else None
-    known = {name for name, _ in quantities(holder)} if holder and rest else set()
-    return holder if rest in known else None
-
-
-def _range(holder: type[Section], name: str) -> Range:
-    bounds = dict(quantities(holder))[name].bounds
-    low = _first(
-        bounds.minimum, None if bounds.above is None else bounds.above + SMALLEST, -LARGEST
-    )
-    high = _first(
-        bounds.maximum, None if bounds.below is None else bounds.below - SMALLEST, LARGEST
-    )
-    return low, high
-
-
-def _first(*candidates: float | None) -> float:
-    return next(float(value) for value in candidates if value is not None)
+    return type(scenario.table(section)) if section in sections() and len(rest) == 1 else None

@@ -42,18 +42,16 @@ def loaded(group: str, kind: type[T]) -> tuple[T, ...]:
     Raises ArgumentError, which names the entry point, for one that is no ``kind`` or cannot be
     loaded.
     """
-    points = sorted(entry_points(group=group), key=lambda item: item.name)
-    return tuple(_checked(point, group, kind) for point in points)
-
-
-def _checked(point: EntryPoint, group: str, kind: type[T]) -> T:
-    value = load(point, group)
-    if not isinstance(value, kind):
-        raise ArgumentError(
-            f"{_named(point, group)} gives {show(value)}: it must point to a {kind.__name__}. "
-            f"{_REMEDY}"
-        )
-    return value
+    values = list[T]()
+    for point in sorted(entry_points(group=group), key=lambda item: item.name):
+        value = load(point, group)
+        if not isinstance(value, kind):
+            raise ArgumentError(
+                f"{_named(point, group)} gives {show(value)}: it must point to a {kind.__name__}. "
+                f"{_REMEDY}"
+            )
+        values.append(value)
+    return tuple(values)
 
 
 _REMEDY = "Mend or uninstall the package that has it."

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Rational, Real
 
-from wmr_ctrl.errors import ScenarioError, UnknownNameError
+from wmr_ctrl.errors import ScenarioError, UnknownNameError, choices
 
 DEEPEST = 3
 """Arrays within arrays whose elements a message shows."""
@@ -22,14 +21,6 @@ class UnknownKeyError(ScenarioError, UnknownNameError):
         head, _, name = path.rpartition(".")
         place = f"in {head}" if head else "at the top of a scenario"
         Exception.__init__(self, f"{path} is not a key {place}; {choices(name, known)}.")
-
-
-def choices(name: str, known: Iterable[str]) -> str:
-    """Say which of the ``known`` names are near ``name``, then list all."""
-    options = sorted(known)
-    near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
-    hint = f"near: {', '.join(near)}; " if near else ""
-    return f"{hint}known: {', '.join(options) or 'none'}"
 
 
 def show(value: object) -> str:

@@ -55,16 +55,14 @@ def quantity(
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
-    kind = kind or _kind(default)
+    if kind is None:
+        number = default is REQUIRED or isinstance(default, tuple)
+        kind = "number" if number else kind_of(default)
     what = Quantity(default, unit, doc, bounds, kind, elements, options, usual, multiple_of, most)
     metadata = {"quantity": what, "unit": unit, "doc": doc, "bounds": bounds}
     if default is REQUIRED:
         return dataclasses.field(metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
-
-
-def _kind(default: object) -> str:
-    return "number" if default is REQUIRED or isinstance(default, tuple) else kind_of(default)
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True)

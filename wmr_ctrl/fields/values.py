@@ -9,8 +9,8 @@ from itertools import islice
 from numbers import Real
 from typing import Any, TypeVar
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.problems import choices, show
+from wmr_ctrl.errors import ScenarioError, choices
+from wmr_ctrl.fields.problems import show
 from wmr_ctrl.fields.units import USUAL, is_usual, meant, written
 
 LARGEST = 1e12
@@ -67,9 +67,6 @@ class Range:
             return "a finite number"
         if not math.isinf(value) and abs(value) > max(LARGEST, self.below or 0.0):
             return f"at most {LARGEST:g} in size"
-        return self._side(value)
-
-    def _side(self, value: float) -> str:
         if self.above is not None and not value > self.above:
             return f"above {self.above:g}"
         if self.minimum is not None and not value >= self.minimum:

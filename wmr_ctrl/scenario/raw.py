@@ -7,8 +7,8 @@ from copy import deepcopy
 from numbers import Real
 from typing import Any
 
-from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.fields.problems import UnknownKeyError, choices, show
+from wmr_ctrl.errors import ScenarioError, choices
+from wmr_ctrl.fields.problems import UnknownKeyError, show
 from wmr_ctrl.fields.section import Section, build
 from wmr_ctrl.fields.values import as_list
 from wmr_ctrl.scenario.scenario import OTHER_KEYS, SECTIONS, Scenario, sections
