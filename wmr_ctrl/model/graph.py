@@ -196,8 +196,8 @@ def without_unused(nodes: list[Node], stores: list[Store]) -> Graph:
             live.update(nodes[number].operands)
     new = {old: place for place, old in enumerate(sorted(live))}
     used = (nodes[old] for old in new)
-    kept = (Node(n.op, tuple(new[old] for old in n.operands), n.number, n.place) for n in used)
-    return Graph(tuple(kept), tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
+    rest = (Node(n.op, tuple(new[old] for old in n.operands), n.number, n.place) for n in used)
+    return Graph(tuple(rest), tuple(Store(s.vector, s.index, new[s.node]) for s in stores))
 
 
 _ROUNDING = frozenset({ca.OP_FLOOR, ca.OP_CEIL})
