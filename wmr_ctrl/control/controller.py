@@ -14,7 +14,7 @@ from wmr_ctrl.guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first,
 from wmr_ctrl.guard.monitor import GuardMonitor, LateMotion
 from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
-from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port, ports, stack
 from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
 
@@ -175,7 +175,7 @@ def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Radius and half track [m], and the force 2 tau_max/r [N] that the wheels give at most."""
     r, half_track = p.take("robot.r"), p.take("robot.l")
-    return r, half_track, 2 * wheel_limit(setup, p) / r
+    return r, half_track, full_thrust(r, wheel_limit(setup, p))
 
 
 def wheel_limit(setup: Setup, p: Parameters) -> ca.SX:

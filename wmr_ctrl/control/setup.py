@@ -264,7 +264,8 @@ def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
 def with_traction_limit(scenario: Scenario) -> Scenario:
     """The scenario with wheel torques that its tyres are sure to pass on, if it asks for that.
 
-    With actuator.traction, tau_max is at most `Grip.keep`.  Raises ScenarioError where that is 0.
+    With actuator.traction, tau_max is at most `Grip.keep`, of the true robot in each of its phases:
+    a limit of the vehicle, as the motors' own is.  Raises ScenarioError where that is 0.
     """
     if not scenario.actuator.traction:
         return scenario

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
+from wmr_ctrl.model.dynamics import full_thrust
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.settings import stopping_force
 from wmr_ctrl.scenario import Clock, Guard, Scenario
@@ -174,7 +175,7 @@ def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> P
         return caps[0], caps[1]
     half_track, share = scenario.robot.l, guard.brake_share
     first, second = max(net(guard, 0), 0.0), max(net(guard, 1), 0.0)
-    spare = 2.0 * tau_max / scenario.robot.r - first - second / half_track
+    spare = full_thrust(scenario.robot.r, tau_max) - first - second / half_track
     spare = max(spare, 0.0)
     return (
         min(caps[0], first + share * spare),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmr_ctrl.model.kinematics import pose_rate, velocity_map
-from wmr_ctrl.model.system import Output, Parameters, System, ports, stack
+from wmr_ctrl.model.system import Number, Output, Parameters, System, ports, stack
 from wmr_ctrl.signals import BODY_FORCE, PATH, PLANT_STATE, PSI, SKID, TORQUE, TORQUE_NOISE, Signal
 from wmr_ctrl.symbolic import ca
 
@@ -46,6 +46,11 @@ def force_to_wheel(r: ca.SX, half_track: ca.SX, force: ca.SX) -> ca.SX:
     """B1^-1 F: torques of the right and left wheel [N m]."""
     share = force[1] / half_track
     return 0.5 * r * ca.vertcat(force[0] + share, force[0] - share)
+
+
+def full_thrust(r: Number, tau: Number) -> Number:
+    """phi = 2 tau/r [N]: thrust F and moment N of torques within tau keep |F| + |N|/l <= phi."""
+    return 2 * tau / r
 
 
 def friction(mu: ca.SX, m: ca.SX, g: ca.SX, v_s: ca.SX, v: ca.SX) -> ca.SX:

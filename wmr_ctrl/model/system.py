@@ -9,10 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.symbolic import ca
+
+Number = TypeVar("Number", float, "ca.SX")
+"""A formula's quantity: a number, or a symbol for a graph or a proof of it."""
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,6 @@ Scenario: TypeAlias = "scenario.Scenario"
 """By name only: a scenario's tables are those of its effects, so it imports them."""
 Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
-Number = TypeVar("Number", float, "ca.SX")
-"""What a bound is reckoned in: numbers for the guard, symbols for the ledger."""
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
 PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window")

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, Port, System, port
+from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
 from wmr_ctrl.world.effect import (
@@ -21,7 +21,6 @@ from wmr_ctrl.world.effect import (
     Effect,
     EffectRole,
     History,
-    Number,
     Scenario,
     history,
     on_axes,

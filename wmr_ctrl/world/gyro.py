@@ -7,9 +7,9 @@ of what other sensors make of it.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port
+from wmr_ctrl.model.system import UNIFORM, Number, Output, Parameters, System, draw, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 
 NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 

@@ -13,6 +13,7 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import (
     UNIFORM,
     Draw,
+    Number,
     Output,
     Parameters,
     System,
@@ -23,7 +24,7 @@ from wmr_ctrl.model.system import (
 )
 from wmr_ctrl.signals import TORQUE, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)
@@ -92,10 +93,10 @@ def stepped(lag: float, step: float) -> float:
     """
     if lag == 0 or step / lag > MANY:
         return 0.0
-    return counted(step, math.expm1(step / lag))
+    return equivalent_lag(step, math.expm1(step / lag))
 
 
-def counted(step: Number, growth: Number) -> Number:
+def equivalent_lag(step: Number, growth: Number) -> Number:
     """The same for growth = exp(step/lag) - 1, a number or a symbol."""
     return step / growth
 

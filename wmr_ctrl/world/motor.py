@@ -11,10 +11,10 @@ import math
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 
 class Motor(Section, key="motor"):

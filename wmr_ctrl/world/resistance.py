@@ -7,10 +7,10 @@ robot's friction is; a force in proportion to the velocity for bearings and air.
 from __future__ import annotations
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
 from wmr_ctrl.signals import BODY_FORCE, VELOCITY
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario, heaviest
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
 
 
 class Resistance(Section, key="resistance"):

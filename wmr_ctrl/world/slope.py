@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import Output, Parameters, System, port
+from wmr_ctrl.model.system import Number, Output, Parameters, System, port
 from wmr_ctrl.signals import BODY_FORCE, POSE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Rate, Scenario, heaviest
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, heaviest
 
 
 class Slope(Section, key="slope"):

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 from wmr_ctrl.fields.section import Section, quantity
-from wmr_ctrl.model.system import NORMAL, Output, Parameters, System, draw
+from wmr_ctrl.model.system import NORMAL, Number, Output, Parameters, System, draw
 from wmr_ctrl.signals import TORQUE_NOISE, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario
 
 SIGMAS = 3.0
 """Bound of noise without truncation, in standard deviations: it holds with a probability only."""

@@ -12,10 +12,10 @@ import math
 
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.dynamics import force_to_wheel
-from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.model.system import Number, Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Number, Pair, Rate, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Pair, Rate, Scenario
 from wmr_ctrl.world.motor import largest_torque
 
 

@@ -24,7 +24,7 @@ from wmr_ctrl.fmi.cosim.mapping import (
 )
 from wmr_ctrl.fmi.cosim.slave import Slave
 from wmr_ctrl.guard.guard import linear_first
-from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.scenario import Robot
 from wmr_ctrl.signals import (
     BODY_FORCE,
@@ -231,7 +231,7 @@ def limiter() -> ca.Function:
         ca.SX.sym(n, k) for n, k in (("tau", 2), ("r", 1), ("l", 1), ("m", 1))
     )
     force = wheel_to_force(r, half_track, torque)
-    within = linear_first(force, 2 * most / r, half_track)
+    within = linear_first(force, full_thrust(r, most), half_track)
     outside = ca.logic_or(within[0] != force[0], within[1] != force[1])
     limited = ca.if_else(outside, force_to_wheel(r, half_track, within), torque)
     return ca.Function("limited", [torque, r, half_track, most], [limited])

@@ -55,7 +55,7 @@ def held(mutation: Mutation) -> Statement:
     # One plant step of the lag that holds its value, and Z that the guard follows.
     t = symbols("z p step share growth b between least falls rises")
     z, p, h, s, growth, b, e, least, falls, rises = t.values()
-    a, after = lag.counted(h, growth), lag.followed(p, e, z)
+    a, after = lag.equivalent_lag(h, growth), lag.followed(p, e, z)
     guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
     goals = (
         at_least(guarded + s * moved(z, p, (falls, rises)), (mutation(1, 1.01) * h + s) * after),
