@@ -22,6 +22,7 @@ from wmr_ctrl.guard.bounds import (
     reach,
 )
 from wmr_ctrl.guard.lateness import GRID
+from wmr_ctrl.model.dynamics import full_thrust
 from wmr_ctrl.scenario import Guard, Scenario, override
 from wmr_ctrl.world.effect import Bound
 
@@ -209,7 +210,7 @@ def _pushed(guard: GuardNumbers, half_track: float) -> Pair:
 
 
 def _holds(force: float, tau_max: float, r: float) -> bool:
-    return force <= 2.0 * tau_max / r * (1.0 + 1e-12)
+    return force <= full_thrust(r, tau_max) * (1.0 + 1e-12)
 
 
 def _refuse_wheels(
@@ -219,7 +220,7 @@ def _refuse_wheels(
     tau_max: float,
     needed: Callable[[float], float],
 ) -> None:
-    robot, need, most = scenario.robot, sum(pair), 2.0 * tau_max / scenario.robot.r
+    robot, need, most = scenario.robot, sum(pair), full_thrust(scenario.robot.r, tau_max)
     enough = _enough(needed, need * robot.r / 2, robot.r)
     larger = (
         "No tau_max is enough: what effects of the scenario add to it grows with tau_max, too. It "
