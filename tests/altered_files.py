@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 COPIED = ("wmr_ctrl", "fmu", "tests", "pyproject.toml")
 PATIENCE = 300
 """Seconds for the tests of one alteration."""
-TWINS = "tests/world/test_effects.py::test_a_system_is_its_twin"
+TWINS = "tests/world/test_effect_graphs.py::test_a_system_is_its_twin"
 EMITTER = "tests/codegen/test_emitter.py::test_"
 EMITTED = (
     f"{EMITTER}random_graphs_equal_their_instructions_to_the_bit[False-3] "
@@ -75,7 +75,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
         ("gyro.py", "omega.sym + p.take", "omega.sym - p.take"),
     ),
     *_rows(
-        WORLD, "tests/world/test_effects.py::test_late_poses_are_old_poses",
+        WORLD, "tests/world/test_effect_graphs.py::test_late_poses_are_old_poses",
         ("pose_delay.py", "seen.aged[-1][i]", "seen.aged[0][i]"),
     ),
     *_rows(

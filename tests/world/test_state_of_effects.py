@@ -9,7 +9,7 @@ import pytest
 from fmpy import extract
 
 from tests.fmi.raw import OK, Fmu
-from tests.world.test_effects import LAW, TOGETHER, scenario
+from tests.world.motion import LAW, TOGETHER, scenario
 from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.scenario import override
 

@@ -1,0 +1,96 @@
+"""Effects whose numbers matter, their scenarios, and a motion to feed their Systems with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.api import (
+    scenario_of,
+)
+from wmr_ctrl.model.system import System
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import Bound, Effect
+
+Changes = Mapping[str, Any]
+Rows = list[dict[str, list[float]]]
+
+SHORT: Changes = {"clock.duration": 0.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
+EFFECTS: Mapping[str, Changes] = {
+    "encoder": {"encoder.counts": 1024},
+    "encoder over a window": {"encoder.counts": 1024, "encoder.window": 0.03},
+    "encoder by time": {"encoder.counts": 1024, "encoder.method": "time"},
+    "averaged velocity": {"sensor.velocity_window": 0.02},
+    "late velocity": {"sensor.velocity_age": 0.01},
+    "gyro": {"gyro.enabled": True, "gyro.bias": 0.01, "gyro.noise": 0.01},
+    "late pose": {"sensor.pose_delay": 0.05},
+    "lost poses": {"sensor.pose_dropout": 0.3, "sensor.pose_noise": 0.02},
+    "jitter": {"actuator.jitter": 0.005},
+    "jitter of a delay": {"actuator.jitter": 0.01, "actuator.delay": 0.007},
+    "untold delay": {"actuator.unmodelled_delay": 0.004},
+    "lag that varies": {"actuator.lag": 0.02, "actuator.lag_spread": 0.5},
+    "motor": {"motor.step": 0.2, "motor.dead_zone": 0.1, "motor.stall": 20.0, "motor.free": 30.0},
+    "wheels": {"wheels.radius": [0.02, -0.01], "wheels.track": 0.02},
+    "slope": {"slope.angle": 0.03, "slope.direction": 0.5, "slope.offset": 0.02},
+    "resistance": {"resistance.rolling": [0.01, 0.012], "resistance.viscous": [2.0, 0.1]},
+    "gust": {"gust.size": [5.0, 1.0], "gust.time": 0.1},
+}
+PARTS = ("encoder over a window", "gyro", "late pose", "lost poses", "jitter of a delay",
+         "lag that varies", "motor", "wheels", "slope", "resistance", "gust")  # fmt: skip
+TOGETHER = {key: value for part in PARTS for key, value in EFFECTS[part].items()}
+ALL: Mapping[str, Changes] = {**EFFECTS, "all at once": TOGETHER}
+LAW = "mb"
+
+
+def scenario(changes: Changes) -> Scenario:
+    return scenario_of("paper-simulation", {**SHORT, **changes})
+
+
+def rows(count: int, rng: np.random.Generator, size: float = 1.0) -> Rows:
+    """A motion that wanders with its way, torques of up to 10 N m, and random numbers."""
+    v = np.cumsum(rng.normal(0, 0.05 * size, count))
+    w = np.cumsum(rng.normal(0, 0.1 * size, count))
+    columns = {
+        "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
+        "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,
+    }  # fmt: skip
+    numbers = {n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust")}
+    torque = np.repeat(rng.uniform(-10, 10, (count // 10 + 1, 2)), 10, axis=0)
+    return [
+        {name: [float(values[k])] for name, values in columns.items()}
+        | {name: values[k].tolist() for name, values in numbers.items()}
+        | {"torque": torque[k].tolist(), "tau_right": [torque[k, 0]], "tau_left": [torque[k, 1]]}
+        | {"sample": [float(k)], "step": [float(k)]}
+        | {f"{n}_measured": [float(columns[n][k])] for n in ("x", "y", "theta")}
+        for k in range(count)
+    ]
+
+
+def fed(system: System, motion: Rows) -> np.ndarray:
+    """Outputs of a System, one row for each of ``motion``."""
+    graph = system.function("fed", [system.update, system.y])
+    x, shown = ca.DM(system.x0), []
+    for row in motion:
+        given = [v for item in system.inputs for v in row[item.signal.name]]
+        draws = [v for item in system.draws for v in row[item.port.signal.name]]
+        x, y = graph(given, x, system.p0, *([draws] if draws else []))
+        shown.append(np.array(y).ravel())
+    return np.array(shown)
+
+
+def delayed(motion: Rows, steps: int) -> Rows:
+    """The same with torques behind a constant delay of so many steps."""
+    names = ("torque", "tau_right", "tau_left")
+    zero = {"torque": [0.0, 0.0], "tau_right": [0.0], "tau_left": [0.0]}
+    return [
+        row | {n: motion[k - steps][n] if k >= steps else zero[n] for n in names}
+        for k, row in enumerate(motion)
+    ]
+
+
+def bound_of(effect: Effect, changes: Changes) -> Bound:
+    assert effect.bound is not None
+    return effect.bound(scenario(changes))

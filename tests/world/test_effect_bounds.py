@@ -1,0 +1,152 @@
+"""Effects fed with a motion that wanders: within their bounds, sometimes by nearly all of them."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from tests.world.motion import (
+    EFFECTS,
+    LAW,
+    bound_of,
+    delayed,
+    fed,
+    rows,
+    scenario,
+)
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.world.encoder import ENCODER
+from wmr_ctrl.world.gust import GUST
+from wmr_ctrl.world.gyro import GYRO
+from wmr_ctrl.world.jitter import JITTER
+from wmr_ctrl.world.motor import MOTOR
+from wmr_ctrl.world.resistance import RESISTANCE
+from wmr_ctrl.world.slope import SLOPE
+from wmr_ctrl.world.wheels import WHEELS
+
+LIMITED = {"actuator.tau_max": 10.0}
+
+
+def force_of(torque: np.ndarray) -> np.ndarray:
+    return np.stack((torque.sum(-1), 0.25 * (torque[..., 0] - torque[..., 1])), -1) / 0.1
+
+
+@pytest.mark.parametrize("changes", [
+    {"motor.step": 0.4}, {"motor.dead_zone": 0.3}, {"motor.stall": 11.0, "motor.free": 40.0},
+    {"wheels.radius": [0.02, 0.02]}, {"wheels.radius": [0.02, -0.02], "wheels.track": -0.03},
+    {"wheels.track": 0.05},
+], ids=str)  # fmt: skip
+def test_a_drive_is_off_by_its_bound_and_sometimes_nearly_by_all_of_it(changes):
+    """Torques at the edges of what they may be, wheels at the edges of the limits."""
+    effect = MOTOR if next(iter(changes)).startswith("motor") else WHEELS
+    system = effect.build(scenario({**LIMITED, **changes}))
+    bound = bound_of(effect, {**LIMITED, **changes})
+    assert bound.void == ""
+    edges = [-10.0, -9.8001, -0.3, -0.19999, 0.0, 0.2, 0.3, 9.8, 10.0]
+    speeds = itertools.product((-1.0, 0.0, 1.0), (-1.5, 0.0, 1.5))
+    motion = [
+        {"tau_right": [a], "tau_left": [b], "v1": [v], "omega": [w]}
+        for (v, w), a, b in itertools.product(speeds, edges, edges)
+    ]
+    told = np.array([[row["tau_right"][0], row["tau_left"][0]] for row in motion])
+    off = np.abs(force_of(fed(system, motion)) - force_of(told)).max(axis=0)
+
+    assert (off <= np.array(bound.dbar) + 1e-12).all()
+    assert (off >= 0.98 * np.array(bound.dbar)).all()
+
+
+@pytest.mark.parametrize("window", [0.01, 0.05])
+@pytest.mark.parametrize("wheels", [{}, EFFECTS["wheels"]], ids=["believed", "others"])
+def test_an_encoder_is_off_the_mean_by_less_than_its_bound(window, wheels):
+    changes = {"encoder.counts": 256, "encoder.window": window, **wheels}
+    bound, n = bound_of(ENCODER, changes), round(window / 0.01)
+    system, worst = ENCODER.build(scenario(changes)), np.zeros(2)
+    rng = np.random.default_rng(11)
+    for _ in range(6):
+        motion, place = rows(300, rng), np.zeros(2)
+        for row in motion:
+            row |= {"path": [place[0]], "theta": [place[1]], "skid": [0.0]}
+            place = place + 0.01 * rng.choice([-1.0, 1.0], 2) * rng.uniform(0.9, 1, 2) * (1.0, 1.5)
+        shown = fed(system, motion)
+        true = np.array([[row["path"][0], row["theta"][0]] for row in motion])
+        worst = np.maximum(worst, np.abs(shown[n:] - (true[n:] - true[:-n]) / window).max(axis=0))
+
+    assert bound.window == (window, window)
+    assert (worst <= bound.nbar).all()
+    assert (worst > 0.4 * np.array(bound.nbar)).all()
+
+
+@pytest.mark.parametrize(
+    ("radius", "track"),
+    [([0.1, -0.2], 0.3), ([-0.1, 0.15], -0.3), ([0.2, 0.1], 0.0), ([0.0, 0.0], 0.4)],
+    ids=str,
+)
+def test_other_wheels_misstate_the_velocity_by_their_bound_and_by_all_of_it(radius, track):
+    """What true wheels turn, converted with r = 0.1 m and l = 0.25 m, over all velocities."""
+    wheels = {"wheels.radius": radius, "wheels.track": track}
+    with_them, without = (
+        bound_of(ENCODER, {"encoder.counts": 1e6, **changes}).nbar for changes in (wheels, {})
+    )
+    v, omega = np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.5, 1.5, 9))
+    sides = [
+        (v + side * 0.25 * (1 + track) * omega) / (0.1 * (1 + share))
+        for side, share in zip((1, -1), radius, strict=True)
+    ]
+    shown = 0.1 * (sides[0] + sides[1]) / 2, 0.1 * (sides[0] - sides[1]) / (2 * 0.25)
+    worst = [np.abs(shown[0] - v).max(), np.abs(shown[1] - omega).max()]
+
+    assert np.subtract(with_them, without) == pytest.approx(worst, rel=1e-9, abs=1e-12)
+
+
+def test_a_gyro_takes_the_place_of_the_encoders_omega():
+    changes = {"encoder.counts": 256, "gyro.enabled": True, "gyro.bias": -0.02, "gyro.noise": 0.01}
+    both = settle(scenario(changes), LAW).bound
+    alone = bound_of(ENCODER, {"encoder.counts": 256})
+    shown = fed(GYRO.build(scenario(changes)), rows(50, np.random.default_rng(2)))[:, 0]
+    true = [row["omega"][0] for row in rows(50, np.random.default_rng(2))]
+
+    assert both.window == (0.01, 0.0)
+    assert both.nbar == (alone.nbar[0], pytest.approx(0.03))
+    assert np.abs(shown - true).max() <= 0.03
+
+
+def test_the_ground_pulls_and_resists_within_its_bound():
+    exact = {"guard.M_max": [50.0, 5.4]}
+    slope = {"slope.angle": 0.05, "slope.direction": 1.0, "slope.offset": -0.03, **exact}
+    rolling = {"resistance.rolling": [0.01, 0.015], "resistance.viscous": [5.0, 0.2]}
+    motion = rows(2000, np.random.default_rng(3), size=3.0)
+    pulled = np.abs(fed(SLOPE.build(scenario(slope)), motion)).max(axis=0)
+    force = fed(RESISTANCE.build(scenario(rolling)), motion)
+    v = np.array([[row["v1"][0], row["omega"][0]] for row in motion])
+    driven = (force * np.sign(v)).max(axis=0)
+    slope_bound, bound = bound_of(SLOPE, slope).dbar, bound_of(RESISTANCE, rolling).dbar
+
+    assert (pulled <= slope_bound).all()
+    assert (pulled > 0.99 * np.array(slope_bound)).all()
+    assert (driven <= bound).all()
+
+
+def test_gusts_keep_their_size():
+    motion = rows(300, np.random.default_rng(4))
+    for row in motion:
+        row["gust"] = [1.0, -1.0]
+    shown = np.abs(fed(GUST.build(scenario(EFFECTS["gust"])), motion))
+
+    assert (shown <= (5.0, 1.0)).all()
+    assert shown[-1] == pytest.approx((5.0, 1.0))
+
+
+def test_a_delay_that_varies_stays_between_its_ends():
+    """The command of each period takes over within [delay, delay + jitter] after its own sample."""
+    motion = delayed(rows(4000, np.random.default_rng(5)), 7)
+    changes = {"actuator.jitter": 0.006, "actuator.delay": 0.007}
+    shown = fed(JITTER.build(scenario(changes)), motion)
+    switch = np.flatnonzero(np.any(np.diff(shown, axis=0), axis=1)) + 1
+    late = switch % 10
+
+    bound = bound_of(JITTER, changes)
+    assert (bound.delay, bound.jitter) == (0.006, 0.006)
+    assert {int(k) for k in late} == {(7 + k) % 10 for k in range(7)}
+    assert len(switch) in (399, 400)  # the last may come after the end
