@@ -100,8 +100,10 @@ class Axis:
         self.ahead, self.behind = v > u2, v < -u2
         self.outside = ca.logic_or(self.ahead, self.behind)
         self.scaled_slack = _boundary_slack(self.c, u1, u2)
+        self.slack = self.scaled_slack / self.delta  # what R2 leaves of the kink's slope
         self.near, self.far = self.c <= u2, self.scaled_slack < 0
         self.excess = (ca.fabs(v) - u2) / self.delta
+        self.top = ca.if_else(self.outside, self.gap, self.delta)  # numerator of 1 - Y
         self.smooth = ca.if_else(
             self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind))
         )
@@ -132,11 +134,6 @@ class Axis:
         return self.by_region(0, self.c - self.u2, self.far_slope)
 
     @cached_property
-    def slack(self) -> ca.SX:
-        """1/delta - (c - u2): what is left of the kink's slope; used in R2 only."""
-        return self.scaled_slack / self.delta
-
-    @cached_property
     def x(self) -> ca.SX:
         """Target v_c1."""
         return self.by_region(self.c, self.u2, self.u1 - self.d)
@@ -158,11 +155,6 @@ class Axis:
         return ca.if_else(
             self.far, (self.d - self.top) / self.d, ca.if_else(self.outside, self.excess, 0)
         )
-
-    @cached_property
-    def top(self) -> ca.SX:
-        """Numerator of 1 - Y."""
-        return ca.if_else(self.outside, self.gap, self.delta)
 
     @cached_property
     def chi(self) -> ca.SX:

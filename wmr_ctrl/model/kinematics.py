@@ -12,11 +12,7 @@ from wmr_ctrl.symbolic import ca
 
 def velocity_map(theta: ca.SX) -> ca.SX:
     """H(q), 3x2, Eq. (5): q' = H v with v = (v1, omega), Eq. (6) (printed transposed)."""
-    return ca.vertcat(
-        ca.horzcat(-ca.sin(theta), 0),
-        ca.horzcat(ca.cos(theta), 0),
-        ca.horzcat(0, 1),
-    )
+    return ca.vertcat(ca.horzcat(-ca.sin(theta), 0), ca.horzcat(ca.cos(theta), 0), ca.horzcat(0, 1))
 
 
 def constraint(theta: ca.SX) -> ca.SX:
@@ -65,8 +61,7 @@ class KinematicGains(Section, key="gains.kinematics"):
 def auxiliary_velocity(e: ca.SX, v_d: ca.SX, k: ca.SX) -> ca.SX:
     """v_c0 of Eq. (7): (v1_d cos e3 + k1 e1, v2_d + k2 v1_d e2 + k3 sin e3) [m/s, rad/s]."""
     return ca.vertcat(
-        v_d[0] * ca.cos(e[2]) + k[0] * e[0],
-        v_d[1] + k[1] * v_d[0] * e[1] + k[2] * ca.sin(e[2]),
+        v_d[0] * ca.cos(e[2]) + k[0] * e[0], v_d[1] + k[1] * v_d[0] * e[1] + k[2] * ca.sin(e[2])
     )
 
 

@@ -170,12 +170,7 @@ UNIFORM, NORMAL = "uniform", "normal"
 
 
 def draw(
-    signal: Signal,
-    kind: str,
-    wanted: ca.SX,
-    bound: ca.SX | float = math.inf,
-    *,
-    held: bool = False,
+    signal: Signal, kind: str, wanted: ca.SX, bound: ca.SX | float = math.inf, *, held: bool = False
 ) -> Draw:
     """Fresh random numbers, as many as ``signal`` has elements: an even number."""
     if signal.size % 2:

@@ -59,12 +59,8 @@ def check(scenario: Scenario) -> None:
 
 def bound(scenario: Scenario) -> Bound:
     """The delay itself, told or not: the guard counts every command that is under way."""
-    return Bound(delay=_all_of_it(scenario))
-
-
-def _all_of_it(scenario: Scenario) -> float:
     late = scenario.section(Delay)
-    return late.delay + late.unmodelled_delay
+    return Bound(delay=late.delay + late.unmodelled_delay)
 
 
 DELAY = Effect(

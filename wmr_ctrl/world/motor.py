@@ -96,7 +96,7 @@ def check(scenario: Scenario) -> None:
 
 
 def largest_torque(scenario: Scenario) -> float:
-    """What a motor is told at most, in its steps [N m]; inf without a torque limit."""
+    """Quantised torque limit of a motor [N m]; inf without one."""
     return scenario.actuator.tau_max + rounded_by(scenario.section(Motor).step)
 
 
@@ -111,10 +111,16 @@ def bound(scenario: Scenario) -> Bound:
     the fastest wheel with the other one (ledger: world.motor.*).
     """
     motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
+    told = largest_torque(scenario)
+
+    def short(speed: float) -> float:  # d [N m] at a wheel's speed; against its turn as at rest
+        endless = math.isinf(motor.stall)
+        return 0.0 if endless else missing(told, motor.stall, speed / motor.free)
+
     lost = 2.0 * (rounded_by(motor.step) + motor.dead_zone)
     fast, edge = u1 + robot.l * u2, u1 - robot.l * u2
-    most = 2.0 * largest_torque(scenario)
-    sums = (sum(_missing(scenario, s / robot.r) for s in (fast, way * edge)) for way in (1.0, -1.0))
+    most = 2.0 * told
+    sums = (sum(short(s / robot.r) for s in (fast, way * edge)) for way in (1.0, -1.0))
     pair = [lost + min(item, most) for item in sums]
     if math.isinf(pair[0]):
         return Bound(
@@ -122,14 +128,6 @@ def bound(scenario: Scenario) -> Bound:
             "(actuator.tau_max = inf), so nothing bounds what they fall short by."
         )
     return Bound(dbar=(pair[0] / robot.r, pair[1] / robot.r * robot.l))
-
-
-def _missing(scenario: Scenario, speed: float) -> float:
-    """d of `bound` [N m] at a wheel's speed [rad/s]; against its turn as at rest."""
-    motor = scenario.section(Motor)
-    if math.isinf(motor.stall):
-        return 0.0
-    return missing(largest_torque(scenario), motor.stall, speed / motor.free)
 
 
 def missing(most: Number, stall: Number, share: Number) -> Number:

@@ -24,7 +24,8 @@ def build(scenario: Scenario) -> System:
     """Sampled System: pose to the pose some samples ago, that of the start before."""
     pose, sample = ports(MEASURED_POSE), port(SAMPLE)
     now = stack(item.sym for item in pose)
-    seen = history(OLD_POSE, now, sample.sym == 0, _periods(scenario))
+    count = round(scenario.section(PoseDelay).pose_delay / scenario.clock.control)
+    seen = history(OLD_POSE, now, sample.sym == 0, count)
     return System(
         "pose_delay",
         "late pose",
@@ -34,10 +35,6 @@ def build(scenario: Scenario) -> System:
         outputs=tuple(Output(signal, seen.aged[-1][i]) for i, signal in enumerate(MEASURED_POSE)),
         period=scenario.clock.control,
     )
-
-
-def _periods(scenario: Scenario) -> int:
-    return round(scenario.section(PoseDelay).pose_delay / scenario.clock.control)
 
 
 POSE_DELAY = Effect(

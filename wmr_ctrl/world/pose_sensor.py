@@ -71,7 +71,9 @@ def build(scenario: Scenario) -> System:
     true = stack(item.sym for item in pose)
     measured = true + ca.vertcat(width * error.port.sym, 0)
     predicted = reckoned(estimate.sym, old.sym, T)
-    share = _share(sample.sym, samples_a_pose(every, T), correction)
+    k, apart = sample.sym, samples_a_pose(every, T)
+    came = k - apart * ca.floor(k / apart) == 0
+    share = ca.if_else(k == 0, 1, ca.if_else(came, correction, 0))
     perfect = ca.logic_and(ca.logic_and(every == 0, width == 0), correction == 1)
     if scenario.section(PoseSensor).pose_dropout > 0:
         lost = p.take("sensor.pose_dropout")
@@ -107,11 +109,6 @@ def reckoned(q: ca.SX, v: ca.SX, T: ca.SX) -> ca.SX:
     theta = q[2] + T * v[1]
     step = T * v[0]
     return ca.vertcat(q[0] - step * ca.sin(theta), q[1] + step * ca.cos(theta), theta)
-
-
-def _share(k: ca.SX, every: ca.SX, correction: ca.SX) -> ca.SX:
-    came = k - every * ca.floor(k / every) == 0
-    return ca.if_else(k == 0, 1, ca.if_else(came, correction, 0))
 
 
 POSE_SENSOR = Effect("pose sensor", EffectRole.SENSOR, PoseSensor, build, adds_nothing, always=True)

@@ -11,14 +11,7 @@ import math
 
 import numpy as np
 
-from wmr_ctrl.world.references.spline import (
-    DEGREE,
-    SAMPLES,
-    Array,
-    SplinePath,
-    headings,
-    sums,
-)
+from wmr_ctrl.world.references.spline import DEGREE, SAMPLES, Array, SplinePath, headings, sums
 
 SHARES = (1.0, 0.6, 0.2)
 """Distances of the control points from the corner, as shares of the side that it takes."""

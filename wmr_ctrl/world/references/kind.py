@@ -89,11 +89,7 @@ def timed(trajectory: Trajectory) -> Callable[[Scenario], System]:
         names = [signal.name for signal, _ in scenario.reference_kind.numbers(scenario.reference)]
         path = trajectory(time.sym, {name: p.take(name) for name in names})
         return System(
-            "reference",
-            "desired trajectory",
-            inputs=(time,),
-            params=p.ports,
-            outputs=outputs(path),
+            "reference", "desired trajectory", inputs=(time,), params=p.ports, outputs=outputs(path)
         )
 
     return build

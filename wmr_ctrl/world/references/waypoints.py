@@ -151,11 +151,11 @@ def profile_of(reference: Waypoints) -> SpeedProfile:
 
 def _checked_points(reference: Waypoints) -> Array:
     points, closed = list(reference.points), reference.returns
-    if closed and len(points) > 1 and _distance(points[0], points[-1]) < SAME:
+    if closed and len(points) > 1 and math.dist(points[0], points[-1]) < SAME:
         points.pop()
     _check_count(len(points), closed, reference.tolerance)
     for i in range(1, len(points)):
-        if _distance(points[i - 1], points[i]) < SAME:
+        if math.dist(points[i - 1], points[i]) < SAME:
             raise ScenarioError(
                 f"reference.points[{i}] and reference.points[{i + 1}] are the same point "
                 f"{points[i]}: the path has no direction there. Remove one of them."
@@ -194,10 +194,6 @@ def _check_count(count: int, closed: bool, tolerance: float | None) -> None:
             f"{MOST_POINTS}. Say how far the path may miss them, such as "
             "reference.tolerance = 0.05 in m: those that it does not need are then left out."
         )
-
-
-def _distance(a: tuple[float, float], b: tuple[float, float]) -> float:
-    return float(np.hypot(a[0] - b[0], a[1] - b[1]))
 
 
 def _check_forward(path: SplinePath, points: Array) -> None:
