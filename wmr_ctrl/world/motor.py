@@ -111,15 +111,15 @@ def bound(scenario: Scenario) -> Bound:
     the fastest wheel with the other one (ledger: world.motor.*).
     """
     motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
-    told = largest_torque(scenario)
+    limit = largest_torque(scenario)
 
     def short(speed: float) -> float:  # d [N m] at a wheel's speed; against its turn as at rest
         endless = math.isinf(motor.stall)
-        return 0.0 if endless else missing(told, motor.stall, speed / motor.free)
+        return 0.0 if endless else missing(limit, motor.stall, speed / motor.free)
 
     lost = 2.0 * (rounded_by(motor.step) + motor.dead_zone)
     fast, edge = u1 + robot.l * u2, u1 - robot.l * u2
-    most = 2.0 * told
+    most = 2.0 * limit
     sums = (sum(short(s / robot.r) for s in (fast, way * edge)) for way in (1.0, -1.0))
     pair = [lost + min(item, most) for item in sums]
     if math.isinf(pair[0]):
