@@ -1,22 +1,107 @@
-"""The guard's parts in the assembled controller and simulator: axes, flag, monitor, plant."""
+"""The guard assembled: the graphs that are exported, axes, flag, monitor, and what is simulated."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import accumulate
+
 import casadi as ca
 
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.guard.bounds import ROUNDING
-from wmr_ctrl.guard.guard import Bounds, clipped, feasible, guarded
+from wmr_ctrl.guard.delay import in_flight
+from wmr_ctrl.guard.guard import MAPS, Bounds, clipped, feasible, guarded
 from wmr_ctrl.guard.lateness import AT_ONCE, Since
 from wmr_ctrl.guard.monitor import LateMotion, least_push
-from wmr_ctrl.model.dynamics import plant, rk4_step, wheel_to_force
+from wmr_ctrl.model.dynamics import force_to_wheel, plant, rk4_step, wheel_to_force
+from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import PRESET, scalars
 from wmr_ctrl.proofs.claims.guard import NUMBERS_FREE, solver
 from wmr_ctrl.proofs.claims.guard_axis import DELAYED, LATE, NUMBERS, GuardAxis
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, every, symbols
 from wmr_ctrl.scenario import load_scenario
 
+PERIOD = 0.01
 claim = Claims(by=solver)
+
+
+def _setup(kind: str, delay: int) -> Setup:
+    """A guarded loop with this map onto the wheels, behind a delay of so many periods."""
+    stated: dict[str, object] = {
+        "guard.enabled": True, "guard.map": kind, "clock.control": PERIOD,
+        "actuator.delay": PERIOD * delay,
+    }  # fmt: skip
+    return settle(load_scenario(PRESET, stated), "pid")
+
+
+def _bounds(p: Mapping[str, ca.SX], axis: int, delay: int) -> Bounds:
+    """One axis' numbers as the claims' axes have them; u1 is v_u1 less (1 + n) 2^-44 of it."""
+    names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
+    numbers = {name: p[f"guard.{name}"][axis] for name in names}
+    u1, T = p["limits.v_u1"][axis] * (1 - (1 + delay) * 2.0**-44), p["clock.control"]
+    b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers)
+    return replace(b, delay=T * delay) if delay else b
+
+
+@claim(
+    "guard.assembled.{name}.{kind}{late}",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
+    premises="guard.axes wheels.{kind}",
+    over=[
+        {"name": name, "assemble": assemble, "kind": kind, "late": late, "delay": delay,
+         "which": which}
+        for name, assemble in (("guard", guard), ("controller", asking_controller))
+        for kind in MAPS
+        for late, delay, which in (
+            ("", 0, "without delay"), ("-late", 2, "behind a delay of two periods")
+        )
+    ],
+)  # fmt: skip
+def assembled(
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
+) -> Statement:
+    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
+    axis with its own bounds and commands under way, which are the torques of before; feasible = 1
+    only where both axes' flags are and their brakes together are within reach, to 2^-44; {which}.
+
+    What is exported is put together of what the entries about the guard speak of.
+    """
+    system = assemble(_setup(kind, delay))
+    p = {port.signal.name: port.sym for port in (*system.inputs, *system.state, *system.params)}
+    told = {output.signal.name: output.expr for output in system.diagnostics}
+    asked = p["force"] if "force" in p else told["force"]
+    r, half, sent = p["robot.r"], p["robot.l"], [p[f"tau_sent{k}"] for k in range(1, delay + 1)]
+    before, y = [wheel_to_force(r, half, tau) for tau in sent], (p["v1"], p["omega"])
+    bounds = [_bounds(p, axis, delay) for axis in (0, 1)]
+    coming = [
+        in_flight([(force, 1) for force in before], axis, b) if delay else None
+        for axis, b in enumerate(bounds)
+    ]
+    force, safe = (
+        ca.vertcat(*map(clipped, ca.vertsplit(wish), y, bounds, coming))
+        for wish in (asked, ca.SX.zeros(2))
+    )
+    phi = 2 * p["actuator.tau_max"] / r
+    torque = force_to_wheel(r, half, MAPS[kind](force, phi, half, safe))
+    published = ca.vertcat(*(output.expr for output in system.outputs))
+    brakes = bounds[0].braking + bounds[1].braking / half
+    flags = [feasible(b) for b in bounds] + [brakes <= phi * (1 + ROUNDING)]
+    goals = list(every(published, mutation * torque))
+    goals += [at_least(flag, told["feasible"]) for flag in flags]
+    ends = accumulate((port.sym.numel() for port in system.state), initial=0)
+    names = [port.signal.name for port in system.state]
+    later = dict(zip(names, ca.vertsplit(system.update, [*ends]), strict=True))
+    for age, now in enumerate((published, *sent[:-1])[:delay], 1):
+        goals += every(later[f"tau_sent{age}"], now)
+    positive = (r, half, p["clock.control"], p["guard.alpha"])
+    masses = [p[f"guard.{name}"][axis] for name in ("M_min", "M_max") for axis in (0, 1)]
+    given = tuple(above(item) for item in (*positive, *masses))
+    table = scalars((*system.inputs, *system.state, *system.params))
+    cuts = {} if "force" in p else {"asked thrust": asked[0], "asked moment": asked[1]}
+    return Statement(table, tuple(goals), given, cuts)
 
 
 @claim("guard.axes", given="T > 0")

@@ -1,0 +1,52 @@
+"""What is done to the guard where it is put together does not stay unnoticed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from wmr_ctrl.control import controller
+from wmr_ctrl.guard import guard
+from wmr_ctrl.proofs.alterations import short_budget
+from wmr_ctrl.proofs.claim import CLAIMED
+from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+
+pytest.importorskip("z3")
+
+ENTRIES = {claim.id: claim for claim in all_claims() if claim.id.startswith("guard.assembled.")}
+
+
+def bypassed(asked, *others):
+    """The guard's answer with the force that was asked for in the place of the safe one."""
+    return replace(guard.guarded(asked, *others), force=asked)
+
+
+def unsafe_anchor(asked, v, both, coming):
+    """The safe point that the wheels keep free is whatever was asked for."""
+    return replace(guard.guarded(asked, v, both, coming), safe=asked)
+
+
+def rounded_down(_count):
+    """Nothing kept back against rounding."""
+    return 0.0
+
+
+@pytest.mark.parametrize(
+    ("key", "module", "name", "stand_in"),
+    [
+        ("guard.linear-first", controller, "guarded", bypassed),
+        ("controller.rotation-first", controller, "guarded", bypassed),
+        ("controller.linear-first-late", controller, "guarded", unsafe_anchor),
+        ("guard.rotation-first-late", guard, "rounding", rounded_down),
+        ("controller.linear-first", guard, "feasible", lambda _: 1),
+    ],
+)
+def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):
+    claim = ENTRIES[f"guard.assembled.{key}"]
+    method = short_budget(claim.method)
+    assert method.decide(claim.statement(CLAIMED)).verdict == PROVED
+
+    monkeypatch.setattr(module, name, stand_in)
+    assert method.decide(claim.statement(CLAIMED)).verdict in (REFUTED, OPEN)
