@@ -82,14 +82,12 @@ def simulate(
 ) -> Run:
     """Run ``law`` on ``scenario`` and return the Run.
 
-    ``engine`` is "native" (compiled C), "numpy" (the same graphs
-    without a compiler, slower) or "fmu" (our own FMUs of
-    reference, controller and plant, coupled in order); ``plant`` is "ode" (the paper's plane model)
-    or "mujoco" (a rigid body on tyres, [body] of the scenario: extra physics, engine native);
-    ``guard`` switches the velocity guard on or off (None: as the scenario says).  Leaving the
-    velocity limit, diverging
-    or turning non-finite is the Run's outcome, never an exception.  Raises UnknownNameError,
-    ScenarioError, ArgumentError (seed) or CompilerError.
+    ``engine`` is "native" (compiled C), "numpy" (the same graphs without a compiler, slower) or
+    "fmu" (our own FMUs of reference, controller and plant, coupled in order); ``plant`` is "ode"
+    (the paper's plane model) or "mujoco" (a rigid body on tyres, [body] of the scenario: extra
+    physics, engine native); ``guard`` switches the velocity guard on or off (None: as the scenario
+    says).  Leaving the velocity limit, diverging or turning non-finite is the Run's outcome, never
+    an exception.  Raises UnknownNameError, ScenarioError, ArgumentError (seed) or CompilerError.
 
     >>> run = simulate("paper-simulation-nominal", "pid", overrides={"clock.duration": 5.0})
     >>> print(run.outcome)

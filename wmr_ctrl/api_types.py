@@ -16,7 +16,7 @@ Overrides: TypeAlias = Mapping[str, object]
 
 
 class CommonOptions(TypedDict, total=False):
-    """What `export_fmu` may be given for FMUs and for an SSP."""
+    """Options of `export_fmu` for FMUs and for an SSP."""
 
     law: str
     scenario: str | Path | Scenario
@@ -27,7 +27,7 @@ class CommonOptions(TypedDict, total=False):
 
 
 class SspOptions(CommonOptions, total=False):
-    """What `export_fmu` may be given for an SSP, as in `wmr_ctrl.fmi.ssp.export_ssp`."""
+    """Options of `export_fmu` for an SSP, as in `wmr_ctrl.fmi.ssp.export_ssp`."""
 
     plant: str | Path | None
     controller: str | Path | None
@@ -37,17 +37,17 @@ class SspOptions(CommonOptions, total=False):
 
 
 class FmuOptions(CommonOptions, total=False):
-    """What `export_fmu` may be given for FMUs, as in `wmr_ctrl.fmi.export.export_fmu`."""
+    """Options of `export_fmu` for FMUs, as in `wmr_ctrl.fmi.export.export_fmu`."""
 
     arrays: bool
 
 
 class ExportOptions(SspOptions, FmuOptions, total=False):
-    """What `export_fmu` may be given for one or another output."""
+    """Options of `export_fmu` for any output."""
 
 
 class CosimulationOptions(TypedDict, total=False):
-    """What `cosimulate` may be given, as in `wmr_ctrl.fmi.cosim.cosimulate`."""
+    """Options of `cosimulate`, as in `wmr_ctrl.fmi.cosim.cosimulate`."""
 
     plant: str | Path | None
     controller: str | Path | None
@@ -60,7 +60,7 @@ class CosimulationOptions(TypedDict, total=False):
 
 
 class PageOptions(TypedDict, total=False):
-    """What `write_page` may be given, as in `wmr_ctrl.page.write_page`."""
+    """Options of `write_page`, as in `wmr_ctrl.page.write_page`."""
 
     laws: Sequence[str] | None
     seed: int
@@ -68,7 +68,7 @@ class PageOptions(TypedDict, total=False):
 
 
 class Measurements(TypedDict):
-    """What the benchmarks measured: ratios by name (None: not measured), quartiles and targets.
+    """Results of the benchmarks: ratios by name (None: not measured), quartiles and targets.
 
     ``ns`` per step of each candidate; ``paper``: the paper's times and ours.
     """

@@ -1,4 +1,4 @@
-"""What a compiled loop holds, as plain data: for those who run it and must not wait for CasADi."""
+"""A compiled loop as plain data, for those who run it and must not wait for CasADi."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class LawLayout:
 
 @dataclass(frozen=True)
 class LoopLayout:
-    """What the vectors of a loop's library mean: the same for every scenario of its structure.
+    """Meaning of the vectors of a loop's library: the same for every scenario of its structure.
 
     ``columns``: of the log.  ``findings`` and ``sums``: names of what a run without log leaves.
     """

@@ -91,7 +91,7 @@ def table_of(
 
 
 def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:
-    """What was compiled from a setup, with that setup's scenario, law and assumptions."""
+    """A compiled loop with the scenario, law and assumptions of its setup."""
     return RunnableLoop(compiled, setup.scenario, setup.name, setup.assumptions)
 
 

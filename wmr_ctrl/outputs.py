@@ -1,4 +1,4 @@
-"""What is written for other tools: FMUs, SSP package, Modelica package, Simulink kit; films."""
+"""Outputs for other tools: FMUs, SSP package, Modelica package, Simulink kit; films."""
 
 from __future__ import annotations
 

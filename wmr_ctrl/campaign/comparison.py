@@ -50,7 +50,7 @@ DROP: Overrides = MappingProxyType(
         "guard.M_max": [55.0, 5.94],
     }
 )
-"""What drops, and masses around it for the guard."""
+"""A drop of the robot's numbers, and masses around it for the guard."""
 
 AS_A_ROBOT: Overrides = MappingProxyType(
     {
@@ -87,7 +87,7 @@ FACTORS: Mapping[str, Overrides] = MappingProxyType(
         "as a robot has it": AS_A_ROBOT,
     }
 )
-"""What one case changes against its base, by the case's name."""
+"""Changes of a case against its base, by the case's name."""
 
 
 def comparison_plan(

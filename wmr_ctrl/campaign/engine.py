@@ -108,7 +108,7 @@ def built_loops(
 
 
 def case_key(case: PlannedCase) -> str:
-    """What tells one compiled loop from another."""
+    """Key of a case's compiled loop."""
     source = case.scenario if isinstance(case.scenario, str) else hash(case.scenario)
     return repr((source, case.law, case.guard, case.plant, sorted(case.overrides.items())))
 
@@ -120,7 +120,7 @@ def run_cases(
     progress: PhaseProgress,
     texts: tuple[str, str],
 ) -> list[T | Refusal]:
-    """What ``then`` makes of place and Run of each (case, seed), in their order; or the Refusal.
+    """``then(place, run)`` of each (case, seed), in their order; or the Refusal.
 
     All are on the same plant.  Two phases of ``progress``, compiling and running, called ``texts``.
     Nothing depends on ``jobs``.

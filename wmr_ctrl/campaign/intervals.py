@@ -24,7 +24,7 @@ RESAMPLES = 2000
 
 
 class StopRule(Section, key="stop"):
-    """When a case has runs enough: its figure's interval is as narrow as asked for.
+    """Rule to stop a case: its figure's interval is as narrow as asked for.
 
     ``interval`` "": Clopper-Pearson of a share, the bootstrap of a mean.
     """
@@ -39,7 +39,7 @@ class StopRule(Section, key="stop"):
 
     @property
     def share(self) -> bool:
-        """Whether the figure is 0 or 1 a run."""
+        """True for a figure that is 0 or 1 a run."""
         return self.figure in SHARES
 
     def relate(self) -> None:
@@ -61,7 +61,7 @@ class StopRule(Section, key="stop"):
         return [*counts, seeds]
 
     def reached(self, values: Floats, looks: int, cell: int) -> bool:
-        """Whether the runs of a case are enough; never where a value is missing."""
+        """True where the runs of a case are enough; never where a value is missing."""
         if not np.isfinite(values).all():
             return False
         low, high = self.bounds(values, 1 - (1 - self.confidence) / max(looks, 1), cell)

@@ -39,7 +39,7 @@ _STARTS: Mapping[str, tuple[str, Overrides]] = MappingProxyType(
 _FINE: Overrides = MappingProxyType(
     {"clock.control": 1e-4, "clock.plant": 1e-4, "clock.duration": 2.0}
 )
-"""As near to continuous time as is worth it: a tenth of it changes the fifth digit of |v|/limit."""
+"""Nearly continuous time: a tenth of it changes the fifth digit of |v|/limit."""
 
 
 def _as_stated(name: str, start: str, overrides: Overrides) -> Study:
@@ -72,7 +72,7 @@ STUDIES = (
         {**FARTHER, "clock.control": 1e-3, "clock.plant": 1e-3, "clock.duration": 5.0},
     ),
 )
-"""What Sections V and VI need, their controls, the theorems as stated, and where they end."""
+"""Runs for Sections V and VI, their controls, the theorems as stated, and their ends."""
 
 
 def paper_plan(

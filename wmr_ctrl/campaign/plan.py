@@ -33,7 +33,7 @@ MOST_SEEDS_EACH = 10_000
 
 @dataclass(frozen=True, slots=True)
 class PlannedCase:
-    """What all seeds share: scenario (a preset's name, or the thing itself), law, guard, changes.
+    """Common to all seeds: scenario (a preset's name, or the thing itself), law, guard, changes.
 
     ``guard`` None: as the scenario says; ``plant`` "mujoco" is the rigid body.  ``name``: what
     tables call it; ``base``: the group of cases that it is compared in.
@@ -86,7 +86,7 @@ class SamplePlan:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What makes the sample worse than it could be, one sentence each."""
+        """Faults of the sample that can be avoided, one sentence each."""
         if self.method != SOBOL or self.n.bit_count() == 1:
             return ()
         below = 1 << (self.n.bit_length() - 1)
@@ -143,7 +143,7 @@ class Study:
 
     @property
     def label(self) -> str:
-        """What tables, claims and figures call it."""
+        """Name in tables, claims and figures."""
         given = self.scenario
         return self.name or (given if isinstance(given, str) else given.name)
 
@@ -183,7 +183,7 @@ class Study:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the plan may do but had better not, one sentence each."""
+        """Faults of the plan that are no errors, one sentence each."""
         return self.sample.warnings if self.sample else ()
 
     def values(self, cell: int) -> tuple[object, ...]:
@@ -204,7 +204,7 @@ class Study:
 
     @cached_property
     def identity(self) -> str:
-        """What two plans must share for one to go on where the other was interrupted."""
+        """Hash that two plans share if one can go on where the other was interrupted."""
         points = None if self.sample is None else self.sample.points.tobytes().hex()
         text = json.dumps([self.described(), points], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]

@@ -176,7 +176,7 @@ def _late_e1(row: RunRow, _: RunRow) -> float | None:
 
 
 def _fall(row: RunRow, _: RunRow) -> float | None:
-    """When it fell [s]."""
+    """Time of the fall [s]."""
     return row["tipped"]
 
 
@@ -224,4 +224,4 @@ _CLAIMS = (
         for h, name in STEPS.items()
     ),
 )
-"""What is asked of every seed."""
+"""Claims on every seed."""

@@ -38,7 +38,7 @@ QUIET = {
 }
 """Half of Dask's own work in a process that only computes."""
 RETRIES = 3
-"""How often a chunk is sent again after its worker was lost."""
+"""Times that a chunk is sent again after its worker was lost."""
 
 Facts = Mapping[str, str]
 Columns: TypeAlias = dict[str, np.ndarray]
@@ -166,7 +166,7 @@ def _local(jobs: int | None) -> Iterator[Executor]:
 
 @contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """What is started here hears no Ctrl-C; it comes to this process, once it is started.
+    """Keep Ctrl-C from processes started here; it comes to this one, once they are.
 
     A terminal sends it to all processes at once, and the workers would end with tracebacks of
     their own before they are closed.  Windows has no such mask.

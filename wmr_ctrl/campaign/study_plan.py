@@ -70,7 +70,7 @@ class Seeds(Section, key="seeds"):
 
 
 class SampleTable(Section, key="sample"):
-    """How a box of fields is sampled; the other keys of its table are the fields' ranges."""
+    """Sampling of a box of fields; the other keys of its table are the fields' ranges."""
 
     method: str = quantity(LATIN, unit="", options=(LATIN, SOBOL, UNIFORM), doc="kind of sample")
     n: int = quantity(64, unit="1", doc="size of the sample", minimum=1, below=SEED_END)

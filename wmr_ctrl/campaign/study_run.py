@@ -34,7 +34,7 @@ MakeRows: TypeAlias = Callable[[StudyChunk, int | None], dict[str, np.ndarray]]
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """What a study left: its folder, the table's path, the runs made and those of the whole plan.
+    """Results of a study: its folder, the table's path, the runs made and those of the whole plan.
 
     ``stopped``: cases that the rule ended before all their seeds; ``warnings``: the plan's;
     ``refused``: how many runs a guard refused for each reason (`counted_reasons`).
@@ -50,7 +50,7 @@ class StudyOutcome:
 
     @property
     def all_refused(self) -> bool:
-        """Whether no run was made, since the guard refused each."""
+        """True where no run was made, since the guard refused each."""
         return sum(self.refused.values()) == self.runs > 0
 
     def __str__(self) -> str:
@@ -98,7 +98,7 @@ def study(
 
 
 def study_facts(scenario: Scenario, laws: tuple[str, ...], plant: str) -> dict[str, str]:
-    """What decides a result besides the plan: the version, and the code of the plan's laws.
+    """Facts that decide a result besides the plan: the version, and the code of the plan's laws.
 
     The laws' loops without guard are compiled for it, here or on the worker that is asked, so that
     a kind of machine does so before its first chunk.

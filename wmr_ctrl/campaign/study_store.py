@@ -41,7 +41,7 @@ FORMAT = "wmr_ctrl study, version 1"
 
 
 class StudyFolder:
-    """Where a study's results are kept; made by `opened`."""
+    """Folder of a study's results; made by `opened`."""
 
     def __init__(self, folder: Path, plan: Study) -> None:
         self.folder, self.plan = folder, plan
@@ -49,7 +49,7 @@ class StudyFolder:
         self.members = {"index", "outcome", REFUSAL, *plan.figures}
 
     def chunk_path(self, look: int, indices: Sequence[int]) -> Path:
-        """Where the rows of some runs stand; the name tells which they are."""
+        """File of the rows of some runs; the name tells which they are."""
         return self.chunks / f"{look:02d}-{indices[0]:012d}-{indices[-1]:012d}-{len(indices)}.npz"
 
     def rows(self, path: Path) -> Rows | None:
@@ -67,7 +67,7 @@ class StudyFolder:
             np.savez(file, **rows)  # type: ignore[arg-type]
 
     def refusals(self, looks: Sequence[Sequence[Path]]) -> dict[str, int]:
-        """How many runs a guard refused for each reason."""
+        """Number of runs that a guard refused for each reason."""
         chunks = (self.rows(path) for paths in looks for path in paths)
         return counted_reasons(text for rows in chunks if rows for text in rows[REFUSAL].tolist())
 
@@ -111,7 +111,7 @@ class StudyFolder:
 
 
 def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
-    """How often each reason stands among texts, the most frequent first; empty texts are none.
+    """Counts of each reason among texts, the most frequent first; empty texts are none.
 
     Reasons that differ by numbers alone are one; "..." stands for what differs.
     """
@@ -272,7 +272,7 @@ def write_columns(folder: str | Path) -> Path:
 
 
 def _kinds(folder: Path) -> dict[str, str]:
-    """What each column of the table holds."""
+    """Type of each column of the table."""
     try:
         plan = json.loads((folder / "study.json").read_text(encoding="utf-8"))["plan"]
         with (folder / "table.csv").open(newline="", encoding="utf-8") as file:

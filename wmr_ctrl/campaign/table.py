@@ -96,7 +96,7 @@ class RunRow:
 
     @property
     def broke(self) -> bool:
-        """Whether the run left a velocity limit; leaving the guard's bounds is not that."""
+        """True if the run left a velocity limit; leaving the guard's bounds is not that."""
         return self.outcome in (Outcome.LIMIT_VIOLATED, Outcome.DIVERGED, Outcome.NON_FINITE)
 
 

@@ -1,4 +1,4 @@
-"""What a run leaves behind: its log, its outcome, the figures taken from it, and its files.
+"""Results of a run: its log, its outcome, the figures taken from it, and its files.
 
 Everything here works on a finished :class:`Run`, whichever engine made it; nothing here computes
 a trajectory.

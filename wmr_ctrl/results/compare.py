@@ -1,4 +1,4 @@
-"""Where two runs differ, and by how much."""
+"""Comparison of two runs: differences of columns and of facts."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class ColumnDifference:
-    """How far apart one logged number is in two runs, over the samples that they share.
+    """Difference of one logged number in two runs, over the samples that they share.
 
     ``largest`` [unit] is the largest absolute difference, inf where only one of the two is finite
     or an infinity changes its sign; ``time`` [s] its first occurrence; ``relative`` is it divided
@@ -50,7 +50,7 @@ class ColumnDifference:
     relative: float
 
     def within(self, tolerance: float) -> bool:
-        """Whether the difference is at most ``tolerance``, in the unit or relative to the range."""
+        """True if the difference is at most ``tolerance``, in the unit or relative to the range."""
         return min(self.largest, self.relative) <= tolerance
 
 
@@ -142,7 +142,7 @@ def _verdict(
 
 
 def _notes(run_a: Run, run_b: Run, shared: int) -> Iterator[str]:
-    """What was left out, a sentence each."""
+    """Columns and samples that were left out, a sentence each."""
     for label, run, other in (("first", run_a, run_b), ("second", run_b, run_a)):
         alone = [signal.name for signal in run.elements if signal.name not in other]
         if alone:

@@ -27,7 +27,7 @@ Take = Callable[["Run"], float | None]
 
 @dataclass(frozen=True, slots=True)
 class Sum:
-    """How a figure follows from sums that a loop without a log keeps, by their names with "+".
+    """Rule that makes a figure from the loop's sums over a window, named with "+" between.
 
     ``over``: the name of a window of `windows_of`; ``how``: "rms" of ``count`` numbers a sample,
     "mean", "largest" (a root), or "integral" over time.
@@ -107,7 +107,7 @@ def _at(of: Callable[[Run], object], *path: str | int) -> Take:
 
 
 def _stopped(run: Run) -> tuple[float, ...] | None:
-    """When a run ended early, also when the rigid body had fallen over."""
+    """Time at which a run ended early, also of the rigid body's fall."""
     rigid = run.monitor.rigid
     tipped = None if rigid is None else rigid.tipped
     return run.monitor.stopped if tipped is None else (tipped,)
@@ -232,7 +232,7 @@ SUMMED: tuple[Figure, ...] = (
         for place, (name, unit) in enumerate(_STATE)
     ),
 )
-"""What the loop adds up without a log, in the order of a study's columns."""
+"""Figures that the loop adds up without a log, in the order of a study's columns."""
 
 RIGID: tuple[Figure, ...] = tuple(
     Figure(name, unit, meaning, _at(_rigid, name), name)
@@ -245,7 +245,7 @@ RIGID: tuple[Figure, ...] = tuple(
         ("least_tip_margin", "1", "least distance of the load's centre from tipping, 0 to 1"),
     )
 )
-"""What runs on the rigid body have besides."""
+"""Figures that runs on the rigid body have besides."""
 
 
 _LOGGED: tuple[Figure, ...] = (

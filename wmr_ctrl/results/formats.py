@@ -76,7 +76,7 @@ def load_run(path: str | os.PathLike[str]) -> Run:
 
 @checks_arguments
 def runs_equal(run_a: Run, run_b: Run) -> bool:
-    """Whether two runs are the same in every bit, description included.
+    """True if two runs are the same in every bit, description included.
 
     Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.
     """
@@ -252,4 +252,4 @@ _FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = 
     ".csv": (_csv_of, _run_in_csv),
     ".parquet": (_parquet_of, _run_in_parquet),
 }
-"""How a run becomes the bytes of a file, and how it is read from them."""
+"""Writer and reader of each suffix."""

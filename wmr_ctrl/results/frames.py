@@ -31,7 +31,7 @@ ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
-"""What it repeats of the numbers that a guard counts on."""
+"""Numbers that a guard counts on, of which the summary tells."""
 COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_guard", "fmu_plant")
 """Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
 
@@ -119,7 +119,7 @@ def table_frame(columns: Mapping[str, ArrayLike], units: Mapping[str, str]) -> p
 
 
 def labels(run: Run) -> dict[str, object]:
-    """What tells one run from another, as plain values."""
+    """Identity of a run, as plain values."""
     return {
         "scenario": run.scenario, "law": run.law, "guard": int(run.guard), "seed": run.seed,
         "engine": run.engine, "outcome": run.outcome.value,

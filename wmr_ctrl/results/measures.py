@@ -159,7 +159,7 @@ def tracking(run: Run) -> dict[str, dict[str, float | None] | None]:
 
 
 def tracked(run: Run) -> bool | None:
-    """Whether the position's RMS is within metrics.tolerance, over the drive and over the end.
+    """True if the position's RMS is within metrics.tolerance, over the drive and over the end.
 
     False for a run that ended early, None where the tolerance is not known.
     """
@@ -171,7 +171,7 @@ def tracked(run: Run) -> bool | None:
 
 
 def arrival(run: Run) -> dict[str, float | None] | None:
-    """When ``reference`` and ``robot`` are at the goal [s]; None where there is no goal.
+    """Times at which ``reference`` and ``robot`` are at the goal [s]; None without a goal.
 
     The robot's is the first sample from which it stays within metrics.tolerance of the goal to
     the run's end; None where it never does, or the run ends before the reference is there.

@@ -1,4 +1,4 @@
-"""Whether a run swings in a cycle of its own, told from the answer to noise.
+"""Limit cycles of a run, told from the answer to noise.
 
 A loop that answers noise spreads its torques over many frequencies, and what a reference asks for
 is slow.  A limit cycle, or a loop that is about to have one, puts much of the swing into one line
@@ -119,7 +119,7 @@ def _line(signal: FloatArray, period: float, slowest: float) -> Oscillation | No
 
 
 def _falls(swinging: FloatArray, band: slice) -> bool:
-    """Whether what is in a band of frequencies decays from quarter to quarter of the window."""
+    """True if a band of frequencies decays from quarter to quarter of the window."""
     whole = np.fft.rfft(swinging)
     within = np.zeros_like(whole)
     within[band] = whole[band]

@@ -1,4 +1,4 @@
-"""How a run ended: what the loop watched at every plant step, and the outcome that follows.
+"""Monitor and outcome of a run: extremes and events of every plant step, and its end.
 
 An outcome is a value, never an exception, with a sentence that says what to do about it.
 """
@@ -25,7 +25,7 @@ STOP_REASONS = ("", "diverged", "non-finite")
 
 @dataclass(frozen=True, slots=True)
 class RigidMonitor:
-    """What a rigid body showed over t = 0 and every plant step.
+    """Extremes and events of a rigid body, over t = 0 and every plant step.
 
     ``tipped``, ``slipped``: first time [s] at which it leant over by more than body.tilt_max, which
     ends the run, and at which a tread moved over the ground by more than body.slip_max; None if
@@ -111,7 +111,7 @@ _AXES = {1: ("linear velocity v1", "m/s"), 2: ("angular velocity omega", "rad/s"
 
 
 class Outcome(StrEnum):
-    """How a run ended.  The value is the word that files and ``--json`` show."""
+    """End of a run.  The value is the word that files and ``--json`` show."""
 
     COMPLETED = "completed"
     BOUNDS_LEFT = "bounds-left"
@@ -123,7 +123,7 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
     def sentence(self, monitor: Monitor, guard: bool = False) -> str:
-        """What happened, when [s], on which axis, and the remedy, for the run that was watched.
+        """Event, time [s], axis and remedy, for the run that was watched.
 
         ``guard`` tells whether the velocity guard was on.
         """
@@ -211,7 +211,7 @@ def outcome_of(monitor: Monitor, guard: bool = False) -> Outcome:
 
 
 def _rigid(seen: RigidMonitor | None) -> dict[str, str]:
-    """What a rigid body showed, as the sentences need it."""
+    """A rigid body's numbers, as the sentences need them."""
     if seen is None:
         return {}
     slip = "Its wheels had kept their grip."

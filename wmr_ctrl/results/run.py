@@ -177,7 +177,7 @@ class Run:
 
     @cached_property
     def outlook(self) -> Outlook | None:
-        """What is known of the law on the scenario without a run, its objections among it.
+        """Theory's verdict on the law and scenario without a run, its objections among it.
 
         None where scenario or law are not known here.
         """
@@ -190,7 +190,7 @@ class Run:
 
     @cached_property
     def remarks(self) -> tuple[Remark, ...]:
-        """What there is to say against the run, with keys and remedies; empty if all is well.
+        """Faults of the run, with keys and remedies; empty if all is well.
 
         What `wmr-ctrl check` objects to is part of it, looked up once for scenario and law.
         """
@@ -199,7 +199,7 @@ class Run:
         return remarks_on(self)
 
     def _judged(self) -> str:
-        """What a completed run's sentence ends with."""
+        """End of a completed run's sentence."""
         from wmr_ctrl.results.remarks import in_short
 
         if self.outcome is not Outcome.COMPLETED:

@@ -111,7 +111,7 @@ def admitted(dbar: Pair, largest: Pair) -> Pair:
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What a guard assumes of the motion: largest disturbance and force per axis [N, N m].
+    """A guard's assumptions on the motion: largest disturbance and force per axis [N, N m].
 
     ``force`` stops the robot in one sample: the scale of what the monitor compares.  ``void``: what
     the scenario has that no such bound covers, in sentences.  ``usable`` and ``asked``, with the

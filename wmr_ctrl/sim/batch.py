@@ -56,7 +56,7 @@ def run_logged(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> list[T]:
-    """What ``then`` makes of each task's place, rows of the log and monitor, in their order.
+    """``then(place, rows of the log, monitor)`` of each task, in their order.
 
     ``then`` is called in the threads; rows that it does not keep are given back before the next
     batch.  Otherwise as `run_tasks`.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes as ct
-import time
+import timeit
 from typing import NoReturn
 
 import numpy as np
@@ -76,25 +76,16 @@ class CompiledLaw:
 
 
 EVALUATIONS = 10_000
-"""As many as the paper timed."""
+"""Evaluations that the paper timed."""
 
 START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
 """A sample near the paper's start: reference, pose, velocity."""
 
-
 ROUNDS = 9
-"""How often they are timed: the least is what the others were kept from."""
+"""Repetitions: the least time is the one that nothing else delayed."""
 
 
 def seconds_of(law: CompiledLaw, count: int = EVALUATIONS) -> float:
     """Least of `ROUNDS` times [s] that ``count`` evaluations of ``law`` take, one call each."""
     law.u[:] = START_SAMPLE
-    return min(_round(law, count) for _ in range(ROUNDS))
-
-
-def _round(law: CompiledLaw, count: int) -> float:
-    law.reset()
-    begin = time.perf_counter()
-    for _ in range(count):
-        law.step()
-    return time.perf_counter() - begin
+    return min(timeit.repeat(law.step, law.reset, repeat=ROUNDS, number=count))

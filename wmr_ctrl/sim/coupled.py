@@ -14,7 +14,7 @@ from wmr_ctrl.sim.memory import LoopSettings, Numbers, aligned, noise_key, opene
 
 
 class Coupled:
-    """What lies on this side of a plant in one run; its counters move with every call.
+    """The loop of one run without its plant; its counters move with every call.
 
     ``ended``: whether the run ends before its first step.
     """
@@ -47,7 +47,7 @@ class Coupled:
         self.ended = not self._library.wmr_outside_start(*self._at)
 
     def sampled(self, state: Sequence[float]) -> list[float]:
-        """What the next control sample makes of the plant's state at it."""
+        """Outputs of the next control sample for the plant's state at it."""
         self._given[: len(state)] = list(state)
         self._library.wmr_outside_sample(*self._at, self._given, self._shown)
         return self._shown[:]
@@ -68,7 +68,7 @@ class Coupled:
         return not watch(self._at[1], self._given, ct.c_int64(step))
 
     def monitor(self, failure: str = "") -> Monitor:
-        """What was watched."""
+        """Monitor of the steps so far."""
         numbers = (ct.c_double * len(self._findings))()
         self._library.wmr_outside_findings(self._at[1], numbers)
         return monitor(dict(zip(self._findings, numbers, strict=True)), self._step, failure=failure)

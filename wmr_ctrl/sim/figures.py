@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Figures = dict[str, NDArray[np.float64]]
 
 EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
-"""What there is of a run beside its figures: axes of its events (1, 2), ``stop`` (index into
+"""Numbers of a run beside its figures: axes of its events (1, 2), ``stop`` (index into
 STOP_REASONS), and the number of samples made."""
 
 
@@ -70,7 +70,7 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
 
 
 def monitors(memory: Memory, settings: Settings) -> list[Monitor]:
-    """What was watched in each run of a batch."""
+    """Monitors of the runs of a batch."""
     columns = memory.findings[:, : memory.count].T.tolist()
     rows = [dict(zip(memory.layout.findings, numbers, strict=True)) for numbers in columns]
     return [monitor(row, settings.plant, settings.control) for row in rows]
@@ -79,7 +79,7 @@ def monitors(memory: Memory, settings: Settings) -> list[Monitor]:
 def monitor(
     seen: Mapping[str, float], step: float, period: float = 0.0, failure: str = ""
 ) -> Monitor:
-    """What was watched in one run, from its findings by name; the plant's and the control step [s].
+    """Monitor of one run, from its findings by name; the plant's and the control step [s].
 
     Without a ``period`` nothing is told of the guard's bounds.
     """
@@ -150,7 +150,7 @@ def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:
 
 
 def covered(window: tuple[int, int], settings: Settings, memory: Memory) -> NDArray[np.bool_]:
-    """Which runs lasted through a window of samples."""
+    """Mask of the runs that lasted through a window of samples."""
     stop, stop_step = memory.row("stop"), memory.row("stop_step")
     substeps = round(settings.control / settings.plant)
     whole = np.where(stop > 0, stop_step // substeps, settings.samples)

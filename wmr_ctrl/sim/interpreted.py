@@ -199,6 +199,6 @@ class _Watch:
         self.stopped, self.reason = (step * self.period, axis + 1), reason
 
     def monitor(self) -> Monitor:
-        """What was seen."""
+        """Monitor of the steps so far."""
         most = self.most[0], self.most[1]
         return Monitor(most, self.violations, self.first, self.stopped, self.reason)

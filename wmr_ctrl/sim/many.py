@@ -176,7 +176,7 @@ def run_each(
     jobs: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[T]:
-    """What ``then`` makes of the place and the Run of each pair (law, seed), in their order.
+    """``then(place, run)`` of each pair (loop, seed), in their order.
 
     Several robots run at a time on each of ``jobs`` threads (default: one per core), in which
     ``then`` is called too; results do not depend on the number.  ``progress`` is called with the

@@ -82,7 +82,7 @@ def load(path: str) -> ct.CDLL:
 
 @cache
 def vector_sets(path: str) -> tuple[VectorSet, ...]:
-    """What of the library at ``path`` this processor can run, best first.
+    """Vector sets of the library at ``path`` that this processor can run, best first.
 
     Raises CompilerError if it cannot be loaded or does not fit.
     """

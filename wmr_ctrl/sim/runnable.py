@@ -25,7 +25,7 @@ from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
 COUNTED = ("dbar", "void", "usable", "asked", "M_min", "M_max", "nbar", "alpha")
-"""What of `Assumptions` a run's settings keep."""
+"""Fields of `Assumptions` that a run's settings keep."""
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
@@ -78,7 +78,7 @@ def settings_of(scenario: Scenario) -> Settings:
 
 @lru_cache(maxsize=64)
 def provenance(scenario: Scenario) -> Mapping[str, str]:
-    """What made a run: versions, the scenario as TOML and its hash."""
+    """Provenance of a run: versions, the scenario as TOML and its hash."""
     text = to_toml(scenario, comments=False)
     return {
         **versions(),

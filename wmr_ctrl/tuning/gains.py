@@ -7,9 +7,9 @@ Objective, to be made small: the root of the mean over all training runs of
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
 of a path that stops over its drive (`results.measures`).  The runs: every training seed, once with
 the scenario as it is and once for each of `MASSES`, the true mass and inertia over the believed
-ones, without the scenario's changes.  A run that ends early
-counts as LOST metres.  Gains are searched as logarithms, from the scenario's own; the guard is off,
-so that it hides nothing.  Seeds of the test, and references that were not trained on, judge.
+ones, without the scenario's changes.  A run that ends early counts as LOST metres.  Gains are
+searched as logarithms, from the scenario's own; the guard is off, so that it hides nothing.  Seeds
+of the test, and references that were not trained on, judge.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ MASSES = (0.6, 1.6)
 REFERENCES = ("lemniscate", "line")
 """References on which the result is tried besides its own."""
 LOST, SEARCH = 10.0, 0.9
-"""What a run that ended early counts [m]; share of the time that the search takes."""
+"""Cost of a run that ended early [m]; share of the time that the search takes."""
 
 MOST_TRIALS = 100_000
 WORSE = 0.05
@@ -53,7 +53,7 @@ WORSE = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class TuningPlan:
-    """What is tuned, on which seeds, for how long; ``weight`` in m per N m.
+    """Law, scenario, seeds and length of a search; ``weight`` in m per N m.
 
     ``hold``: keys of gains that stay as they are, such as those that several laws share.
     """
@@ -344,6 +344,6 @@ def _document(tuning: Tuning) -> str:
 
 
 def _digest(plan: TuningPlan) -> str:
-    """What a search depends on, but for its length."""
+    """Hash of all that a search depends on, but for its length."""
     text = to_toml(plan.scenario, comments=False)
     return digest_of(text, plan.law, plan.seeds, plan.weight, plan.hold, MASSES)

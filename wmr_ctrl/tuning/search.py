@@ -22,7 +22,7 @@ SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
 
 
 def digest_of(*parts: object) -> str:
-    """What tells one search from another."""
+    """Hash that tells one search from another."""
     return hashlib.sha256(repr((*parts, SPREAD, WIDEST, DIGITS)).encode()).hexdigest()
 
 
@@ -50,7 +50,7 @@ class Search:
         return asked
 
     def tell(self, candidates: Sequence[Floats], costs: Sequence[float]) -> None:
-        """What they cost."""
+        """Take the candidates' costs."""
         self._engine.tell(list(candidates), list(costs))
         at = int(np.argmin(costs))
         if costs[at] < self._best[0]:
@@ -72,7 +72,7 @@ class Search:
 
 
 def trials_file(target: Path) -> Path:
-    """Where what was tried is kept until ``target`` is written."""
+    """File that keeps what was tried until ``target`` is written."""
     return target.with_name(f"{target.name}.trials.json")
 
 
