@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -44,3 +47,32 @@ def raw(exported: Export, tmp_path_factory: pytest.TempPathFactory) -> Callable[
         return made[what, version]
 
     return load
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]:
+    """A function: source text of a PythonFMU slave -> its FMU, built once by that exporter."""
+    pytest.importorskip("pythonfmu", reason="PythonFMU builds the foreign FMUs")
+
+    @cache
+    def build(name: str, text: str) -> Path:
+        folder = tmp_path_factory.mktemp("foreign")
+        source = folder / f"{name}.py"
+        source.write_text(text, encoding="utf-8")
+        command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(source), "-d", str(folder)]
+        subprocess.run(command, check=True, capture_output=True)
+        return next(folder.glob(f"{name}.fmu"))
+
+    return build
+
+
+@pytest.fixture
+def mapped(tmp_path: Path) -> Callable[[str], Path]:
+    """A function: text of a map -> its file."""
+
+    def write(text: str) -> Path:
+        path = tmp_path / "map.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

@@ -7,7 +7,7 @@ import pytest
 
 from tests.fmi.foreign import CONTROLLER, CONTROLLER_MAP, PLANT, PLANT_MAP
 from tests.fmi.raw import OK, REFUSED
-from tests.fmi.test_cosim import SHORT, foreign, mapped  # noqa: F401
+from tests.fmi.test_cosim import SHORT
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
@@ -38,18 +38,18 @@ def test_another_law_is_refused(exported):
         cosimulate(SHORT, "mb", controller=exported("nn", 2))
 
 
-def test_a_foreign_fmu_needs_a_map(foreign):  # noqa: F811
+def test_a_foreign_fmu_needs_a_map(foreign):
     with pytest.raises(ArgumentError, match="map"):
         cosimulate(SHORT, controller=foreign(*THEIRS))
 
 
-def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):  # noqa: F811
+def test_a_law_beside_a_foreign_controller_is_refused(foreign, mapped):
     given = {"controller": foreign(*THEIRS), "map_file": mapped(CONTROLLER_MAP)}
     with pytest.raises(ArgumentError, match=r"'pid' says nothing of the controller .*Leave"):
         cosimulate(SHORT, "pid", **given)
 
 
-def test_drives_limit_a_foreign_controller(foreign, mapped):  # noqa: F811
+def test_drives_limit_a_foreign_controller(foreign, mapped):
     limited = override(SHORT, {"actuator.tau_max": 4.5, "clock.duration": 0.5})
     run = cosimulate(limited, controller=foreign(*THEIRS), map_file=mapped(CONTROLLER_MAP))
     free = cosimulate(
@@ -62,21 +62,21 @@ def test_drives_limit_a_foreign_controller(foreign, mapped):  # noqa: F811
 
 
 @pytest.mark.parametrize("changes", [{"disturbance.std": 1.0}, {"disturbance.push": [3.0, 0.0]}])
-def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes):  # noqa: F811
+def test_a_disturbance_that_a_map_leaves_out_is_refused(foreign, mapped, changes):
     deaf = PLANT_MAP.replace("torque_right", "tau_right").replace("torque_left", "tau_left")
     plant = foreign("TheirRobot", PLANT)
     with pytest.raises(ArgumentError, match="does not reach"):
         cosimulate(override(SHORT, changes), "pid", plant=plant, map_file=mapped(deaf))
 
 
-def test_a_foreign_plant_starts_where_the_scenario_does(foreign, mapped):  # noqa: F811
+def test_a_foreign_plant_starts_where_the_scenario_does(foreign, mapped):
     elsewhere = override(SHORT, {"initial.pose": [-0.5, 0.25, -0.7]})
     plant = foreign("TheirRobot", PLANT)
     with pytest.raises(ArgumentError, match=r"y = -0\.5, not 0\.25"):
         cosimulate(elsewhere, "pid", plant=plant, map_file=mapped(PLANT_MAP))
 
 
-def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):  # noqa: F811
+def test_a_foreign_plant_is_watched_at_its_own_steps(foreign, mapped):
     """Twice in a control period at 5 ms, as the map says."""
     slow = override(SHORT, {"clock.duration": 0.5, "limits.v_u1": [1e-9, 1e-9],
                             "limits.v_u2": [1e-10, 1e-10], "limits.clip": 1e-11})  # fmt: skip

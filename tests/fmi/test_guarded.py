@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from tests.fmi.test_cosim import foreign, mapped  # noqa: F401
 from tests.fmi.test_equality import differences
 from tests.matrix import quick
 from wmr_ctrl.api import simulate
@@ -109,7 +108,7 @@ def test_under_the_other_master_too(bare, delay_known):
     same(cosimulate(SAFE, controller=bare("mb"), **options), cosimulate(SAFE, "mb", **options))
 
 
-def test_by_a_map_it_is_the_same_too(bare, mapped):  # noqa: F811
+def test_by_a_map_it_is_the_same_too(bare, mapped):
     ours = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot",
             "x", "y", "theta", "v1", "omega")  # fmt: skip
     rows = "\n".join(f'{name} = "{name}"' for name in ours)
@@ -131,7 +130,7 @@ def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(bare, law):
 
 @pytest.mark.parametrize(("text", "outputs"), [(BY_TORQUE, TORQUES), (BY_FORCE, FORCE)])
 @pytest.mark.parametrize("master", ["gauss-seidel", "jacobi"])
-def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outputs, master):  # noqa: F811
+def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outputs, master):
     name = "Eager" if text == BY_TORQUE else "EagerForce"
     given = {
         "controller": foreign(name, text.replace("class Eager", f"class {name}")),
@@ -157,7 +156,7 @@ def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outp
     assert np.abs(run["tau_left"][quiet] - wheels[1]).max(initial=0.0) < 1e-12
 
 
-def test_force_and_torques_say_the_same(foreign, mapped):  # noqa: F811
+def test_force_and_torques_say_the_same(foreign, mapped):
     """9 and 3 N m at wheels of 0.1 m with half a track of 0.25 m are 120 N and 15 N m."""
     first, second = (
         cosimulate(
@@ -175,7 +174,7 @@ def test_force_and_torques_say_the_same(foreign, mapped):  # noqa: F811
     assert first["tau_left"][5] == pytest.approx(3.0, rel=1e-12)
 
 
-def test_what_is_no_number_is_the_controllers_fault(foreign, mapped):  # noqa: F811
+def test_what_is_no_number_is_the_controllers_fault(foreign, mapped):
     given = {
         "controller": foreign("Lost", LOST.replace("class Eager", "class Lost")),
         "map_file": mapped(INPUT + TORQUES),
@@ -188,7 +187,7 @@ def test_what_is_no_number_is_the_controllers_fault(foreign, mapped):  # noqa: F
         assert run.monitor.failure.endswith(".")
 
 
-def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):  # noqa: F811
+def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
     weak = override(SAFE, {"actuator.tau_max": 0.1})
     with pytest.raises(ScenarioError) as native:
         simulate(weak, "mb")

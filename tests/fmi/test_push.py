@@ -7,7 +7,6 @@ import pytest
 from fmpy import simulate_fmu
 
 from tests.fmi.foreign import PLANT, PLANT_MAP
-from tests.fmi.test_cosim import foreign, mapped  # noqa: F401
 from tests.fmi.test_equality import STATE
 from wmr_ctrl.api import simulate
 from wmr_ctrl.campaign.comparison import ADVERSARY
@@ -93,7 +92,7 @@ def test_push_is_turned_with_the_motion():
     assert run["noise_left"] == pytest.approx(left, abs=1e-15)
 
 
-def test_push_reaches_a_foreign_plant(foreign, mapped):  # noqa: F811
+def test_push_reaches_a_foreign_plant(foreign, mapped):
     scenario = override(load_scenario("paper-simulation-nominal"), {"clock.duration": 1.0})
     pushed = override(scenario, {"disturbance.push": [20.0, 1.0]})
     plant, names = foreign("TheirPushed", PLANT.replace("TheirRobot", "TheirPushed")), PLANT_MAP

@@ -9,26 +9,21 @@ from wmr_ctrl.cli.console import table, wrapped
 from wmr_ctrl.results import OBJECTED, RigidMonitor, Run, driving, percent, speeds, summary
 
 MISSING = "- (not reached)"
+FMUS = ("reference", "controller", "guard", "plant")
+"""Parts of a run that coupled FMUs."""
 Row = tuple[str, str, str]
 
 
 def summary_text(run: Run) -> str:
-    """What was run, how it ended, and its figures as a table."""
+    """Law, scenario and engine of a run, how it ended, and its figures as a table."""
     guarded = ", guarded" if run.guard else ""
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
-    head = f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"
+    head = [f"{run.law}{guarded} on {run.scenario}, seed {run.seed}, {run.engine} engine{rigid}"]
+    labels = {name: run.provenance.get(f"fmu_{name}") for name in FMUS}
+    head += [wrapped(f"{name}: {label}", hang="  ") for name, label in labels.items() if label]
     remarks = [wrapped(f"- {text}", hang="  ") for text in _unsaid(run)]
-    head = "\n".join((head, *_parts(run)))
-    said = "\n".join((wrapped(run.explanation), *remarks, *_counted(run)))
-    return "\n\n".join((head, said, table(_rows(run, summary(run)))))
-
-
-def _parts(run: Run) -> Iterator[str]:
-    """The FMUs of a run that coupled some."""
-    for name in ("reference", "controller", "guard", "plant"):
-        label = run.provenance.get(f"fmu_{name}")
-        if label:
-            yield wrapped(f"{name}: {label}", hang="  ")
+    said = (wrapped(run.explanation), *remarks, *_counted(run))
+    return "\n\n".join(("\n".join(head), "\n".join(said), table(_rows(run, summary(run)))))
 
 
 def _unsaid(run: Run) -> Iterator[str]:
@@ -47,8 +42,7 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield from _velocities(run, figures)
     if run.guard:
         shares = figures["guard_share"] or (None, None)
-        named = zip(("thrust", "moment"), shares, strict=True)
-        for axis, share in named:
+        for axis, share in zip(("thrust", "moment"), shares, strict=True):
             changed = MISSING if share is None else percent(share)
             yield f"guard changed the {axis}", changed, "of the samples"
         yield from _usable(run)
@@ -56,8 +50,7 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"
     yield "wheel torque, RMS", _number(figures["tau_rms"], "N m"), since
-    change = _number(figures["torque_change_rms"], "N m")
-    yield "wheel torque, change", change, "RMS a sample"
+    yield "wheel torque, change", _number(figures["torque_change_rms"], "N m"), "RMS a sample"
     yield "wheel torque, needed", _number(figures["torque_needed_rms"], "N m"), "RMS, the motion's"
     if figures["saturated_share"] is not None:
         yield "wheel torque at its limit", percent(figures["saturated_share"]), "of the samples"
@@ -105,25 +98,17 @@ def _position(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     windows = {"drive": driving(run), "end": "after arrival"}
     for part, when in windows.items():
         if parts[part] is not None:
-            verdict = _verdict(parts[part]["position_rms"], tolerance)
-            yield "position error, RMS", _number(parts[part]["position_rms"], "m"), when + verdict
+            rms = parts[part]["position_rms"]
+            near = rms is not None and tolerance is not None and rms <= tolerance
+            word = "tracked" if near else "NOT TRACKED"
+            verdict = "" if tolerance is None else f", tolerance {tolerance:g} m: {word}"
+            yield "position error, RMS", _number(rms, "m"), when + verdict
             yield "position error, largest", _number(parts[part]["position_max"], "m"), when
     if figures["arrival"]:
         robot, desired = (figures["arrival"][key] for key in ("robot", "reference"))
         stays = "" if tolerance is None else f"stays within {tolerance:g} m; "
-        yield (
-            "arrival at the goal",
-            _number(robot, "s"),
-            f"{stays}the desired motion: {desired:.4g} s",
-        )
-
-
-def _verdict(rms: float | None, tolerance: float | None) -> str:
-    """Whether a part of the run was tracked, behind the name of the part."""
-    if tolerance is None:
-        return ""
-    word = "tracked" if rms is not None and rms <= tolerance else "NOT TRACKED"
-    return f", tolerance {tolerance:g} m: {word}"
+        when = f"{stays}the desired motion: {desired:.4g} s"
+        yield "arrival at the goal", _number(robot, "s"), when
 
 
 def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -134,7 +119,8 @@ def _errors(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
     yield "ISE of the position", _number(ise["position"], "m2 s"), ""
     for window, values in figures["e_rms"].items():
         if values:
-            yield f"RMS of e, {window} s", _vector(values), "Eq. (8)"
+            e1, e2, e3 = values
+            yield f"RMS of e, {window} s", f"{e1:.3g} m, {e2:.3g} m, {e3:.3g} rad", "Eq. (8)"
 
 
 def _velocities(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
@@ -163,8 +149,3 @@ def _number(value: float | None, unit: str = "") -> str:
 
 def _force(values: Sequence[float | None]) -> str:
     return ", ".join(_number(value, unit) for value, unit in zip(values, ("N", "N m"), strict=True))
-
-
-def _vector(values: Sequence[float]) -> str:
-    e1, e2, e3 = values
-    return f"{e1:.3g} m, {e2:.3g} m, {e3:.3g} rad"

@@ -58,6 +58,13 @@ LOOP = {
     "disturbance": Site(160, 140),
 }
 """Parts of the closed loop."""
+CONNECTED = (
+    ("reference", "controller"),
+    ("controller", "plant"),
+    ("disturbance", "plant"),
+    ("plant", "controller"),
+)
+"""Parts that give and take; what the plant gives back runs around all parts."""
 LOOP_EXTENT = "{{-230,-140},{280,210}}"
 WITHIN = Site(0, 0)
 """The one part of a block around an FMU."""
@@ -94,16 +101,14 @@ def places_of_parts(
     """
     fed_back = [name for name in asked if name not in desired]
     pushes = [name for name in given if name not in torques]
+    shown = _side(desired, -_EDGE) | _edge(fed_back, -_EDGE, 90)
+    driven = _side(torques, -_EDGE) | _edge(pushes, _EDGE, -90)
     return {
         "reference": Places({}, _side(desired, _EDGE)),
-        "controller": Places(
-            _side(desired, -_EDGE) | _edge(fed_back, -_EDGE, 90), _side(torques, _EDGE)
-        ),
-        "plant": Places(
-            _side(torques, -_EDGE) | _edge(pushes, _EDGE, -90), _side(motion, _EDGE)
-        ),
+        "controller": Places(shown, _side(torques, _EDGE)),
+        "plant": Places(driven, _side(motion, _EDGE)),
         "disturbance": Places({}, _edge(pushes, -_EDGE, -90)),
-    }  # fmt: skip
+    }
 
 
 def shown_places(names: Sequence[str]) -> dict[str, Place]:
@@ -114,17 +119,10 @@ def shown_places(names: Sequence[str]) -> dict[str, Place]:
 def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
     """All connections of the loop."""
     wires = []
-    pairs = (("reference", "controller"), ("controller", "plant"), ("disturbance", "plant"),
-             ("plant", "controller"))  # fmt: skip
-    for giver, taker in pairs:
-        names = [name for name in parts[giver].outputs if name in parts[taker].inputs]
-        ends = [
-            (
-                LOOP[giver].end(parts[giver].outputs[name]),
-                LOOP[taker].end(parts[taker].inputs[name]),
-            )
-            for name in names
-        ]
+    for giver, taker in CONNECTED:
+        given, taken = parts[giver].outputs, parts[taker].inputs
+        names = [name for name in given if name in taken]
+        ends = [(LOOP[giver].end(given[name]), LOOP[taker].end(taken[name])) for name in names]
         lines = _around(ends) if giver == "plant" else [_line(*pair) for pair in ends]
         wires += [
             Wire(f"{giver}.{name}", f"{taker}.{name}", drawn)

@@ -117,11 +117,12 @@ class _Statements:
         for array, index in self.places.values():
             sizes[array] = max(sizes.get(array, 0), index + 1)
         arrays = [f"{name}[{size}]" for name, size in sizes.items()]
-        lines = _declared("Real", [*arrays, *self._of_kind("Real")])
-        return [*lines, *_declared("Boolean", self._of_kind("Boolean"))]
-
-    def _of_kind(self, kind: str) -> list[str]:
-        return [name for name, own in self.kinds.items() if own == kind]
+        lines = []
+        for kind, first in (("Real", arrays), ("Boolean", [])):
+            names = [*first, *(name for name, own in self.kinds.items() if own == kind)]
+            wrapped = textwrap.wrap(", ".join(names), 80)
+            lines += [f"{kind} {line.rstrip(',')};" for line in wrapped]
+        return lines
 
     def statements(self, items: Iterable[Item], indent: str) -> list[str]:
         """Lines of one scope."""
@@ -130,7 +131,8 @@ class _Statements:
             if isinstance(item, Operation):
                 text += self._line(item, indent)
             elif isinstance(item, ResultStore):
-                text.append(f"{indent}{self._target(item)} {self.sign} {self._free(item)};")
+                value = _bare(self._real(item.store.node))
+                text.append(f"{indent}{self._target(item)} {self.sign} {value};")
             elif isinstance(item, IfElse):
                 text += self._block(item, indent)
             elif isinstance(item, ArrayLoop):
@@ -157,9 +159,6 @@ class _Statements:
     def _target(self, item: ResultStore) -> str:
         place = (item.store.vector, item.store.index)
         return indexed(*place) if self.results is None else self.results[place]
-
-    def _free(self, item: ResultStore) -> str:
-        return _bare(self._real(item.store.node))
 
     def _line(self, item: Operation, indent: str) -> list[str]:
         text = self._expression(item.node)
@@ -234,12 +233,6 @@ class _Statements:
             f"{indent}{_STEP}{_moving(roll.target)} {self.sign} {value};",
             f"{indent}end for;",
         ]
-
-
-def _declared(kind: str, names: list[str]) -> list[str]:
-    """Declarations of many names on lines of a readable length."""
-    lines = textwrap.wrap(", ".join(names), 80)
-    return [f"{kind} {line.rstrip(',')};" for line in lines]
 
 
 def _moving(part: Slice) -> str:
