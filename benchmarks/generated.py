@@ -18,7 +18,7 @@ from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.sim.batch import run_tasks
 from wmr_ctrl.sim.compiled_law import CompiledLaw
-from wmr_ctrl.sim.memory import Task, VectorSet, laid_out, load, vector_sets
+from wmr_ctrl.sim.memory import Task, VectorSet, laid_out, load, opened, vector_sets
 from wmr_ctrl.sim.runnable import RunnableLoop
 
 from .drive import out_of_place, plant_only
@@ -63,7 +63,7 @@ def inputs_of(law: str) -> Array:
 def step(law: str, steps: int) -> Candidate:
     """One control sample, in a loop in C, called through a pointer."""
     numbers = compiled(law).law
-    entry = load(compiled_law(law).library).wmr_export_controller
+    entry = opened(compiled_law(law).library).wmr_export_controller
     x, p = np.array([*numbers.start, 0.0]), np.array(numbers.values)
     return Candidate(partial(out_of_place(entry, inputs_of(law), x, p, 2), steps), steps)
 

@@ -39,7 +39,7 @@ class _Scope:
     """Items in order, who makes each value and how often it is read, the choices by conditions.
 
     ``kept`` are the items that make a value which is read outside of it; ``uses`` counts each
-    reader of an item once for each value that it reads.
+    reader of an item once for each value that it reads; ``choices`` stand as lines.
     """
 
     def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:
@@ -50,18 +50,12 @@ class _Scope:
         self.uses = Counter(
             self.maker[number] for item in items for number in item.reads if number in self.maker
         )
-        self.choices = _choices(graph, items)
-
-
-def _choices(graph: Graph, items: Iterable[Item]) -> dict[int, list[Operation]]:
-    """The choices that stand as lines, in order, by their conditions."""
-    found: dict[int, list[Operation]] = {}
-    for item in items:
-        if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
-            condition = graph.nodes[item.node].operands[0]
-            if not graph.nodes[condition].leaf:
-                found.setdefault(condition, []).append(item)
-    return found
+        self.choices: dict[int, list[Operation]] = {}
+        for item in items:
+            if isinstance(item, Operation) and graph.nodes[item.node].op == SELECT:
+                condition = graph.nodes[item.node].operands[0]
+                if not graph.nodes[condition].leaf:
+                    self.choices.setdefault(condition, []).append(item)
 
 
 class _Branch:

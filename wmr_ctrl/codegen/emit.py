@@ -169,7 +169,9 @@ def split(graph: Graph) -> tuple[Graph, Graph]:
 
 def _wanted(graph: Graph) -> list[int]:
     """Slow steady values that something changing, or a result, reads."""
-    kind, slow = kinds(graph.nodes), _slow(graph)
+    kind, slow = kinds(graph.nodes), list[bool]()
+    for number, node in enumerate(graph.nodes):
+        slow.append(graph.cost(number) > 1 or any(slow[k] for k in node.operands))
     readers = [node for number, node in enumerate(graph.nodes) if kind[number] == CHANGING]
     read = {number for node in readers for number in node.operands}
     read |= {store.node for store in graph.stores}
@@ -178,10 +180,3 @@ def _wanted(graph: Graph) -> list[int]:
         for number in read
         if kind[number] == STEADY and slow[number] and not graph.is_logical(number)
     )
-
-
-def _slow(graph: Graph) -> list[bool]:
-    found: list[bool] = []
-    for number, node in enumerate(graph.nodes):
-        found.append(graph.cost(number) > 1 or any(found[k] for k in node.operands))
-    return found

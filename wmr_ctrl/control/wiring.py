@@ -94,16 +94,20 @@ class Wiring:
 
     def run(self, system: System, known: Mapping[str, ca.SX] | None = None) -> Named:
         """Outputs and diagnostics of a System for what is known; its state joins the others."""
-        named = self.known if known is None else known
-        p = self.of(system)
+        p, inputs = self.of(system), self.known if known is None else known
         for item in system.draws:
             said = ca.substitute(ca.vertcat(item.wanted, item.bound), system.p, p)
             self.streams.append(Stream(item, self.rate, said))
-        given = [stack(named[item.signal.name] for item in system.inputs), system.x, p]
+        given = [stack(inputs[item.signal.name] for item in system.inputs), system.x, p]
         graph = system.function("run", [system.update, system.y, system.d])
         update, y, d = graph(*given, *([system.w] if system.draws else []))
         self.add(system.state, update)
-        return _by_name(system, ca.vertcat(y, d))
+        at, numbers = 0, ca.vertcat(y, d)
+        outputs: Named = {}
+        for output in (*system.outputs, *system.diagnostics):
+            outputs[output.signal.name] = numbers[at : at + output.signal.size]
+            at += output.signal.size
+        return outputs
 
     def add(self, state: Sequence[Port], following: ca.SX) -> None:
         """State with its next value."""
@@ -164,11 +168,3 @@ def pushes(systems: Sequence[System]) -> bool:
 def held_signals(pushed: bool) -> tuple[Signal, ...]:
     """What a sample leaves to its steps, the commanded torques first."""
     return (*TORQUE, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))
-
-
-def _by_name(system: System, numbers: ca.SX) -> Named:
-    at, named = 0, {}
-    for item in (*system.outputs, *system.diagnostics):
-        named[item.signal.name] = numbers[at : at + item.signal.size]
-        at += item.signal.size
-    return named
