@@ -37,7 +37,7 @@ class Signal:
 
 
 LARGEST = 1e12
-"""What no input or parameter may exceed in size, in the SI unit of each: up to here every law's
+"""Largest size of any input or parameter, in the SI unit of each: up to here every law's
 force and memory stay finite.  Stands for `unlimited` too."""
 
 TIME = Signal("t", "s", "time")
@@ -62,7 +62,7 @@ MEASURED_VELOCITY = (
     Signal("v1_measured", "m/s", "measured linear velocity"),
     Signal("omega_measured", "rad/s", "measured angular velocity"),
 )
-"""What a law is given in the place of pose and velocity."""
+"""Inputs of a law in the place of pose and velocity."""
 MEASURED = (*MEASURED_POSE, *MEASURED_VELOCITY)
 SAMPLE = Signal("sample", "1", "number of the control sample, from 0")
 STEP = Signal("step", "1", "number of the plant step, from 0")
@@ -126,7 +126,7 @@ GUARD_DIAGNOSTICS = (
     ),
     Signal("feasible", "1", "1 where the guard's bounds leave a safe force at every state, else 0"),
 )
-"""What a guarded controller publishes beside its law's diagnostics."""
+"""Diagnostics of a guarded controller beside its law's."""
 D_HAT = Signal("d_hat", "N, N.m", "disturbance as the observer estimates it", 2)
 
 WHEEL_SPEED = Signal("wheel_speed", "rad/s", "speed of the wheels (right, left)", 2)
@@ -136,7 +136,7 @@ TIP_MARGIN = Signal(
     "tip_margin", "1", "distance of the load's centre from the edge of the support, 1 over the axle"
 )
 RIGID = (WHEEL_SPEED, SLIP, TILT, TIP_MARGIN)
-"""What the log of a rigid body has after the columns that every plant has."""
+"""Columns of a rigid body's log after those that every plant has."""
 
 LOG_HEAD = (
     TIME,

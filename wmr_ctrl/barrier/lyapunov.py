@@ -80,7 +80,7 @@ def network_lyapunov(v1i: ca.SX, mass: ca.SX, gamma: ca.SX, weight_error: ca.SX)
 
 
 def network_target(mass: ca.SX, c_dot: ca.SX, ratio: ca.SX, friction: ca.SX) -> ca.SX:
-    """What the network is to give, Eq. (59): M1 v_c0' + (A/(v - v_c1)) F1, one axis [N or N m]."""
+    """Target of the network, Eq. (59): M1 v_c0' + (A/(v - v_c1)) F1, one axis [N or N m]."""
     return mass * c_dot + ratio * friction
 
 

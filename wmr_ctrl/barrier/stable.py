@@ -163,7 +163,7 @@ class Axis:
 
     @cached_property
     def linear(self) -> ca.SX:
-        """What D has beside phi(Y)."""
+        """The part of D beside phi(Y)."""
         inside = self.a * (self.u2 - self.v)
         ahead = self.by_region(self.excess, self.slack * (self.v - self.u2), 0)
         behind = ca.if_else(self.far, 2 * self.a * ca.fabs(self.v), inside + self.excess)
@@ -297,7 +297,7 @@ class SmoothAxis(Axis):
 
     @cached_property
     def linear(self) -> ca.SX:
-        """What D has beside phi(Y)."""
+        """The part of D beside phi(Y)."""
         inside = self.a * (self.u2 - self.v)
         behind = 2 * self.a * ca.fabs(self.v)
         return self.by_side(ca.SX(0), inside, behind)

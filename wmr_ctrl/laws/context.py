@@ -31,7 +31,7 @@ Desired = tuple[ca.SX, ca.SX, ca.SX]
 
 
 class LawNumbers(KeyedNumbers, Protocol):
-    """What a law's graph is built from: its name, its checked gains, the scenario, all numbers."""
+    """Inputs of a law's graph: its name, its checked gains, the scenario, all numbers."""
 
     @property
     def name(self) -> str:
@@ -136,7 +136,7 @@ class LawContext:
 
     @cached_property
     def smooth(self) -> bool:
-        """Whether the law's gain ``barrier`` asks for the smooth form."""
+        """True where the law's gain ``barrier`` asks for the smooth form."""
         return isinstance(self.gains, BarrierChoice) and self.gains.barrier == "smooth"
 
     @cached_property
@@ -187,5 +187,5 @@ class LawContext:
 
 
 def own_diagnostics(law: System) -> tuple[Signal, ...]:
-    """What a law publishes beside the diagnostics that all laws have."""
+    """Diagnostics of a law beside those that all laws have."""
     return tuple(item.signal for item in law.diagnostics[len(DIAGNOSTICS) :])

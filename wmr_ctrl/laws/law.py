@@ -19,7 +19,7 @@ BARRIERS = ("paper", "smooth")
 
 @dataclass(frozen=True, kw_only=True)
 class Traits:
-    """What a law is, as its author states it.
+    """Properties of a law, as its author states them.
 
     ``auxiliary``: Eq. (7) is its outer loop.  ``barrier``: it evaluates the barrier function.
     ``model``: it believes a mass and a friction.  ``theorem``: the paper's theorem whose claim is
@@ -96,7 +96,7 @@ class Predicting(Section, key="gains"):
 
 
 def commands_predicted(gains: Section, period: float) -> int:
-    """How many commands are under way over the delay of such gains, at a control period [s]."""
+    """Number of commands in flight over the delay of such gains, at a control period [s]."""
     return math.ceil(gains.delay / period - WHOLE) if isinstance(gains, Predicting) else 0
 
 

@@ -39,7 +39,7 @@ from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.model.system import System
 
 TRANSPORTS = ("two-part", "level")
-"""How much of the target's way the velocity is carried along: the reference's share, or all."""
+"""Part of the target's way that the velocity is carried along: the reference's share, or all."""
 
 
 class ProxGains(BarrierChoice, TorqueLimited, Predicting, key="gains.prox"):

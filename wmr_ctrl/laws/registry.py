@@ -47,7 +47,7 @@ class LawRegistry(Mapping[str, Law]):
         return len(tuple(iter(self)))
 
     def __contains__(self, name: object) -> bool:
-        """Whether a law has this name."""
+        """True where a law has this name."""
         return name in tuple(self)
 
     @cached_property

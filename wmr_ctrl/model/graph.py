@@ -45,7 +45,7 @@ class Node:
 
     @property
     def leaf(self) -> bool:
-        """Whether it is a constant or an input, which take no statement."""
+        """True for a constant or an input, which take no statement."""
         return self.op in (ca.OP_CONST, ca.OP_INPUT)
 
 
@@ -66,7 +66,7 @@ class Graph:
     stores: tuple[Store, ...]
 
     def is_logical(self, number: int) -> bool:
-        """Whether a value is a truth value: a comparison, or a choice between such."""
+        """True for a truth value: a comparison, or a choice between such."""
         node = self.nodes[number]
         if node.op != SELECT:
             return node.op in LOGICAL
@@ -204,7 +204,7 @@ _ROUNDING = frozenset({ca.OP_FLOOR, ca.OP_CEIL})
 
 
 def rounds(expr: ca.SX, varying: ca.SX) -> bool:
-    """Whether anything that depends on ``varying`` is rounded in a column, which has no slope."""
+    """True where anything that depends on ``varying`` is rounded in a column."""
     return _unrounded(expr, varying)[1]
 
 

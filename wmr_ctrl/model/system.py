@@ -186,7 +186,7 @@ def ports(signals: Iterable[Signal], start: Iterable[float] | None = None) -> tu
 
 
 class KeyedNumbers(Protocol):
-    """Where numbers come from by key: a Scenario, or the Setup of a law on it."""
+    """Numbers by key: a Scenario, or the Setup of a law on it."""
 
     def number(self, key: str) -> tuple[Signal, tuple[float, ...]]:
         """Signal and value of the number called ``key``, such as ``robot.m``."""

@@ -30,7 +30,7 @@ def _queued(doc: str) -> float:
 
 
 class Delay(Section, key="actuator"):
-    """How late the torque is."""
+    """Constant delay of the torque."""
 
     delay: float = _queued("delay of the torque")
     unmodelled_delay: float = _queued("further delay that laws and observer do not know of")
@@ -82,6 +82,6 @@ def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
 
 
 def commands_under_way(scenario: Scenario) -> int:
-    """How many commands have not acted to their end when the next one is computed."""
+    """Number of commands that have not acted to their end when the next one is computed."""
     whole, part = delay_in_periods(scenario)
     return whole + bool(part)

@@ -58,7 +58,7 @@ MOST_REMEMBERED = 500
 
 
 class EffectRole(Enum):
-    """What an effect stands for in the loop."""
+    """Role of an effect in the loop."""
 
     SENSOR = "sensor"
     DISTURBANCE = "disturbance"
@@ -66,7 +66,7 @@ class EffectRole(Enum):
 
 
 class Rate(Enum):
-    """How often an effect acts: once in a control sample, or in each plant step."""
+    """Rate of an effect: once in a control sample, or in each plant step."""
 
     SAMPLE = "sample"
     STEP = "step"
@@ -74,7 +74,7 @@ class Rate(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class Bound:
-    """What an effect adds to what the guard assumes; pairs are (linear, angular).
+    """Contribution of an effect to the guard's assumptions; pairs are (linear, angular).
 
     ``dbar`` disturbance force [N, N m]; ``nbar`` error of the velocity [m/s, rad/s]; ``mass`` by
     which mass and inertia may differ from the robot's [kg, kg m2].
@@ -130,7 +130,7 @@ READS: dict[EffectRole, tuple[Signal, ...]] = {
     EffectRole.DISTURBANCE: (*_TRUE, SAMPLE, STEP),
     EffectRole.DRIVE: (*_TRUE, STEP, *TORQUE),
 }
-"""What an effect of a role may read: what every output has for it."""
+"""Inputs that an effect of a role may have: those that every output has for it."""
 WRITES: dict[EffectRole, tuple[Signal, ...]] = {
     EffectRole.SENSOR: MEASURED,
     EffectRole.DISTURBANCE: DISTURBING,
@@ -196,7 +196,7 @@ class Effect:
         return f"{self.name} ([{self.section.KEY}])"
 
     def active(self, scenario: Scenario) -> bool:
-        """Whether it makes a difference."""
+        """True where it makes a difference."""
         if self.acts is not None:
             return bool(self._call("acts", self.acts, scenario))
         section, defaults = scenario.section(self.section), dict(quantities(self.section))
@@ -204,7 +204,7 @@ class Effect:
         return any(getattr(section, name) != defaults[name].default for name in names)
 
     def present(self, scenario: Scenario) -> bool:
-        """Whether it is part of the loop's structure."""
+        """True where it is part of the loop's structure."""
         return self.always or self.active(scenario)
 
     def relate(self, scenario: Scenario) -> None:
@@ -225,7 +225,7 @@ class Effect:
         return system
 
     def bounded(self, scenario: Scenario) -> Bound | None:
-        """What it adds to the guard's assumptions; None where it states no bound."""
+        """Its contribution to the guard's assumptions; None where it states no bound."""
         if self.bound is None:
             return None
         stated = self._call("bound", self.bound, scenario)
@@ -264,7 +264,7 @@ def adds_nothing(_: Scenario) -> Bound:
 
 
 def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
-    """What a sensor of the velocity adds where it makes only these axes' (0 linear, 1 angular)."""
+    """Bound of a velocity sensor that makes only these axes' (0 linear, 1 angular)."""
     shown: dict[str, Any] = {
         name: tuple(float(axis in axes) * getattr(bound, name)[axis] for axis in (0, 1))
         for name in ("nbar", "age", "window")

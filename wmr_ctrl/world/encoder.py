@@ -225,7 +225,7 @@ def bound(scenario: Scenario) -> Bound:
 def rounded_by(
     believed: tuple[Number, Number], counts: Number, window: Number
 ) -> tuple[Number, Number]:
-    """What v1 [m/s] and omega [rad/s] are off by less than, where whole ``counts`` are differenced.
+    """Quantisation error of v1 [m/s] and omega [rad/s], where whole ``counts`` are differenced.
 
     Each wheel's speed is off by less than 2 pi r/(N w), so v1 by as much and omega by that over l
     (ledger: world.encoder.*), for ``believed`` (r, l) [m] and a ``window`` w [s], numbers or

@@ -1,4 +1,4 @@
-"""What the tyres can take: torques at which wheels spin or lift, in closed form.
+"""Traction limits: torques at which wheels spin or lift, in closed form.
 
 The robot of [robot] and [body] on level ground, in the quasi-static mechanics of a rigid body with
 its centre of mass over the axle.  With N_c of the weight on one caster and a thrust F = m a,

@@ -15,7 +15,7 @@ NUMBERS = Signal("gyro", "1", "uniform numbers on [-1, 1)", 2)
 
 
 class Gyro(Section, key="gyro"):
-    """Whether there is one, and its errors."""
+    """Presence of a gyro, and its errors."""
 
     enabled: bool = quantity(False, unit="1", doc="whether omega is measured by a gyro")
     bias: float = quantity(0.0, unit="rad/s", doc="what it shows at rest")

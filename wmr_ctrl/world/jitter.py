@@ -20,7 +20,7 @@ DUE = Signal("jitter_due", "1", "plant steps from its arrival until it acts")
 
 
 class Jitter(Section, key="actuator"):
-    """How much later a command may come."""
+    """Largest further delay of a command."""
 
     jitter: float = quantity(
         0.0,

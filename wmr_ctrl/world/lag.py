@@ -33,7 +33,7 @@ MANY = 500.0
 
 
 class Lag(Section, key="actuator"):
-    """How slow the torque is."""
+    """Time constant of the torque, and its spread."""
 
     lag: float = quantity(
         0.0, unit="s", doc="time constant of the torque's lag", minimum=0, usual=(0, 2)

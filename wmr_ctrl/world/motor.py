@@ -18,7 +18,7 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 
 class Motor(Section, key="motor"):
-    """What the motors make of a torque; the defaults change nothing."""
+    """Resolution, dead zone and torque line of the motors; the defaults change nothing."""
 
     step: float = quantity(
         0.0, unit="N.m", doc="torque comes in whole steps of this, the nearest; 0: any", minimum=0
@@ -71,7 +71,7 @@ def stepped(torque: ca.SX, step: ca.SX) -> ca.SX:
 
 
 def beyond_zone(torque: ca.SX, zone: ca.SX) -> ca.SX:
-    """What a dead zone leaves [N m]."""
+    """Torque behind a dead zone [N m]."""
     return torque - ca.fmax(-zone, ca.fmin(zone, torque))
 
 
@@ -101,7 +101,7 @@ def largest_torque(scenario: Scenario) -> float:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """What both wheels together miss at worst.
+    """Force that both wheels together miss at worst.
 
     A step is off by at most half of it, the dead zone takes at most its width: twice that over r
     is missing of the thrust, l times as much of the moment.  On the line a wheel at speed s misses
@@ -136,7 +136,7 @@ def missing(most: Number, stall: Number, share: Number) -> Number:
 
 
 def rounded_by(step: Number) -> Number:
-    """What torque in steps is off by at most [N m]."""
+    """Largest rounding error of torque in steps [N m]."""
     return step / 2.0
 
 

@@ -61,7 +61,7 @@ def full_friction(robot: Robot, phase: Phase) -> float:
 
 
 def steepness(robot: Robot, phase: Phase) -> float:
-    """By how much friction rises with v1 at rest, where it does so most [N s/m]."""
+    """Slope of friction over v1 at rest, its largest [N s/m]."""
     _, slope = _graphs()
     return float(slope(ca.DM(_numbers(robot, phase))))
 

@@ -15,7 +15,7 @@ OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 
 
 class PoseDelay(Section, key="sensor"):
-    """How old a pose is when it comes."""
+    """Age of a pose when it comes."""
 
     pose_delay: float = remembered("age of a pose that comes")
 

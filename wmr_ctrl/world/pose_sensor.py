@@ -47,7 +47,7 @@ class PoseSensor(Section, key="sensor"):
 
     @property
     def perfect(self) -> bool:
-        """Whether the laws see the true pose at every sample."""
+        """True where the laws see the true pose at every sample."""
         exact = self.pose_period == 0 and self.pose_noise == 0 and self.correction == 1
         return exact and self.pose_dropout == 0
 

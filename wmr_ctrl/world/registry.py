@@ -45,7 +45,7 @@ GROUP = "wmr_ctrl.effects"
 
 
 class Sensor(VelocityNoise, VelocityMean, PoseSensor, PoseDelay, key="sensor"):
-    """How pose and velocity are measured; the defaults are perfect sensors."""
+    """Sensors of pose and velocity; the defaults are perfect."""
 
 
 class Disturbance(Push, TorqueNoise, key="disturbance"):
@@ -65,7 +65,7 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
     @property
     def ideal(self) -> bool:
-        """Whether the torque acts at once (it may still be limited)."""
+        """True where the torque acts at once (it may still be limited)."""
         return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 

@@ -51,7 +51,7 @@ def load_of_wheel(m: Number, g: Number) -> Number:
 
 
 def smoothed(v: ca.SX, turn: ca.SX, v_s: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """By which share, with its sign, the right and the left wheel roll; ``turn`` = l omega."""
+    """Smoothed signs of the right and the left wheel's speed; ``turn`` = l omega."""
     return ca.tanh((v + turn) / v_s), ca.tanh((v - turn) / v_s)
 
 

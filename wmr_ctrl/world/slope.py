@@ -17,7 +17,7 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario, hea
 
 
 class Slope(Section, key="slope"):
-    """How steep the ground is, whereto it rises, and where the robot is heavy."""
+    """Rise of the ground, its direction, and the robot's centre of mass."""
 
     angle: float = quantity(
         0.0, unit="rad", doc="rise of the ground where it is steepest", minimum=0, maximum=1.0
@@ -48,7 +48,7 @@ def build(scenario: Scenario) -> System:
 
 
 def turned(theta: ca.SX, direction: ca.SX) -> ca.SX:
-    """How far the heading psi is turned from the steepest rise [rad]."""
+    """Angle of the heading psi from the steepest rise [rad]."""
     return theta + ca.pi / 2 - direction
 
 

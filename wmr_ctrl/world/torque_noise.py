@@ -49,7 +49,7 @@ def build(scenario: Scenario) -> System:
 
 
 def acts(scenario: Scenario) -> bool:
-    """Whether there is noise."""
+    """True where there is noise."""
     return scenario.section(TorqueNoise).std > 0
 
 

@@ -20,7 +20,7 @@ from wmr_ctrl.world.motor import largest_torque
 
 
 class Wheels(Section, key="wheels"):
-    """By which shares the wheels differ from what is believed; the defaults are none."""
+    """Relative errors of wheel radii and track; the defaults are none."""
 
     radius: tuple[float, float] = quantity(
         (0.0, 0.0),
@@ -35,7 +35,7 @@ class Wheels(Section, key="wheels"):
 
     @property
     def believed(self) -> bool:
-        """Whether they are as believed."""
+        """True where they are as believed."""
         return self.radius == (0.0, 0.0) and self.track == 0.0
 
 
@@ -66,7 +66,7 @@ def true_wheels(p: Parameters) -> tuple[ca.SX, ca.SX]:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """What torques of at most tau do otherwise than believed.
+    """Force error of torques up to the limit, at wheels of another size.
 
     Without torque limit there is no bound.
     """
@@ -82,7 +82,7 @@ def bound(scenario: Scenario) -> Bound:
 def misdriven_by(
     radius: tuple[Number, Number], track: Number, believed: tuple[Number, Number], most: Number
 ) -> tuple[Number, Number]:
-    """By how much thrust [N] and moment [N m] are off, of torques of at most ``most`` [N m].
+    """Errors of thrust [N] and moment [N m], of torques of at most ``most`` [N m].
 
     With a_i = 1/(1 + radius_i) and k = 1 + track they are off by sum (a_i - 1) tau_i/r and
     l sum +-(k a_i - 1) tau_i/r, so by at most tau sum |a_i - 1|/r and l tau sum |k a_i - 1|/r
@@ -96,7 +96,7 @@ def misdriven_by(
 
 
 def misread(scenario: Scenario) -> Pair:
-    """By how much wheel speeds, read as those of the believed wheels, misstate v1 and omega.
+    """Errors of v1 and omega, read off wheel speeds as if the wheels were as believed.
 
     With c = (a_r + a_l)/2 and d = (a_r - a_l)/2 they show c v1 + d l' omega and
     (d v1 + c l' omega)/l, so they are off by at most |c - 1| u1 + |d| l' u2 [m/s] and

@@ -76,7 +76,7 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
 
 
 def _missed(points: Array) -> Array:
-    """How far each inner point is from the line between the ends, or behind one before it [m]."""
+    """Distance of each inner point from the line between the ends, or behind one before it [m]."""
     way, away = points[-1] - points[0], points - points[0]
     length = float(np.hypot(*way))
     direction = way / length if length > 0 else np.zeros(2)
@@ -86,7 +86,7 @@ def _missed(points: Array) -> Array:
 
 
 def _sides(ways: Array, lengths: Array, tolerance: float, closed: bool) -> Array:
-    """How much of both its lines each point's corner takes [m], (n + 1,); 0 where none is."""
+    """Length of both its lines that each point's corner takes [m], (n + 1,); 0 where none is."""
     before, after = (np.roll(ways, 1, axis=0), ways)
     cosines = np.clip(np.einsum("ij,ij->i", before, after), -1, 1)
     halves = np.sqrt((1 - cosines) / 2)  # sin(turn/2)

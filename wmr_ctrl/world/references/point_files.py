@@ -37,14 +37,14 @@ _UNIT = "|".join(UNITS)
 NAME = re.compile(rf"([xyXY])\s*(?:\[\s*({_UNIT})\s*\]|\(\s*({_UNIT})\s*\)|_({_UNIT}))?")
 """Of a column: x or y, perhaps with a unit in brackets or parentheses, or after an underscore."""
 AXIS = re.compile(r"[xy](?![a-z]).*", re.IGNORECASE | re.DOTALL)
-"""What begins as the name of an axis does, whatever unit or frame follows."""
+"""Text that begins as the name of an axis does, whatever unit or frame follows."""
 SAME = 1e-9
 """Points nearer to each other than this, m, are the same."""
 
 
 @dataclass(frozen=True)
 class Columns:
-    """Where x and y stand, from 0, of how many cells, and the unit of each [m]."""
+    """Columns of x and y, from 0, the width of a row, and the unit of each [m]."""
 
     x: int = 0
     y: int = 1

@@ -1,4 +1,4 @@
-"""How fast a path is driven: the fastest speed under limits along it, by two passes over a grid.
+"""Time-optimal speed along a path under limits, by two passes over a grid.
 
 In each cell of the grid the path's parameter has a constant second derivative u, and the square x
 of its rate is then linear in the parameter.  All limits are linear in u and x at every place of a
@@ -20,9 +20,9 @@ from wmr_ctrl.world.references.spline import Array, SplinePath
 MOST_ROWS = 256
 """Cells of a path of few segments; one of many has at least two on each."""
 COARSE = np.linspace(0.0, 1.0, 5)
-"""Where in each cell the two passes keep the limits."""
+"""Places in each cell at which the two passes keep the limits."""
 FINE = np.linspace(0.0, 1.0, 65)
-"""Where in each cell the limits are looked at afterwards."""
+"""Places in each cell at which the limits are looked at afterwards."""
 MARGIN = 1.0001
 """Slowness that covers what lies between the places."""
 LAPS = 60

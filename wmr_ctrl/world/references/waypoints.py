@@ -92,7 +92,7 @@ class Waypoints(Reference):
 
     @property
     def returns(self) -> bool:
-        """Whether the path leads back to its first point."""
+        """True where the path leads back to its first point."""
         return self.closed or self.at_end == LOOP
 
     @property
