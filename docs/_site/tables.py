@@ -278,7 +278,7 @@ BUILDING = (
     "wmr_ctrl.model.system.Parameters",
     "wmr_ctrl.laws.law.Law",
     "wmr_ctrl.laws.law.Traits",
-    "wmr_ctrl.laws.context.Sample",
+    "wmr_ctrl.laws.context.LawContext",
     "wmr_ctrl.world.effect.Effect",
     "wmr_ctrl.world.effect.EffectRole",
     "wmr_ctrl.world.effect.Rate",
