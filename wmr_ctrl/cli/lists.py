@@ -11,7 +11,7 @@ from wmr_ctrl.cli.console import print_json, table, wrapped
 from wmr_ctrl.cli.options import debug_option, examples, json_option, load, set_option
 
 Docs = dict[str, dict[str, tuple[Any, str, str]]]
-"""By law and gain its default, unit and meaning."""
+"""Default, unit and meaning by law and gain."""
 
 
 @click.command(
@@ -71,7 +71,7 @@ def _list(rows: list[dict[str, str]], as_json: bool) -> None:
 
 
 def reference_text(kind: str) -> str:
-    """What a kind of reference is, its fields with defaults, and a table to begin with."""
+    """Description of a kind of reference, its fields with defaults, and a table to begin with."""
     from wmr_ctrl.errors import UnknownNameError
     from wmr_ctrl.scenario import quantities
     from wmr_ctrl.world.references import REFERENCES

@@ -4,25 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import click
 
 FIRST, INTERVAL = 3.0, 10.0
 """Seconds until the first line and between two where stderr is no terminal."""
-
-
-class Display(Protocol):
-    """Where progress is shown."""
-
-    def phase(self, text: str, measured: bool) -> None:
-        """A phase begins; ``measured`` if its share will be known."""
-
-    def share(self, share: float) -> None:
-        """Share of the phase that is done, 0 to 1."""
-
-    def close(self) -> None:
-        """Nothing is shown any more."""
 
 
 class Progress:
@@ -39,7 +26,7 @@ class Progress:
 
     def __enter__(self) -> Self:
         """Begin to show."""
-        self._display: Display = Bar() if sys.stderr.isatty() else Lines()
+        self._display = Bar() if sys.stderr.isatty() else Lines()
         self._display.phase(self._text, self._measured)
         return self
 

@@ -59,7 +59,7 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 
 
 def _counted(run: Run) -> Iterator[str]:
-    """What the guard counts on, as a sentence."""
+    """The guard's assumptions in a sentence."""
     known = run.settings
     if not run.guard or known.M_min is None or known.M_max is None or known.nbar is None:
         return
@@ -74,7 +74,7 @@ def _counted(run: Run) -> Iterator[str]:
 
 
 def _usable(run: Run) -> Iterator[Row]:
-    """What the guard leaves of the limits, beside what the reference asks for."""
+    """Usable speed under the guard, beside that of the reference."""
     usable, asked = run.settings.usable, run.settings.asked
     if usable is not None and asked is not None:
         beyond = ": TOO FAST" if any(a > u for a, u in zip(asked, usable, strict=True)) else ""
@@ -82,7 +82,7 @@ def _usable(run: Run) -> Iterator[Row]:
 
 
 def _rigid(seen: RigidMonitor) -> Iterator[Row]:
-    """What a rigid body showed."""
+    """Findings on a rigid body."""
     since = "" if seen.slipped is None else f"SLIPPED, from {seen.slipped:.4g} s on"
     yield "tread over ground, largest", _number(seen.max_slip, "m/s"), since
     yield "wheel speed, largest", _number(seen.max_wheel_speed, "rad/s"), ""

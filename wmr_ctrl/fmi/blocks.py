@@ -136,12 +136,12 @@ def _sections(
 
 
 def _follows_time(system: System) -> bool:
-    """Whether the only input is time, which every FMU has anyway."""
+    """True if the only input is time, which every FMU has anyway."""
     return [port.signal.name for port in system.inputs] == [SECONDS.name]
 
 
 def _layout(sections: Mapping[str, list[Variable]], system: System) -> dict[str, int]:
-    """Where each section begins and how long it is."""
+    """Begin and length of each section."""
     count = {name: len(rows) for name, rows in sections.items()}
     first_input = 0 if _follows_time(system) else 1
     parameters = 1 + count["U"]

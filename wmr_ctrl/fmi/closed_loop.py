@@ -157,7 +157,7 @@ def _layout(
 def _tables(
     rows: tuple[Variable, ...], loop: LoopGraphs, scenario: Scenario, reached: Iterable[Output]
 ) -> dict[str, Sequence[Sequence[float]]]:
-    """By name, the rows that numbers are read from and shown in; 0 where there is none."""
+    """Tables by name: rows that numbers are read from and shown in, 0 where there is none."""
     at = {row.name: i for i, row in enumerate(rows)}
     names = _elements(port.signal for port in loop.parameters.ports)
     state = _elements(port.signal for port in loop.plant.state)

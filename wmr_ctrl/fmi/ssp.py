@@ -59,7 +59,7 @@ SAME_AS = {
     "torque_right": TORQUE[0].name,
     "torque_left": TORQUE[1].name,
 }
-"""What is another quantity here: torques act as they are commanded, and there is no noise."""
+"""Quantities that are others here: torques act as they are commanded, and there is no noise."""
 INNER = ("startElement", "startConnector", "endElement", "endConnector")
 """Attributes of a connection between two parts; one to the whole system has three of them."""
 SET = "scenario"

@@ -57,7 +57,7 @@ class NamedUnit:
         )
 
     def fits(self, other: NamedUnit) -> bool:
-        """Whether both measure the same kind of quantity; angles count as numbers."""
+        """True if both measure the same kind of quantity; angles count as numbers."""
         mine, theirs = self.exponents.items(), other.exponents.items()
         return {key for key, _ in mine ^ theirs} <= {"rad"}
 

@@ -16,7 +16,7 @@ ARRAY_FROM = 8
 
 
 class Role(Enum):
-    """What may be done with a variable; the values are the names that C uses."""
+    """Role of a variable for its user; the values are the names that C uses."""
 
     INDEPENDENT = "WMR_INDEPENDENT"
     INPUT = "WMR_INPUT"
@@ -52,12 +52,12 @@ class Variable:
 
     @property
     def parameter(self) -> bool:
-        """Whether it is a parameter, fixed or tunable."""
+        """True for a parameter, fixed or tunable."""
         return self.role in (Role.FIXED, Role.TUNABLE)
 
     @property
     def known(self) -> bool:
-        """Whether outputs at a communication point may depend on it: time, inputs, states."""
+        """True if outputs at a communication point may depend on it: time, inputs, states."""
         return self.role in (Role.INDEPENDENT, Role.INPUT) or (
             self.role is Role.START and not self.discrete
         )

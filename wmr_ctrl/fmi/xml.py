@@ -215,7 +215,7 @@ SECTIONS = {
     2: ("Outputs", "Derivatives", "InitialUnknowns"),
     3: ("Output", "ContinuousStateDerivative", "InitialUnknown"),
 }
-"""By version of FMI, names of ModelStructure's sections."""
+"""Names of ModelStructure's sections, by version of FMI."""
 
 
 def _structure(model: FmuModel, version: int, arrays: bool) -> list[dict[str, Any]]:

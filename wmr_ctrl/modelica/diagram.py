@@ -1,4 +1,4 @@
-"""Where ports and parts of the Modelica package stand, and how the lines between them run.
+"""Places of ports and parts in the Modelica package's diagrams, and lines between them.
 
 Modelica's units: an icon is 200 wide and 200 high around 0, x to the right, y upwards.  Ports stand
 just outside of an icon's edge; a part in a diagram is its icon at half the size.

@@ -140,7 +140,7 @@ class _Statements:
         return text
 
     def _count(self, items: Iterable[Item]) -> None:
-        """How often each value is read; what another scope or a loop reads counts twice."""
+        """Count the readers of each value; what another scope or a loop reads counts twice."""
         for item in items:
             if isinstance(item, Operation):
                 node = self.graph.nodes[item.node]
@@ -245,13 +245,13 @@ def _bare(text: str) -> str:
 
 
 def _is_call(text: str) -> bool:
-    """Whether an expression is one call of a function."""
+    """True if an expression is one call of a function."""
     name, bracket, rest = text.partition("(")
     return bool(bracket) and name.isalnum() and name.islower() and _closes_last(bracket + rest)
 
 
 def _closes_last(text: str) -> bool:
-    """Whether the first parenthesis is closed by the last letter."""
+    """True if the first parenthesis is closed by the last letter."""
     depth = 0
     for place, letter in enumerate(text):
         depth += (letter == "(") - (letter == ")")

@@ -78,7 +78,7 @@ class MapRow:
 
     @property
     def plain(self) -> bool:
-        """Whether it only renames."""
+        """True for a mere renaming."""
         return self.offset == 0.0 and len(self.terms) == 1 and self.terms[0][1] == 1.0
 
 

@@ -78,7 +78,7 @@ class CosimSetup:
 
     @property
     def guarded(self) -> bool:
-        """Whether the guard is a part of its own."""
+        """True if the guard is a part of its own."""
         return self.setup.scenario.guard.enabled and (self.foreign or self.bare is not None)
 
     @cached_property
