@@ -90,7 +90,7 @@ ALTERED_FILES: tuple[TextAlteration, ...] = (
     *_rows(
         CODEGEN, "tests/codegen/test_branches.py",
         ("branches.py", "for side in (1, 2)]", "for side in (2, 1)]"),
-        ("branches.py", "if item not in dependent:", "if True:"),
+        ("branches.py", "if item not in dependent]", "if True]"),
         ("branches.py", "tuple(inner[0]), tuple(inner[1])", "tuple(inner[1]), tuple(inner[0])"),
     ),
     *_rows(
