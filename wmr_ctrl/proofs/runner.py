@@ -70,12 +70,14 @@ def _committed() -> dict[str, Entry]:
     return load().by_id() if COMMITTED.exists() else {}
 
 
-def hashes() -> dict[str, str]:
-    """Hash of each claim's graph as the product is now."""
+def hashes(ids: Iterable[str] | None = None) -> dict[str, str]:
+    """Hash of each claim's graph (of those named, or of all) as the product is now."""
     from wmr_ctrl.proofs.check import graph_hash
     from wmr_ctrl.proofs.claims import all_claims
 
-    return {claim.id: graph_hash(claim) for claim in all_claims()}
+    asked = None if ids is None else set(ids)
+    claims = (claim for claim in all_claims() if asked is None or claim.id in asked)
+    return {claim.id: graph_hash(claim) for claim in claims}
 
 
 def stale_entries() -> list[str] | None:

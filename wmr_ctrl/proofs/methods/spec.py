@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
+from functools import cache
 from importlib import import_module
 from importlib.metadata import packages_distributions, version
 from typing import Any, ClassVar
@@ -173,7 +174,13 @@ def described(value: Any) -> Any:
 
 def versions(method: Method) -> dict[str, str]:
     """Version of each package whose correctness a verdict of this method rests on."""
-    return {name: version(packages_distributions()[name][0]) for name in needs(method)}
+    return {name: _version(name) for name in needs(method)}
+
+
+@cache
+def _version(package: str) -> str:
+    """All that is installed is looked through, half a second long: once in a process."""
+    return version(packages_distributions()[package][0])
 
 
 def named(method: Method) -> str:
