@@ -154,14 +154,24 @@ def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
 
 def _graph(claim: Claim, factors: Mapping[str, float]) -> ProvedGraph | None:
     """The claim's graph with functions' results multiplied by numbers; None if not to be built."""
+    statement = _built(claim, {name: partial(mul, factor) for name, factor in factors.items()})
+    return statement.graph if statement else None
+
+
+def _built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
+    """The claim's statement with functions altered; None where it cannot be built like this."""
     forget()
     try:
         with ExitStack() as stack:
-            for name, factor in factors.items():
-                stack.enter_context(altered(name, partial(mul, factor)))
-            return claim.statement(CLAIMED).graph if claim.statement else None
+            for name, change in changes.items():
+                stack.enter_context(altered(name, change))
+            statement = claim.statement(CLAIMED) if claim.statement else None
+            _ = statement.graph if statement else None
     except (ValueError, RuntimeError, TypeError, NotImplementedError):
         return None
+    finally:
+        forget()
+    return statement
 
 
 def tried(claim: Claim, functions: tuple[str, ...]) -> dict[str, int]:
@@ -177,7 +187,7 @@ def after_alteration(claim: Claim, name: str) -> str:
     unsure: list[Statement] = []
     quick = short_budget(claim.method)
     for change in CHANGES.values():
-        statement = altered_statement(claim, name, change)
+        statement = _built(claim, {name: change})
         if statement is not None:
             if _verdict(quick, statement) == REFUTED:
                 return REFUTED
@@ -187,23 +197,8 @@ def after_alteration(claim: Claim, name: str) -> str:
 
 def is_noticed(claim: Claim, name: str, change: Change) -> bool:
     """Whether the claim is PROVED no longer with the function altered."""
-    statement = altered_statement(claim, name, change)
+    statement = _built(claim, {name: change})
     return statement is not None and fails(claim, statement)
-
-
-def altered_statement(claim: Claim, name: str, change: Change) -> Statement | None:
-    """The claim's statement with the function altered; None where it cannot be built like this."""
-    assert claim.statement is not None
-    forget()
-    try:
-        with altered(name, change):
-            statement = claim.statement(CLAIMED)
-            _ = statement.graph
-    except (ValueError, RuntimeError, TypeError, NotImplementedError):
-        return None
-    finally:
-        forget()
-    return statement
 
 
 def fails(claim: Claim, statement: Statement) -> bool:

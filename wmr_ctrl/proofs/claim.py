@@ -69,15 +69,8 @@ class Claim:
 
     def words(self) -> dict[str, Any]:
         """What the ledger's entry says in the claim's own words."""
-        return {
-            "equations": self.equations,
-            "form": self.form,
-            "claim": self.claim,
-            "meaning": self.meaning,
-            "hypotheses": self.hypotheses,
-            "premises": self.premises,
-            "theme": self.theme,
-        }
+        names = ("equations", "form", "claim", "meaning", "hypotheses", "premises", "theme")
+        return {name: vars(self)[name] for name in names}
 
 
 @dataclass
@@ -87,6 +80,7 @@ class Claims:
     by: Method | str | Callable[..., Method] | None = None
     form: str = OURS
     given: str = ""
+    meaning: str = ""
     listed: list[Claim] = field(default_factory=list)
 
     def __call__(
@@ -120,7 +114,7 @@ class Claims:
                 self.listed.append(
                     Claim(
                         text(id), equations, form or self.form,
-                        text(wording or claimed).removesuffix("."), text(meaning),
+                        text(wording or claimed).removesuffix("."), text(meaning or self.meaning),
                         text(self.given if given is None else given),
                         _asked(function, table) if engine else None,
                         engine, "" if engine else str(method),

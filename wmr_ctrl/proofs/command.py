@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
+from importlib.resources import files
 from pathlib import Path
 
 from wmr_ctrl.proofs.ledger import COMMITTED, Entry, Ledger, differences, exit_code, load
@@ -14,31 +15,6 @@ REMEDY = (
     "Some entries were not checked; install the proving packages with: "
     "pip install 'wmr_ctrl[proofs]'"
 )
-
-
-README = """\
-# Obligations of the ledger's z3 entries
-
-One folder per entry, one file per query, in SMT-LIB 2 (logic QF_NRA: real numbers, no quantifiers).
-Division by 0 means an arbitrary number, as the standard has it; that it is never read is what the
-files `domain-*.smt2` ask.
-
-| file | the claim needs |
-|---|---|
-| `goal-N.smt2` | `unsat`: hypotheses and the negated goal contradict each other |
-| `domain-N.smt2` | `unsat`: no denominator is 0, no root or logarithm outside its domain |
-| `hypotheses.smt2` | `sat`: the hypotheses can be met |
-
-With any solver that reads SMT-LIB 2, for instance
-
-    cvc5 --tlimit=60000 guard.upper/goal-1.smt2
-    cvc5 --tlimit=60000 --nl-cov --nl-ext=none guard.upper/goal-1.smt2
-    z3 -T:60 guard.upper/goal-1.smt2
-
-Symbols named `sin of N`, `log of N` and so on stand for that function of the N-th argument; of
-them only what is asserted in the file is known. What the symbols of a file mean is in the claim:
-`wmr-ctrl prove --only guard.upper`.
-"""
 
 
 def run_prove(
@@ -73,7 +49,8 @@ def run_export(folder: Path, only: Iterable[str] = ()) -> None:
     from wmr_ctrl.proofs.claims import all_claims
     from wmr_ctrl.proofs.methods.second import obligations, uses_z3
 
-    write_all({"README.md": README}, folder)
+    readme = files("wmr_ctrl.proofs").joinpath("obligations.md").read_text(encoding="utf-8")
+    write_all({"README.md": readme}, folder)
     wanted, count = set(selected(tuple(only))), 0
     for claim in all_claims():
         if claim.id not in wanted or claim.statement is None or not uses_z3(claim.method):

@@ -31,8 +31,7 @@ COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|
 
 def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     """Markdown of the whole ledger (the committed one by default); ``stale`` ids are marked."""
-    shown = ledger or load()
-    marked = set(stale)
+    shown, marked = ledger or load(), set(stale)
     parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
     parts += ["## By guarantee\n", _guarantees(shown), CHAINS, _chains(shown)]
     for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
@@ -95,9 +94,10 @@ def _chain(known: Mapping[str, Entry], key: str, depth: int, shown: set[str]) ->
     if key not in known or key in shown:
         return []
     shown.add(key)
-    line = f"{'  ' * depth}- {key} {known[key].verdict}"
-    rest = [_chain(known, premise, depth + 1, shown) for premise in known[key].premises]
-    return [line, *(item for part in rest for item in part)]
+    lines = [f"{'  ' * depth}- {key} {known[key].verdict}"]
+    for premise in known[key].premises:
+        lines += _chain(known, premise, depth + 1, shown)
+    return lines
 
 
 def _row(entry: Entry, is_stale: bool) -> str:
@@ -117,11 +117,8 @@ def how(entry: Entry) -> str:
     if not entry.method:
         return _rests(entry).strip(" ;") or "-"
     trusted = f"; trusted: {', '.join(entry.trusted)}" if entry.trusted else ""
-    return f"{entry.method}{trusted}{_second(entry)}{_rests(entry)}"
-
-
-def _second(entry: Entry) -> str:
-    return f"; confirmed by {', '.join(entry.confirmed_by)}" if entry.confirmed_by else ""
+    second = f"; confirmed by {', '.join(entry.confirmed_by)}" if entry.confirmed_by else ""
+    return f"{entry.method}{trusted}{second}{_rests(entry)}"
 
 
 def _rests(entry: Entry) -> str:
@@ -129,16 +126,13 @@ def _rests(entry: Entry) -> str:
 
 
 def _counterexamples(ledger: Ledger) -> str:
-    lines = [f"- {e.id}: {_point(e.counterexample)}" for e in ledger.entries if e.counterexample]
-    return (
-        "Exact values of the inputs; with them the claim can be checked by hand.\n\n"
-        + "\n".join(lines)
-        + "\n"
-    )
-
-
-def _point(point: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in point.items())
+    head = "Exact values of the inputs; with them the claim can be checked by hand.\n"
+    lines = [
+        f"- {entry.id}: {', '.join(f'{name} = {value}' for name, value in point.items())}"
+        for entry in ledger.entries
+        if (point := entry.counterexample)
+    ]
+    return "\n".join([head, *lines]) + "\n"
 
 
 def _cell(text: str) -> str:

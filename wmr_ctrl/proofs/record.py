@@ -46,7 +46,7 @@ def merged(new: Ledger, old: Ledger) -> Ledger:
     others = stale(kept, Ledger(tuple(entries[key] for key in kept)))
     if others:
         raise SystemExit(f"graph, relations or method have changed; check anew: {' '.join(others)}")
-    return Ledger(tuple(worded(entries[key], claims[key]) for key in known))
+    return Ledger(tuple(replace(entries[key], **claims[key].words()) for key in known))
 
 
 def examined(entry: Entry) -> Entry:
@@ -79,15 +79,6 @@ def _backed(asked: list[str]) -> list[Entry]:
     return [entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA")]
 
 
-def _to_examine(asked: list[str]) -> list[Entry]:
-    return [entry for entry in _backed(asked) if asked or entry.alterations is None]
-
-
-def worded(entry: Entry, claim: Claim) -> Entry:
-    """An entry with the words that its claim has now."""
-    return replace(entry, **claim.words())
-
-
 def _show(share: float, entry: Entry) -> None:
     sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
 
@@ -104,7 +95,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if given.words:
         checked = Ledger(())
     elif given.examine:
-        checked = Ledger(tuple(map(examined, _to_examine(given.ids))))
+        checked = Ledger(
+            tuple(examined(e) for e in _backed(given.ids) if given.ids or not e.alterations)
+        )
     elif given.confirm:
         checked = Ledger(tuple(map(confirmed, _backed(given.ids))))
     else:

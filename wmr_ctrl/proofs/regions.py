@@ -9,7 +9,6 @@ smooth barrier).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from wmr_ctrl.proofs.case import POSITIVE, Case
@@ -23,42 +22,30 @@ SIDE_EDGES = ("kink-", "kink+")
 CHARTED = ("far", "middle", "near", "beyond", "out", "in")
 
 
-@dataclass(frozen=True)
-class AxisName:
-    """Suffix of the inputs of one axis: v<suffix>, c<suffix>, u1<suffix>, u2<suffix>."""
+def axis_case(suffix: str, target: str, side: str, order: str = "") -> Case:
+    """One region, of inputs v<suffix>, c<suffix>, u1<suffix>, u2<suffix>.
 
-    suffix: str = ""
+    ``order`` (``<``, ``=``, ``>``) relates |v| and |v_c1| where they share an interval.
+    """
+    u2_name, b_name, j_name, i_name = (f"{name}{suffix}" for name in ("u2", "b", "j", "i"))
+    is_placed = side[:-1] in CHARTED and order != "="
+    names = [u2_name, b_name, *([j_name] if target[:-1] in CHARTED else [])]
+    names += [i_name] if is_placed else []
 
-    def case(self, target: str, side: str, order: str = "") -> Case:
-        """One region; ``order`` (``<``, ``=``, ``>``) relates |v| and |v_c1| in a shared one."""
-        names = [f"u2{self.suffix}", f"b{self.suffix}"]
-        names += [f"j{self.suffix}"] if target[:-1] in CHARTED else []
-        names += [f"i{self.suffix}"] if side[:-1] in CHARTED and order != "=" else []
-        label = f"v_c0 {target}, v {side}" + (f", |v| {order} |v_c1|" if order else "")
-        return Case(label, dict.fromkeys(names, POSITIVE), _Chart(self, target, side, order))
+    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+        u2, b = n[u2_name], n[b_name]
+        i = j = n[j_name] if target[:-1] in CHARTED else 0
+        if is_placed:
+            i = n[i_name]
+        if order == ">":
+            i = j + i
+        elif order == "<":
+            i = j * i / (1 + i)
+        c, v = target_value(target, u2, b, j), side_value(side, u2, b, i)
+        return {f"u1{suffix}": u2 + b, u2_name: u2, f"c{suffix}": c, f"v{suffix}": v}
 
-
-@dataclass(frozen=True)
-class _Chart:
-    axis: AxisName
-    target: str
-    side: str
-    order: str
-
-    def __call__(self, n: Mapping[str, Any]) -> dict[str, Any]:
-        s = self.axis.suffix
-        u2, b, j = n[f"u2{s}"], n[f"b{s}"], n[f"j{s}"] if self.target[:-1] in CHARTED else 0
-        i = self._place(n, j)
-        target, side = target_value(self.target, u2, b, j), side_value(self.side, u2, b, i)
-        return {f"u1{s}": u2 + b, f"u2{s}": u2, f"c{s}": target, f"v{s}": side}
-
-    def _place(self, n: Mapping[str, Any], j: Any) -> Any:
-        name = f"i{self.axis.suffix}"
-        if self.side[:-1] not in CHARTED or self.order == "=":
-            return j
-        if self.order == ">":
-            return j + n[name]
-        return j * n[name] / (1 + n[name]) if self.order == "<" else n[name]
+    label = f"v_c0 {target}, v {side}" + (f", |v| {order} |v_c1|" if order else "")
+    return Case(label, dict.fromkeys(names, POSITIVE), values)
 
 
 def target_value(target: str, u2: Any, b: Any, j: Any) -> Any:
@@ -84,25 +71,25 @@ def side_value(side: str, u2: Any, b: Any, i: Any) -> Any:
     return -size if side.endswith("-") else size
 
 
-def open_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
+def open_cases(suffix: str = "") -> tuple[Case, ...]:
     """The 35 open regions, where everything is differentiable."""
-    return tuple(axis.case(t, s) for t in TARGETS for s in SIDES)
+    return tuple(axis_case(suffix, t, s) for t in TARGETS for s in SIDES)
 
 
-def all_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
+def all_cases(suffix: str = "") -> tuple[Case, ...]:
     """All regions with their boundaries, and the order of |v| and |v_c1| where they share one."""
     return tuple(
-        axis.case(t, s, order)
+        axis_case(suffix, t, s, order)
         for t in (*TARGETS, *TARGET_EDGES)
         for s in (*SIDES, *SIDE_EDGES)
         for order in (("<", "=", ">") if _shared(t, s) else ("",))
     )
 
 
-def off_target_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
+def off_target_cases(suffix: str = "") -> tuple[Case, ...]:
     """The open regions without v = v_c1, where A is 0."""
     return tuple(
-        axis.case(t, s, order)
+        axis_case(suffix, t, s, order)
         for t in TARGETS
         for s in SIDES
         for order in (("<", ">") if _shared(t, s) else ("",))
@@ -110,12 +97,10 @@ def off_target_cases(axis: AxisName = AxisName()) -> tuple[Case, ...]:
     )
 
 
-def smooth_cases(
-    axis: AxisName = AxisName(), sides: Iterable[str] = SIDES + SIDE_EDGES
-) -> tuple[Case, ...]:
+def smooth_cases(suffix: str = "", sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
     return tuple(
-        axis.case(t, s, order)
+        axis_case(suffix, t, s, order)
         for t in SMOOTH_TARGETS
         for s in sides
         for order in (
@@ -124,9 +109,11 @@ def smooth_cases(
     )
 
 
-def target_cases(axis: AxisName = AxisName(), edges: bool = True) -> tuple[Case, ...]:
+def target_cases(suffix: str = "", edges: bool = True) -> tuple[Case, ...]:
     """Regions of v_c0 alone (v at 0)."""
-    return tuple(axis.case(t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS))
+    return tuple(
+        axis_case(suffix, t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS)
+    )
 
 
 def _shared(target: str, side: str) -> bool:
@@ -153,7 +140,7 @@ def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
     return tuple(joined(a, b) for a, b in zip(one, two, strict=True))
 
 
-def paired_cases(one: AxisName, two: AxisName) -> tuple[Case, ...]:
+def paired_cases(one: str, two: str) -> tuple[Case, ...]:
     """Every open region of each axis once, against a different one of the other.
 
     Enough where the statement is a sum of one term per axis: terms of independent variables whose

@@ -36,10 +36,12 @@ class Arithmetic(Protocol):
         """Truth of ``lt``, ``le``, ``eq`` or ``ne``; ``ask`` decides what the arithmetic cannot."""
 
     def logic(self, op: str, args: list[Any]) -> Any:
-        """Truth of ``and``, ``or`` or ``not``."""
+        """Truth of ``and``, ``or`` or ``not``: plain logic, where conditions are plain bools."""
+        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """Value of a choice whose condition is a term, not a plain bool."""
+        """Value of a choice whose condition is a term: never, where conditions are decided."""
+        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: Any) -> Any:
         """A truth value used as the number 1 or 0."""

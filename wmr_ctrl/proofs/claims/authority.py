@@ -11,19 +11,11 @@ from wmr_ctrl.barrier import paper as barrier
 from wmr_ctrl.barrier.lyapunov import authority_limit
 from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.authority_table import (
-    CLIP,
-    LARGEST_TARGET,
-    high_points,
-    link_points,
-    low_points,
-    ratio_points,
-    row_points,
-)  # fmt: skip
+from wmr_ctrl.proofs.claims import authority_table as table
 from wmr_ctrl.proofs.claims.common import OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Ball, Ring, Table
-from wmr_ctrl.proofs.regions import AxisName, off_target_cases, open_cases
+from wmr_ctrl.proofs.regions import axis_case, off_target_cases, open_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
 
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}
@@ -61,14 +53,13 @@ def rises(mutation: Mutation) -> Statement:
     Used to bound V1/A between two velocities.
     """
     a, v, _, _, _ = barrier_axis()
-    rise = ca.gradient(a.A, v)
-    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2)))
+    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(ca.gradient(a.A, v), mutation(1, 2)))
 
 
 @claim(
     "authority.lower-{name}",
     (9,),
-    by=lambda axis: Table(points=partial(low_points, axis)),
+    by=lambda axis: Table(points=partial(table.low_points, axis)),
     over=AXES,
 )
 def low(mutation: Mutation) -> Statement:
@@ -87,7 +78,7 @@ def low(mutation: Mutation) -> Statement:
     "authority.upper-{name}",
     (9,),
     given=PAPER + "; below v_c1 + bound/rho by P5; no gap by authority.links",
-    by=lambda axis: Table(points=partial(high_points, axis)),
+    by=lambda axis: Table(points=partial(table.high_points, axis)),
     premises="authority.rises authority.links-{name} P5",
     over=AXES,
 )
@@ -101,10 +92,9 @@ def high(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("b rho high", "rho")}
     later = barrier.lyapunov(t["b"], c, u1, u2)
-    bound = mutation(t["high"], 0.99 * t["high"])
     return Statement(
         t,
-        (at_least(bound * a.A, t["rho"] * later), above(a.A)),
+        (at_least(mutation(t["high"], 0.99 * t["high"]) * a.A, t["rho"] * later), above(a.A)),
         (*a.inside, above(t["b"], v), above(u1, t["b"])),
     )
 
@@ -112,7 +102,7 @@ def high(mutation: Mutation) -> Statement:
 @claim(
     "authority.links-{name}",
     (9,),
-    by=lambda axis: Table(points=partial(link_points, axis)),
+    by=lambda axis: Table(points=partial(table.link_points, axis)),
     over=AXES,
 )
 def links(mutation: Mutation) -> Statement:
@@ -124,7 +114,7 @@ def links(mutation: Mutation) -> Statement:
     a, v, _, u1, _ = barrier_axis()
     t = {**a.symbols, **symbols("b before first last rho high", "rho high")}
     begin = ca.if_else(t["first"], a.x + t["high"] / t["rho"], t["before"])
-    short = ca.if_else(t["last"], u1 - 1.01 * CLIP - t["b"], 0)
+    short = ca.if_else(t["last"], u1 - 1.01 * table.CLIP - t["b"], 0)
     longer = t["b"] - v - mutation(0, 1)
     return Statement(t, (at_least(begin, v), at_least(0, short), above(longer)))
 
@@ -133,7 +123,7 @@ def links(mutation: Mutation) -> Statement:
     "authority.rows-{name}",
     (9,),
     given="",
-    by=lambda axis: Table(points=partial(row_points, axis)),
+    by=lambda axis: Table(points=partial(table.row_points, axis)),
     over=AXES,
 )
 def rows_cover(mutation: Mutation) -> Statement:
@@ -143,7 +133,7 @@ def rows_cover(mutation: Mutation) -> Statement:
     """
     t = symbols("c before first last")
     begin = ca.if_else(t["first"], t["c"], 0)
-    end = ca.if_else(t["last"], t["c"] - LARGEST_TARGET * mutation(1, 1.01), 0)
+    end = ca.if_else(t["last"], t["c"] - table.LARGEST_TARGET * mutation(1, 1.01), 0)
     rise = ca.if_else(t["first"], 1, t["c"] - t["before"])
     return Statement(t, (equal(begin), equal(end), above(rise)))
 
@@ -152,7 +142,7 @@ def rows_cover(mutation: Mutation) -> Statement:
     "authority.98-{name}",
     (9,),
     given="V1/A falls with v_c0, so rows bracket what is between them",
-    by=lambda axis: Table(points=partial(ratio_points, axis)),
+    by=lambda axis: Table(points=partial(table.ratio_points, axis)),
     premises="authority.falls authority.rows-{name} authority.lower-{name} authority.upper-{name}",
     over=AXES,
 )
@@ -163,15 +153,14 @@ def ratio(mutation: Mutation) -> Statement:
     The bound on the disturbance is known to two per cent for every |v_c0| <= 20.
     """
     t = symbols("low high")
-    share = mutation(98, 99)
-    return Statement(t, (at_least(100 * t["low"], share * t["high"]),))
+    return Statement(t, (at_least(100 * t["low"], mutation(98, 99) * t["high"]),))
 
 
 @claim(
     "authority.shape",
     (9, 12),
     given="v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2",
-    by=Ring(tuple(AxisName().case("far+", "out+", order) for order in ("<", ">"))),
+    by=Ring(tuple(axis_case("", "far+", "out+", order) for order in ("<", ">"))),
 )
 def shape(mutation: Mutation) -> Statement:
     """beyond the middle region V1/A = d s (d^2 (1 - s)^2/2 - ln s - 1 + s)/((1 - s)(1 + d^2 s))
@@ -182,10 +171,9 @@ def shape(mutation: Mutation) -> Statement:
     a, v, c, u1, _ = barrier_axis()
     d = u1 - a.x
     s = (u1 - v) / d
-    value = 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)
     return a.states(
         equal(a.A * d * s, (1 - s) * (1 + mutation * d**2 * s)),
-        equal(a.V, value),
+        equal(a.V, 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)),
         equal(c - u1, 1 / d - d),
     )
 

@@ -10,10 +10,10 @@ from wmr_ctrl.proofs.case import at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 from wmr_ctrl.proofs.methods.spec import Z3, Both, Refute, Ring
-from wmr_ctrl.proofs.regions import AxisName, all_cases, open_cases, paired_cases, target_cases
+from wmr_ctrl.proofs.regions import all_cases, open_cases, paired_cases, target_cases
 from wmr_ctrl.proofs.statement import Statement, above, at_least, equal
 
-ONE, TWO = AxisName("1"), AxisName("2")
+ONE, TWO = "1", "2"
 PAIRS = paired_cases(ONE, TWO)
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
@@ -79,8 +79,7 @@ def slope_sign(mutation: Mutation) -> Statement:
     There is no valley in which the velocity could get stuck.
     """
     a = BarrierAxis()
-    share = mutation(1, 1.25)
-    return a.states(at_least((a.A - share * a.w) * a.w), given=a.inside)
+    return a.states(at_least((a.A - mutation(1, 1.25) * a.w) * a.w), given=a.inside)
 
 
 @claim("eq18.inside", (18,), form=OURS, by=Both(Ring(target_cases()), Z3()))

@@ -50,8 +50,7 @@ def target(mutation: Mutation) -> Statement:
     The generated code aims where the paper aims.
     """
     a, _, c, u1, u2 = barrier_axis()
-    only = stable.stable_minimiser(c, u1, u2)
-    return a.states(equal(only, mutation * a.x))
+    return a.states(equal(stable.stable_minimiser(c, u1, u2), mutation * a.x))
 
 
 @claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(all_cases()))

@@ -61,33 +61,24 @@ def _cover(names: tuple[str, ...], index: int) -> Callable[[Mutation], Statement
 TARGET_NAMES = (*regions.TARGETS, *regions.TARGET_EDGES)
 SIDE_NAMES = (*regions.SIDES, *regions.SIDE_EDGES)
 WHY = "Nothing was left out when the claims were shown region by region."
-claim = Claims(by=Z3())
+claim = Claims(by=Z3(), meaning=WHY)
 
 
 @claim("cover.targets", (18,), given="0 < v_u2 < v_u1")
 def cover_targets(mutation: Mutation) -> Statement:
-    """the 11 regions and boundaries of v_c0 are all of the real line.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """the 11 regions and boundaries of v_c0 are all of the real line."""
     return _cover(TARGET_NAMES, 1)(mutation)
 
 
 @claim("cover.sides", (15,), given="0 < v_u2 < v_u1")
 def cover_sides(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v are all of |v| < v_u1.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """the 7 regions and boundaries of v are all of |v| < v_u1."""
     return _cover(SIDE_NAMES, 0)(mutation)
 
 
 @claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
 def charted(mutation: Mutation) -> Statement:
-    """each chart of a bounded region runs through all of it.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """each chart of a bounded region runs through all of it."""
     t = {name: ca.SX.sym(name) for name in ("y", "u2", "b")}
     y, u2, b = t.values()
     n = y / (1 - y)
@@ -107,10 +98,7 @@ def charted(mutation: Mutation) -> Statement:
 
 @claim("cover.numbers", (15, 18))
 def reached(mutation: Mutation) -> Statement:
-    """n/(1 + n) takes every value between 0 and 1 at a positive n.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """n/(1 + n) takes every value between 0 and 1 at a positive n."""
     t = {"y": ca.SX.sym("y")}
     y = t["y"]
     n = y / (1 - y)
@@ -123,10 +111,7 @@ def reached(mutation: Mutation) -> Statement:
     given="0 < v_u2 < v_u1, v_c0 > v_u2 + 1/(v_u1 - v_u2); mirrored for v_c0 < 0",
 )
 def far_reached(mutation: Mutation) -> Statement:
-    """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b."""
     # For |v_c0| > v_u2 + 1/b the gap d of the compiled formula lies in (0, b), and the chart at it
     # gives v_c0 back: target_value("far+") with d = b/(1 + j).
     a, _, c, u1, u2 = barrier_axis()
@@ -138,10 +123,7 @@ def far_reached(mutation: Mutation) -> Statement:
 
 @claim("cover.smooth-targets", given="0 < v_u2 < v_u1")
 def cover_smooth_targets(mutation: Mutation) -> Statement:
-    """the 7 regions and boundaries of v_c0 for the smooth barrier are all of the real line.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """the 7 regions and boundaries of v_c0 for the smooth barrier are all of the real line."""
     return _cover(regions.SMOOTH_TARGETS, 1)(mutation)
 
 
@@ -149,10 +131,7 @@ def cover_smooth_targets(mutation: Mutation) -> Statement:
     "cover.beyond", given="0 < v_u2 < v_u1 = v_u2 + b, v_u2 < v_c0 < 1e100; mirrored for v_c0 < 0"
 )
 def beyond_reached(mutation: Mutation) -> Statement:
-    """smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b."""
     # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
     a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
@@ -162,10 +141,7 @@ def beyond_reached(mutation: Mutation) -> Statement:
 
 @claim("cover.order", (15, 18), given="i, j > 0")
 def ordered(mutation: Mutation) -> Statement:
-    """where |v| and |v_c1| share an interval, one of the three orders holds and is charted.
-
-    Nothing was left out when the claims were shown region by region.
-    """
+    """where |v| and |v_c1| share an interval, one of the three orders holds and is charted."""
     t = {name: ca.SX.sym(name) for name in ("i", "j")}
     i, j = t.values()
     more, less = i - j, i / (j - i)

@@ -9,9 +9,9 @@ import casadi as ca
 from wmr_ctrl.guard.delay import integral, moved
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
-from wmr_ctrl.proofs.claims.world import EffectGraph, positive, within
+from wmr_ctrl.proofs.claims.world import EffectGraph, positive
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols, within
 from wmr_ctrl.world import (
     gust,
     gyro,
@@ -31,11 +31,6 @@ ALONG = {
     }.items()
 }  # fmt: skip
 """Straight uphill."""
-
-
-def _made(g: EffectGraph) -> ca.SX:
-    """Torque of the right wheel's motor."""
-    return g.system.outputs[0].expr
 
 
 claim = Claims(by=Z3(effort=150))
@@ -82,7 +77,9 @@ def stepped(mutation: Mutation) -> Statement:
     number = ca.floor(x)
     given = (above(step), at_least(x, number), above(1, x - number))
     most = motor.rounded_by(step) * mutation(1, 0.8)
-    return Statement(g.symbols, within(_made(g) - told, most), given, {"number": number})
+    return Statement(
+        g.symbols, within(g.system.outputs[0].expr - told, most), given, {"number": number}
+    )
 
 
 @claim("world.motor.dead-zone", given="zone > 0")
@@ -93,9 +90,8 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(motor.MOTOR, (("motor.dead_zone", 0.1),))
     told, zone = g["tau_right"], g["motor.dead_zone"]
-    lost = told - _made(g)
-    most = mutation(zone, 0.9 * zone)
-    goals = (*within(lost, most), at_least(lost * told))
+    lost = told - g.system.outputs[0].expr
+    goals = (*within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
     return Statement(g.symbols, goals, (above(zone),))
 
 
@@ -163,8 +159,7 @@ def world_slope(mutation: Mutation) -> Statement:
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     pull = slope.downhill(g["robot.m"], g["robot.g"], sine)
     bounds = slope.pulled_at_most(pull, g["slope.offset"])
-    share = mutation(1, 0.9)
-    goals = [part for i in (0, 1) for part in within(g.system.y[i], share * bounds[i])]
+    goals = [part for i in (0, 1) for part in within(g.system.y[i], mutation(1, 0.9) * bounds[i])]
     shares = (*within(along, 1), *within(across, 1))
     given = (*positive(g, "robot.m", "robot.g"), at_least(sine), *shares)
     return Statement(
@@ -269,8 +264,7 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     half = [g[f"sensor.velocity_noise[{i}]"] for i in (1, 2)]
     numbers = [g[f"{velocity_noise.NUMBERS.name}[{i}]"] for i in (1, 2)]
     off = g.system.y - g.system.u
-    share = mutation(1, 0.9)
-    goals = [item for i in (0, 1) for item in within(off[i], share * half[i])]
+    goals = [item for i in (0, 1) for item in within(off[i], mutation(1, 0.9) * half[i])]
     given = [item for value in numbers for item in within(value, 1)]
     return Statement(g.symbols, tuple(goals), (*given, *(at_least(item) for item in half)))
 
@@ -284,7 +278,6 @@ def world_push(mutation: Mutation) -> Statement:
     g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
     size = [g[f"disturbance.push[{i}]"] for i in (1, 2)]
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
-    share = mutation(1, 0.9)
-    goals = [item for i in (0, 1) for item in within(force[i], share * size[i])]
+    goals = [item for i in (0, 1) for item in within(force[i], mutation(1, 0.9) * size[i])]
     sides = (*positive(g, "robot.r", "robot.l"), *(at_least(item) for item in size))
     return Statement(g.symbols, tuple(goals), sides)

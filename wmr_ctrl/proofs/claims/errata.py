@@ -83,10 +83,9 @@ def stays_on_target(_: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     t = {**a.symbols, **symbols("rho cdot")}
-    command = analysis.printed_command(t["rho"], v, c, t["cdot"], u1, u2)
     return Statement(
         t,
-        (equal(command, t["cdot"]),),
+        (equal(analysis.printed_command(t["rho"], v, c, t["cdot"], u1, u2), t["cdot"]),),
         (*a.inside, equal(v, c), above(u2, ca.fabs(v)), above(t["rho"])),
     )
 
@@ -145,5 +144,4 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     t = {**column("rho", 2), **column("M", 2)}
     sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
-    given = (above(t["M1"]), above(t["M2"]))
-    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), given)
+    return Statement(t, (at_least(mutation(0.081, 0.07), rate),), (above(t["M1"]), above(t["M2"])))

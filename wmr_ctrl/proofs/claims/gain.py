@@ -196,10 +196,9 @@ def fades(mutation: Mutation) -> Statement:
     t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
     pull = mutation(cost(a), 0.5 * A**2)
-    goals = (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull))
     return Statement(
         {**a.symbols, **t},
-        goals,
+        (above(A), at_least(0.5 * t["D"] * A, t["rho"] * t["M"] * pull)),
         (above(u1, v), at_least(v, level(c, u1, u2, t["rho"] * t["M"] / t["D"]))),
     )
 

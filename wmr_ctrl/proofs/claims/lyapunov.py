@@ -15,7 +15,6 @@ from wmr_ctrl.proofs.claims.common import CLOSED_FORM, NO_SERIES, OFF_EDGES, Bar
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Refute, Ring
 from wmr_ctrl.proofs.regions import (
-    AxisName,
     law_cases,
     off_target_cases,
     open_cases,
@@ -57,7 +56,7 @@ def at_target(m: Moving) -> ca.SX:
     return ca.if_else(barrier.h(m.x, u2), term, 0)
 
 
-ONE, TWO = AxisName("1"), AxisName("2")
+ONE, TWO = "1", "2"
 OPEN35, PAIRS = Ring(open_cases()), Ring(paired_cases(ONE, TWO), spare=12)
 TARGETS7 = Ring(target_cases(edges=False))
 LAW = tuple(Ring(law_cases(open_cases(), axis), CLOSED_FORM) for axis in (0, 1))

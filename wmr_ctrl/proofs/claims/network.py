@@ -16,14 +16,13 @@ from wmr_ctrl.proofs.claims.network_axis import (
     NODES,
     NetworkAxis,
     decay_chart,
-    dot,
     free_chart,
     network_axis,
     residual_chart,
     vanishing_chart,
 )
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.regions import AxisName
+from wmr_ctrl.proofs.regions import axis_case
 from wmr_ctrl.proofs.statement import (
     Statement,
     above,
@@ -38,7 +37,7 @@ from wmr_ctrl.proofs.statement import (
 
 def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
     """M1^-1 Gamma^-1 W~' times a rate."""
-    return dot(n.error, rate) / (n.free["mass"] * n.gain("Gamma"))
+    return ca.dot(n.error, rate) / (n.free["mass"] * n.gain("Gamma"))
 
 
 GAINS = {f"gains.nn.{name}[1]": POSITIVE for name in ("rho1", "Gamma", "sigma")} | {
@@ -89,7 +88,7 @@ def law(mutation: Mutation) -> Statement:
     The network law that runs is the paper's, with the quotients by their cancellation-free forms.
     """
     n = network_axis(0)
-    written = -n.gain("rho1") * n.free["quotient"] + mutation * n.free["q"] * dot(
+    written = -n.gain("rho1") * n.free["quotient"] + mutation * n.free["q"] * ca.dot(
         n.weights, n.basis
     )
     return n.statement(equal(n.law.force[0], written))
@@ -151,7 +150,7 @@ def target_bounded(_: Mutation) -> Statement:
     (59,),
     form=OURS,
     given="every 0 < v_u2 < v_u1",
-    by=Ring(tuple(AxisName().case("middle+", side) for side in ("zero", "in+"))),
+    by=Ring(tuple(axis_case("", "middle+", side) for side in ("zero", "in+"))),
 )
 def ratio(mutation: Mutation) -> Statement:
     """A/(v - v_c1) = 1 + (v_c0 - v_u2)/(v_u2 - v) for 0 <= v < v_u2, v_u2 < v_c0 <= v_u2 + 1/(v_u1
@@ -195,7 +194,7 @@ def with_law(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    learnt = f["w"] / f["mass"] * dot(n.best + n.error, n.basis)
+    learnt = f["w"] / f["mass"] * ca.dot(n.best + n.error, n.basis)
     lost = f["A"] / f["mass"] * f["friction"] + mutation * f["w"] * f["cdot"]
     fed = -n.gain("rho1") / f["mass"] * f["V"]
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
@@ -209,7 +208,7 @@ def with_target(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    rest = f["w"] / f["mass"] * (dot(n.error, n.basis) + mutation * n.residual)
+    rest = f["w"] / f["mass"] * (ca.dot(n.error, n.basis) + mutation * n.residual)
     fed = -n.gain("rho1") / f["mass"] * f["V"]
     return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
 
@@ -222,7 +221,7 @@ def with_adaptation(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f, mass = n.free, n.free["mass"]
-    leak = n.gain("sigma") / mass * dot(n.error, n.weights)
+    leak = n.gain("sigma") / mass * ca.dot(n.error, n.weights)
     written = -n.gain("rho1") / mass * f["V"] - mutation * leak + f["w"] / mass * n.residual
     return n.statement(equal(n.rate, written))
 
@@ -244,9 +243,9 @@ def eq72(mutation: Mutation, combined: bool = False) -> Statement:
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
     base = -n.gain("rho1") / mass * f["V"] + 0.5 / mass * (f["w"] ** 2 + n.residual**2)
-    leak = -sigma / mass * dot(n.error, n.error + n.best)
+    leak = -sigma / mass * ca.dot(n.error, n.error + n.best)
     if combined:
-        leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
+        leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
     return n.statement(
         at_least(base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2, n.rate)
     )
@@ -267,7 +266,7 @@ def printed_step(mutation: Mutation) -> Statement:
     n = network_axis(0)
     f, mass, sigma = n.free, n.free["mass"], n.gain("sigma")
     bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f["V"] + 0.5 / mass * n.residual**2
-    leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
+    leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
     return n.statement(at_least(bound + leak, n.rate))
 
 

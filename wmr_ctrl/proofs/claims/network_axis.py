@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -16,27 +15,23 @@ from wmr_ctrl.proofs.claims.common import LawGraph
 from wmr_ctrl.proofs.statement import Statement, column, stacked, symbols
 
 
-@dataclass(frozen=True)
 class NetworkAxis:
-    """The network law's graph on one axis, with the barrier's quotients, w and S free."""
+    """The network law's graph on one axis, with the barrier's quotients, w and S free.
 
-    axis: int = 0
+    ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*;
+    ``names``: the law's own ports, too.  W^ is ``weights``, S(Z) ``basis``, W* ``best``, and
+    ``error`` is W~ = W^ - W*.
+    """
 
-    @cached_property
-    def law(self) -> LawGraph:
-        """The law."""
-        return LawGraph("nn")
-
-    @cached_property
-    def free(self) -> dict[str, ca.SX]:
-        """V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*."""
-        names = "quotient q w A V cdot friction mass"
-        return {**symbols(names), **column("S", NODES), **column("best", NODES)}
-
-    @cached_property
-    def names(self) -> dict[str, ca.SX]:
-        """Everything, the law's own ports included."""
-        return {**self.law.symbols, **self.free}
+    def __init__(self, axis: int) -> None:
+        self.axis, self.law = axis, LawGraph("nn")
+        own, names = self.law.symbols, "quotient q w A V cdot friction mass"
+        self.free = {**symbols(names), **column("S", NODES), **column("best", NODES)}
+        self.names = {**own, **self.free}
+        rows = (f"W_hat{axis + 1}[{j + 1}]" for j in range(NODES))
+        self.weights = ca.vertcat(*(own[name] for name in rows))
+        self.basis, self.best = (stacked(self.free, name, NODES) for name in ("S", "best"))
+        self.error = self.weights - self.best
 
     @cached_property
     def inner(self) -> dict[str, ca.SX]:
@@ -53,33 +48,10 @@ class NetworkAxis:
         return self.law.symbols[f"gains.nn.{name}[{self.axis + 1}]"]
 
     @property
-    def weights(self) -> ca.SX:
-        """W^ of this axis."""
-        return self._weight_rows(lambda name: self.law.symbols[name])
-
-    def _weight_rows(self, look_up: Any) -> ca.SX:
-        return ca.vertcat(*(look_up(f"W_hat{self.axis + 1}[{j + 1}]") for j in range(NODES)))
-
-    @property
     def weight_rate(self) -> ca.SX:
         """(W^(k+1) - W^(k))/T: the rate that the explicit step integrates."""
         rows = slice(self.axis * NODES, (self.axis + 1) * NODES)
         return (self.law.system.update[rows] - self.weights) / self.law.symbols["clock.control"]
-
-    @property
-    def basis(self) -> ca.SX:
-        """S(Z)."""
-        return stacked(self.free, "S", NODES)
-
-    @property
-    def best(self) -> ca.SX:
-        """W*."""
-        return stacked(self.free, "best", NODES)
-
-    @property
-    def error(self) -> ca.SX:
-        """W~ = W^ - W*."""
-        return self.weights - self.best
 
     @cached_property
     def v_dot(self) -> ca.SX:
@@ -91,7 +63,7 @@ class NetworkAxis:
         """eps2 of Eq. (59), taken as its definition: what W*'S misses of the target."""
         f = self.free
         target = analysis.network_target(f["mass"], f["cdot"], f["A"] / f["w"], f["friction"])
-        return dot(self.best, self.basis) - target
+        return ca.dot(self.best, self.basis) - target
 
     @cached_property
     def barrier_rate(self) -> ca.SX:
@@ -119,11 +91,6 @@ class NetworkAxis:
 def network_axis(axis: int) -> NetworkAxis:
     """One axis, built once (`forget` in the package drops it)."""
     return NetworkAxis(axis)
-
-
-def dot(left: ca.SX, right: ca.SX) -> ca.SX:
-    """Inner product."""
-    return ca.dot(left, right)
 
 
 def free_chart(n: Mapping[str, Any]) -> dict[str, Any]:

@@ -152,8 +152,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
         at_least(0, t["after"] + A["A"] * back + 0.5 * back**2),
         at_least(t["after"]),
     )
-    share = mutation(E**2, (0.9 * E) ** 2)
-    goals = (at_least(share * t["mid"], t["after"]), equal(s.end, end))
+    goals = (at_least(mutation(E**2, (0.9 * E) ** 2) * t["mid"], t["after"]), equal(s.end, end))
     return s.states(goals, given, ("carried", "end", "x_target"), {**t, **A})
 
 

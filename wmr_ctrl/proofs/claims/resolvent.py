@@ -136,10 +136,9 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     x = resolvent(c, k, u1, u2, smooth)
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
-    room = mutation(k, 1.5 * k)
     given = (
-        *_target(t), above(m), at_least(u1 - u2, m), at_least(room, m * (m + most - u1 + bent)),
+        *_target(t), above(m), at_least(u1 - u2, m),
+        at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent)),
         at_least(most, ca.fabs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k),
     )  # fmt: skip
-    goals = (at_least(u1 - m, x), at_least(x, m - u1))
-    return Statement(t, goals, given, {"d": root(beyond, k)})
+    return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})

@@ -35,23 +35,14 @@ class Held:
 
     def statement(self, mutation: Mutation) -> Statement:
         """|next v| <= L; the mutation has eight times the disturbance."""
-        law = LawGraph("mb")
-        v = law.symbols[self.velocity]
-        free = symbols("c cdot d")
-        extra = mutation(1, 8)
-        push = (
-            acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
-            + extra * free["d"]
-        )
-        following = v + float(Fraction(self.period)) * push
-        level = float(Fraction(self.level))
+        law, free = LawGraph("mb"), symbols("c cdot d")
+        v, level = law.symbols[self.velocity], float(Fraction(self.level))
+        nominal = acceleration(law.own(law.context.mass), law.force, ca.SX(0))[self.axis]
+        following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free["d"])
+        inner = law.inner(self.axis)
+        del inner[self.velocity]  # the clip stays in the graph
         goals = (at_least(level, following), at_least(following, -level))
-        every = {**law.symbols, **free}
-        return Statement(every, goals, (), self.inner(law), numbers(law))
-
-    def inner(self, law: LawGraph) -> dict[str, ca.SX]:
-        """v_c0 and its rate; the clip stays in the graph."""
-        return {name: expr for name, expr in law.inner(self.axis).items() if name in ("c", "cdot")}
+        return Statement({**law.symbols, **free}, goals, (), inner, numbers(law))
 
     @property
     def velocity(self) -> str:
@@ -71,24 +62,16 @@ class Held:
     @property
     def method(self) -> Method:
         """Branch and bound over v and v_c0; rate and disturbance stay intervals."""
-        bounds = {
-            self.velocity: self.level,
-            "c": self.target,
-            "cdot": self.rate,
-            "d": self.disturbance,
-        }
-        box = {
-            name: (-Fraction(float(Fraction(b))), Fraction(float(Fraction(b))))
-            for name, b in bounds.items()
-        }
+        names = (self.velocity, "c", "cdot", "d")
+        bounds = (self.level, self.target, self.rate, self.disturbance)
+        sizes = {name: Fraction(float(Fraction(b))) for name, b in zip(names, bounds, strict=True)}
         edges = _edges(self.axis)
         cuts = {
             self.velocity: (-edges[0], Fraction(0), edges[0]),
             "c": (*(-e for e in edges), Fraction(0), *edges),
         }
-        return Ball(
-            box=box, float_mode=True, cuts_at=cuts, split=(self.velocity, "c"), budget=20000
-        )
+        box = {name: (-size, size) for name, size in sizes.items()}
+        return Ball(box=box, float_mode=True, cuts_at=cuts, split=names[:2], budget=20000)
 
 
 def numbers(law: LawGraph) -> dict[str, float]:

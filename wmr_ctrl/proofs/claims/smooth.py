@@ -83,8 +83,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()
     line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
-    bend = mutation(0, (y - v) ** 2)
-    return Statement(t, (at_least(smooth_f(y, u1, u2), line + bend),))
+    return Statement(t, (at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)),))
 
 
 @claim(
@@ -141,6 +140,5 @@ def ratio(mutation: Mutation) -> Statement:
     a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
     m = ca.fmax(ca.fabs(v), ca.fabs(found.v_c1))
-    share = mutation(1, 0.9)
-    top = (1 + share / (u1 - m) ** 2) * found.q
+    top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
     return a.states(at_least(1, found.q), at_least(top, 1))

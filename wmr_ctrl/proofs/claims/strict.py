@@ -68,8 +68,7 @@ def falls(mutation: Mutation) -> Statement:
     """
     t, eps = Tracking(), ca.SX.sym("eps")
     rate = analysis.strict_rate(t.e, t.v_d, t.k, eps)
-    share = mutation(1000, 10)
-    goal = at_least(-share * rate, _size(t.e))
+    goal = at_least(-mutation(1000, 10) * rate, _size(t.e))
     return Statement({**t.names, "eps": eps}, (goal,), _region(t, eps))
 
 
@@ -81,8 +80,7 @@ def between(mutation: Mutation) -> Statement:
     """
     t, eps = Tracking(), ca.SX.sym("eps")
     value = analysis.strict_lyapunov(t.e, t.k[1], eps)
-    low = mutation(20, 2)
-    goals = (at_least(low * value, _size(t.e)), at_least(_size(t.e), value))
+    goals = (at_least(mutation(20, 2) * value, _size(t.e)), at_least(_size(t.e), value))
     return Statement({**t.names, "eps": eps}, goals, _region(t, eps))
 
 
@@ -101,8 +99,7 @@ def exponential(mutation: Mutation) -> Statement:
         "rate": analysis.strict_rate(t.e, t.v_d, t.k, names["eps"]),
     }
     value, rate, size = inner["value"], inner["rate"], _size(t.e)
-    share = mutation(1000, 2000)
-    given = (at_least(-share * rate, size), at_least(size, value))
+    given = (at_least(-mutation(1000, 2000) * rate, size), at_least(size, value))
     return Statement(names, (at_least(-value, 1000 * rate),), given, inner)
 
 
@@ -223,8 +220,7 @@ def paper_level(mutation: Mutation) -> Statement:
     The paper's run starts inside.
     """
     t = Tracking()
-    limit = mutation(0.33, 0.3)
-    return t.states(above(limit, analysis.position_lyapunov(t.e, t.k[1])))
+    return t.states(above(mutation(0.33, 0.3), analysis.position_lyapunov(t.e, t.k[1])))
 
 
 @claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))

@@ -66,8 +66,7 @@ def three_points(mutation: Mutation) -> Statement:
     Slope and value of the barrier function keep in step.
     """
     a = BarrierAxis()
-    share = mutation(0.5, 0.75)
-    return a.states(at_least(a.A * a.w, a.V + share * a.w**2))
+    return a.states(at_least(a.A * a.w, a.V + mutation(0.5, 0.75) * a.w**2))
 
 
 @claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
@@ -77,8 +76,7 @@ def q_range(mutation: Mutation) -> Statement:
     The feed-forward is never amplified.
     """
     a = BarrierAxis()
-    top = mutation(1, 0.5)
-    return a.states(at_least(a.stable.q), at_least(top, a.stable.q))
+    return a.states(at_least(a.stable.q), at_least(mutation(1, 0.5), a.stable.q))
 
 
 @claim(
@@ -110,9 +108,8 @@ def quotient_range(mutation: Mutation) -> Statement:
     bounded, it does not blow up.
     """
     a = BarrierAxis()
-    top = mutation(1, 0.5)
     product = a.stable.V1_over_A * a.stable.w
-    return a.states(at_least(product), at_least(top * a.stable.w**2, product))
+    return a.states(at_least(product), at_least(mutation(1, 0.5) * a.stable.w**2, product))
 
 
 @claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -136,8 +133,7 @@ def q_at_target(mutation: Mutation) -> Statement:
     On target, the law tells the robot to follow the target's own acceleration.
     """
     a, v, c, _, _ = barrier_axis()
-    q = ca.substitute(a.stable.q, v, a.x)
-    return a.states(equal(q, ca.gradient(a.x, c) + mutation(0, c)))
+    return a.states(equal(ca.substitute(a.stable.q, v, a.x), ca.gradient(a.x, c) + mutation(0, c)))
 
 
 @claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")

@@ -10,12 +10,7 @@ from wmr_ctrl.proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
-
-
-def positive(*items: ca.SX) -> tuple[Relation, ...]:
-    """Every item > 0."""
-    return tuple(above(item) for item in items)
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, positive, symbols
 
 
 def conditions(names: dict[str, ca.SX], printed: bool = False) -> ca.SX:
@@ -190,9 +185,8 @@ def angle_bound(mutation: Mutation) -> Statement:
         at_least(E, l * ca.fabs(e3)),
         at_least(k3 * E, l * ca.fabs(z2)),
     )
-    share = mutation(10, 5)
     return Statement(
-        t, (at_least(share * analysis.angle_bound(l, k3, low, high, E), start),), given
+        t, (at_least(mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E), start),), given
     )
 
 
@@ -217,5 +211,4 @@ def side_stays(mutation: Mutation) -> Statement:
     T = analysis.window(l, k2, low)
     lost = (11 * v2 * E + 10 * high * analysis.angle_bound(l, k3, low, high, E)) * T
     given = (*positive(l, k2, k3, low, high, v2, E), above(conditions(t)[4]))
-    kept = mutation(8, 9.5)
-    return Statement(t, (above(10 * E - lost, kept * E),), given)
+    return Statement(t, (above(10 * E - lost, mutation(8, 9.5) * E),), given)

@@ -9,10 +9,18 @@ import casadi as ca
 from wmr_ctrl.barrier import lyapunov as analysis
 from wmr_ctrl.proofs.case import POSITIVE, Case, at
 from wmr_ctrl.proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_ctrl.proofs.claims.theorem1 import conditions, positive
+from wmr_ctrl.proofs.claims.theorem1 import conditions
 from wmr_ctrl.proofs.claims.tracking import Tracking
 from wmr_ctrl.proofs.methods.spec import Z3, Refute, Ring
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    positive,
+    symbols,
+)
 
 BARELY_PAST = tuple(
     at(e3=angle, z1=0, z2=0, k1=1, k2=1, k3=1, root="0.1", eps1="0.01", x="0.1")
@@ -111,8 +119,7 @@ def angle_speed(mutation: Mutation) -> Statement:
     )
     gains = ca.vertcat(1, k2, k3)
     bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
-    speed = mutation(2.5, 3.5)
-    return Statement(t, (above(-speed * k2 * low * E, bound),), given)
+    return Statement(t, (above(-mutation(2.5, 3.5) * k2 * low * E, bound),), given)
 
 
 @claim(
@@ -191,8 +198,7 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
             at_least(e3 * ca.sin(e3)),
         )
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    share = mutation(3, 40)
-    return Statement(names, (above(-share * eps1, bound + eps1),), tuple(given))
+    return Statement(names, (above(-mutation(3, 40) * eps1, bound + eps1),), tuple(given))
 
 
 @claim(

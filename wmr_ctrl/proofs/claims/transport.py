@@ -58,8 +58,7 @@ class Carried:
     def end(self) -> ca.SX:
         """v*."""
         t = self.inputs
-        limits = (t["u1"], t["u2"])
-        return transported(t["v"], t["c"], t["c_next"], limits, self.smooth)
+        return transported(t["v"], t["c"], t["c_next"], (t["u1"], t["u2"]), self.smooth)
 
     def states(self, goals: tuple[Relation, ...], given: tuple[Relation, ...]) -> Statement:
         """The statement on the graph of `transported`.
@@ -165,8 +164,7 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
         when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t["level"], after)),
     )
     lost = at_least(mutation(t["level"], 0.9 * t["level"]), after)
-    goals = (when(within, lost), at_least(w**2, left**2))
-    return g.states(goals, given)
+    return g.states((when(within, lost), at_least(w**2, left**2)), given)
 
 
 @claim("transport.inside{key}", given=ANY, premises="transport.share {optimal}", over=FORMS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import cached_property
 
 import casadi as ca
@@ -12,8 +12,8 @@ from wmr_ctrl.model.system import Parameters, System
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols
-from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
 from wmr_ctrl.world.effect import Effect
 
@@ -21,12 +21,11 @@ WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
 
 
-@dataclass(frozen=True)
 class EffectGraph:
     """An effect's System for a scenario with some numbers, which stay symbols."""
 
-    effect: Effect
-    numbers: tuple[tuple[str, object], ...]
+    def __init__(self, effect: Effect, numbers: Iterable[tuple[str, object]]) -> None:
+        self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
 
     @cached_property
     def system(self) -> System:
@@ -40,11 +39,6 @@ class EffectGraph:
         return scalars((*self.system.inputs, *self.system.state, *self.system.params, *drawn))
 
     @property
-    def scenario(self) -> Scenario:
-        """The scenario whose structure the graph has."""
-        return load_scenario("paper-simulation", dict(self.numbers))
-
-    @property
     def parameters(self) -> Parameters:
         """The graph's own symbols by their keys."""
         return Parameters(self.scenario, self.system.params)
@@ -53,19 +47,9 @@ class EffectGraph:
         return self.symbols[name]
 
 
-def within(value: ca.SX, bound: ca.SX | float) -> tuple[Relation, Relation]:
-    """|value| <= bound."""
-    return at_least(bound, value), at_least(value, -ca.SX(bound))
-
-
 def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
     """Each is above 0."""
     return tuple(above(g[name]) for name in names)
-
-
-def _velocity(g: EffectGraph, rate: ca.SX) -> ca.SX:
-    """`velocity_of` in the symbols of a graph."""
-    return encoder.velocity_of(rate, g.parameters)
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau"
@@ -103,17 +87,16 @@ def counted_speed(mutation: Mutation, axis: int = 0) -> Statement:
         for i in (0, 1)
         for item in (at_least(real[i], part[i]), above(1, real[i] - part[i]))
     ]
-    exact = _velocity(g, (now - old) / g["clock.control"])
+    exact = encoder.velocity_of((now - old) / g["clock.control"], g.parameters)
     believed = (g["robot.r"], g["robot.l"])
     bound = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     off = g.system.outputs[axis].expr - exact[axis]
     most = mutation(bound, 0.9 * bound)
     sides = positive(g, "robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
-    floors = {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
     return Statement(
         {**g.symbols, **turn}, (above(most, off), above(off, -most)), (*sides, *given),
-        {**cuts, **floors},
+        {**cuts, **{"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}},
     )  # fmt: skip
 
 
@@ -132,9 +115,8 @@ def misread_speed(mutation: Mutation, axis: int = 0) -> Statement:
     """
     g = EffectGraph(encoder.ENCODER, (("encoder.counts", 64.0), *WHEELS))
     t = symbols("v omega u1 u2")
-    turn = encoder.turned(load_scenario("paper-simulation", dict(g.numbers)), g.parameters,
-                          t["v"], t["omega"])  # fmt: skip
-    shown = _velocity(g, turn)[axis]
+    turn = encoder.turned(g.scenario, g.parameters, t["v"], t["omega"])
+    shown = encoder.velocity_of(turn, g.parameters)[axis]
     radius = (g["wheels.radius[1]"], g["wheels.radius[2]"])
     bounds = wheels.misread_by(radius, g["wheels.track"], g["robot.l"], (t["u1"], t["u2"]))
     off = shown - (t["v"] if axis == 0 else t["omega"])

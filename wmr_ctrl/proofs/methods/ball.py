@@ -18,14 +18,14 @@ from wmr_ctrl.proofs.methods.interval import Interval
 from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.spec import Ball, Finding
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import UndecidedError, Walk, paths
+from wmr_ctrl.proofs.walk import Arithmetic, UndecidedError, Walk, paths
 
 
 class EmptyWayError(Exception):
     """The conditions taken on this way contradict each other on the whole box."""
 
 
-class IntervalArithmetic:
+class IntervalArithmetic(Arithmetic):
     """Values over a box; a condition that is taken one way narrows what it compares.
 
     With ``doubles``, inputs are doubles: x < y means that x is at most the double below y.
@@ -54,7 +54,9 @@ class IntervalArithmetic:
             if arg is None:
                 return None
         given = [self._now(arg) for arg in args] if self.narrowed else args
-        found = _operation(op)(*given)
+        if op not in _OPERATIONS:
+            raise UndecidedError(f"no enclosure of {op} is known")
+        found = _OPERATIONS[op](*given)
         if found is None or not (isfinite(found.lo) and isfinite(found.hi)):
             return None
         if not found.key:
@@ -73,14 +75,6 @@ class IntervalArithmetic:
         if op in ("lt", "le"):
             self._narrow(op, a, b, truth)
         return truth
-
-    def logic(self, op: str, args: list[bool]) -> bool:
-        """Plain logic."""
-        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
-
-    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """Never: conditions are decided, or both ways are taken."""
-        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: bool) -> Interval:
         """1 or 0."""
@@ -115,8 +109,8 @@ class IntervalArithmetic:
         """a < b, a <= b or their opposites, as bounds for named quantities."""
         strict = self.doubles and (op == "lt") == truth
         small, large = (a, b) if truth else (b, a)
-        self._bound(small, -inf, _before(large.hi) if strict else large.hi)
-        self._bound(large, _after(small.lo) if strict else small.lo, inf)
+        self._bound(small, -inf, iv.down(large.hi) if strict else large.hi)
+        self._bound(large, iv.up(small.lo) if strict else small.lo, inf)
 
     def _bound(self, value: Interval, low: float, high: float) -> None:
         if not value.key:
@@ -125,14 +119,6 @@ class IntervalArithmetic:
             low, high = -high, -low
         old = self.narrowed.get(abs(value.key), (-inf, inf))
         self.narrowed[abs(value.key)] = (max(old[0], low), min(old[1], high))
-
-
-def _before(value: float) -> float:
-    return nextafter(value, -inf)
-
-
-def _after(value: float) -> float:
-    return nextafter(value, inf)
 
 
 def _decided(op: str, a: Interval, b: Interval) -> bool | None:
@@ -156,16 +142,6 @@ def _times(a: Interval, b: Interval) -> Interval:
     return iv.multiply(a, b)
 
 
-def _square(a: Interval) -> Interval:
-    return iv.multiply(iv.magnitude(a), iv.magnitude(a))
-
-
-def _operation(op: str) -> Callable[..., Interval | None]:
-    if op not in _OPERATIONS:
-        raise UndecidedError(f"no enclosure of {op} is known")
-    return _OPERATIONS[op]
-
-
 _OPERATIONS: dict[str, Callable[..., Interval | None]] = {
     "add": iv.add,
     "sub": lambda a, b: iv.add(a, iv.negative(b)),
@@ -173,7 +149,7 @@ _OPERATIONS: dict[str, Callable[..., Interval | None]] = {
     "div": iv.divide,
     "inv": lambda a: iv.divide(Interval(1.0, 1.0), a),
     "neg": iv.negative,
-    "sq": _square,
+    "sq": lambda a: iv.multiply(iv.magnitude(a), iv.magnitude(a)),
     "twice": lambda a: iv.multiply(Interval(2.0, 2.0), a),
     "assign": lambda a: a,
     "fabs": iv.magnitude,

@@ -62,20 +62,23 @@ def up(value: float) -> float:
     return nextafter(value, inf)
 
 
-def sum_down(a: float, b: float) -> float:
-    """Lower bound of a + b, exact if the sum is; what it misses, by Knuth's two-sum, is exact."""
+def _missed(a: float, b: float) -> float:
+    """a + b less the rounded sum, exactly, by Knuth's two-sum."""
     total = a + b
     back = total - a
-    missed = (a - (total - back)) + (b - back)
-    return total if missed >= 0 and isfinite(total) else nextafter(total, -inf)
+    return (a - (total - back)) + (b - back)
+
+
+def sum_down(a: float, b: float) -> float:
+    """Lower bound of a + b, exact if the sum is."""
+    total = a + b
+    return total if _missed(a, b) >= 0 and isfinite(total) else down(total)
 
 
 def sum_up(a: float, b: float) -> float:
     """Upper bound of a + b, exact if the sum is."""
     total = a + b
-    back = total - a
-    missed = (a - (total - back)) + (b - back)
-    return total if missed <= 0 and isfinite(total) else nextafter(total, inf)
+    return total if _missed(a, b) <= 0 and isfinite(total) else up(total)
 
 
 def add(a: Interval, b: Interval) -> Interval:
@@ -125,14 +128,6 @@ def _product(x: float, y: float) -> float:
     return 0.0 if x == 0 or y == 0 else x * y
 
 
-def _floor(value: float, sign: int) -> float:
-    return max(0.0, down(value)) if sign > 0 else down(value)
-
-
-def _ceiling(value: float, sign: int) -> float:
-    return min(0.0, up(value)) if sign < 0 else up(value)
-
-
 def _nearest_zero_first(a: Interval, b: Interval) -> tuple[Interval, Interval]:
     def spread(x: Interval) -> float:
         low, high = x.size
@@ -158,7 +153,8 @@ def divide(a: Interval, b: Interval) -> Interval | None:
         return None
     corners = [x / y for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
     sign = a.sign * b.sign
-    found = Interval(_floor(min(corners), sign), _ceiling(max(corners), sign))
+    low, high = down(min(corners)), up(max(corners))
+    found = Interval(max(0.0, low) if sign > 0 else low, min(0.0, high) if sign < 0 else high)
     if sign:
         _bound_by_forms(found, a, b, sign)
         found.form = found.form or _scaled_down(a, b)

@@ -15,7 +15,7 @@ from flint import arb, ctx, fmpq
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Refute, Table
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import ARITHMETIC, UndecidedError, Walk
+from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError, Walk
 
 BITS = 300
 
@@ -31,7 +31,7 @@ class Pi:
         return arb.pi() * _ball(self.times)
 
 
-class PointArithmetic:
+class PointArithmetic(Arithmetic):
     """Exact rationals; balls after an irrational operation."""
 
     def __init__(self, point: Mapping[str, Any]) -> None:
@@ -62,10 +62,6 @@ class PointArithmetic:
         """Certain truth; UndecidedError otherwise."""
         s = sign_of(self.apply("sub", [left, right]))
         return {"lt": s < 0, "le": s <= 0, "eq": s == 0, "ne": s != 0}[op]
-
-    def logic(self, op: str, args: list[bool]) -> bool:
-        """Plain logic."""
-        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def merge(self, condition: Any, yes: Any, no: Any) -> Any:
         """A condition that is a number: nonzero means true."""

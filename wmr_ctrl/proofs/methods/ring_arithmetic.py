@@ -11,13 +11,13 @@ from flint.utils.flint_exceptions import DomainError
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.methods.field import Algebra
-from wmr_ctrl.proofs.walk import UndecidedError
+from wmr_ctrl.proofs.walk import Arithmetic, UndecidedError
 
 HUGE = 1e100
 """A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""
 
 
-class RingArithmetic:
+class RingArithmetic(Arithmetic):
     """Values of one case; conditions decided by signs, else by ``ask``."""
 
     def __init__(
@@ -82,14 +82,6 @@ class RingArithmetic:
                 self.nonzero |= {left, -left} if not truth and value > 0 else set()
                 return truth
         return None
-
-    def logic(self, op: str, args: list[bool]) -> bool:
-        """Plain logic."""
-        return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
-
-    def merge(self, condition: Any, yes: Any, no: Any) -> Any:
-        """Never: conditions are decided, or both ways are taken."""
-        raise UndecidedError(f"a choice by {condition} between {yes} and {no}")
 
     def number(self, condition: bool) -> Any:
         """1 or 0."""

@@ -21,10 +21,10 @@ from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.portfolio import Answer, ask, other_models
 from wmr_ctrl.proofs.methods.spec import Z3, Finding, Point
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
-from wmr_ctrl.proofs.walk import ARITHMETIC, UndecidedError, Walk
+from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError, Walk
 
 
-class TermArithmetic:
+class TermArithmetic(Arithmetic):
     """z3 terms; ``facts`` collects what is known about roots, sines and exponentials.
 
     They live in a context of their own: z3 orders terms by their number, so that in a common one
