@@ -52,7 +52,8 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     mutated = _mutated(claim, method) if finding.verdict == PROVED else None
     seconds = round(perf_counter() - started, 2)
     entered, now = graph_hash(claim), versions(claim.method)
-    same = known if known and _is_the_same(known, entered, now) else None
+    decided = {name: known.versions.get(name) for name in now} if known else {}
+    same = known if known and (known.graph_hash, decided) == (entered, now) else None
     functions = functions_of(claim, known.functions if known else ())
     verdict, reason = _guarded(finding, mutated, functions)
     return _entry(
@@ -71,11 +72,6 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         confirmed_by=same.confirmed_by if same else (),
         evidence={**finding.evidence, **reason},
     )
-
-
-def _is_the_same(known: Entry, entered: str, now: Mapping[str, str]) -> bool:
-    decided = {name: known.versions.get(name) for name in now}
-    return known.graph_hash == entered and decided == now
 
 
 def _reminded(method: Method, known: Entry | None) -> Method:

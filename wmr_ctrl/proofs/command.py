@@ -17,6 +17,9 @@ REMEDY = (
 )
 
 
+ALTERED = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
+
+
 def run_prove(
     only: Iterable[str] = (),
     json_file: Path | None = None,
@@ -73,18 +76,12 @@ def described(entry: Entry) -> str:
         "rests on": ", ".join(entry.premises),
         "counterexample": point,
         "functions": ", ".join(entry.functions),
-        "altered": _altered(entry),
+        "altered": ", ".join(f"{n} {ALTERED[key]}" for key, n in (entry.alterations or {}).items()),
         "confirmed by": ", ".join(entry.confirmed_by),
         "versions": ", ".join(f"{name} {number}" for name, number in entry.versions.items()),
     }
     lines = [f"{entry.id}: {entry.verdict}"]
     return "\n".join([*lines, *(f"  {name}: {text}" for name, text in rows.items() if text), ""])
-
-
-def _altered(entry: Entry) -> str:
-    words = {"tried": "functions altered", "caught": "REFUTED then", "open": "left open"}
-    counts = entry.alterations or {}
-    return ", ".join(f"{count} {words[key]}" for key, count in counts.items())
 
 
 def provenance(ledger: Ledger, anew: bool) -> str:

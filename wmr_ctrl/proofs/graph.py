@@ -88,7 +88,10 @@ def graph_of(
     text.  ValueError where an output still depends on a symbol that is not named.
     """
     cut = dict(cuts or {})
-    given = {**inputs, **_unnamed(inputs, (*outputs, *cut.values()))}
+    symbols = {symbol.element_hash() for symbol in inputs.values()}
+    every = ca.symvar(ca.vertcat(*outputs, *cut.values()))
+    unnamed = {f"?{one.name()}": one for one in every if one.element_hash() not in symbols}
+    given = {**inputs, **unnamed}
     compiled, places = _compiled(given, (*outputs, *cut.values()))
     nodes = [_named(node, list(given)) for node in compiled.nodes]
     for name, place in zip(cut, places[len(outputs) :], strict=True):
@@ -97,27 +100,17 @@ def graph_of(
     known = numbers or {}
     nodes = [ProvedNode("const", value=known[n.name]) if n.name in known else n for n in nodes]
     graph = ProvedGraph(tuple(nodes), tuple(places[: len(outputs)]))
-    _refuse_unnamed(graph)
+    free = [name for name in graph.input_names if name.startswith("?")]
+    if free:
+        raise ValueError(
+            f"the graph depends on {', '.join(free)}, which the statement does not name"
+        )
     return _compact(graph)
 
 
 def is_parameter(symbol: ca.SX) -> bool:
     """Whether a symbol stands for a number of the scenario: those have a dotted key."""
     return "." in symbol.name()
-
-
-def _unnamed(inputs: Mapping[str, ca.SX], exprs: Sequence[ca.SX]) -> dict[str, ca.SX]:
-    known = {symbol.element_hash() for symbol in inputs.values()}
-    every = ca.symvar(ca.vertcat(*exprs))
-    return {f"?{one.name()}": one for one in every if one.element_hash() not in known}
-
-
-def _refuse_unnamed(graph: ProvedGraph) -> None:
-    free = [name for name in graph.input_names if name.startswith("?")]
-    if free:
-        raise ValueError(
-            f"the graph depends on {', '.join(free)}, which the statement does not name"
-        )
 
 
 def _compiled(

@@ -11,7 +11,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from wmr_ctrl.proofs.case import FREE, NONNEGATIVE, POSITIVE, Case
 from wmr_ctrl.proofs.methods.field import Algebra
-from wmr_ctrl.proofs.walk import Arithmetic, UndecidedError
+from wmr_ctrl.proofs.walk import ARITHMETIC, Arithmetic, UndecidedError
 
 HUGE = 1e100
 """A bound on targets beyond this is taken as not reached (stated with the claims that use it)."""
@@ -47,6 +47,8 @@ class RingArithmetic(Arithmetic):
         if op in ("div", "inv"):
             below = self._nonzero(self.algebra.reduced(args[-1]))
             return args[0] / below if op == "div" else 1 / below
+        if op in ARITHMETIC:
+            return ARITHMETIC[op](*args)
         if op not in _OPERATIONS:
             raise UndecidedError(f"no exact algebra of {op} is known")
         return _OPERATIONS[op](self, *args)
@@ -186,13 +188,6 @@ _TRUTH = {
     "ne": {"+": True, "-": True, "0": False},
 }
 _OPERATIONS: dict[str, Callable[..., Any]] = {
-    "add": lambda _, a, b: a + b,
-    "sub": lambda _, a, b: a - b,
-    "mul": lambda _, a, b: a * b,
-    "neg": lambda _, a: -a,
-    "sq": lambda _, a: a * a,
-    "twice": lambda _, a: 2 * a,
-    "assign": lambda _, a: a,
     "fabs": RingArithmetic.magnitude,
     "sign": RingArithmetic.signum,
     "fmin": RingArithmetic.smaller,

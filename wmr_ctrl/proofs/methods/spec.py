@@ -36,8 +36,8 @@ class Method:
 
     ENGINE: ClassVar[str] = ""
     NAME: ClassVar[str] = ""
-    TRUSTED: ClassVar[tuple[str, ...]] = ()
-    NEEDS: ClassVar[tuple[str, ...]] = ()
+    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
+    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     def decide(self, statement: Statement) -> Finding:
         """PROVED, REFUTED with an exact counterexample, or OPEN."""
@@ -58,8 +58,6 @@ class Ring(Method):
 
     ENGINE: ClassVar[str] = "ring.decide"
     NAME: ClassVar[str] = "RING"
-    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
-    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     cases: Sequence[Case] = (Case("all"),)
     fixed: Mapping[float, bool] = field(default_factory=dict)
@@ -99,8 +97,6 @@ class Ball(Method):
 
     ENGINE: ClassVar[str] = "ball.decide"
     NAME: ClassVar[str] = "INTERVAL"
-    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
-    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     box: Mapping[str, tuple[Fraction, Fraction]] = field(default_factory=dict)
     float_mode: bool = False
@@ -115,8 +111,6 @@ class Table(Method):
 
     ENGINE: ClassVar[str] = "point.decide_table"
     NAME: ClassVar[str] = "POINT"
-    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
-    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     points: Callable[[], Sequence[Point]] = tuple
 
@@ -127,8 +121,6 @@ class Refute(Method):
 
     ENGINE: ClassVar[str] = "point.decide_points"
     NAME: ClassVar[str] = "POINT"
-    TRUSTED: ClassVar[tuple[str, ...]] = ("flint",)
-    NEEDS: ClassVar[tuple[str, ...]] = ("flint",)
 
     points: Sequence[Point] = ()
 
