@@ -16,7 +16,7 @@ COMMITTED = Path(__file__).with_name("ledger.json")
 PROVED, REFUTED, LEMMA, DEFINITION = "PROVED", "REFUTED", "LEMMA", "DEFINITION"
 HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
 VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
-PUBLIC_KEYS = [
+PUBLIC_KEYS = (
     "id",
     "equations",
     "claim",
@@ -33,7 +33,7 @@ PUBLIC_KEYS = [
     "seconds",
     "graph_hash",
     "versions",
-]
+)
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,8 @@ def rises(mutation: Mutation) -> Statement:
     Used to bound V1/A between two velocities.
     """
     a, v, _, _, _ = barrier_axis()
-    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(ca.gradient(a.A, v), mutation(1, 2)))
+    rise = ca.gradient(a.A, v)
+    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2)))
 
 
 @claim(

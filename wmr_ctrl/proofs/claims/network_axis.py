@@ -18,20 +18,31 @@ from wmr_ctrl.proofs.statement import Statement, column, stacked, symbols
 class NetworkAxis:
     """The network law's graph on one axis, with the barrier's quotients, w and S free.
 
-    ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*;
-    ``names``: the law's own ports, too.  W^ is ``weights``, S(Z) ``basis``, W* ``best``, and
-    ``error`` is W~ = W^ - W*.
+    ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*; S(Z) is
+    ``basis``, W* ``best``.
     """
 
     def __init__(self, axis: int) -> None:
         self.axis, self.law = axis, LawGraph("nn")
-        own, names = self.law.symbols, "quotient q w A V cdot friction mass"
+        names = "quotient q w A V cdot friction mass"
         self.free = {**symbols(names), **column("S", NODES), **column("best", NODES)}
-        self.names = {**own, **self.free}
-        rows = (f"W_hat{axis + 1}[{j + 1}]" for j in range(NODES))
-        self.weights = ca.vertcat(*(own[name] for name in rows))
         self.basis, self.best = (stacked(self.free, name, NODES) for name in ("S", "best"))
-        self.error = self.weights - self.best
+
+    @property
+    def names(self) -> dict[str, ca.SX]:
+        """Everything, the law's own ports included."""
+        return {**self.law.symbols, **self.free}
+
+    @cached_property
+    def weights(self) -> ca.SX:
+        """W^ of this axis."""
+        names = (f"W_hat{self.axis + 1}[{j + 1}]" for j in range(NODES))
+        return ca.vertcat(*(self.law.symbols[name] for name in names))
+
+    @property
+    def error(self) -> ca.SX:
+        """W~ = W^ - W*."""
+        return self.weights - self.best
 
     @cached_property
     def inner(self) -> dict[str, ca.SX]:

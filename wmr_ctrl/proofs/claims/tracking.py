@@ -67,7 +67,7 @@ SIGNED = Case(
 GAINS = (Case("any", declared={"k1": POSITIVE, "k2": POSITIVE, "k3": POSITIVE}),)
 ANY = "any e, z, v_d and k2 != 0"
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
-SLIGHT = {**at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", eps0="1/2", root="1/2"), **at(**PAPER)}
+SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2")
 claim = Claims(by=Ring(GAINS), form=PRINTED)
 
 
