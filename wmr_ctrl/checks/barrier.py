@@ -24,9 +24,11 @@ def pushed_through(loop: Loop) -> Iterator[Warning]:
     outside = (np.abs(loop.start.v) > loop.scenario.limits.v_u1).any()
     if loop.guarded or outside or not loop.has_barrier:
         return
+    # The error can saturate the law only until the robot has come near, at v_u2.
+    approach = float(np.hypot(*loop.start.e[:2])) / loop.scenario.limits.v_u2[0]
     for phase in phases(loop.scenario):
         axes = np.flatnonzero(largest_pull(loop, phase) <= 0)
-        if phase.t <= _approach(loop) and axes.size:
+        if phase.t <= approach and axes.size:
             yield _warning(loop, int(axes[0]), phase)
             return
 
@@ -45,11 +47,6 @@ def largest_pull(loop: Loop, phase: Phase) -> Floats:
     asked = np.clip(loop.force_towards(speeds, loop.start.v_c0), -most, most)
     net = asked - drag(loop.scenario.robot, phase, speeds)
     return np.asarray((-sign * net).max(axis=1))
-
-
-def _approach(loop: Loop) -> float:
-    """Time [s] to reach the reference at v_u2: only until then the error can saturate the law."""
-    return float(np.hypot(*loop.start.e[:2])) / loop.scenario.limits.v_u2[0]
 
 
 def _warning(loop: Loop, axis: int, phase: Phase) -> Warning:
@@ -79,8 +76,26 @@ def wrong_model(loop: Loop) -> Iterator[Warning]:
     if not asked or any(pushed_through(loop)):
         return
     offset, phase = _largest_error(loop)
-    if abs(offset) >= NOTABLE:
-        yield _wrong(loop, offset, phase)
+    if abs(offset) < NOTABLE:
+        return
+    believed, robot = loop.scenario.believed, loop.scenario.robot
+    model = Phase(phase.t, believed.m, believed.mu)
+    forces = [full_friction(robot, item) for item in (phase, model)]
+    exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
+    way = abs(offset) / loop.setup.kinematics.k[0] if loop.traits.auxiliary else math.inf
+    side = "behind" if offset < 0 else "ahead of"
+    consequence = (
+        f"the robot about {way:.2g} m {side} the reference"
+        if loop.traits.auxiliary
+        else f"a speed that is off by {abs(offset):.2g} m/s"
+    )
+    yield Warning(
+        "model",
+        f"Friction is {forces[0]:.3g} N {_from(phase)} where {loop.law} believes {forces[1]:.3g} N"
+        f"{exact}. Expect {consequence} from then on; nn adapts instead.",
+        f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
+        objects=way > loop.scenario.metrics.tolerance,
+    )
 
 
 def unmodelled(loop: Loop) -> Iterator[Warning]:
@@ -120,30 +135,3 @@ def velocity_error(loop: Loop, phase: Phase) -> float:
     v_d = max(operating_points(loop.scenario), key=lambda point: float(abs(point[0])))
     surplus = loop.force_towards(v_d, v_d) - drag(loop.scenario.robot, phase, v_d)
     return float(-surplus[0, 0] / loop.slope_towards(v_d, v_d)[0])
-
-
-def _wrong(loop: Loop, offset: float, phase: Phase) -> Warning:
-    believed, robot = loop.scenario.believed, loop.scenario.robot
-    model = Phase(phase.t, believed.m, believed.mu)
-    forces = [full_friction(robot, item) for item in (phase, model)]
-    exact = ": its theorem asks for the exact model" if loop.traits.theorem else ""
-    return Warning(
-        "model",
-        f"Friction is {forces[0]:.3g} N {_from(phase)} where {loop.law} believes {forces[1]:.3g} N"
-        f"{exact}. Expect {_consequence(loop, offset)} from then on; nn adapts instead.",
-        f"Eq. (9), Theorem {loop.traits.theorem}" if loop.traits.theorem else "Eq. (4)",
-        objects=_way(loop, offset) > loop.scenario.metrics.tolerance,
-    )
-
-
-def _way(loop: Loop, offset: float) -> float:
-    """How far [m] a steady error of v1 [m/s] leaves the robot off; no end without Eq. (7)."""
-    return abs(offset) / loop.setup.kinematics.k[0] if loop.traits.auxiliary else math.inf
-
-
-def _consequence(loop: Loop, offset: float) -> str:
-    """Where the robot drives with a steady error of v1 [m/s], which Eq. (7) turns into a way."""
-    if not loop.traits.auxiliary:
-        return f"a speed that is off by {abs(offset):.2g} m/s"
-    side = "behind" if offset < 0 else "ahead of"
-    return f"the robot about {_way(loop, offset):.2g} m {side} the reference"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -112,8 +111,14 @@ class Loop:
 
     @cached_property
     def start(self) -> StartPoint:
-        """Where the run starts, seen from the reference."""
-        return start_point(self.setup)
+        """Where the run starts, seen from the reference: Eqs. (8) and (7) at t = 0."""
+        scenario, k = self.scenario, ca.DM(self.setup.kinematics.k)
+        reference = sample(scenario, np.zeros(1))[0]
+        pose_d, v_d = ca.DM(reference[:3]), ca.DM(reference[3:5])
+        e = tracking_error(ca.SX(pose_d), ca.SX(ca.DM(scenario.initial.pose)))
+        v_c0 = auxiliary_velocity(e, ca.SX(v_d), ca.SX(k))
+        flat = [np.asarray(ca.evalf(item)).ravel() for item in (e, v_c0)]
+        return StartPoint(reference, flat[0], np.array(scenario.initial.velocity), flat[1])
 
     @property
     def guarded(self) -> bool:
@@ -317,20 +322,3 @@ def loop_of(setup: Setup, in_flight: int | None = None) -> Loop:
 
 INPUTS = ("x_d", "y_d", "theta_d", "v1_d", "v2_d", "v1_d_dot", "v2_d_dot", "v1", "omega")
 """Inputs of a law that are not zero when the robot stands at the origin along +Y."""
-
-
-def start_point(setup: Setup) -> StartPoint:
-    """The scenario at t = 0: Eqs. (8) and (7) there."""
-    scenario = setup.scenario
-    reference = sample(scenario, np.zeros(1))[0]
-    e = tracking_error(_sx(reference[:3]), _sx(scenario.initial.pose))
-    v_c0 = auxiliary_velocity(e, _sx(reference[3:5]), _sx(setup.kinematics.k))
-    return StartPoint(reference, _flat(e), np.array(scenario.initial.velocity), _flat(v_c0))
-
-
-def _sx(numbers: Sequence[float] | Floats) -> ca.SX:
-    return ca.SX(ca.DM(numbers))
-
-
-def _flat(column: ca.SX) -> Floats:
-    return np.asarray(ca.evalf(column)).ravel()

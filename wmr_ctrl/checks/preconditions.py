@@ -155,18 +155,10 @@ def _not_moving(loop: Loop, slowest: float) -> Warning:
 
 
 def late_drives(loop: Loop) -> Iterator[Warning]:
-    """Yield a delay of one sample, or a prediction over more than is sure to be late."""
-    if loop.setup.prediction:
-        yield from _overstated(loop)
-    elif loop.scenario.actuator.delay >= loop.scenario.clock.control:
-        yield _late(loop)
-
-
-def _overstated(loop: Loop) -> Iterator[Warning]:
-    """A law that predicts over more than the delay which every command is sure to have."""
+    """Yield a delay of one sample, or a prediction over more than every command is sure to have."""
     stated, bound = loop.setup.prediction, loop.setup.bound
     true = bound.delay - bound.jitter
-    if stated > true * (1 + WHOLE):
+    if stated and stated > true * (1 + WHOLE):
         yield Warning(
             f"gains.{loop.law}.delay",
             f"gains.{loop.law}.delay = {stated:g} s is longer than the {true:g} s by which every "
@@ -175,6 +167,8 @@ def _overstated(loop: Loop) -> Iterator[Warning]:
             "(actuator.delay) is the longest.",
             "prediction of the law",
         )
+    elif not stated and loop.scenario.actuator.delay >= loop.scenario.clock.control:
+        yield _late(loop)
 
 
 def _late(loop: Loop) -> Warning:
@@ -197,19 +191,16 @@ def _late(loop: Loop) -> Warning:
 
 def noise(loop: Loop) -> Iterator[Warning]:
     """Yield that no barrier is sure to hold against the noise: on its weakest axis."""
-    if loop.scenario.disturbance.std > 0 and loop.has_barrier and not loop.guarded:
-        yield _unguarded_noise(loop)
-
-
-def _unguarded_noise(loop: Loop) -> Warning:
     disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
+    if disturbance.std == 0 or loop.guarded or not loop.has_barrier:
+        return
     push = math.sqrt(2) * disturbance.std / robot.r * np.array((1.0, robot.l))
     pull = np.maximum(largest_pull(loop, next(phases(loop.scenario))), 0)
     axis = int(np.argmin(pull / push))
     truncate, unit = disturbance.truncate, FORCE_UNITS[axis]
     bound = "unbounded" if math.isinf(truncate) else f"cut at {truncate:g} times that"
     cover = "is covered by no theorem: at" if loop.traits.theorem else "acts against the limit: at"
-    return Warning(
+    yield Warning(
         "disturbance.std",
         f"The torque noise ({disturbance.std:g} N m rms, {bound}) {cover} the start it pushes "
         f"{SPEEDS[axis]} with {push[axis]:.3g} {unit} rms, and the barrier of {loop.law} pulls "

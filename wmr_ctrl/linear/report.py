@@ -207,7 +207,9 @@ def report_linear(
         kinematic_poles=kinematic_poles(scenario) if outer else None,
         saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
         poles=step(poles_at(scenario, law, point)),
-        adaptive_poles=_adaptive_poles(scenario, law, rest),
+        adaptive_poles=None
+        if rest is None
+        else poles_at(scenario, law, rest, "learning")[:FASTEST],
         spectral_radius=largest_radius(loop, period)
         if at is None
         else radius_of(scenario, law, point)(period),
@@ -215,21 +217,15 @@ def report_linear(
         max_delay=step(largest_stable_delay(loop)),
         mass_range=step(stable_masses(loop)),
         max_sample_time_kink=step(kink_periods(scenario, law)),
-        max_sample_time_adaptive=step(_learning_period(scenario, law, rest)),
+        max_sample_time_adaptive=step(
+            None if rest is None else largest_learning_period(scenario, law, rest)
+        ),
         one_step_safe_time=one_step_period(scenario, law),
         margins=sampled if behind else [margins_at(scenario, law, axis, point) for axis in AXES],
         sampled_margins=sampled,
         model_errors=step(model_errors(scenario, law, time)),
         warnings=tuple(str(item) for item in warnings_for(settle(scenario, law))),
     )
-
-
-def _adaptive_poles(scenario: Scenario, law: str, rest: Point | None) -> Floats | None:
-    return None if rest is None else poles_at(scenario, law, rest, "learning")[:FASTEST]
-
-
-def _learning_period(scenario: Scenario, law: str, rest: Point | None) -> float | None:
-    return None if rest is None else largest_learning_period(scenario, law, rest)
 
 
 def _pairs(poles: Floats | None) -> list[list[float]] | None:
