@@ -30,6 +30,7 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
         study,
         write_page,
     )
+    from wmr_ctrl.filter import command_filter
     from wmr_ctrl.tuning import tune
 
 __version__ = "0.1.0"
@@ -37,6 +38,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Run",
     "Scenario",
+    "command_filter",
     "compile_law",
     "cosimulate",
     "export_fmu",
@@ -55,11 +57,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Load a public name from `wmr_ctrl.api` or `wmr_ctrl.tuning`, once."""
+    """Load a public name from where it is defined, once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = "wmr_ctrl.tuning" if name == "tune" else "wmr_ctrl.api"
-    value = getattr(import_module(home), name)
+    home = {"tune": "tuning", "command_filter": "filter"}.get(name, "api")
+    value = getattr(import_module(f"wmr_ctrl.{home}"), name)
     globals()[name] = value
     return value
 

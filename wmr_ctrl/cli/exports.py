@@ -91,7 +91,11 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 
 @click.command(
     short_help="Write a law as a C99 package for a robot.",
-    epilog=examples("wmr-ctrl codegen nn --out nn_c", "wmr-ctrl codegen mb --float32 --out mb_c"),
+    epilog=examples(
+        "wmr-ctrl codegen nn --out nn_c",
+        "wmr-ctrl codegen mb --float32 --out mb_c",
+        "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
+    ),
 )
 @click.argument("law")
 @scenario_option
@@ -101,6 +105,8 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 @debug_option
 def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool, out: str) -> None:
     """Write header, source, example, test vectors and build files of one law into a folder.
+
+    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip" or "governor".
 
     No heap, no input or output, no globals: the caller owns the law's memory.
     """

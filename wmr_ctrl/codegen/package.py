@@ -28,6 +28,7 @@ from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
+from wmr_ctrl.filter import filter_system
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Circle, Scenario
@@ -36,6 +37,8 @@ from wmr_ctrl.world.encoder import COUNTS, ENCODER, reader
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip
+FILTER = "filter"
+"""The command filter, which is packaged as laws are."""
 _CALL = re.compile(r"\b(?!wmr_)([a-z][a-z0-9]*)\(")
 _ROOT = re.compile(r"\bwmr_(sqrt|hypot|asin|acos)\(")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -72,18 +75,24 @@ def package_files(
 ) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
 
-    ``counting``: where the scenario has encoders, it is given counts, not velocities.
+    The law "filter" is the command filter of a scenario that has one.  ``counting``: where the
+    scenario has encoders, it is given counts, not velocities.
 
     Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
     whose velocity needs more than counts.
     """
-    setup = settle(scenario, law)
-    system = packaged(setup) if counting else controller(setup)
-    if float32 and scenario.guard.enabled:
+    if law == FILTER:
+        system = filter_system(scenario)
+    else:
+        setup = settle(scenario, law)
+        system = packaged(setup) if counting else controller(setup)
+    if float32 and (scenario.guard.enabled or law == FILTER):
         system = with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
+    if law == FILTER:
+        names |= {"example.c": "filter_example.c", "README.md": "filter_README.md"}
     files = {
         name: engine.get_template(f"{source}.j2").render(context) for name, source in names.items()
     }
@@ -156,7 +165,8 @@ def _context(
         "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": MARGIN,
         "periods": [f"{1e3 * period:g} ms" for period in PERIODS.get((law, guarded), ())],
         "footprint": known_footprint(law, float32, guarded, step.operations),
-        "library": f"wmr_{law}", "robot": _robot(scenario),
+        "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
+        "governs": len(system.inputs) > 1,
         "encoders": any(item.signal == COUNTS for item in system.inputs),
         "velocities": [item.signal.name for item in system.inputs if item.signal in VELOCITY],
     }  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmr_ctrl.filter.filter import ASKED
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Limits
 from wmr_ctrl.signals import VELOCITY
@@ -48,7 +49,7 @@ SITUATIONS = (
 
 @dataclass(frozen=True)
 class Vectors:
-    """Inputs (steps, inputs) and torques [N m] (steps, 2); every SAMPLES steps a run begins."""
+    """Inputs (steps, inputs) and outputs (steps, outputs); every SAMPLES steps a run begins."""
 
     inputs: Floats
     torques: Floats
@@ -61,12 +62,14 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     double precision.
     """
     machine = system.function("step", [system.update, system.y])
-    inputs, p, x = _inputs(np.array(limits.v_u1)), np.array(system.p0), np.array(system.x0)
+    known = {item.signal for item in system.inputs}
+    inputs = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
+    p, x = np.array(system.p0), np.array(system.x0)
     if any(item.signal == COUNTS for item in system.inputs):
         inputs = _with_counts(inputs, system)
     if float32:
         inputs, p = (values.astype(np.float32).astype(np.float64) for values in (inputs, p))
-    torques = np.empty((len(inputs), 2))
+    torques = np.empty((len(inputs), system.y.numel()))
     for k, u in enumerate(inputs):
         following, torque = machine(u, x if k % SAMPLES else np.array(system.x0), p)
         x, torques[k] = following.full().ravel(), torque.full().ravel()
@@ -93,6 +96,17 @@ def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floa
             np.array([x_d, y_d, theta_d, *desired, *rates, *pose, *(measured * (1 + k * drift))])
         )
     return rows
+
+
+def _commands(system: System, limits: Limits) -> Floats:
+    """Commands up to five times the limits; odometry within them, half of the time, where used."""
+    draw, rows = np.random.default_rng(2024), []
+    for k in range(len(SITUATIONS) * SAMPLES):
+        asked, measured = (size * draw.uniform(-1, 1, 2) * limits.v_u1 for size in (5, 0.02))
+        age = 0.0 if k % 2 else -1.0
+        rows.append(np.array([*asked, *measured, age, 0.0])[: system.u.numel()])
+    rounded: Floats = np.round(np.array(rows), 6)
+    return rounded
 
 
 def _with_counts(inputs: Floats, system: System) -> Floats:

@@ -161,6 +161,13 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     counts on bounds that the scenario breaks.
     """
     chosen = None if law is None else LAWS[law]
+    if scenario.filter.kind != "none":
+        raise ScenarioError(
+            f'filter.kind = "{scenario.filter.kind}": the command filter is for bases that take '
+            "velocities, and this robot takes torques, which the guard limits. For the filter by "
+            "itself take wmr_ctrl.command_filter or `wmr-ctrl codegen filter`; here set "
+            'filter.kind = "none".'
+        )
     with asking_about_units(scenario):
         return _settled(
             with_kinematics(with_traction_limit(scenario), chosen), chosen, tuple(EFFECTS)

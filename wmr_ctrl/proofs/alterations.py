@@ -27,7 +27,8 @@ from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
 from wmr_ctrl.proofs.statement import Statement
 
 PRODUCT = tuple(
-    f"wmr_ctrl.{part}." for part in ("barrier", "control", "guard", "laws", "model", "world")
+    f"wmr_ctrl.{part}."
+    for part in ("barrier", "control", "filter", "guard", "laws", "model", "world")
 )
 TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system", "wmr_ctrl.model.system")
 """What carries expressions without computing any."""

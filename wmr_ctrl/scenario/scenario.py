@@ -18,6 +18,7 @@ from wmr_ctrl.scenario.sections import (
     Body,
     Change,
     Clock,
+    Filter,
     Guard,
     Initial,
     Limits,
@@ -78,6 +79,7 @@ SECTIONS: dict[str, type[Section]] = {
     "sensor": Sensor,
     "actuator": Actuator,
     "guard": Guard,
+    "filter": Filter,
     "clock": Clock,
     "metrics": Metrics,
 }
@@ -120,6 +122,7 @@ class Scenario:
     actuator: Actuator = field(default_factory=Actuator)
     effects: Mapping[str, Section] = field(default_factory=Frozen)
     guard: Guard = field(default_factory=Guard)
+    filter: Filter = field(default_factory=Filter)
     changes: tuple[Change, ...] = ()
     clock: Clock = field(default_factory=Clock)
     metrics: Metrics = field(default_factory=Metrics)

@@ -1,0 +1,186 @@
+"""The command filter: its limit against an adversary, what it admits, and what it says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from tests.filter.adversary import Base, fastest
+from wmr_ctrl import load_scenario
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.filter.filter import ROUNDING, Governor
+from wmr_ctrl.scenario import Scenario
+
+STATED = {
+    "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05),
+    "filter.odometry": (0.02, 0.02), "limits.v_u1": (1.0, 1.0), "limits.v_u2": (0.7, 0.7),
+    "clock.control": 0.05,
+}  # fmt: skip
+WORLDS = {
+    "at once": {},
+    "delay of part of a sample": {"delay": (0.03, 0.03)},
+    "delay of samples": {"delay": (0.13, 0.13)},
+    "delay that varies": {"delay": (0.02, 0.06)},
+    "losses": {"losses": 2},
+    "samples that jitter": {"jitter": 0.01},
+    "old odometry": {"age": 0.08},
+    "all": {"age": 0.12, "delay": (0.02, 0.06), "losses": 1, "jitter": 0.004},
+}
+BROKEN = {
+    "push": {"d": 0.0625}, "time constant": {"tau": (0.19, 0.3)}, "gain": {"gain": (0.9, 1.155)},
+    "odometry": {"error": 0.05}, "delay": {"delay": (0.0, 0.01)}, "losses": {"losses": 1},
+    "jitter": {"jitter": 0.005}, "second lag": {"second_lag": 0.005},
+}  # fmt: skip
+CLIP = (1 - 0.05) / 1.1
+
+
+def scenario(kind: str = "governor", **stated: object) -> Scenario:
+    changed = {f"filter.{name}": value for name, value in {"kind": kind, **stated}.items()}
+    return load_scenario("paper-simulation", STATED | changed)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("heard", [True, False])
+def test_no_adversary_within_the_bounds_passes_the_limit(world, heard):
+    base = Base(**WORLDS[world], heard=heard)
+    worst = fastest(scenario(**WORLDS[world]), base, trials=60, samples=120)
+    assert worst.max() <= 1.0
+    assert worst.max() > 0.999  # and it is reached
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("period", [0.01, 0.02, 0.05, 0.1])
+def test_nor_in_many_more_trials(world, period):
+    stated = scenario(**WORLDS[world]).filter
+    near = min(stated.jitter, 0.2 * period)
+    changed = {"clock.control": period, "filter.jitter": near, "clock.duration": 10.0}
+    other = load_scenario("paper-simulation", STATED | {"filter.kind": "governor"} | changed | {
+        f"filter.{name}": value for name, value in WORLDS[world].items() if name != "jitter"
+    })  # fmt: skip
+    base = Base(**(WORLDS[world] | {"jitter": near}))
+    assert fastest(other, base, trials=800, samples=300, seed=1).max() <= 1.0
+
+
+@pytest.mark.parametrize("bound", BROKEN)
+def test_each_bound_broken_breaks_the_limit(bound):
+    assert fastest(scenario(), Base(**BROKEN[bound]), trials=60).max() > 1.0
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.005, 0.05])
+def test_the_clip_holds_behind_any_chain_that_never_overshoots(lag):
+    base = Base(second_lag=lag, delay=(0.0, 0.2), losses=3, jitter=0.02)
+    assert fastest(scenario("clip"), base, trials=60).max() <= 1.0
+
+
+def test_without_odometry_and_at_the_limit_the_governor_is_the_clip():
+    governor = wmr_ctrl.command_filter(scenario())
+    assert governor.step((5.0, 0.0)).command[0] == pytest.approx(CLIP, rel=1e-7)
+
+
+def test_at_rest_the_governor_admits_more_than_the_limit_for_a_sample():
+    governor = wmr_ctrl.command_filter(scenario())
+    kappa = 1 / math.expm1(0.05 / 0.2)
+    hi = (1 - 0.05 + kappa * (1 - 0.02)) / 1.1
+    assert governor.step((9.0, 0.0), (0.0, 0.0)).command[0] == pytest.approx(hi, rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [-1.0, -0.3, 0.0, 0.6, 0.99])
+def test_it_is_odd(speed):
+    left, right = (wmr_ctrl.command_filter(scenario()) for _ in range(2))
+    for asked in (2.0, 0.4, -3.0):
+        one = left.step((asked, 0.3 * asked), (speed, 0.1)).command
+        other = right.step((-asked, -0.3 * asked), (-speed, -0.1)).command
+        assert one == tuple(-value for value in other)
+
+
+@pytest.mark.parametrize("asked", [(3.0, 1.0), (0.5, -7.0), (-2.0, 2.0), (0.0, 4.0)])
+def test_the_curvature_is_what_was_asked_for(asked):
+    sent = wmr_ctrl.command_filter(scenario()).step(asked, (0.1, 0.1)).command
+    assert sent[0] * asked[1] == pytest.approx(sent[1] * asked[0], rel=1e-12, abs=1e-12)
+
+
+def test_axes_by_themselves_are_limited_by_themselves():
+    sent = wmr_ctrl.command_filter(scenario(scale="axes")).step((9.0, 0.1)).command
+    assert sent == (pytest.approx(CLIP, rel=1e-7), 0.1)
+
+
+def test_a_command_within_the_limits_passes_to_the_bit():
+    governor = wmr_ctrl.command_filter(scenario())
+    made = governor.step((0.3, -0.2), (0.1, 0.0))
+    assert (made.command, made.flags) == ((0.3, -0.2), ())
+
+
+@pytest.mark.parametrize("asked", [(math.nan, 0.1), (0.1, math.inf), (-math.inf, math.nan)])
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+def test_what_is_no_number_becomes_a_stop(kind, asked):
+    made = wmr_ctrl.command_filter(scenario(kind)).step(asked)
+    assert made.command == (0.0, 0.0)
+    assert "refused" in made.flags
+
+
+@pytest.mark.parametrize("measured", [(math.nan, 0.0), (0.0, math.inf)])
+def test_odometry_that_is_no_number_is_not_used(measured):
+    made = wmr_ctrl.command_filter(scenario()).step((5.0, 0.0), measured)
+    assert made.flags == ("limited", "unused")
+    assert made.command[0] == pytest.approx(CLIP, rel=1e-7)
+
+
+def test_odometry_that_contradicts_the_bounds_is_told_and_the_clip_acts():
+    governor = wmr_ctrl.command_filter(scenario())
+    governor.step((0.0, 0.0), (0.0, 0.0))
+    made = governor.step((5.0, 0.0), (0.9, 0.0))
+    assert "bounds-left" in made.flags
+    assert made.command[0] == pytest.approx(CLIP, rel=1e-7)
+
+
+@pytest.mark.parametrize(("dt", "late"), [(None, False), (0.05, False), (0.08, True), (0.01, True)])
+def test_a_step_outside_its_jitter_is_told(dt, late):
+    governor = wmr_ctrl.command_filter(scenario())
+    made = governor.step((5.0, 0.0), (0.0, 0.0), dt=dt)
+    assert ("late" in made.flags) == late
+
+
+def test_old_odometry_is_used_up_to_its_age_alone():
+    governor = wmr_ctrl.command_filter(scenario(age=0.08))
+    flags = [governor.step((0.1, 0.0), (0.0, 0.0), age=age).flags for age in (0.0, 0.08, 0.09)]
+    assert ["unused" in each for each in flags] == [False, False, True]
+
+
+def test_the_limit_is_kept_away_from_by_the_rounding_alone():
+    graph = Governor(scenario())
+    limits = graph.system.function("limits", [graph.limits[0][0]])
+    x = np.array(graph.system.x0)
+    clip = float(limits(np.array([0.0, 0.0, 0.0, 0.0, -1.0, 0.0]), x, graph.system.p0))
+    assert clip == pytest.approx(((1 - ROUNDING) - 0.05) / 1.1, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"kind": "none"}, "has no command filter"),
+        ({"tau": None}, "filter.tau is missing"),
+        ({"tau": (0.3, 0.2)}, "wrong way round"),
+        ({"gain": (0.0, 1.0)}, "filter.gain"),
+        ({"d": (1.0, 0.0)}, "filter.d\\[1\\] = 1"),
+        ({"jitter": 0.05}, "filter.jitter"),
+        ({"delay": (0.0, 5.0)}, "span 100 control periods"),
+        ({"losses": -1}, "filter.losses"),
+    ],
+)
+def test_what_cannot_be_met_is_refused_with_its_key(stated, words):
+    with pytest.raises(ScenarioError, match=words):
+        wmr_ctrl.command_filter(scenario(**stated))
+
+
+def test_pairs_have_two_numbers():
+    with pytest.raises(ArgumentError, match="command has 3 numbers"):
+        wmr_ctrl.command_filter(scenario()).step((1.0, 2.0, 3.0))
+
+
+def test_a_run_says_that_no_filter_acts_in_it():
+    with pytest.raises(ScenarioError, match="takes torques"):
+        wmr_ctrl.simulate(scenario("clip"), "mb")

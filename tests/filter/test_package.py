@@ -1,0 +1,105 @@
+"""The command filter in C: its package passes its own check and says what the graph says."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.codegen.test_package import WARNINGS, needs, run
+from tests.filter.test_filter import scenario
+from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter import command_filter
+from wmr_ctrl.filter.filter import FLAG_NAMES
+from wmr_ctrl.scenario import load_scenario
+
+ODD = """#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "wmr_filter.h"
+int main(void)
+{
+    const double asked[4] = {5.0, NAN, INFINITY, 5.0};
+    wmr_filter_parameters parameters;
+    wmr_filter_state memory;
+    wmr_filter_inputs in;
+    wmr_filter_outputs out;
+    memset(&in, 0, sizeof in);
+    wmr_filter_defaults(&parameters);
+    wmr_filter_start(&memory);
+    for (int k = 0; k < 4; ++k) {
+        in.v_asked[0] = asked[k];
+        in.v_odometry[0] = k == 2 ? NAN : 0.0;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+        printf("%.17g %.17g %d\\n", out.v_sent[0], out.v_sent[1], (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+
+
+def written(folder: Path, kind: str, float32: bool = False, **stated: object) -> None:
+    for name, text in package_files("filter", scenario(kind, **stated), float32=float32).items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("kind", "float32", "stated"),
+    [
+        ("governor", False, {"delay": (0.02, 0.13), "losses": 1, "jitter": 0.004, "age": 0.08}),
+        ("governor", True, {}),
+        ("clip", False, {}),
+        ("clip", True, {"scale": "axes"}),
+    ],
+)
+def test_vectors_pass_and_the_example_stays_inside(kind, float32, stated, tmp_path):
+    needs("gcc")
+    written(tmp_path, kind, float32, **stated)
+    command = ["gcc", *WARNINGS, "-O2", "-ffp-contract=off"]
+    for program in ("check", "example"):
+        run([*command, f"{program}.c", "wmr_filter.c", "-lm", "-o", program], tmp_path)
+    assert "72 samples, largest error" in run(["./check"], tmp_path)
+    words = run(["./example"], tmp_path).split()
+    assert 0.5 < float(words[1]) <= float(words[3])
+
+
+def test_numbers_that_are_none_are_what_the_graph_says(tmp_path):
+    needs("gcc")
+    written(tmp_path, "governor")
+    (tmp_path / "odd.c").write_text(ODD, encoding="utf-8")
+    run(
+        ["gcc", "-std=c99", "-ffp-contract=off", "odd.c", "wmr_filter.c", "-lm", "-o", "odd"],
+        tmp_path,
+    )
+    governor, bits = command_filter(scenario()), {name: bit for bit, name in FLAG_NAMES.items()}
+    for k, line in enumerate(run(["./odd"], tmp_path).splitlines()):
+        asked = ((5.0, 0.0), (math.nan, 0.0), (math.inf, 0.0), (5.0, 0.0))[k]
+        made = governor.step(asked, (math.nan if k == 2 else 0.0, 0.0))
+        sent, turn, flags = line.split()
+        assert (float(sent), float(turn)) == pytest.approx(made.command, rel=1e-14)
+        assert int(flags) == sum(bits[flag] for flag in made.flags)
+
+
+def test_a_scenario_without_filter_is_refused():
+    with pytest.raises(ScenarioError, match="has no command filter"):
+        package_files("filter", load_scenario("paper-simulation"))
+
+
+def test_the_command_writes_it(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "wmr_ctrl",
+        "codegen",
+        "filter",
+        "--set",
+        "filter.kind=clip",
+        "--out",
+        str(tmp_path),
+    ]
+    assert subprocess.run(command, check=False, capture_output=True).returncode == 0
+    assert {"wmr_filter.h", "wmr_filter.c"} <= {item.name for item in tmp_path.iterdir()}

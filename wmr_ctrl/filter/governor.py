@@ -1,0 +1,193 @@
+"""Largest command that keeps |v| <= V on a base with a first-order speed loop, per axis.
+
+The base: tau v' = K(t) u(t) + d(t) - v with tau in [tau_min, tau_max], K in [K_min, K_max] and
+|d| <= dbar (m/s: the speed at which a push would end), all of which may vary; u is the command that
+acts.  A command that takes over at the speed v_0 <= v_bar and acts for at most H leaves
+
+    v <= E v_0 + (1 - E)(K_max u + dbar) <= V      for    u <= hi,    E >= exp(-H/tau_min),
+    hi = (V - dbar + kappa (V - v_bar))/K_max,     kappa = 1/(exp(H/tau_min) - 1)
+
+v_bar bounds the speed at any instant at which the command may take over: what odometry says, or
+what the last bound became, carried through all commands that may act until then.  The lower bound
+is the mirror image.  kappa = 0 is the memoryless clip, (V - dbar)/K_max.
+
+It knows no hidden state: behind a second lag, a ramp or an overshooting loop the bound is broken;
+there only the clip of what never overshoots holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import pairwise
+
+import casadi as ca
+
+NEAR = 1e-9
+"""Times that are nearer to each other than this share of a period are the same."""
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """Numbers of one axis: V, dbar, nbar [m/s or rad/s], tau [s], K [1], hold = exp(H/tau_min) - 1.
+
+    Symbols, or numbers.  ``kappa`` is 1/hold, 0 for the memoryless clip.
+    """
+
+    V: ca.SX
+    dbar: ca.SX
+    nbar: ca.SX
+    K_min: ca.SX
+    K_max: ca.SX
+    kappa: ca.SX
+
+
+def drive(u: ca.SX, b: FirstOrder) -> ca.SX:
+    """Largest speed towards which the command u may drive the base [m/s or rad/s]."""
+    return b.K_max * ca.fmax(u, 0) - b.K_min * ca.fmax(-u, 0) + b.dbar
+
+
+def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
+    """hi: largest command that is safe where it takes over at a speed of at most v_bar."""
+    return (b.V - b.dbar + b.kappa * (b.V - v_bar)) / b.K_max
+
+
+def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
+    """Bound of the speed after a while in which it is driven towards at most ``target``.
+
+    ``most`` and ``least`` bound the share of the way that it goes, 1 - exp(-time/tau).
+    """
+    return v + ca.if_else(target >= v, most, least) * (target - v)
+
+
+def admitted(r: Sequence[ca.SX], lo: Sequence[ca.SX], hi: Sequence[ca.SX]) -> list[ca.SX]:
+    """For each axis the share of its command r that its limits lo <= 0 <= hi admit, at most 1."""
+    limits = [ca.if_else(r[i] >= 0, hi[i], -lo[i]) for i in range(len(r))]
+    return [limit / ca.fmax(ca.fabs(r[i]), limit) for i, limit in enumerate(limits)]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A while in which the same commands may act: start and end [periods], ages of the commands."""
+
+    start: float
+    end: float
+    ages: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Which commands may act when; all times in control periods, counted from a sample.
+
+    A command takes over between ``delay[0]`` and ``delay[1]`` after its sample, in the order in
+    which they were sent; at most ``losses`` in a row are lost.  Samples are 1 -+ ``jitter`` apart,
+    odometry is at most ``age`` old, and a base that hears nothing keeps its command for ``hold``
+    and stops (0: the filter is assumed to go on).
+    """
+
+    delay: tuple[float, float] = (0.0, 0.0)
+    losses: int = 0
+    jitter: float = 0.0
+    age: float = 0.0
+    hold: float = 0.0
+
+    @property
+    def longest(self) -> float:
+        """H: longest time for which one command may act [periods]."""
+        spread = self.delay[1] - self.delay[0]
+        return max((1 + self.losses) * (1 + self.jitter), self.hold) + spread
+
+    @property
+    def oldest(self) -> int:
+        """Largest age of a command that may still act ``age`` before a sample."""
+        age = 1
+        while self._last(age + 1) > NEAR - self.age:
+            age += 1
+        return age
+
+    def _first(self, age: int) -> float:
+        """Earliest instant at which the command of this age may take over."""
+        return self.delay[0] - age * (1 + self.jitter)
+
+    def _last(self, age: int) -> float:
+        """Latest instant until which it may act."""
+        newer = age - 1 - self.losses
+        return self.delay[1] - newer * (1 - self.jitter if newer > 0 else 1 + self.jitter)
+
+    def pieces(self, start: float, end: float, newest: int) -> list[Piece]:
+        """The time from ``start`` to ``end`` with commands no younger than ``newest`` samples."""
+        ages = range(newest, self.oldest + 1)
+        inner = [t for age in ages for t in (self._first(age), self._last(age))]
+        cuts = [start, *sorted({t for t in inner if start < t < end}), end]
+        merged = [cuts[0], *(b for a, b in pairwise(cuts) if b - a > NEAR)]
+        return [
+            Piece(a, b, tuple(
+                age for age in ages if self._first(age) < b - NEAR and self._last(age) > a + NEAR
+            ))
+            for a, b in pairwise(merged)
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SpeedBound:
+    """Bound of one axis' speed over time, with its time constants [s] and the period."""
+
+    schedule: Schedule
+    bounds: FirstOrder
+    tau: tuple[ca.SX, ca.SX]
+    period: ca.SX
+
+    def carried(self, v: ca.SX, piece: Piece, targets: Sequence[ca.SX], length: ca.SX) -> ca.SX:
+        """Bound of the speed behind a piece of ``length`` [s]; ``targets[age]`` of each command."""
+        stopped = [self.bounds.dbar] if self.schedule.hold > 0 else []
+        target = largest([*(targets[age] for age in piece.ages), *stopped])
+        shares = [-ca.expm1(-length / tau) for tau in self.tau]
+        return ca.fmin(relaxed(v, target, *shares), self.bounds.V)
+
+    def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
+        """Bound of the speed at a sample from odometry y that is ``age`` [s] old."""
+        v = ca.fmin(y + self.bounds.nbar, self.bounds.V)
+        for piece in self.schedule.pieces(-self.schedule.age, 0.0, 1) if self.schedule.age else []:
+            began = ca.fmax(piece.start * self.period, -age)
+            v = self.carried(v, piece, targets, ca.fmax(piece.end * self.period - began, 0))
+        return v
+
+    def takeover(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
+        """v_bar: bound of the speed at any instant at which the next command may take over."""
+        first, last = self.schedule.delay
+        return self._during(v, self.schedule.pieces(0.0, last, 1) if last else [], first, targets)
+
+    def following(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
+        """Bound of the speed at the next sample; ``targets[0]``: of the command just sent."""
+        jitter = self.schedule.jitter
+        ahead = self.schedule.pieces(0.0, 1 - jitter, 0)
+        ahead += self.schedule.pieces(1 - jitter, 1 + jitter, 0) if jitter else []
+        return self._during(v, ahead, 1 - jitter, targets)
+
+    def _during(
+        self, v: ca.SX, pieces: Iterable[Piece], first: float, targets: Sequence[ca.SX]
+    ) -> ca.SX:
+        """Largest bound at the ends of pieces from ``first`` on: between them it is monotone."""
+        ends = [v] if first <= NEAR else []
+        for piece in pieces:
+            if piece.start < first - NEAR < piece.end - 2 * NEAR:
+                parts = [Piece(piece.start, first, piece.ages), Piece(first, piece.end, piece.ages)]
+            else:
+                parts = [piece]
+            for part in parts:
+                v = self.carried(v, part, targets, (part.end - part.start) * self.period)
+                ends += [v] if part.end >= first - NEAR else []
+        return largest(ends)
+
+
+def largest(items: Sequence[ca.SX]) -> ca.SX:
+    """The largest of some expressions."""
+    return reduce(ca.fmax, items)
+
+
+def periods(seconds: float, period: float) -> float:
+    """A time in control periods, a whole number where it is one up to rounding."""
+    share = seconds / period
+    return float(round(share)) if math.isclose(share, round(share), rel_tol=NEAR) else share

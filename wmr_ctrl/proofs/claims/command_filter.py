@@ -1,0 +1,332 @@
+"""The command filter: its limit on bases with a first-order speed loop, and what it never refuses.
+
+One axis, all numbers symbols.  tau, K and d may vary while a command acts, so the speed is v(t) =
+E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.filter.filter import WAYS, Governor
+from wmr_ctrl.filter.governor import FirstOrder, admitted, drive, largest_command, relaxed
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.scenario import load_scenario
+
+NUMBERS = "V dbar nbar K_min K_max kappa"
+INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
+claim = Claims(by=Z3(effort=60))
+
+
+class FilterAxis:
+    """Symbols of one axis: the filter's numbers, a command, and what the base makes of it."""
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every number by name; e is exp(-H/tau_min), E the share of the old speed that is left."""
+        return symbols(f"{NUMBERS} u v v_bar K d mean E e", NUMBERS)
+
+    def __getitem__(self, name: str) -> ca.SX:
+        """The symbol of a name."""
+        return self.symbols[name]
+
+    @cached_property
+    def bounds(self) -> FirstOrder:
+        """Numbers as the filter's graph reads them."""
+        return FirstOrder(**{name: self[name] for name in NUMBERS.split()})
+
+    @property
+    def hi(self) -> ca.SX:
+        """Largest command that is safe."""
+        return largest_command(self["v_bar"], self.bounds)
+
+    @property
+    def intervals(self) -> tuple[Relation, ...]:
+        """0 < K_min <= K_max, 0 <= dbar < V."""
+        b = self.bounds
+        return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar), above(b.V, b.dbar)
+
+    @property
+    def relaxing(self) -> tuple[Relation, ...]:
+        """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
+        e, E = self["e"], self["E"]
+        ratio = equal(self["kappa"] * (1 - e), e)
+        return above(e), above(ca.SX(1), e), at_least(E, e), at_least(ca.SX(1), E), ratio
+
+
+@claim("filter.drive", given=INTERVALS)
+def driven(mutation: Mutation) -> Statement:
+    """K u + d <= drive(u) for every u.
+
+    The speed towards which a command can drive the base, gain and push at their worst.
+    """
+    a = FilterAxis()
+    inside = at_least(a["K"], a["K_min"]), at_least(a["K_max"], a["K"])
+    given = (*a.intervals, *inside, at_least(a["dbar"], mutation(1, 0.9) * a["d"]))
+    return Statement(
+        a.symbols, (at_least(drive(a["u"], a.bounds), a["K"] * a["u"] + a["d"]),), given
+    )
+
+
+@claim(
+    "filter.inside",
+    given=f"{INTERVALS}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with "
+    "e = exp(-H/tau_min), kappa = e/(1 - e)",
+)
+def inside(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= V.
+
+    A command that takes over at a speed of at most v_bar never drives the base past its limit, for
+    as long as it may act.
+    """
+    a = FilterAxis()
+    b, E = a.bounds, a["E"]
+    known = at_least(a["v_bar"], a["v"]), at_least(b.V, mutation(1, 0.99) * a["v_bar"])
+    sent = at_least(a.hi, a["u"]), at_least(drive(a["u"], b), a["mean"])
+    goal = at_least(b.V, E * a["v"] + (1 - E) * a["mean"])
+    return Statement(a.symbols, (goal,), (*a.intervals, *a.relaxing, *known, *sent))
+
+
+@claim(
+    "filter.clip",
+    given=f"{INTERVALS}; v <= V; kappa = 0, u <= hi; mean <= drive(u), 0 <= E <= 1",
+)
+def clip(mutation: Mutation) -> Statement:
+    """E v + (1 - E) mean <= V, whatever share E of the way is left.
+
+    The memoryless clip (V - dbar)/K_max keeps the limit without odometry and time constants.
+    """
+    a = FilterAxis()
+    b, E = a.bounds, a["E"]
+    share = at_least(E), at_least(ca.SX(1), E), equal(a["kappa"]), at_least(b.V, a["v"])
+    sent = at_least(mutation(1, 1.01) * a.hi, a["u"]), at_least(drive(a["u"], b), a["mean"])
+    goal = at_least(b.V, E * a["v"] + (1 - E) * a["mean"])
+    return Statement(a.symbols, (goal,), (*a.intervals, *share, *sent))
+
+
+@claim("filter.contains-clip", given=f"{INTERVALS}; v_bar <= V, kappa >= 0")
+def contains_clip(mutation: Mutation) -> Statement:
+    """hi(v_bar) >= (V - dbar)/K_max > 0.
+
+    The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
+    """
+    a = FilterAxis()
+    b = a.bounds
+    smallest = (b.V - b.dbar) / b.K_max
+    given = (*a.intervals, at_least(b.V, mutation(1, 0.99) * a["v_bar"]), at_least(b.kappa))
+    return Statement(a.symbols, (at_least(a.hi, smallest), above(smallest)), given)
+
+
+@claim(
+    "filter.necessary",
+    given=f"{INTERVALS}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e)",
+)
+def necessary(mutation: Mutation) -> Statement:
+    """e v_bar + (1 - e)(K_max u + dbar) > V.
+
+    No larger command is safe where the base is as fast, quick and pushed as it may be.
+    """
+    a = FilterAxis()
+    b, e = a.bounds, a["e"]
+    given = (*a.intervals, *a.relaxing, above(a["u"], mutation(1, 0.99) * a.hi), at_least(a["u"]))
+    end = e * a["v_bar"] + (1 - e) * (b.K_max * a["u"] + b.dbar)
+    return Statement(a.symbols, (above(end, b.V),), given)
+
+
+@claim(
+    "filter.estimate",
+    given="v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max), "
+    "most = 1 - exp(-t/tau_min))",
+)
+def estimate(mutation: Mutation) -> Statement:
+    """v + share (mean - v) <= relaxed(w, target).
+
+    The bound of the speed that is carried from sample to sample stays one.
+    """
+    t = symbols("v w mean target least share most")
+    inside = (
+        at_least(t["w"], t["v"]), at_least(t["target"], t["mean"]), at_least(t["least"]),
+        at_least(t["share"], mutation(1, 0.9) * t["least"]), at_least(t["most"], t["share"]),
+        at_least(ca.SX(1), t["most"]),
+    )  # fmt: skip
+    end = relaxed(t["w"], t["target"], t["most"], t["least"])
+    goal = at_least(end, t["v"] + t["share"] * (t["mean"] - t["v"]))
+    return Statement(t, (goal,), inside)
+
+
+@claim("filter.curvature", given="lo_i < 0 < hi_i; both axes' commands r_i of any size")
+def curvature(mutation: Mutation) -> Statement:
+    """0 < eta <= 1 and lo_i <= eta r_i <= hi_i with eta the smaller of both axes' shares.
+
+    One factor brings both axes inside, so that omega/v is what was asked for.
+    """
+    names = "r1 lo1 hi1 r2 lo2 hi2"
+    t = symbols(names)
+    r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
+    eta = mutation(1, 1.01) * ca.fmin(*admitted(r, lo, hi))
+    goals = [above(eta), at_least(ca.SX(1), eta)]
+    goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
+    goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
+    given = (*(above(item) for item in hi), *(above(-item) for item in lo))
+    return Statement(t, tuple(goals), given)
+
+
+@claim(
+    "filter.mean",
+    given="tau v' = K u + d - v, tau in [tau_min, tau_max] and K, d in their intervals, all "
+    "measurable functions of time; u constant",
+    by=HAND,
+)
+def mean() -> None:
+    """v(t) = E v(0) + (1 - E) m with E = exp(-int_0^t ds/tau) between e^(-t/tau_min) and
+    e^(-t/tau_max), and m a weighted mean of K u + d.
+
+    Variation of constants: what the base does while one command acts.
+    """
+
+
+@claim(
+    "filter.induction",
+    given="|v| <= V at the start; commands take over in order, no later and no sooner than stated, "
+    "at most L in a row are lost; odometry is within nbar and no older than stated",
+    by=HAND,
+    premises="filter.mean filter.drive filter.inside filter.estimate",
+)
+def induction() -> None:
+    """|v| <= V at every instant: every command takes over at a speed that v_bar bounds, for v_bar
+    is carried through every command that may act until then, and acts for at most H.
+
+    The limit holds from sample to sample for as long as the bounds do.
+    """
+
+
+STATED = {
+    "filter.kind": "governor",
+    "filter.tau": (0.2, 0.3),
+    "filter.gain": (0.9, 1.1),
+    "filter.d": (0.05, 0.05),
+    "filter.odometry": (0.02, 0.02),
+}
+"""What makes the structure of the assembled graph; its numbers are symbols all the same."""
+SIDES = tuple(
+    {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
+    for axis, name in enumerate(("linear", "angular"))
+    for side, way in enumerate(("forwards", "backwards"))
+)
+ASSEMBLED = (
+    "every command (no number, too), odometry within nbar or none, any time since the last sample; "
+    "-v_below <= v <= v_above, |v| <= V; no delay and no losses, H = T; tau_min <= tau_max; "
+    + INTERVALS
+)
+
+
+class AssembledStep:
+    """One axis and direction of the filter's own graph, as it is compiled and exported.
+
+    Its exponentials are free numbers between 0 and 1.
+    """
+
+    def __init__(self, side: int, axis: int) -> None:
+        """Read the graph of the step."""
+        self.graph = Governor(load_scenario("paper-simulation", STATED))
+        self.side, self.axis, self.way = side, axis, WAYS[side]
+        self.free = symbols("v u E mean share kappa gone")
+        system = self.graph.system
+        ports = (*system.inputs, *system.state, *system.params)
+        self.symbols = self.free | {
+            f"{item.signal.name}.{k + 1}": item.sym[k]
+            for item in ports
+            for k in range(item.signal.size)
+        }
+        T, tau = self.graph.T, self.graph.motions[axis].tau
+        self.cuts = {
+            "1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]),
+            "-most": ca.expm1(-T / tau[0]),
+            "-least": ca.expm1(-T / tau[1]),
+        }
+
+    @property
+    def limit(self) -> ca.SX:
+        """Largest command that the step admits in this direction."""
+        return self.graph.limits[self.side][self.axis]
+
+    def given(self, mutation: Mutation, command: ca.SX) -> tuple[Relation, ...]:
+        """What is assumed of base, speed, odometry and exponentials; the mean under a command."""
+        graph, axis, f = self.graph, self.axis, self.free
+        b, v, y = graph.bounds[axis], f["v"], graph.odometry.sym[axis]
+        kappa, most, least = self.cuts.values()
+        up, down = (known.sym[axis] for known in graph.known)
+        error = mutation(1, 1.01) * b.nbar
+        return (
+            above(b.V, b.dbar), at_least(b.dbar), at_least(b.V, v), at_least(b.V, -v),
+            at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min),
+            equal(f["kappa"], kappa), equal(f["gone"], most), above(f["kappa"]),
+            equal(-f["kappa"] * f["gone"], 1 + f["gone"]),
+            above(-least), at_least(least, most), above(1 + most),
+            at_least(up, v), at_least(down, -v), at_least(error, y - v), at_least(error, v - y),
+            at_least(f["E"], 1 + most), at_least(ca.SX(1), f["E"]), above(graph.T),
+            at_least(drive(command, b), f["mean"]),
+        )  # fmt: skip
+
+
+@claim("filter.sent-{id}", given=ASSEMBLED, over=SIDES)
+def sent(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: the command that the whole filter sends is at most the step's limit, whatever was
+    asked for of both axes.
+
+    Nothing passes by: no number that is asked for, nor the other axis' scaling.
+    """
+    step = AssembledStep(side, axis)
+    every = {
+        f"limit {s} {i}": step.graph.limits[s][i]
+        for s in range(len(WAYS))
+        for i in range(len(WAYS))
+    }
+    given = tuple(above(limit) for limit in every.values())
+    goal = at_least(mutation(1, 0.99) * step.limit, step.way * step.graph.sent[axis])
+    return Statement(step.symbols, (goal,), given, every)
+
+
+@claim(
+    "filter.assembled-{id}",
+    given=f"{ASSEMBLED}; u at most the step's limit (filter.sent)",
+    premises="filter.sent-{id}",
+    over=SIDES,
+)
+def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: E v + (1 - E) mean <= V behind every command u that the whole filter admits.
+
+    The limit of the filter as it is exported, from odometry to command, keeps the base within V.
+    """
+    step = AssembledStep(side, axis)
+    u, E = step.free["u"], step.free["E"]
+    given = (*step.given(mutation, u), at_least(step.limit, u))
+    end = E * step.way * step.free["v"] + (1 - E) * step.free["mean"]
+    return Statement(step.symbols, (at_least(step.graph.bounds[axis].V, end),), given, step.cuts)
+
+
+@claim(
+    "filter.carried-{id}",
+    given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
+    premises="filter.sent-{id}",
+    over=SIDES,
+)
+def carried(mutation: Mutation, side: int, axis: int) -> Statement:
+    """{words}: v + share (mean - v) <= what the whole filter keeps as next bound, for least <=
+    share <= most.
+
+    The memory of the filter as it is exported bounds the speed at the next sample.
+    """
+    step = AssembledStep(side, axis)
+    v, share, (_, most, least) = step.way * step.free["v"], step.free["share"], step.cuts.values()
+    sent = step.way * step.graph.sent[axis]
+    within = at_least(step.limit, sent), at_least(share, -least), at_least(-most, share)
+    given = (*step.given(mutation, sent), *within)
+    end = v + share * (step.free["mean"] - v)
+    cuts = step.cuts | {"sent command": step.graph.sent[axis]}
+    return Statement(step.symbols, (at_least(step.graph.following[side][axis], end),), given, cuts)
