@@ -20,6 +20,7 @@ RUN = partial(wmr_ctrl.simulate, SCENARIO, LAW, overrides=SHORT)
 GOOD: dict[str, dict[str, object]] = {
     "Run": {},
     "Scenario": {},
+    "command_filter": {"scenario": "no scenario"},
     "compile_law": {"law": LAW},
     "cosimulate": {"scenario": SCENARIO, "law": "no law"},
     "export_fmu": {"what": "guard", "out": "fmus"},
