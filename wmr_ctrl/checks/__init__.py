@@ -1,4 +1,4 @@
-"""What theory says before a run: sample time, preconditions, start, network, barrier, bounds.
+"""Checks before a run: sample time, preconditions, start, network, barrier, bounds.
 
 `warnings_for` answers for one law on one scenario; nothing here simulates more than one control
 period, and nothing is ever refused.  A law is told only of what it has: of Eq. (7), of a theorem,
@@ -56,6 +56,6 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
 
 @lru_cache(maxsize=256)
 def warnings_for(setup: Setup) -> tuple[Warning, ...]:
-    """What theory says against a law on a scenario; empty where it has no objection."""
+    """Warnings from theory for a law on a scenario; empty where it has no objection."""
     loop = loop_of(setup)
     return tuple(warning for check in CHECKS for warning in check(loop))

@@ -1,4 +1,4 @@
-"""What a wrong model does: to the barrier, whose pull fades at v_u1, and to the error."""
+"""Effect of a wrong model on the barrier, whose pull fades at v_u1, and on the error."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class Loop:
 
     @property
     def traits(self) -> Traits:
-        """What the law is, as its author states it."""
+        """Traits stated by the law's author."""
         return self.setup.control_law.traits
 
     @cached_property
@@ -90,7 +90,7 @@ class Loop:
 
     @cached_property
     def around(self) -> Surroundings:
-        """What is around the law: robot, drives, sensors."""
+        """Robot, drives and sensors, linearised."""
         return surroundings(self.scenario)
 
     def over(self, commands: int) -> Loop:
@@ -100,7 +100,7 @@ class Loop:
 
     @property
     def has_barrier(self) -> bool:
-        """Whether a barrier pulls the auxiliary velocity of Eq. (7) back from the limits."""
+        """True if a barrier pulls the auxiliary velocity of Eq. (7) back from the limits."""
         return self.traits.barrier and self.traits.auxiliary
 
     @property
@@ -111,7 +111,7 @@ class Loop:
 
     @cached_property
     def start(self) -> StartPoint:
-        """Where the run starts, seen from the reference: Eqs. (8) and (7) at t = 0."""
+        """Start as seen from the reference: Eqs. (8) and (7) at t = 0."""
         scenario, k = self.scenario, ca.DM(self.setup.kinematics.k)
         reference = sample(scenario, np.zeros(1))[0]
         pose_d, v_d = ca.DM(reference[:3]), ca.DM(reference[3:5])
@@ -122,11 +122,11 @@ class Loop:
 
     @property
     def guarded(self) -> bool:
-        """Whether the guard stands between the law and the wheels."""
+        """True if the guard stands between the law and the wheels."""
         return self.scenario.guard.enabled
 
     def uses(self, prefix: str) -> bool:
-        """Whether the force depends on a parameter whose key starts with ``prefix``."""
+        """True if the force depends on a parameter whose key starts with ``prefix``."""
         force = self.core.outputs[0].expr
         named = (port for port in self.core.params if port.signal.name.startswith(prefix))
         return any(ca.depends_on(force, port.sym) for port in named)

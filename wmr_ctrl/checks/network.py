@@ -66,7 +66,7 @@ def learning_too_fast(loop: Loop) -> Iterator[Warning]:
 
 @dataclass(frozen=True)
 class AxisLearning:
-    """What the velocity loop and the weights of one axis rest on: Eqs. (57), (58) linearised.
+    """Parameters of one axis' velocity loop and weights: Eqs. (57), (58) linearised.
 
     a = rho1/(2 M1) [1/s], the mass M1, Gamma, the leak Gamma sigma [1/s] and the gain K of Eq. (7).
     """

@@ -1,4 +1,4 @@
-"""What is known of a run without looking at it: objections, the torque that its motion needs.
+"""Prior knowledge of a run: objections, the torque that its motion needs.
 
 A run's verdict rests on it beside the log: it is not well where `wmr-ctrl check` would object, and
 whether torques are large or restless is judged by what the motion needs.  Judged once for each
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
 
 
 TEXT = "scenario_toml"
-"""Where a run's provenance keeps its scenario."""
+"""Provenance key of a run's scenario."""
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What is known of a law on a scenario before it runs.
+    """Prior knowledge of a law's run on a scenario.
 
     ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: what theory says;
     ``exact_pose``: whether the pose is perfect while velocities come from encoders.
@@ -102,7 +102,7 @@ def _outlook(text: str, law: str, plant: str) -> Outlook:
 
 
 class CheckVerdict(StrEnum):
-    """What `check` says of a law in a word."""
+    """Verdict of `check` in a word."""
 
     HOLDS = "holds"
     IN_PART = "holds-in-part"

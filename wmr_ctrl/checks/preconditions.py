@@ -1,4 +1,4 @@
-"""What promises ask of units, start, reference, gains, drives and noise, and is not given."""
+"""Unmet preconditions on units, start, reference, gains, drives and noise."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
 
 
 def _basis(loop: Loop) -> str:
-    """What the conditions on the reference rest on."""
+    """Source of the conditions on the reference."""
     theorem = f"Theorem {loop.traits.theorem}, " if loop.traits.theorem else ""
     return f"{theorem}Eq. (7)" if loop.traits.auxiliary else LIMIT
 

@@ -1,4 +1,4 @@
-"""How long may the control period be: the linear loop, the barrier's kink, the first step.
+"""Longest control period: the linear loop, the barrier's kink, the first step.
 
 The linear loop is that of the graphs that run, along the reference (`world`).  Its state:
 e (3) and v (2) of the robot, what drives and sensors keep, and the law's memory, its observer
@@ -255,7 +255,7 @@ def stable_masses(loop: Loop) -> tuple[float, float] | None:
 
 
 def _last(of: Callable[[float], float], start: float, tried: Sequence[float]) -> float | None:
-    """How far from ``start`` the loop stays stable along ``tried``; None if it is not there."""
+    """Stability limit along ``tried``, inf if none is met; None if unstable at ``start``."""
     of = cache(of)
     if of(start) > 1 + MARGIN:
         return None

@@ -26,7 +26,7 @@ SENT = "force_sent"
 
 @dataclass(frozen=True)
 class Motion:
-    """Where a loop is linearised: e (3) [m, m, rad], v and v_d (2) [m/s, rad/s], theta_d [rad]."""
+    """Motion to linearise at: e (3) [m, m, rad], v and v_d (2) [m/s, rad/s], theta_d [rad]."""
 
     e: tuple[float, ...]
     v: tuple[float, ...]
@@ -83,7 +83,7 @@ class SampledPlant:
 
     @property
     def sent(self) -> NDArray[np.intp]:
-        """Which elements are commands under way, the latest first."""
+        """Indices of the commands in flight, the latest first."""
         in_flight = [name.startswith(SENT) for name in self.names]
         return ROBOT + np.flatnonzero(in_flight)
 
@@ -136,7 +136,7 @@ class Assembly:
         return state
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
-        """What a graph of a plant step gives for one of ``step`` [s]."""
+        """Output of a plant-step graph for one of ``step`` [s]."""
         world, motion = self.world, self.motion
         z = np.concatenate((motion.s, self._fast(0.0)[ROBOT:]))
         held = np.concatenate((self.torque, np.zeros(world.held - COMMAND)))

@@ -1,4 +1,4 @@
-"""What surrounds a scenario's laws: robot, drives and sensors, linearised at any control period."""
+"""Robot, drives and sensors around a scenario's laws, linearised at any control period."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class DriveTimes:
 
 @dataclass(frozen=True)
 class KnownDrives:
-    """What a controller remembers of the forces that it sent, as its graph follows the drives.
+    """A controller's memory of the forces that it sent, as its graph follows the drives.
 
     Next memory by memory and by the force that is sent; ``known`` of it: the mean force of the
     period that has ended, then commands.  The last ``sent`` elements are commands, latest first.
@@ -62,7 +62,7 @@ class KnownDrives:
 
 
 class Surroundings:
-    """What surrounds a scenario's laws, at any control period.
+    """Robot, drives and sensors at any control period.
 
     Drives that vary are at their slowest, and all poses come that are due.  What a sensor counts in
     samples is the nearest whole number of them; where a few make a velocity late, what the numbers
@@ -168,14 +168,14 @@ class Surroundings:
         return after
 
     def torque(self, world: World, *forces: ca.SX) -> ca.SX:
-        """What is held over a sample for a force, and one that disturbs (2) [N, N m]."""
+        """Inputs held over a sample for a force and a disturbance (2) [N, N m]."""
         given = [ca.DM(wheels(self.scenario.robot)) @ force for force in forces]
         return ca.vertcat(*given, ca.SX.zeros(world.held - COMMAND * len(given)))
 
     def known_of_drives(
         self, period: float, late: DriveTimes, applied: bool, commands: int
     ) -> KnownDrives:
-        """What is known of forces ``applied``, if that is asked, and of so many ``commands``."""
+        """Memory of ``applied`` forces, if asked for, and of so many ``commands``."""
         whole, rest = divided(late.known, period)
         queue = max(applied * (whole + (rest > 0)), commands)
         sizes = (COMMAND * (applied and late.lag > 0), COMMAND * applied, COMMAND * queue)
@@ -223,7 +223,7 @@ def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Sce
 
 
 def _shows_late(effect: Effect, scenario: Scenario) -> bool:
-    """Whether it makes a velocity late, or averages it."""
+    """True if it delays or averages a velocity."""
     bound = effect.bounded(scenario)
     return bound is not None and any((*bound.age, *bound.window))
 
@@ -259,7 +259,7 @@ def surroundings(scenario: Scenario) -> Surroundings:
 
 
 def delays_by_name(setup: Setup) -> dict[str, float]:
-    """What is late [s], by word; a window of one sample goes with the period itself."""
+    """Delays [s] by name; a window of one sample goes with the period itself."""
     bound, late = setup.bound, setup.scenario.section(PoseDelay).pose_delay
     window = max(bound.window)
     parts = {
@@ -278,20 +278,20 @@ def oldest_shown(setup: Setup) -> float:
 
 
 def is_sampled(setup: Setup) -> bool:
-    """Whether there is more than a lag: what a differential equation has no place for."""
+    """True if there is more than a lag: no differential equation has a place for it."""
     sensor = setup.scenario.section(PoseSensor)
     filtered = sensor.correction < 1 or sensor.pose_period > 0
     return setup.bound.delay > 0 or oldest_shown(setup) > 0 or filtered
 
 
 def lost_poses(scenario: Scenario) -> str:
-    """What the linear loop leaves out of the pose sensor, in words; empty if nothing."""
+    """Words on lost poses, which the linear loop leaves out; empty if none."""
     lost = scenario.section(PoseSensor).pose_dropout
     return f"as if all poses came, though {lost:.0%} of them do not" if lost > 0 else ""
 
 
 def rounded_effects(scenario: Scenario) -> str:
-    """Which effects round, which has no derivative, in words; empty if none."""
+    """Words on effects that round, which has no derivative; empty if none."""
     named = " and ".join(f"[{item.section.KEY}]" for item in EFFECTS.present(scenario)
                          if _rounds(item.system(scenario)))  # fmt: skip
     return f"as if there were no rounding in {named}" if named else ""
@@ -304,7 +304,7 @@ def _rounds(system: System) -> bool:
 
 
 def rare_poses(scenario: Scenario) -> str:
-    """What a loop that is the same at every sample leaves out of the pose sensor, in words."""
+    """Words on rare or lost poses, which a time-invariant loop leaves out."""
     sensor, period = scenario.section(PoseSensor), scenario.clock.control
     parts = [f"a pose comes every {sensor.pose_period:g} s"] * (sensor.pose_period > period)
     parts += [f"{sensor.pose_dropout:.0%} of them do not come"] * (sensor.pose_dropout > 0)

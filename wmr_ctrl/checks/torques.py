@@ -86,7 +86,7 @@ def weak_drives(loop: Loop) -> Iterator[Warning]:
 
 
 def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
-    """What the tyres of [body] have against a law on a scenario; the plane model has none."""
+    """Grip warnings for a law on a scenario with the tyres of [body]; none in the plane."""
     tyres, warnings = grip(setup.scenario), list[Warning]()
     first, steady = max(map(abs, first_torques(setup))), reference_torque(setup.scenario)
     if first > tyres.spin:

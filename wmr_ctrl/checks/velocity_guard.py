@@ -18,7 +18,7 @@ REMEDIES = {
 OTHER_REMEDY = (
     "Take it out of the scenario, or keep away from the limit with a smaller guard.alpha."
 )
-"""What to do about an effect that breaks an assumption, by the key at fault."""
+"""Remedies for an effect that breaks an assumption, by the key at fault."""
 AGAINST, BRAKES = ("against friction ", ""), ("friction + ", "")
 MOTIONLESS = ("no motion at all", "no turn at all")
 """Words for the way ahead, and for a turn, which no friction brakes."""

@@ -44,7 +44,7 @@ def joined(parts: Iterable[str]) -> str:
 
 
 def gains_that_fit(loop: Loop) -> str:
-    """Where to get gains that fit the control period, as the end of a sentence."""
+    """Source of gains that fit the control period, as the end of a sentence."""
     if not isinstance(loop.setup.gains, ProxGains):
         return ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""
     period, speed = loop.scenario.clock.control, max(map(abs, reference_bounds(loop.scenario)[:2]))

@@ -24,7 +24,7 @@ Every command under way adds another ROUNDING (see `rounding`).
 
 UNITS, AXES = ("N", "N m"), (0, 1)
 LATENESS = ("delay", "lag", "age", "window")
-"""What of Stated says how late velocities and drives are."""
+"""Fields of GuardNumbers on late velocities and drives."""
 
 
 def rounding(in_flight: int) -> float:
@@ -64,17 +64,17 @@ class GuardNumbers(Guard):
         return pair_of(self.lag)[1]
 
     def lateness(self, clock: Clock) -> tuple[Counting, Counting]:
-        """What past commands count for, per axis."""
+        """Weights of past commands, per axis."""
         first, second = (lateness(self._times(clock, axis)) for axis in AXES)
         return first, second
 
     def since_last(self, clock: Clock) -> tuple[Since | None, Since | None]:
-        """What they count for in how far a velocity has moved since the previous sample."""
+        """Their weights in the velocity change since the previous sample."""
         first, second = (since_last(self._times(clock, axis)) for axis in AXES)
         return first, second
 
     def knows_force(self, delay: float, lag: float) -> bool:
-        """Whether velocities are measured at once, and drives have this delay and lag and no other.
+        """True if velocities are measured at once, and drives have this delay and lag and no other.
 
         The mean force of a sample is known then.
         """
@@ -82,7 +82,7 @@ class GuardNumbers(Guard):
         return known and not (any(self.age) or any(self.window))
 
     def commands(self, clock: Clock, delay: float, lag: float) -> int:
-        """How many past commands are counted by the guard, or by its monitor.
+        """Number of past commands that the guard or its monitor counts.
 
         Where ``delay`` and ``lag`` of the drives tell the force, the monitor counts none.
         """
@@ -98,7 +98,7 @@ class GuardNumbers(Guard):
 
 
 def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
-    """What a guard's numbers assume of the motion, be it on or off."""
+    """A guard's assumptions on the motion, be it on or off."""
     low, high = pair_of(guard.M_min), pair_of(guard.M_max)
     force = stopping_force(high, scenario.limits.v_u1, scenario.clock.control)
     return Assumptions(
@@ -107,7 +107,7 @@ def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
 
 
 def derived_guard(scenario: Scenario, bound: Bound, tau_max: float) -> GuardNumbers:
-    """What `feasible_guard` gives, and the same derivation where that refuses."""
+    """Guard numbers as of `feasible_guard`, also where that refuses."""
     given = GuardNumbers(**asdict(scenario.guard), age=bound.age, window=bound.window)
     (low, high), add = mass_bounds(scenario), bound.mass
     stated = replace(
@@ -195,7 +195,7 @@ _PARTS: Mapping[str, Callable[[Bound], Pair]] = {
     "age": lambda bound: bound.age,
     "window": lambda bound: bound.window,
 }
-"""What an effect adds to each number.  Masses are narrowed below and widened above."""
+"""An effect's part in each number.  Masses are narrowed below and widened above."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class SourcedNumber:
     name: str
     value: Pair
     sources: Mapping[str, Pair | None]
-    """What each adds, by effect or key; None where a source is no sum."""
+    """Each part, by effect or key; None where a source is no sum."""
 
 
 def assumption_sources(

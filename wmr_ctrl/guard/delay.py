@@ -72,7 +72,7 @@ class Lagging:
         return Lagging((now[0], now[1]), (after[0], after[1]), self.rise, self.rise_late)
 
     def left(self, room: ca.SX, again: ca.SX, b: Bounds) -> list[ca.SX]:
-        """What may be left of the room [m/s or rad/s] less ``again``, for a p larger than Z."""
+        """Bounds on the room left [m/s or rad/s] less ``again``, for a p larger than Z."""
         sure = room - again + self.rise * self.after[0] / b.M_min
         lines = [sure / (1 + b.alpha * self.rise)]
         if b.jitter is not None:
@@ -83,7 +83,7 @@ class Lagging:
 
 @dataclass(frozen=True)
 class InFlight:
-    """What one axis' commands under way can add to v (ahead) and to -v (back) [m/s or rad/s].
+    """Most that an axis' commands in flight add to v (ahead) and to -v (back) [m/s or rad/s].
 
     ``since_rest``: the same counted from the window's oldest instant; ``again``: what the last
     command adds where the new one comes as late as it may; ``slow``: what is felt behind a lag that
@@ -148,7 +148,7 @@ def largest_force(b: Bounds) -> ca.SX:
 def delayed_push(
     forces: Sequence[ca.SX], late: Counting, axis: int, b: Bounds, tails: Tails
 ) -> InFlight | None:
-    """What ``forces`` (2,), the latest first, and the older ones in ``tails`` count for.
+    """Push of ``forces`` (2,), the latest first, and of the older ones in ``tails``.
 
     None where nothing is late.
     """
@@ -196,7 +196,7 @@ def _felt(
 def moved_since(
     sent: Sequence[ca.SX], since: Since, axis: int, b: Bounds, tails: Tails
 ) -> tuple[InFlight, InFlight]:
-    """What ``sent`` explains of a motion since the previous sample, as mean and rest count."""
+    """Motion since the previous sample that ``sent`` explains, as mean and rest count."""
     if since.varying:
         starts = tails.felt(axis, b)
         ahead, back = (
@@ -218,7 +218,7 @@ def acting(pieces: Sequence[Piece], forces: Sequence[ca.SX]) -> Sent:
 
 @dataclass(frozen=True)
 class Followed:
-    """What Z integrates to over the pieces [N s or N m s], as mean and rest count, and its end."""
+    """Integral of Z over the pieces [N s or N m s], as mean and rest count, and its end."""
 
     mean: ca.SX
     rest: ca.SX
@@ -256,7 +256,7 @@ def integral(z: ca.SX, p: ca.SX, weights: tuple[Number, Number, Number]) -> ca.S
 
 
 def waiting(z: ca.SX, p: ca.SX, time: Number, rise: Number) -> ca.SX:
-    """What a push p adds in a time to the integral of Z and b times its end [N s or N m s]."""
+    """Impulse of a push p in a time, in Z's integral and b times its end [N s or N m s]."""
     return time * p + rise * ca.fmax(p - z, 0)
 
 

@@ -115,7 +115,7 @@ def _times(period: ca.SX, each: Sequence[float]) -> ca.SX | None:
 
 
 def room(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """What one axis has left to its limit at the measured velocity y [m/s or rad/s]."""
+    """Room of one axis to its limit at the measured velocity y [m/s or rad/s]."""
     fastest = ca.fmax(y + b.nbar, b.f_speed)
     if coming is None:
         return b.u1 - fastest
@@ -161,7 +161,7 @@ def feasible(b: Bounds) -> ca.SX:
 
 @dataclass(frozen=True)
 class Guarded:
-    """What the guard makes of a force: both axes' force, the safe point, whether it acted."""
+    """Output of the guard: both axes' force, the safe point, whether it acted."""
 
     force: ca.SX
     safe: ca.SX

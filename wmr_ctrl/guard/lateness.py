@@ -37,7 +37,7 @@ Weight = Callable[[Fraction], Decimal]
 
 @dataclass(frozen=True)
 class Tail:
-    """What commands older than those listed count for, behind a lag.
+    """Weight of commands older than those listed, behind a lag.
 
     Each sample ``decay`` of it stays and ``entering`` (sure, mixed) [periods] of the oldest listed
     command joins; ``share`` of it counts in the mean; ``steady`` is where a force of 1 leads.
@@ -51,7 +51,7 @@ class Tail:
 
 @dataclass(frozen=True)
 class Counting:
-    """What is counted on one axis, in periods: see the file's head.
+    """Command weights of one axis, in periods: see the file's head.
 
     ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J =
     hi - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, all that may count, ``usual`` the same
@@ -74,17 +74,17 @@ class Counting:
 
     @property
     def at_once(self) -> bool:
-        """Whether nothing is late."""
+        """True if nothing is late."""
         return not (self.rest or self.jitter or self.lag)
 
     @property
     def roundings(self) -> int:
-        """How many commands' roundings may add up."""
+        """Most commands whose roundings add up."""
         return self.commands + math.ceil(self.lag)
 
     @property
     def averaged(self) -> bool:
-        """Whether a window makes a difference."""
+        """True if a window makes a difference."""
         if self.varying:
             return any(item.mean != item.rest for item in self.varying.pieces)
         return self.mean != self.rest or (self.tail is not None and self.tail.share != 1.0)
@@ -96,7 +96,7 @@ AT_ONCE = Counting((), (), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 @dataclass(frozen=True)
 class Since:
-    """What counts in how far a velocity may have moved since the previous sample's, in periods.
+    """Command weights in a velocity's change since the previous sample, in periods.
 
     ``mean`` for a robot that moved throughout, ``rest`` for one that stood within the window, with
     the times for which a push counts.
@@ -112,7 +112,7 @@ class Since:
 
 @dataclass(frozen=True)
 class Times:
-    """What is late [s].  A velocity is the mean over a ``window`` that ended ``age`` ago.
+    """Delays [s].  A velocity is the mean over a ``window`` that ended ``age`` ago.
 
     A command takes over between the bounds of ``delay``; the drives' time constant is one of at
     most lag[1] where both bounds are the same, else it varies between them.
@@ -135,7 +135,7 @@ class Times:
 
 @lru_cache(maxsize=1024)
 def lateness(times: Times) -> Counting:
-    """What past commands count for."""
+    """Weights of past commands."""
     age, window, lo, hi = map(times.in_periods, (times.age, times.window, *times.delay))
     least, most = (Fraction(item) / Fraction(times.period) for item in times.lag)
     with localcontext(Context(prec=DIGITS)):
@@ -226,7 +226,7 @@ def _positive(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
 
 
 def _group(j: int, lo: Fraction, hi: Fraction, weight: Weight) -> tuple[Decimal, Decimal]:
-    """What command j counts for: where it is sure to act, and where the next one may act too."""
+    """Weights of command j: where it is sure to act, and where the next one may act too."""
     begin, sure, over = j - hi, j - 1 - lo, j - 1 - hi
     return weight(sure) - weight(begin), weight(over) - weight(sure)
 

@@ -75,7 +75,7 @@ class GuardMonitor:
 
 
 class LateMotion:
-    """What the commands that may have acted since the previous sample explain of the motion."""
+    """Motion explained by the commands that may have acted since the previous sample."""
 
     def __init__(
         self, since: tuple[Since | None, Since | None], sent: Sequence[ca.SX], new: ca.SX

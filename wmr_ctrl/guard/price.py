@@ -1,4 +1,4 @@
-"""What the guard costs: the steady speeds that it leaves, beside those the reference asks for."""
+"""Cost of the guard: the steady speeds that it leaves, beside those the reference asks for."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class SpeedPrice:
 
     @property
     def short(self) -> tuple[bool, bool]:
-        """Whether the reference asks for more than is usable, per axis."""
+        """True if the reference asks for more than is usable, per axis."""
         return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]
 
 
@@ -80,7 +80,7 @@ def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) ->
 
 
 def early_speed(guard: GuardNumbers) -> Pair:
-    """What a push can add to a speed before the first command acts, or behind a lag after it.
+    """Speed that a push can add before the first command acts, or behind a lag after it.
 
     (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
     """

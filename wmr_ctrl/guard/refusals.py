@@ -1,4 +1,4 @@
-"""What no guard, or this one, can meet is refused: the inequality, the numbers, the remedy."""
+"""Refusal of limits that no guard, or this one, can meet: inequality, numbers, remedy."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from wmr_ctrl.world.effect import Bound
 
 BoundOf: TypeAlias = Callable[[Scenario], Bound]
 DOUBLINGS, HALVINGS = 20, 40
-"""How far, and how closely, a torque limit is searched that is enough."""
+"""Doublings, then bisections, up to a torque limit that is enough."""
 SLACK = 1e-9
 """By how much a number that is proposed is on the safe side at least; more than its rounding."""
 
@@ -120,7 +120,7 @@ def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
 
 
 def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> tuple[str, str]:
-    """What stands behind the inequality and behind its numbers where something is late."""
+    """Suffixes of the inequality and of its numbers where something is late."""
     if late == 0:
         return "", ""
     divided = f"/{1 + alpha * late:g}"
@@ -178,7 +178,7 @@ def _check_brake(
     robot, brake = scenario.robot, pair_of(guard.brake)
 
     def pushed(limit: float) -> float:
-        """What the wheels must hold against with another limit, which effects may read [N].
+        """Push on the wheels with another torque limit, which effects may read [N].
 
         inf where the guard would be refused for another reason then.
         """

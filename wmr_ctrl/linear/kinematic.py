@@ -118,13 +118,13 @@ def start_at(scenario: Scenario, e: Floats, v: Floats | None = None) -> Floats:
 
 
 def converged(endings: list[Ending], within: float = 0.05) -> np.ndarray:
-    """Which runs end within ``within`` [m] of the reference, (N,) of bool."""
+    """Mask of runs that end within ``within`` [m] of the reference, (N,)."""
     return np.array([ending.distance < within for ending in endings])
 
 
 @dataclass(frozen=True)
 class Ending:
-    """Where a run ended: outcome, distance to the reference [m], largest |v1| and |omega|.
+    """End of a run: outcome, distance to the reference [m], largest |v1| and |omega|.
 
     The distance is that at the end of the run; infinite for a run that ended early.
     """

@@ -43,7 +43,7 @@ MARGINAL = 1e-7
 
 
 def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
-    """Whether no pole is outside the stable region; marginal ones count as stable."""
+    """True if no pole is outside the stable region; marginal ones count as stable."""
     values = np.asarray(poles, dtype=complex)
     inside = np.abs(values) <= 1 + MARGINAL if sampled else values.real <= MARGINAL
     return bool(inside.all())

@@ -26,7 +26,7 @@ MEMORY = ("frozen", "learning")
 
 
 def is_learning(memory: str) -> bool:
-    """Whether estimates and weights move; raises UnknownNameError for another reading."""
+    """True if estimates and weights move; raises UnknownNameError for another reading."""
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
     return memory == "learning"
@@ -58,7 +58,7 @@ def plant_at(
 
 
 def late(scenario: Scenario) -> bool:
-    """Whether drives or sensors have what only a sampled loop can show."""
+    """True if only a sampled loop can show the drives or sensors."""
     return is_sampled(settle(unguarded(scenario), "pid"))  # the same for every law
 
 
@@ -186,7 +186,7 @@ def along_reference(
 
 
 def constant_speed(scenario: Scenario) -> bool:
-    """Whether the desired velocity is the same all along the reference."""
+    """True if the desired velocity is the same all along the reference."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
     desired = sample(scenario, np.linspace(0.0, end, 257))[:, 3:7]
     swing = np.ptp(desired[:, :2], axis=0).max()

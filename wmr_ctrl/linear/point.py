@@ -119,7 +119,7 @@ def _newton(residual: ca.Function, start: Floats, steps: int = 200) -> Floats:
 
 
 def learned_point(scenario: Scenario, law: str, t: float = 0.0) -> Point | None:
-    """Where an adaptive law settles with all that it has learned; None if it does not adapt."""
+    """Equilibrium of an adaptive law, learning settled; None if it does not adapt."""
     if not law_loop(scenario, law).traits.estimates:
         return None
     try:

@@ -1,4 +1,4 @@
-"""How hard the barrier pulls: authority against a constant force, and describing functions.
+"""Barrier pull: authority against a constant force, and describing functions.
 
 The pull of a law rises from nothing at v_c1, peaks, and falls back to nothing at the limit: beyond
 the peak nothing holds.  The largest disturbance that the loop resists is therefore an exact number.

@@ -1,4 +1,4 @@
-"""What linear theory says of a law on a scenario, as one value, as JSON and as text."""
+"""Linear analysis of a law on a scenario, as one value, as JSON and as text."""
 
 from __future__ import annotations
 
@@ -87,12 +87,12 @@ class LinearReport:
 
     @property
     def stable(self) -> bool:
-        """Whether the loop is stable, estimates and weights held; marginal counts."""
+        """True if the loop is stable, estimates and weights held; marginal counts."""
         return is_stable(self.poles)
 
     @property
     def adaptive_stable(self) -> bool | None:
-        """Whether it is stable with them moving; None for a law that does not adapt."""
+        """True if it is stable with them moving; None for a law that does not adapt."""
         return None if self.adaptive_poles is None else is_stable(self.adaptive_poles)
 
     @cached_property

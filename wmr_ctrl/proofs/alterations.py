@@ -31,7 +31,7 @@ PRODUCT = tuple(
     for part in ("barrier", "control", "filter", "guard", "laws", "model", "world")
 )
 TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system", "wmr_ctrl.model.system")
-"""What carries expressions without computing any."""
+"""Modules that only carry expressions."""
 
 Change = Callable[[ca.SX], ca.SX]
 CHANGES: Mapping[str, Change] = {
@@ -176,7 +176,7 @@ def _built(claim: Claim, changes: Mapping[str, Change]) -> Statement | None:
 
 
 def tried(claim: Claim, functions: tuple[str, ...]) -> dict[str, int]:
-    """How many functions were altered; how often the claim was REFUTED then, and how often OPEN."""
+    """Counts of functions altered, and of the claim's REFUTED and OPEN verdicts then."""
     chosen = tuple(dict.fromkeys((*functions[:ENDS], *functions[-ENDS:])))
     verdicts = [after_alteration(claim, name) for name in chosen]
     return {"tried": len(chosen), "caught": verdicts.count(REFUTED), "open": verdicts.count(OPEN)}
@@ -197,13 +197,13 @@ def after_alteration(claim: Claim, name: str) -> str:
 
 
 def is_noticed(claim: Claim, name: str, change: Change) -> bool:
-    """Whether the claim is PROVED no longer with the function altered."""
+    """True if the claim is PROVED no longer with the function altered."""
     statement = _built(claim, {name: change})
     return statement is not None and fails(claim, statement)
 
 
 def fails(claim: Claim, statement: Statement) -> bool:
-    """Whether the claim's method does not prove an altered statement.
+    """True if the claim's method does not prove an altered statement.
 
     That it does not within a short budget counts where it proves the claim as it is within one.
     """
@@ -216,7 +216,7 @@ def fails(claim: Claim, statement: Statement) -> bool:
 
 @cache
 def proves_quickly(key: str) -> bool:
-    """Whether the method within a short budget proves the claim of this id."""
+    """True if the method within a short budget proves the claim of this id."""
     claim = next(claim for claim in all_claims() if claim.id == key)
     assert claim.statement is not None
     assert claim.method is not None

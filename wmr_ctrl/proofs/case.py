@@ -43,7 +43,7 @@ class Case:
         return point
 
     def described(self) -> list[Any]:
-        """What a record tells it by: numbers and domains, and the chart at two exact points.
+        """Fingerprint for records: numbers and domains, and the chart at two exact points.
 
         Charts are quotients of polynomials, so others than this one have other values there.
         """

@@ -90,7 +90,7 @@ def graph_hash(claim: Claim) -> str:
 
 
 def recheck(claim: Claim, entry: Entry) -> bool:
-    """Whether the entry's stored counterexample still refutes the claim on the graph."""
+    """True if the entry's stored counterexample still refutes the claim on the graph."""
     from wmr_ctrl.proofs.methods.point import judge
 
     if claim.statement is None or entry.counterexample is None:

@@ -35,7 +35,7 @@ class Mutation(float):
     """
 
     def __call__(self, claimed: Any, mutated: Any) -> Any:
-        """What is claimed, or what stands in its place."""
+        """The claimed value, or the mutated one."""
         return claimed if self > 0 else mutated
 
     def __neg__(self) -> Mutation:
@@ -48,7 +48,7 @@ CLAIMED, MUTATED = Mutation(1.0), Mutation(-1.0)
 
 @dataclass(frozen=True)
 class Claim:
-    """What is claimed, what it means for a robot, and how it is checked.
+    """A claim, its meaning for a robot, and its method of proof.
 
     ``statement(mutation)`` builds the claim's relations from the product's graphs.
     A claim without statement has its verdict given (HAND, OPEN or DEFINITION).  ``premises`` names
@@ -68,7 +68,7 @@ class Claim:
     theme: str = ""
 
     def words(self) -> dict[str, Any]:
-        """What the ledger's entry says in the claim's own words."""
+        """The claim's own part of its ledger entry."""
         names = ("equations", "form", "claim", "meaning", "hypotheses", "premises", "theme")
         return {name: vars(self)[name] for name in names}
 

@@ -1,4 +1,4 @@
-"""What `wmr-ctrl prove` does: run, print, compare with the committed ledger."""
+"""Command `wmr-ctrl prove`: run, print, compare with the committed ledger."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def described(entry: Entry) -> str:
 
 
 def provenance(ledger: Ledger, anew: bool) -> str:
-    """What was checked now, what is given, what was taken from the committed ledger."""
+    """Summary of entries checked now, given, and taken from the committed ledger."""
     checked = [entry for entry in ledger.entries if entry.graph_hash]
     given = sum(1 for e in ledger.entries if not e.graph_hash and e.verdict != "NOT_CHECKED")
     altered = sum(1 for entry in checked if entry.alterations)

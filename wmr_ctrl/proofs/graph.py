@@ -109,14 +109,14 @@ def graph_of(
 
 
 def is_parameter(symbol: ca.SX) -> bool:
-    """Whether a symbol stands for a number of the scenario: those have a dotted key."""
+    """True if a symbol stands for a number of the scenario: those have a dotted key."""
     return "." in symbol.name()
 
 
 def _compiled(
     given: Mapping[str, ca.SX], exprs: Sequence[ca.SX]
 ) -> tuple[compiled_graph.Graph, list[int]]:
-    """What the emitter would be given, with the place of every symbol in ``given`` kept."""
+    """Graph as the emitter gets it, with the place of every symbol in ``given`` kept."""
     groups = {False: ca.SX.zeros(len(given)), True: ca.SX.zeros(len(given))}
     for row, symbol in enumerate(given.values()):
         for group in groups:

@@ -131,7 +131,7 @@ class Difference:
 
 
 def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> list[Difference]:
-    """Where verdicts differ; with ``complete``, also entries that only one of the two has."""
+    """Verdicts that differ; with ``complete``, also entries that only one of the two has."""
     known, found = committed.by_id(), ledger.by_id()
     ids = [*known, *(i for i in found if i not in known)] if complete else list(found)
     pairs = ((i, _verdict(known, i), _verdict(found, i)) for i in ids)

@@ -65,7 +65,7 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
 
 
 def _scales(node: ProvedNode, graph: ProvedGraph) -> bool:
-    """Whether it is a product with a power of two, which is exact."""
+    """True if it is a product with a power of two, which is exact."""
     factors = (graph.nodes[k] for k in node.args)
     return node.op == "mul" and any(
         item.op == "const" and abs(frexp(item.value)[0]) == 0.5 for item in factors

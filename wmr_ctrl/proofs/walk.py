@@ -21,7 +21,7 @@ class UndecidedError(ArithmeticError):
 
 
 class Arithmetic(Protocol):
-    """What a method of proof brings."""
+    """Arithmetic of a proof method."""
 
     def constant(self, value: float) -> Any:
         """Value of a constant of the graph."""

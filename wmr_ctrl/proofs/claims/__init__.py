@@ -72,7 +72,7 @@ def forget() -> None:
 
 
 def _by_hand() -> list[Claim]:
-    """What only a person's argument closes, and what stays open: words alone."""
+    """Claims argued by hand, and open ones: words alone."""
     text = files("wmr_ctrl.proofs.claims").joinpath("by_hand.toml").read_text(encoding="utf-8")
     lists = ("equations", "premises")
     rows = tomllib.loads(text)["entry"]

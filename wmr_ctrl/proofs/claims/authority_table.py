@@ -116,7 +116,7 @@ class Numbers:
 
 
 def _top(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function with one maximum has it, by golden sections."""
+    """Maximiser of a unimodal function, by golden-section search."""
     a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     left, right = function(a), function(b)
     for _ in range(SECTIONS):

@@ -212,7 +212,7 @@ STATED = {
     "filter.d": (0.05, 0.05),
     "filter.odometry": (0.02, 0.02),
 }
-"""What makes the structure of the assembled graph; its numbers are symbols all the same."""
+"""Settings for the assembled graph's structure; its numbers are symbols all the same."""
 SIDES = tuple(
     {"side": side, "axis": axis, "id": f"{name}-{way}", "words": f"{name} axis, {way}"}
     for axis, name in enumerate(("linear", "angular"))
@@ -256,7 +256,7 @@ class AssembledStep:
         return self.graph.limits[self.side][self.axis]
 
     def given(self, mutation: Mutation, command: ca.SX) -> tuple[Relation, ...]:
-        """What is assumed of base, speed, odometry and exponentials; the mean under a command."""
+        """Hypotheses on base, speed, odometry and exponentials; the mean under a command."""
         graph, axis, f = self.graph, self.axis, self.free
         b, v, y = graph.bounds[axis], f["v"], graph.odometry.sym[axis]
         kappa, most, least = self.cuts.values()

@@ -1,4 +1,4 @@
-"""What the claims share: one axis of the barrier, and a law's System with free inner quantities."""
+"""Common to the claims: one axis of the barrier, and a law's System with free inner quantities."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class BarrierAxis:
 
     @property
     def names(self) -> dict[str, ca.SX]:
-        """What a statement about the axis names."""
+        """Symbols of a statement about the axis."""
         return self.symbols
 
     @property
@@ -74,7 +74,7 @@ class BarrierAxis:
 
     @cached_property
     def stable(self) -> Barrier:
-        """What C evaluates."""
+        """Compiled form."""
         v, c, u1, u2 = self.all
         return stable_barrier(c, v, u1, u2)
 

@@ -1,4 +1,4 @@
-"""What C evaluates equals the paper's functions; what the series leaves out."""
+"""Compiled forms equal the paper's functions; truncation of the series."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def _inside(size: ca.SX, region: str, u2: ca.SX, b: ca.SX) -> ca.SX:
 
 
 def _member(value: ca.SX, name: str, u2: ca.SX, b: ca.SX) -> ca.SX:
-    """Whether ``value`` lies in a signed region such as ``middle-``."""
+    """True if ``value`` lies in a signed region such as ``middle-``."""
     if name == "zero":
         return ca.eq(value, 0)
     size = -value if name.endswith("-") else value

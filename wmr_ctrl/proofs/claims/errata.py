@@ -1,4 +1,4 @@
-"""What does not hold as the paper says it, beyond single equations: each with an exact point."""
+"""Errata of the paper beyond single equations, each with an exact point."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ _LAGGING = _LATE | {
     "counts": "guard.{at}counts",
 }  # fmt: skip
 HARD = Z3(effort=400)
-"""Where the room has more than one line."""
+"""For a room of more than one line."""
 STEADY = {"steady": "; the delay does not vary, J = 0"}
 KINDS: dict[str, dict[str, Any]] = {
     "": _AT_ONCE,

@@ -249,7 +249,7 @@ SINCE = Since(
     rest=(((1,), 0.5), ((1, 2), 0.75)),
     mean_time=0.75, rest_time=1.25, older=AT_ONCE,
 )  # fmt: skip
-"""What may have acted: of the mean either of two commands, then the older one; likewise of rest."""
+"""Commands that may have acted: of mean either of two, then the older one; likewise of rest."""
 
 
 @claim(

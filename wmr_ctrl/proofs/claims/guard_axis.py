@@ -56,7 +56,7 @@ class GuardAxis:
 
     @cached_property
     def bounds(self) -> Bounds:
-        """What the guard's graph reads."""
+        """Bounds in the guard's graph."""
         b = Bounds(**{name: self[name] for name in NUMBERS.split()})
         if self.lateness >= DELAYED:
             b = replace(b, delay=self["delay"])
@@ -87,7 +87,7 @@ class GuardAxis:
 
     @property
     def again(self) -> InFlight:
-        """What the last command adds where the new one comes late."""
+        """Push of the last command where the new one comes late."""
         if self.lateness == LAGGING:
             return InFlight(self["again_ahead"], self["again_back"])
         pair = ca.vertcat(self["sent"], self["other"])
@@ -95,12 +95,12 @@ class GuardAxis:
 
     @property
     def coming(self) -> InFlight | None:
-        """What is under way; None where nothing is late."""
+        """Push in flight; None where nothing is late."""
         return self.sums if self.lateness else None
 
     @property
     def sums(self) -> InFlight:
-        """What is under way, as its sums, and what is felt of it then and later."""
+        """Sums of the push in flight, and its part felt then and later."""
         if self.lateness < LATE:
             return InFlight(self["ahead"], self["back"])
         rest = InFlight(self["rest_ahead"], self["rest_back"])
@@ -113,7 +113,7 @@ class GuardAxis:
 
     @property
     def largest(self) -> ca.SX:
-        """What no command exceeds."""
+        """Largest command."""
         return largest_force(self.bounds)
 
     @property
@@ -123,7 +123,7 @@ class GuardAxis:
 
     @property
     def left(self) -> tuple[ca.SX, ca.SX]:
-        """What is left to the limit ahead, and behind."""
+        """Room to the limit ahead, and behind."""
         b, coming = self.bounds, self.coming
         return room(self["y"], b, coming), room(-self["y"], b, coming and coming.mirrored)
 
@@ -139,7 +139,7 @@ class GuardAxis:
         return self.cuts if self.lateness < LATE else self.cuts | rooms
 
     def force(self, asked: ca.SX) -> ca.SX:
-        """What the guard lets through."""
+        """Force after the guard."""
         return clipped(asked, self["y"], self.bounds, self.coming)
 
     @property
@@ -198,7 +198,7 @@ class GuardAxis:
 
     @property
     def capped(self) -> tuple[Relation, ...]:
-        """What guard.delay.caps proves of the caps, but for their sum."""
+        """Facts of guard.delay.caps on the caps, but for their sum."""
         brakes = self.bounds.braking
         return at_least(brakes), at_least(brakes, self.net), at_least(self.largest, brakes)
 
@@ -215,11 +215,11 @@ class GuardAxis:
 
     @property
     def stated(self) -> tuple[Relation, ...]:
-        """What is known of numbers and caps."""
+        """Hypotheses on numbers and caps."""
         return (*self.sound(), *self.capped) if self.lateness else self.feasible()
 
     def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relation:
-        """What is under way leaves, ahead or behind or both together, what braking needs."""
+        """Room for braking beside the push in flight, ahead or behind or both together."""
         b = self.bounds
         need = ca.fmax(b.braking + self.net, 0)
         if self.lateness < LATE:
@@ -268,7 +268,7 @@ class GuardAxis:
         return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
 
     def seen(self, way: int, more: ca.SX | float = 0, *during: Relation) -> tuple[Relation, ...]:
-        """What is known of `start`; ``more`` is what a broken bound adds until then."""
+        """Hypotheses on `start`; ``more`` is what a broken bound adds until then."""
         if not self.lateness:
             return (*self.measured, *during)
         most, arrived = self.reached(way) + more, self["arrived"]
@@ -305,7 +305,7 @@ class GuardAxis:
         return self["beyond"] if self.lateness == LAGGING else self.start(way) - self["u1"]
 
     def outside(self, way: int, *during: Relation) -> tuple[Relation, ...]:
-        """What is known there."""
+        """Hypotheses past u1."""
         beyond, ordered = self.beyond(way), self.ordered(way)
         if self.lateness < LATE:
             return (*self.stated, *self.seen(way, 0, *during), above(beyond), *ordered)
@@ -336,7 +336,7 @@ class GuardAxis:
         return z, self("after_", way), self("again_", way) * self.bounds.M_min
 
     def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relation]:
-        """What is left, each line of it; ``spare`` is u1 less what is reached."""
+        """Each line of the room left; ``spare`` is u1 less what is reached."""
         b, J, rise, late = self.bounds, self.J, self["rise"], self["rise_late"]
         whole = at_least(spare, (1 + b.alpha * J) * left)
         if self.lateness < LAGGING:

@@ -45,12 +45,12 @@ class QueuedAxis(RoundedAxis):
 
     @property
     def held_back(self) -> ca.SX:
-        """What is kept back, as a share of u1."""
+        """Margin kept back, as a share of u1."""
         return 1 - self["share"]
 
     @cached_property
     def aimed(self) -> Bounds:
-        """What the text reads: u1 is shrunk."""
+        """Bounds in the text: u1 is shrunk."""
         return replace(self.bounds, u1=self["u1"] * self["share"])
 
     @property
@@ -98,7 +98,7 @@ class QueuedAxis(RoundedAxis):
 
     @property
     def bounded(self) -> tuple[Relation, ...]:
-        """What brakes and the largest command leave to each other."""
+        """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self["brakes"], self["largest"]
         return (
             at_least(brakes), at_least(brakes, ca.fabs(self.net) + room), at_least(largest),
@@ -117,14 +117,14 @@ class QueuedAxis(RoundedAxis):
         return at_least(most, self["arrived"]), at_least(self["u1"], self["arrived"])
 
     def leaves(self, brakes: ca.SX) -> Relation:
-        """What both sums leave for braking."""
+        """Braking room beside both sums."""
         u1 = self["u1"] * (1 - self.held_back * (1 - FAR))
         left = self.slope * (u1 - self["f_speed"] - self["ahead"] - self["back"])
         return at_least(left, ca.fmax(brakes + self.net, 0))
 
 
 def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
-    """What braking and the largest command take together, and the rounding in it."""
+    """Sum of braking and the largest command, and the rounding in it."""
     both = a.waits * (a["largest"] + a.net) + ca.fmax(a["brakes"] + a.net, 0)
     return both, (8 + 4 * a.waits) * UNIT * a.reach
 

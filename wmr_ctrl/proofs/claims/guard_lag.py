@@ -30,7 +30,7 @@ claim = Claims(by=HARD)
 
 
 def exponentials(a: GuardAxis) -> tuple[Relation, ...]:
-    """What is true of them; without jitter T and T + J are the same time."""
+    """Their relations; without jitter T and T + J are the same time."""
     fast, slow, rises, falls = a["fast"], a["slow"], a["rises_by"], a["falls"]
     same = () if a.varies else (equal(a["rise_late"], a["rise"]),)
     return (

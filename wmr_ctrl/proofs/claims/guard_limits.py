@@ -1,4 +1,4 @@
-"""What cannot be better about the guard, what may not be left out of it, and its theorems by hand.
+"""Optimality of the guard, necessity of its parts, and its theorems by hand.
 
 Statements about one sample become statements about every instant of a run by the comparison lemma
 (guard.lemma), used for each command under way and then for the new one, and by induction.

@@ -64,16 +64,16 @@ class RoundedAxis(GuardAxis):
 
     @property
     def held_back(self) -> float | ca.SX:
-        """What is kept back, as a share of u1."""
+        """Margin kept back, as a share of u1."""
         return self.precision.kept
 
     @cached_property
     def aimed(self) -> Bounds:
-        """What the text reads: u1 is shrunk."""
+        """Bounds in the text: u1 is shrunk."""
         return replace(self.bounds, u1=self["u1"] * (1 - self.held_back))
 
     def text(self, asked: ca.SX, b: Bounds | None = None) -> dict[str, ca.SX]:
-        """What is computed of a force."""
+        """Clipped force, as computed."""
         return {"hat": clipped(asked, self["y"], b or self.aimed, self.coming)}
 
     @property
@@ -115,7 +115,7 @@ class RoundedAxis(GuardAxis):
 
     @property
     def on_wheels(self) -> ca.SX:
-        """What the wheels' rounding may take of this axis."""
+        """Most of this axis lost to wheels' rounding."""
         return ON_WHEELS * self.widest * self.precision.unit * self.reach
 
 
@@ -147,7 +147,7 @@ PARTS = "force-ahead force-back size anchor linear-first rotation-first torques"
 
 
 def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
-    """What the texts name of one precision."""
+    """Values in the texts for a precision."""
     shares = {
         "unit": precision.unit, "left": precision.kept / 32, "quicker": precision.quicker,
         "reach": 4 * precision.unit,

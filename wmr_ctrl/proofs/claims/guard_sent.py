@@ -1,4 +1,4 @@
-"""What commands under way count for in the guard, and that it leaves the room that braking needs.
+"""Push of the commands in flight, and the room that the guard leaves for braking.
 
 Any number of them: what one adds is shown of one, the rest of their sums.
 """
@@ -31,7 +31,7 @@ claim = Claims(by=HARD)
 
 
 def only(a: GuardAxis, place: int = 0) -> InFlight:
-    """What is under way where it is a single command ``sent``; ``place``: its axis of the two."""
+    """Push in flight of a single command ``sent``; ``place``: its axis of the two."""
     pair = [a["other"], a["other"]]
     pair[place] = a["sent"]
     return in_flight([(ca.vertcat(*pair), a["periods"])], place, a.bounds)
@@ -177,7 +177,7 @@ def late_tail(mutation: Mutation) -> Statement:
 
 
 def _added(a: GuardAxis) -> tuple[Relation, ...]:
-    """What sums of commands that keep to ``largest`` are at most."""
+    """Bounds on sums of commands that keep to ``largest``."""
     b, most = a.bounds, a.S / a.bounds.M_min
     if a.lateness < LATE:
         return (at_least(a.late * most, a["ahead"] + a["back"]),)
@@ -191,7 +191,7 @@ def _added(a: GuardAxis) -> tuple[Relation, ...]:
 
 
 def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
-    """What is left when the new command may first take over, either way."""
+    """Room left when the new command may first take over, either way."""
     b, coming = a.bounds, a.sums
     ahead = b.u1 - coming.reached(ca.fmax(a["y"] + b.nbar, b.f_speed), b)
     return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a["y"] + b.nbar, b.f_speed), b)

@@ -46,7 +46,7 @@ class NetworkAxis:
 
     @cached_property
     def inner(self) -> dict[str, ca.SX]:
-        """What the free symbols stand for in the graph."""
+        """Expressions of the free symbols in the graph."""
         law, context = self.law, self.law.context
         axis = context.barrier[self.axis]
         basis = nn.corner_basis(nn.regressor(context), context.gain("eta"), context.gain("node"))

@@ -57,7 +57,7 @@ class NewtonStep:
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
-        """What the first four stand for, and the friction, which is compensated whatever it is."""
+        """Expressions of the first four, and the friction, which is compensated whatever it is."""
         law, k = self.law, self.axis
         found = law.context.barrier[k]
         rate = law.symbols[f"gains.mb.rho[{k + 1}]"] * law.symbols["clock.control"]

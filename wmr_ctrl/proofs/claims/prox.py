@@ -55,7 +55,7 @@ class Step:
 
     @property
     def argument(self) -> ca.SX:
-        """What the last proximal map is taken of."""
+        """Argument of the last proximal map."""
         return mixture(self.start, self.inputs["target"], self.shares)
 
     @property

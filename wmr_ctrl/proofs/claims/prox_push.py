@@ -43,7 +43,7 @@ class Sampled:
 
     @property
     def force(self) -> ca.SX:
-        """What the law asks for."""
+        """Force of the law."""
         return self.law.force[self.axis]
 
     @cached_property

@@ -42,7 +42,7 @@ class Carried:
 
     @property
     def cuts(self) -> dict[str, ca.SX]:
-        """What the first five stand for."""
+        """Expressions of the first five."""
         t = self.inputs
         v, limits = t["v"], (t["u1"], t["u2"])
         form = smooth_barrier if self.smooth else stable_barrier

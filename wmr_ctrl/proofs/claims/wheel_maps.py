@@ -51,7 +51,7 @@ class MappedWheels:
         return (*sides, *self.within(self.pair("force")), self.reached(self.safe))
 
     def mapped(self, name: str, safe: ca.SX) -> ca.SX:
-        """What a map makes of the force."""
+        """Output of a map for the force."""
         return MAPS[name](self.pair("force"), self.symbols["phi"], self.symbols["half"], safe)
 
 

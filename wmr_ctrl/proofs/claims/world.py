@@ -1,4 +1,4 @@
-"""What sensors, drives and ground add to the guard's assumptions: the bounds, on their graphs."""
+"""Bounds that sensors, drives and ground add to the guard's assumptions, on their graphs."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class Quotient:
         return Fraction(int(found.numerator), int(found.denominator))
 
     def __bool__(self) -> bool:
-        """Whether it is another element than 0."""
+        """True if it is another element than 0."""
         return not self.numer.is_zero()
 
     def __eq__(self, other: object) -> bool:
@@ -238,7 +238,7 @@ class Algebra:
         return ("-" if flipped else "+") + top[1:]
 
     def never_zero(self, element: Any) -> bool:
-        """Whether no factor of an element can be 0."""
+        """True if no factor of an element can be 0."""
         element = self.reduced(element)
         if self.sign(element) in ("+", "-"):
             return True

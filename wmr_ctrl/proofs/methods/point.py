@@ -117,7 +117,7 @@ def evaluate(statement: Statement, point: Mapping[str, Any]) -> list[Any]:
 
 
 def holds(kind: str, value: Any) -> bool:
-    """Whether ``value`` certainly stands in relation ``kind`` to 0; UndecidedError if unsure."""
+    """True if ``value`` certainly stands in relation ``kind`` to 0; UndecidedError if unsure."""
     s = sign_of(value)
     return s == 0 if kind == EQUAL else (s > 0 if kind == ABOVE else s >= 0)
 
@@ -144,7 +144,7 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
 
 
 def certainly(statement: Statement, point: Mapping[str, Any]) -> bool:
-    """Whether hypotheses and goals all certainly hold at ``point``."""
+    """True if hypotheses and goals all certainly hold at ``point``."""
     try:
         values = evaluate(statement, point)
     except (UndecidedError, ZeroDivisionError):

@@ -43,7 +43,7 @@ class Answer:
 
 
 def ask(terms: list[Any], method: Z3) -> Answer:
-    """What one of z3's engines finds within the method's effort."""
+    """Answer of one of z3's engines within the method's effort."""
     left = list(ENGINES)
     for engine, patience in _attempts(method):
         if engine not in left:

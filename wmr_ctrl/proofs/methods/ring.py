@@ -104,7 +104,7 @@ def _witnesses(statement: Statement, method: Ring) -> Iterator[Point]:
 
 
 def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
-    """Whether value = P + q ln R, with q > 0, is at least (above) 0 by P + q (1 - 1/R)."""
+    """True if value = P + q ln R, with q > 0, is at least (above) 0 by P + q (1 - 1/R)."""
     bottom = algebra.sign(algebra.field(value.denom))
     if bottom not in ("+", "-"):
         return False

@@ -59,7 +59,7 @@ def _text(problem: Problem, term: Any) -> str:
 
 
 def uses_z3(method: Method | None) -> bool:
-    """Whether a verdict of this method rests on z3."""
+    """True if a verdict of this method rests on z3."""
     return isinstance(method, Z3) or (
         isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
     )
@@ -74,7 +74,7 @@ def confirmed_by(statement: Statement, patience: int = PATIENCE) -> tuple[str, .
 
 
 def answer(text: str, patience: int = PATIENCE) -> str:
-    """What cvc5 says to a file: sat, unsat or unknown; each strategy soon, then with patience."""
+    """Answer of cvc5 to a file: sat, unsat or unknown; each strategy soon, then with patience."""
     limits = [limit for limit in (IMPATIENCE, patience) if limit <= patience]
     said = (_said(text, limit, way) for limit in limits for way in STRATEGIES.values())
     return next((word for word in said if word in ("sat", "unsat")), "unknown")

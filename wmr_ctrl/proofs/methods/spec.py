@@ -1,4 +1,4 @@
-"""How a claim names its method: light values, so that claims load without the proving packages."""
+"""Proof methods as light values, so that claims load without the proving packages."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class Both(Method):
 
 
 def described(value: Any) -> Any:
-    """What a record tells a method by, regions and boxes included; not which engine comes first."""
+    """Fingerprint of a method for records, regions and boxes included; no engine order."""
     if isinstance(value, Case):
         return value.described()
     if isinstance(value, Method):
