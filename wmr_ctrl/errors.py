@@ -36,7 +36,7 @@ class CompilerError(WmrError, RuntimeError):
 
 
 class CacheError(CompilerError):
-    """What was compiled cannot be stored: a full disk, say, whatever the compiler."""
+    """Compiled code cannot be stored: a full disk, say, whatever the compiler."""
 
 
 class ResultFileError(WmrError, ValueError):

@@ -1,4 +1,4 @@
-"""What a value offers though only a higher layer can do it: looked up when it is asked for.
+"""Functions of higher layers that values offer, imported when asked for.
 
 Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
 the user's convenience; these few names are the whole of it, and importing this file loads nothing.

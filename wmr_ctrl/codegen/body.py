@@ -96,7 +96,7 @@ class _Writer:
         return found
 
     def _exponentials(self, item: ExpBatch, indent: str) -> list[str]:
-        """What is missing to a multiple of the dialect's size is filled up with zeros."""
+        """Batched exp, zero-padded to a multiple of the dialect's size."""
         given = [self._real(number) for number in item.operands]
         given += [self.dialect.number(0.0)] * (-len(given) % self.dialect.exp_batch)
         name, size = f"{self.dialect.real} {item.array}", len(given)

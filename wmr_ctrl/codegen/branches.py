@@ -122,7 +122,7 @@ class _Branch:
         return sorted(inside, key=scope.position.__getitem__)
 
     def _read_on_one_side(self, side: int) -> list[int]:
-        """What choices read there and nowhere else, once for each of them."""
+        """Operands of choices on this side only, one for each choice."""
         read = (self.graph.nodes[item.node].operands for item in self.choices)
         return [operands[side] for operands in read if operands.count(operands[side]) == 1]
 

@@ -200,7 +200,7 @@ def _numbered(
 
 
 def layout_of(loop: LoopGraphs) -> LoopLayout:
-    """What the vectors of a loop mean."""
+    """Vector layout of a loop."""
     return LoopLayout(
         loop.controller.title,
         loop.columns,
@@ -212,7 +212,7 @@ def layout_of(loop: LoopGraphs) -> LoopLayout:
 
 
 def law_layout(setup: Setup, system: System) -> LawLayout:
-    """What the vectors of the controller by itself mean, with a setup's numbers."""
+    """Vector layout of the controller by itself, with a setup's numbers."""
     parameters = tuple(item.signal for item in system.params)
     return LawLayout(
         tuple(item.signal for item in system.inputs),

@@ -237,7 +237,7 @@ numbers, and the places of a segment's offset and size in its row."""
 
 
 def is_complete(library: Path) -> bool:
-    """Whether all tables and segments that an ELF file announces are within it.
+    """True if an ELF file holds all tables and segments that it announces.
 
     A compiler on a full disk may write half a library and say nothing, and loading that ends the
     process (SIGBUS) instead of raising.  Files of other kinds are complete unless they are empty.

@@ -1,4 +1,4 @@
-"""Where the build cache lives, and who may write there: code is loaded from it."""
+"""Folder of the build cache, and its write access: code is loaded from it."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def keep_others_out(path: Path) -> None:
 
 
 def is_shared(path: Path) -> bool:
-    """Whether everybody may write what is there."""
+    """True if everybody may write there."""
     return os.name == "posix" and path.exists() and bool(path.stat().st_mode & stat.S_IWOTH)
 
 

@@ -62,17 +62,17 @@ class Toolchain:
 
     @property
     def misaligns_vectors(self) -> bool:
-        """Whether it is a GCC for Windows, which keeps wide vectors on a stack of 16 bytes."""
+        """True for a GCC for Windows, which keeps wide vectors on a stack of 16 bytes."""
         return os.name == "nt" and not (is_zig(self.command) or "clang" in self.name)
 
     @property
     def fuses_pairs(self) -> bool:
-        """Whether it may be a GCC, which fuses pairs of operations unasked."""
+        """True if it may be a GCC, which fuses pairs of operations unasked."""
         return not (is_zig(self.command) or "clang" in f"{self.name} {self.version}")
 
     @property
     def key(self) -> tuple[str, ...]:
-        """What of the compiler decides its output, for the build cache."""
+        """Build-cache key: all of the compiler that decides its output."""
         native = any(flag.endswith("=native") for flag in self.flags)
         processor = (_processor(),) if native else ()
         linking = _windows_linking() if self.is_for_windows else ()
@@ -80,7 +80,7 @@ class Toolchain:
 
     @property
     def is_for_windows(self) -> bool:
-        """Whether it is zig, and makes what Windows runs."""
+        """True for zig with Windows as its target."""
         named = any("windows" in flag for flag in self.flags)
         return is_zig(self.command) and (named or os.name == "nt")
 

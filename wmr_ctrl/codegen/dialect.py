@@ -1,4 +1,4 @@
-"""How an operation is written in C: for one robot in doubles, or for lanes of robots in vectors."""
+"""C text of an operation: in doubles for one robot, or in vectors for lanes of robots."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ FINDINGS = (
     "stop_axis", "samples", "torque", "d_least1", "d_least2", "left_sample", "left_axis",
     "clipped1", "clipped2",
 )  # fmt: skip
-"""What a run leaves: largest |v| [m/s, rad/s]; plant steps beyond a limit, step and axis of the
+"""Run results: largest |v| [m/s, rad/s]; plant steps beyond a limit, step and axis of the
 first (-1, 0); reason, step and axis of an early end; samples made; and of runs without a log the
 largest |torque| [N m] and d_least [N, N m], sample and axis of the first beyond its bound (-1, 0),
 samples with the clip active."""

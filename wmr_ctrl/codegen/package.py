@@ -173,7 +173,7 @@ def _context(
 
 
 def _robot(scenario: Scenario) -> Mapping[str, str | float]:
-    """What the example simulates: the scenario's robot and start, and its circle if it has one."""
+    """Robot of the example: the scenario's robot and start, and its circle if it has one."""
     robot, reference = scenario.robot, scenario.reference
     circle = reference if isinstance(reference, Circle) else Circle()
     other = "" if isinstance(reference, Circle) else f" (not {scenario.reference_kind.name})"
@@ -208,7 +208,7 @@ def c_name(signal: Signal) -> str:
 
 @dataclass(frozen=True)
 class Footprint:
-    """What a package takes of a Cortex-M4F: bytes, and instructions of a sample.
+    """Memory [bytes] and instructions per sample of a package on a Cortex-M4F.
 
     Bytes of code with constants, of writable data, and of stack: ``stack`` is the sum of the frames
     of the package's own functions, without libm's, as the GNU Arm compiler tells; ``deepest`` is

@@ -18,7 +18,7 @@ _PATIENCE = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """How a command ended: exit code (negative: the signal), its output, or out of time."""
+    """Result of a command: exit code (negative: the signal), output, timeout."""
 
     code: int
     output: str

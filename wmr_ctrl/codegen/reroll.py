@@ -106,7 +106,7 @@ class _Rerolling:
         ]
 
     def _key(self, number: int, common: set[Sharing]) -> tuple[tuple[object, ...], int | None]:
-        """What lines of one run have in common, and where this line stands in it."""
+        """Key shared by the lines of a run, and this line's position in it."""
         node, start = self.graph.nodes[number], None
         parts: list[object] = [node.op]
         for operand, sharing in zip(node.operands, self._sharings(number), strict=True):
@@ -169,7 +169,7 @@ class _Rerolling:
         return tuple(found)
 
     def _slice(self, wanted: list[int]) -> Slice | None:
-        """Where these values lie side by side, laying them out if they are free to move."""
+        """Slice of these values, which are laid out if they are free to move."""
         places = [self.place.get(number) for number in wanted]
         first = places[0]
         if first is not None:
@@ -215,7 +215,7 @@ class _Rerolling:
 
 
 def _alike(before: list[int], operand: int) -> bool:
-    """Whether ``operand`` continues a list of one repeated value, or of values that all differ."""
+    """True if ``operand`` continues a list of one repeated value or of distinct values."""
     if len(before) == 1:
         return True
     return operand == before[0] if before[0] == before[1] else operand not in before
@@ -276,7 +276,7 @@ def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
 
 
 def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
-    """How often each value is read."""
+    """Count of each value's reads."""
     count: Counter[int] = Counter()
     for item in items:
         if isinstance(item, ArrayLoop):
@@ -296,7 +296,7 @@ def _reads(graph: Graph, items: Iterable[Item]) -> Counter[int]:
 
 
 def _read_by_loops(loop: ArrayLoop, users: Iterable[ArrayLoop]) -> bool:
-    """Whether long loops read all of it, each within its bounds."""
+    """True if long loops read all of it, each within its bounds."""
     covered = 0
     for user in users:
         for operand in user.operands:

@@ -1,4 +1,4 @@
-"""Where the hand-written C travels: beside the package in a checkout, inside it in a wheel."""
+"""Location of the hand-written C: beside the package in a checkout, inside it in a wheel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is different in single precision: C text, the guard's margin, and where it was tried.
+"""Single-precision packages: C text, the guard's margin, and tested control periods.
 
 A stand-alone package is written for ``wmr_real``, which is double or float.
 """
@@ -18,7 +18,7 @@ MARGIN = 2.0**-15
 the graph's own margin is 512 times that of a double."""
 
 LARGEST_SINGLE = 1e6
-"""What no input may exceed in size, where double precision has `signals.LARGEST`."""
+"""Largest size of an input; in double precision it is `signals.LARGEST`."""
 
 LIMIT = "limits.v_u1"
 
@@ -50,7 +50,7 @@ LARGEST_CONSTANT = 1e18
 
 _CALL = re.compile(r"\bwmr_(?!min\b|max\b|sign\b)([a-z0-9]+)\(")
 _NAMES = {"abs": "fabs"}
-"""What the C library calls otherwise."""
+"""Deviating names of the C library."""
 
 
 class SingleDialect(Dialect):

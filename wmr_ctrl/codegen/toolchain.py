@@ -165,7 +165,7 @@ def _object(
 def _knows(
     toolchain: Toolchain, flags: tuple[str, ...], folder: Path, stop: threading.Event | None
 ) -> bool:
-    """Whether the compiler accepts ``flags`` at all."""
+    """True if the compiler accepts ``flags`` at all."""
     with TemporaryDirectory(dir=folder) as trial:
         probe = Path(trial) / "probe.c"
         probe.write_text("int wmr_probe(void) { return 0; }\n", encoding="utf-8")

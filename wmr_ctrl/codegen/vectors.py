@@ -24,7 +24,7 @@ TOLERANCES = {False: 1e-12, True: 2e-4}
 
 @dataclass(frozen=True)
 class Situation:
-    """Where a run takes place: error e1, e2 [m], e3 [rad]; velocities as shares of their limits."""
+    """A run's operating point: error e1, e2 [m], e3 [rad]; velocities as shares of their limits."""
 
     error: tuple[float, float, float]
     desired: tuple[float, float]

@@ -56,9 +56,9 @@ SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "n
 of the torque less the previous sample's, 1, torque^2 of what the desired motion needs, 1 where a
 wheel is at its limit."""
 WINDOW = (*SUMS, "farthest")
-"""What each window keeps: the sums, and the largest of their first, dx^2 + dy^2 [m2]."""
+"""Columns of each window: the sums, and the largest of their first, dx^2 + dy^2 [m2]."""
 SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2")
-"""What every run without a log watches: also the largest |torque| [N m], and of the guard's
+"""Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
 CLOCK = ("control", "plant", "delay_steps", "v_u1_linear", "v_u1_angular")
 """Numbers that the runtime takes from the parameters, before two for each stream: wanted, bound.
@@ -70,7 +70,7 @@ NO_VIOLATION = 1e-12
 
 
 class Graphs:
-    """What graphs of both rates share: state, parameters, random numbers, what acts.
+    """State, parameters, random numbers and acting forces of both rates' graphs.
 
     ``sample`` and ``step``: the wirings of both rates; ``plant``: whose state comes first; ``u``:
     what a sample leaves to its steps; ``acting``: torques that act over a plant step, and what
@@ -141,7 +141,7 @@ class Graphs:
         return sensors
 
     def _join_drives(self, drives: list[System], gusts: list[System], *, pushed: bool) -> None:
-        """What acts over a plant step, from what a sample leaves to it."""
+        """Torques and disturbances over a plant step, from held values."""
         rate, signals = self.step, held_signals(pushed)
         self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
         rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
@@ -216,7 +216,7 @@ class LoopGraphs(Graphs):
 
     @cached_property
     def seen(self) -> ca.SX:
-        """What is watched in a run without a log, in the order of SEEN."""
+        """Monitor of a run without a log, in the order of SEEN."""
         known, p = self.sample.known, self.parameters
         off = self.sample.column(POSE) - self.sample.column(REFERENCE[:3])
         e, torque = known[TRACKING_ERROR.name], self.sample.column(TORQUE)
@@ -291,7 +291,7 @@ def _squared(pair: ca.SX) -> ca.SX:
 
 
 def rolling_of(sensors: Sequence[System]) -> tuple[Signal, ...]:
-    """What sensors ask of a plant beside its state: nothing, PATH, or PATH and SKID."""
+    """Plant outputs beside its state for sensors: none, PATH, or PATH and SKID."""
     asked = {item.signal for system in sensors for item in system.inputs}
     way = (PATH,) if asked & {PATH, SKID, TRAVEL} else ()
     return (*way, *((SKID,) if SKID in asked else ()))

@@ -32,7 +32,7 @@ def ranges_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Range]:
 
 
 def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
-    """What the field of each key path admits, its ends told apart from what is just outside."""
+    """Bounds of each key path's field, open ends told apart from closed ones."""
     admitted = {}
     for key in keys:
         holder = _holder(scenario, key)

@@ -88,7 +88,7 @@ class Setup:
 
     @property
     def assumptions(self) -> Assumptions:
-        """What a guard assumes of the motion, be it on or off."""
+        """A guard's assumptions on the motion, be it on or off."""
         assumed = replace(assumptions(self.scenario, self.guard), void=self.void)
         if not self.scenario.guard.enabled:
             return assumed
@@ -97,7 +97,7 @@ class Setup:
 
     @property
     def void(self) -> str:
-        """Which assumptions of the guarantee the scenario itself breaks, in sentences; or none.
+        """Sentences on the guarantee's assumptions that the scenario itself breaks; or empty.
 
         Those that no bound covers, a robot that is not what is believed, and bounds that are
         stated, broken and let pass by guard.trust.
@@ -114,7 +114,7 @@ class Setup:
 
     @cached_property
     def bound(self) -> Bound:
-        """What all effects with a bound add to the guard's assumptions."""
+        """Sum of all effects' bounds, for the guard's assumptions."""
         return bound_of(self.scenario, self.effects)
 
     def own(self, cls: type[S]) -> S:
@@ -176,7 +176,7 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
 
 @lru_cache(maxsize=4096)
 def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) -> Setup:
-    """What `settle` gives for these laws and effects, which other packages may change."""
+    """Result of `settle` for these laws and effects, which other packages may change."""
     named = check_gains(scenario)
     _finite_reference(scenario)
     gains = Section() if chosen is None else named.get(chosen.name) or gains_of(scenario, chosen)
@@ -226,7 +226,7 @@ def gains_of(scenario: Scenario, law: Law) -> Section:
 
 
 def gains_by_law(scenario: Scenario) -> dict[str, Section]:
-    """What every law would run with: the scenario's gains, else the law's own; Eq. (7)'s first."""
+    """Gains of every law: the scenario's, else the law's own; Eq. (7)'s first."""
     laws = {name: gains_of(scenario, LAWS[name]) for name in LAWS}
     return {KINEMATICS: kinematic_gains(scenario)} | laws
 
@@ -314,7 +314,7 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
 
 
 def _is_noise(effect: Effect, scenario: Scenario) -> bool:
-    """Whether it is random numbers at the wheels alone: nothing is left where those are 0."""
+    """True for random numbers at the wheels alone: nothing is left where those are 0."""
     if effect.role is not EffectRole.DISTURBANCE:
         return False
     system = effect.system(scenario)

@@ -1,4 +1,4 @@
-"""Which numbers of a setup its graphs do not depend on: scenarios that differ in those share C.
+"""Numbers of a setup that its graphs do not depend on: scenarios that differ in those share C.
 
 A graph reads numbers through its parameters.  What else decides its form is the kind of every part,
 texts and flags, how long vectors are, whether a number is 0 or infinite (an effect is there or

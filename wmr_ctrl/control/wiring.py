@@ -60,17 +60,17 @@ class Stream:
 
     @property
     def size(self) -> int:
-        """How many numbers."""
+        """Size of the draw."""
         return self.draw.port.signal.size
 
     @property
     def normal(self) -> bool:
-        """Whether they are normal; else uniform on [-1, 1)."""
+        """True if normal; else uniform on [-1, 1)."""
         return self.draw.kind == NORMAL
 
 
 class Wiring:
-    """What is known by name at one rate, and the state that its Systems bring.
+    """Signals by name at one rate, and the state that its Systems bring.
 
     ``clock`` is the number of the sample or step; ``known`` starts with the time and the true
     state; ``shown`` are diagnostics of effects.
@@ -155,16 +155,16 @@ class Wiring:
         return self.run(system)
 
     def column(self, signals: Sequence[Signal]) -> ca.SX:
-        """What is known of some signals."""
+        """Known signals, stacked."""
         return stack(self.known[item.name] for item in signals)
 
 
 def pushes(systems: Sequence[System]) -> bool:
-    """Whether any of some disturbances exerts a force on the body."""
+    """True if any of the disturbances exerts a force on the body."""
     names = {item.name for item in BODY_FORCE}
     return any(item.signal.name in names for system in systems for item in system.outputs)
 
 
 def held_signals(pushed: bool) -> tuple[Signal, ...]:
-    """What a sample leaves to its steps, the commanded torques first."""
+    """Signals held over a sample, the commanded torques first."""
     return (*TORQUE, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))

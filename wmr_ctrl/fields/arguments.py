@@ -99,7 +99,7 @@ def check(value: object, hint: object, where: str) -> None:
 
 
 def fits(value: object, hint: object) -> bool:
-    """Whether a value is what a type hint says; of a long collection, whether its beginning is."""
+    """True if a value matches a type hint; of a long collection only the beginning is checked."""
     return any(_is_a(value, _kind(part), get_args(part)) for part in _parts(hint))
 
 
@@ -153,7 +153,7 @@ def _is_a(value: object, kind: object, inner: tuple[Any, ...]) -> bool:
 
 
 def _holds(value: object, inner: tuple[Any, ...]) -> bool:
-    """Whether the elements of a collection fit; those of an iterator are not taken out of it."""
+    """True if a collection's elements fit; those of an iterator are not consumed."""
     if isinstance(value, Collection):
         try:
             return all(fits(item, inner[0]) for item in islice(value, LOOKED_AT))
@@ -163,7 +163,7 @@ def _holds(value: object, inner: tuple[Any, ...]) -> bool:
 
 
 def _named(path: str | os.PathLike[str]) -> bool:
-    """Whether the system can be given that path."""
+    """True if the system accepts that path."""
     try:
         return b"\0" not in os.fsencode(path) and isinstance(os.fspath(path), str)
     except (TypeError, ValueError):

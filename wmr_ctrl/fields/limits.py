@@ -13,5 +13,5 @@ MOST_UNPACKED, RATIO = 200_000_000, 100
 
 
 def may_unpack(packed: int, unpacked: int) -> bool:
-    """Whether a file of so many bytes may become so many."""
+    """True if so many bytes may be unpacked to so many."""
     return unpacked <= max(MOST_UNPACKED, RATIO * packed)

@@ -1,4 +1,4 @@
-"""What other packages add to a registry by entry points, and whom an error in it is told of."""
+"""Registry entries from other packages' entry points, and errors that name their source."""
 
 from __future__ import annotations
 

@@ -35,11 +35,11 @@ OTHERS: Mapping[str, tuple[tuple[str, str, float], ...]] = {
     "N.m": (("millinewton metres", "mN.m", 1e-3), ("newton centimetres", "N.cm", 1e-2)),
     "1": (("per cent", "%", 1e-2),),
 }
-"""What a value in a unit may have been meant in: words, sign, and how much of the unit one is."""
+"""Units that may be meant instead: name, symbol, and size in the unit of the key."""
 
 
 def is_usual(value: float, usual: tuple[float, float]) -> bool:
-    """Whether the size of a value lies in a range; 0 and what is not finite always do."""
+    """True if the size of a value lies in a range, and for 0 and what is not finite."""
     return not value or not math.isfinite(value) or usual[0] <= abs(value) <= usual[1]
 
 

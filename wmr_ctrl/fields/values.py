@@ -80,7 +80,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What one field means and accepts: default, unit, meaning, bounds, shape.
+    """Declaration of a field: default, unit, meaning, bounds, shape.
 
     ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
     that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is

@@ -277,7 +277,7 @@ def _flag(sent: ca.SX, r: list[ca.SX]) -> ca.SX:
 
 @dataclass(frozen=True)
 class Filtered:
-    """What a filter makes of a command: velocities [m/s, rad/s], and flags as words."""
+    """Result of a filter: velocities [m/s, rad/s], and flags as words."""
 
     command: tuple[float, float]
     flags: tuple[str, ...]

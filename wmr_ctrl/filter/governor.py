@@ -79,7 +79,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Which commands may act when; all times in control periods, counted from a sample.
+    """Timing of commands; all times in control periods, counted from a sample.
 
     A command takes over between ``delay[0]`` and ``delay[1]`` after its sample, in the order in
     which they were sent; at most ``losses`` in a row are lost.  Samples are 1 -+ ``jitter`` apart,

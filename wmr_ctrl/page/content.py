@@ -27,15 +27,15 @@ Row = dict[str, float]
 DARK = (0x12, 0x16, 0x1C)
 """The page's background in the dark."""
 CONTRAST = (5.0, 10.0)
-"""How much the lightest and the darkest colours stand out from it, more than the 4.5 that
-guidelines ask of text: those that were dark on white are light on black."""
+"""Contrast with it of the lightest and the darkest colours, more than the 4.5 that guidelines
+ask of text: those that were dark on white are light on black."""
 LIGHT = 0.2
 """Luminance of the lightest."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """What is compiled, with room for how much, and what the script is told beside it."""
+    """Compiled loops, their room, and the data that the script gets."""
 
     loops: tuple[PageLoop, ...]
     room: Room

@@ -74,7 +74,7 @@ SPANS: Mapping[str, Span] = {
     "guard.f_speed[1]": (0.0, 0.2),
     "guard.f_speed[2]": (0.0, 0.4),
 }
-"""Where a fifth to five times the value is no good range."""
+"""Ranges other than a fifth to five times the value."""
 ALONG: Mapping[str, tuple[str, ...]] = {
     "limits.v_u1[1]": ("limits.v_u2[1]",),
     "limits.v_u1[2]": ("limits.v_u2[2]",),

@@ -26,7 +26,7 @@ _STEP_MAX = 0.005
 
 @dataclass(frozen=True)
 class Loads:
-    """What mass, inertia and friction of the robot make of the parts.
+    """The parts' loads, from the robot's mass, inertia and friction.
 
     ``mass`` of the chassis [kg]; ``lift``: its centre of mass above the axle [m]; ``inertia`` of
     the chassis about it (pitch, roll, yaw) [kg m2]; ``drag`` of each wheel's bearing [N m].
@@ -137,7 +137,7 @@ _SCENERY = """  <visual>
 
 
 def _hull(scenario: Scenario) -> str:
-    """What is seen of the chassis, and its casters."""
+    """Geoms of the chassis and casters."""
     body, half = scenario.body, 0.75 * scenario.robot.l
     rise = CASTER_RADIUS - scenario.robot.r + body.caster_gap
     casters = "\n".join(
@@ -152,7 +152,7 @@ def _hull(scenario: Scenario) -> str:
 
 
 def _contacts(body: Body) -> str:
-    """What touches the ground, and with which friction."""
+    """Ground contacts and their friction."""
     friction = " ".join(map(str, (body.tyre, body.tyre, 0.0, 0.0, 0.0)))
     grip = f'condim="3" friction="{friction}" solreffriction="{body.grip!r} 1"'
     kinds = {

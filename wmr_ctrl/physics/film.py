@@ -36,7 +36,7 @@ _DOTS = 400
 
 @dataclass(frozen=True)
 class Moments:
-    """What the pictures of a run show.
+    """Data of the frames of a run.
 
     ``model``: the robot as MJCF; ``rows`` (n,) of the log; ``positions`` (n, 9): MuJoCo's, the
     body's and the wheels'; ``target`` (n, 2): the desired position [m]; ``slip_max`` [m/s]: from

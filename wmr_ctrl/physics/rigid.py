@@ -170,7 +170,7 @@ class RigidBody:
 
     @property
     def _kind(self) -> int:
-        """What MuJoCo needs to go on from where it was, to the bit."""
+        """MuJoCo's state specification that resumes to the bit."""
         return int(self._mujoco.mjtState.mjSTATE_INTEGRATION)
 
     def save(self) -> Floats:

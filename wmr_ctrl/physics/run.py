@@ -126,7 +126,7 @@ class Coupling:
 
     @property
     def seen(self) -> RigidMonitor:
-        """What the body showed so far."""
+        """Monitor of the body so far."""
         most = self._slip, self._wheel, self._tilt
         return RigidMonitor(self._tipped, self._slipped, *most, self._margin)
 

@@ -231,7 +231,7 @@ def _feed(shown: Iterable[Picture], pipe: IO[bytes], progress: PhaseProgress) ->
 _STRIP = 60
 """Height of the strip below the picture [pixels]."""
 _LEFT = (10, 135, 290, 500)
-"""Where its figures begin [pixels]."""
+"""Left edges of figures [pixels]."""
 
 
 def _captioned(run: Run, moments: Moments) -> Iterator[Picture]:

@@ -79,12 +79,12 @@ class TestSpec:
 
     @property
     def decides(self) -> bool:
-        """Whether the test has a bound."""
+        """True if the test has a bound."""
         return self.at_least is not None or self.at_most is not None
 
     @property
     def stand_in(self) -> bool:
-        """Whether the number is one of the law that stands in for reference [32]."""
+        """True if the number is of the law that stands in for reference [32]."""
         return STAND_IN_LAW in (*self.laws, self.over.law if self.over else "")
 
     @property
@@ -96,7 +96,7 @@ class TestSpec:
         return ""
 
     def keeps(self, value: float | None) -> bool:
-        """Whether a value keeps the bound; a missing one never does."""
+        """True if a value keeps the bound; a missing one never does."""
         if value is None:
             return False
         low, high = self.at_least, self.at_most
@@ -132,7 +132,7 @@ class Measured:
 
     @property
     def passed(self) -> bool | None:
-        """Whether the bound is kept in every seed; None for a test without a bound."""
+        """True if the bound is kept in every seed; None for a test without a bound."""
         if not self.spec.decides:
             return None
         return bool(self.values) and self.keeping == len(self.values)
@@ -181,7 +181,7 @@ class Judged:
 
     @property
     def as_expected(self) -> bool:
-        """Whether the verdict is the committed one."""
+        """True if the verdict is the committed one."""
         return self.verdict == self.claim.expected
 
 
@@ -230,7 +230,7 @@ class Evidence:
         return {seed: _worst(spec, [case[seed] for case in cases]) for seed in sorted(seeds)}
 
     def has(self, spec: TestSpec) -> bool:
-        """Whether a test can be made; only our times may be missing."""
+        """True if a test can be made; only our times may be missing."""
         return spec.figure != "our_time" or bool(self.times)
 
     def _case(self, spec: TestSpec, scenario: str, law: str) -> dict[int, float | None]:

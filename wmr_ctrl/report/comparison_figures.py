@@ -99,9 +99,9 @@ def _draw_position(figure: Figure, rows: FigureTable) -> None:
 # -- ISE against a number of the scenario -----------------------------------------------------
 
 Points: TypeAlias = Sequence[tuple[float, str, str]]
-"""Where a case stands on the axis, its base, its factor."""
+"""Position of a case on the axis, its base, its factor."""
 UNLIMITED = 40.0
-"""Where "no limit" stands on the axis of torque limits [N m]."""
+"""Position of "no limit" on the axis of torque limits [N m]."""
 
 
 def periods() -> Points:

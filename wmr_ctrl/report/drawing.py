@@ -78,7 +78,7 @@ def target_of(
 
 
 Place: TypeAlias = Figure | SubFigure
-"""Where a panel is drawn: a figure of its own, or a part of a sheet."""
+"""Target of a panel: a figure of its own, or a part of a sheet."""
 
 
 @dataclass(frozen=True, slots=True)

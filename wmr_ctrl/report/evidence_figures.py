@@ -142,7 +142,7 @@ def _running_error(run: Run) -> tuple[FloatArray, FloatArray]:
 
 LAWS = ("mb", "nn")
 _END = 5.0
-"""How long V1 is shown [s]."""
+"""End of the V1 plot [s]."""
 _FLOOR = 1e-6
 """The least V1 that is shown."""
 

@@ -116,7 +116,7 @@ def _path(part: SubFigure, run: Run) -> None:
 
 
 def _facts(part: SubFigure, run: Run) -> None:
-    """What the run came to, in words and figures."""
+    """Outcome of the run, in words and figures."""
     lines = [*wrap(run.explanation, 58), "", *_figures(run)]
     part.text(0.06, 0.93, "\n".join(lines), va="top", size=8.2, linespacing=1.55)
 
@@ -183,7 +183,7 @@ def _plot_pair(axes: Axes, run: Run, rows: dict[str, FloatArray], alpha: float =
 
 
 START = 2.0
-"""What happens before [s] may leave the view."""
+"""Transient [s] that may leave the view."""
 MEAN_TIME = 0.25
 """Torques and V1 are drawn as means over so long [s], with their samples faint behind."""
 NEAR = 3.0

@@ -156,7 +156,7 @@ def _draw_fall(figure: Figure, runs: dict[str, Run]) -> None:
 
 FRAMES = 6
 _BACK = 1.0
-"""How long before the fall the film begins [s]."""
+"""Time from the film's start to the fall [s]."""
 
 
 def _draw_film(figure: Figure, run: Run) -> None:

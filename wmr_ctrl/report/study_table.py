@@ -28,7 +28,7 @@ CAUSE = 160
 
 @dataclass(frozen=True)
 class StudyTable:
-    """What is drawn of a study: its plan in plain values, and the columns of its table.
+    """Plot data of a study: its plan in plain values, and the columns of its table.
 
     ``numbers`` has an array a column of numbers (NaN: none), ``group`` law and guard of each run,
     ``ended`` its outcome, ``refusal`` the guard's reason where it refused.

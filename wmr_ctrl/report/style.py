@@ -46,7 +46,7 @@ Dash: TypeAlias = str | tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a law is drawn: colour, dash pattern, marker, and its short name."""
+    """A law's plot style: colour, dash pattern, marker, and its short name."""
 
     label: str
     colour: str

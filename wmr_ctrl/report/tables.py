@@ -27,7 +27,7 @@ class TextTable:
     best: tuple[frozenset[int], ...] = ()
 
     def is_best(self, row: int, place: int) -> bool:
-        """Whether a cell is marked; both count from 0, the row's name included."""
+        """True for a best cell; both indices from 0, the row's name included."""
         return bool(self.best) and place in self.best[row]
 
 

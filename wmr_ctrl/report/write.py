@@ -53,7 +53,7 @@ class Verdicts:
 
     @property
     def as_expected(self) -> bool:
-        """Whether every verdict is the committed one."""
+        """True if every verdict is the committed one."""
         return not self.changed
 
     @property

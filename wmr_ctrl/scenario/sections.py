@@ -33,7 +33,7 @@ class Robot(Section, key="robot"):
 
 
 class Model(Section, key="model"):
-    """What the laws believe; a field that is left out is the robot's, before any change."""
+    """Model of the laws; a field that is left out is the robot's, before any change."""
 
     m: float | None = quantity(
         None, unit="kg", doc="mass that the laws believe; left out: robot.m", above=0
@@ -47,7 +47,7 @@ class Model(Section, key="model"):
 
 
 class Body(Section, key="body"):
-    """What a rigid body needs beside mass, inertia, friction, wheels and track of [robot].
+    """Rigid-body parameters beside mass, inertia, friction, wheels and track of [robot].
 
     The plane model does not read it.  Casters slide without friction.
     """
@@ -156,7 +156,7 @@ class Clock(Section, key="clock"):
 
 
 class Metrics(Section, key="metrics"):
-    """Where a run is split into before and after, where the RMS of the torque begins, tolerance.
+    """Split of a run into before and after, start of the torque's RMS, tolerance of tracking.
 
     The default tolerance is a tenth of the paper's robot's track, 0.5 m: what a wheel's width or a
     doorway leaves.  It is ten times what a good law leaves, and less than a law that lost its
@@ -186,7 +186,7 @@ class Change(Section, key="changes"):
     mu: float | None = quantity(None, unit="1", doc="friction from then on", minimum=0)
 
     def values(self) -> dict[str, float]:
-        """What changes, by the robot's field."""
+        """New values by the robot's field."""
         given = {"m": self.m, "I": self.I, "mu": self.mu}
         return {key: value for key, value in given.items() if value is not None}
 

@@ -65,7 +65,7 @@ def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX
 
 
 def bound(scenario: Scenario) -> Bound:
-    """What both wheels have in common only takes speed away, and friction of any size may.
+    """Bound of the wheels' difference; the common part only slows, as any friction may.
 
     tanh rises and is odd, so the sum over equal wheels has the sign of v1, their difference that
     of omega.  What one wheel resists more by, |difference| m g/2 at most, may push the other
