@@ -40,7 +40,7 @@ OURS_TOO = ("mb", "nn", "prox")
 
 
 def _studies(plant: str) -> tuple[Study, ...]:
-    """From what spins and falls to what does not."""
+    """Studies, spins and falls first."""
     paper, steady = "paper-simulation", "paper-simulation-no-switch"
     guarded = {"guard.alpha": 5.0, "disturbance.truncate": 3.0}
     ours = [

@@ -89,7 +89,7 @@ class Lines:
         self._next = time.monotonic() + FIRST
 
     def phase(self, text: str, measured: bool) -> None:
-        """Remember what is going on and since when."""
+        """Store the phase's text and begin."""
         self._text, self._begin = text, time.monotonic()
 
     def share(self, share: float) -> None:

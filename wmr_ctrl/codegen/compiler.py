@@ -243,13 +243,13 @@ def _shortened(text: str, length: int) -> str:
 
 @functools.cache
 def _windows_linking() -> tuple[str, ...]:
-    """Return what decides how libraries for Windows are linked."""
+    """Cache key of linking for Windows."""
     return (*WITHOUT_MINGW, sha256((runtime_dir() / WINDOWS).read_bytes()).hexdigest())
 
 
 @functools.cache
 def _processor() -> str:
-    """Return what tells this processor from another that code made for it may not run on."""
+    """Hash of this processor: another may not run code made for it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         told = sorted({line for line in lines if line.startswith(_TELLING_OF_A_PROCESSOR)})

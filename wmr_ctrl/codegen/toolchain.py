@@ -252,7 +252,7 @@ def _working(command: tuple[str, ...]) -> Toolchain:
 
 
 def _version(command: tuple[str, ...]) -> str:
-    """Return what the compiler calls itself; zig's own number is not in what its cc says."""
+    """The compiler's own version text; zig's cc does not say zig's number."""
     line = _first_line((*command, "--version"))
     return f"zig {_first_line((*command[:-1], 'version'))}, {line}" if is_zig(command) else line
 

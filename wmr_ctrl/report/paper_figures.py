@@ -62,7 +62,7 @@ class Panel:
 
 
 def switch_time(run: Run) -> float | None:
-    """When the robot's parameters change [s], as the run's scenario says; None if they do not."""
+    """Time of the robot's first change [s], by the run's scenario; None without a change."""
     scenario = scenario_behind(run)
     return scenario.changes[0].t if scenario and scenario.changes else None
 

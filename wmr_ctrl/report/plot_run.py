@@ -208,7 +208,7 @@ def _torques(part: SubFigure, run: Run) -> None:
 
 
 def _focus(axes: Axes, run: Run, columns: list[FloatArray]) -> None:
-    """View what the samples after the start need, unless it needs little more."""
+    """Zoom to the samples after the start, unless they fill most of the view."""
     tail = np.concatenate([column[run.settings.index(START) :] for column in columns])
     if not tail.size or not np.isfinite(tail).all():
         return

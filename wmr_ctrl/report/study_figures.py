@@ -177,7 +177,7 @@ def _by_factor(table: StudyTable) -> Figure:
 
 @dataclass(frozen=True)
 class Bins:
-    """Into what the values of a key are sorted: the bin of each, and ticks at places and labels.
+    """Bins of a key's values: the bin of each, and ticks at places and labels.
 
     Bin b is drawn around b: a tick at b is that of a single value, one at b - 1/2 a bin's edge.
     """

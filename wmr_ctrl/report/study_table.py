@@ -52,7 +52,7 @@ class StudyTable:
         return list(dict.fromkeys(self.group.tolist()))
 
     def scale(self, name: str) -> tuple[float, str]:
-        """By what a column is multiplied to be drawn, and its unit then: small lengths in mm."""
+        """Plot scale of a column, and its unit then: small lengths in mm."""
         unit, values = self.units.get(name, ""), self.numbers[name]
         finite = values[np.isfinite(values)]
         small = unit == "m" and finite.size and abs(np.median(finite)) < SMALL
@@ -71,7 +71,7 @@ class StudyTable:
         return self.numbers["index"].astype(np.intp) // of_point
 
     def missing(self, mask: NDArray[np.bool_]) -> str:
-        """Why runs have no value of the drawn figure, with their number; "" where all have one."""
+        """Reason and number of runs without the drawn figure; "" where all have one."""
         without = mask & ~np.isfinite(self.numbers[self.figure])
         count, total = int(without.sum()), int(mask.sum())
         if not count:
@@ -120,7 +120,7 @@ def read_study(folder: Path) -> StudyTable:
 
 
 def _unfinished(folder: Path, error: Exception) -> str:
-    """Why the folder cannot be drawn, and what to do."""
+    """Cause and remedy where no study is found."""
     if not folder.exists():
         why = f"there is no folder {str(folder)!r}."
     elif isinstance(error, OSError) and error.filename:

@@ -87,7 +87,7 @@ class _Line:
 
     @property
     def factor(self) -> float:
-        """By what the figure is multiplied to be shown."""
+        """Scale factor of the shown figure."""
         return 1e3 if FIGURES[self.figure].unit in _KILO else 1.0
 
     @property
