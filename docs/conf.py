@@ -41,7 +41,7 @@ nitpick_ignore_regex = [
     ("py:class", r"wmr_ctrl\.(scenario|world|compiled|barrier)\..*"),
     ("py:class", r"wmr_ctrl\..*\.(KeyedNumbers|LawNumbers|ModelError|RigidMonitor|TuningPlan)"),
     # The same, of functions whose arguments are checked: a decorator resolves them.
-    ("py:class", r"wmr_ctrl\.(api_types|campaign|linear)\..*"),
+    ("py:class", r"wmr_ctrl\.(api_types|campaign|checks|linear)\..*"),
     ("py:class", r"types\.(Overrides|Progress)|concurrent\.futures\..*"),
 ]
 suppress_warnings = ["config.cache"]

@@ -424,6 +424,11 @@ def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
     assert there.table.read_bytes() == here
 
 
+def heeding_interrupts() -> None:
+    """Tests that run in a shell's background ignore Ctrl-C, and so would what they start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no signal to a whole group on Windows")
 def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
@@ -433,6 +438,7 @@ def test_who_interrupts_a_local_cluster_sees_no_traceback(tmp_path):
     command = [sys.executable, "-m", "wmr_ctrl", "study", "plan.toml", "--out", "s"]
     process = subprocess.Popen(
         [*command, "--executor", "dask", "--jobs", "2"], cwd=tmp_path, start_new_session=True,
+        preexec_fn=heeding_interrupts,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     while process.poll() is None and not list((tmp_path / "s").glob("chunks/0*.npz")):

@@ -30,7 +30,7 @@ PRODUCT = tuple(
     f"wmr_ctrl.{part}."
     for part in ("barrier", "control", "filter", "guard", "laws", "model", "world")
 )
-TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system", "wmr_ctrl.model.system")
+TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system")
 """Modules that only carry expressions."""
 
 Change = Callable[[ca.SX], ca.SX]
