@@ -259,6 +259,8 @@ RESULTS = (
     "wmr_ctrl.results.remarks.Remark",
     "wmr_ctrl.sim.many.RunTable",
     "wmr_ctrl.sim.compiled_law.CompiledLaw",
+    "wmr_ctrl.filter.filter.CommandFilter",
+    "wmr_ctrl.filter.filter.Filtered",
     "wmr_ctrl.linear.LinearReport",
     "wmr_ctrl.linear.margins.Margins",
     "wmr_ctrl.proofs.ledger.Ledger",
