@@ -43,7 +43,7 @@ ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
 AGE = Signal("odometry_age", "s", "age of the odometry; negative: there is none")
 ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
-FLAGS = Signal("filter_flags", "1", "sum of what is told: see FilterFlags")
+FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 ABOVE = Signal("v_above", "m/s, rad/s", "bound of the velocity", 2)
 BELOW = Signal("v_below", "m/s, rad/s", "bound of the velocity's negative", 2)
 
