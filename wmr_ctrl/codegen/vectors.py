@@ -63,7 +63,8 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
     """
     machine = system.function("step", [system.update, system.y])
     known = {item.signal for item in system.inputs}
-    inputs = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
+    exact = _commands(system, limits) if ASKED in known else _inputs(np.array(limits.v_u1))
+    inputs: Floats = np.round(exact, 6)
     p, x = np.array(system.p0), np.array(system.x0)
     if any(item.signal == COUNTS for item in system.inputs):
         inputs = _with_counts(inputs, system)
@@ -78,9 +79,7 @@ def vectors_of(system: System, limits: Limits, *, float32: bool = False) -> Vect
 
 def _inputs(v_u1: Floats) -> Floats:
     draw = np.random.default_rng(2024)
-    rows = [row for place in SITUATIONS for row in _run(place, v_u1, draw)]
-    rounded: Floats = np.round(np.array(rows, dtype=float), 6)
-    return rounded
+    return np.array([row for place in SITUATIONS for row in _run(place, v_u1, draw)], dtype=float)
 
 
 def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floats]:
@@ -105,8 +104,7 @@ def _commands(system: System, limits: Limits) -> Floats:
         asked, measured = (size * draw.uniform(-1, 1, 2) * limits.v_u1 for size in (5, 0.02))
         age = 0.0 if k % 2 else -1.0
         rows.append(np.array([*asked, *measured, age, 0.0])[: system.u.numel()])
-    rounded: Floats = np.round(np.array(rows), 6)
-    return rounded
+    return np.array(rows)
 
 
 def _with_counts(inputs: Floats, system: System) -> Floats:

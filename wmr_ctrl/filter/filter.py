@@ -23,8 +23,8 @@ from wmr_ctrl.filter.governor import (
     admitted,
     drive,
     largest_command,
-    periods,
 )
+from wmr_ctrl.guard.lateness import Times
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.scenario.sections import MOST_PERIODS
@@ -70,12 +70,12 @@ def schedule(scenario: Scenario) -> Schedule:
             f"clock.control = {T:g} s."
         )
     first, last = settings.delay
-    plan = Schedule(
-        (periods(first, T), periods(last, T)), settings.losses, periods(settings.jitter, T),
-        periods(settings.age, T), periods(settings.hold, T),
-    )  # fmt: skip
+    times = first, last, settings.jitter, settings.age, settings.hold
+    in_periods = (float(item) for item in map(Times(T, scenario.clock.plant).in_periods, times))
+    soonest, latest, jitter, age, hold = in_periods
+    plan = Schedule((soonest, latest), settings.losses, jitter, age, hold)
     span = (last + settings.age) / (T - settings.jitter) + settings.losses
-    if settings.kind == "governor" and span > MOST_PERIODS:
+    if span > MOST_PERIODS:
         raise ScenarioError(
             f"filter: delay, age of odometry and losses span {span:.0f} control periods of {T:g} s "
             f"and the governor counts through at most {MOST_PERIODS}. State shorter ones, or take "

@@ -17,8 +17,7 @@ there only the clip of what never overshoots holds.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
@@ -31,9 +30,9 @@ NEAR = 1e-9
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """Numbers of one axis: V, dbar, nbar [m/s or rad/s], tau [s], K [1], hold = exp(H/tau_min) - 1.
+    """Numbers of one axis: V, dbar, nbar [m/s or rad/s], K [1].
 
-    Symbols, or numbers.  ``kappa`` is 1/hold, 0 for the memoryless clip.
+    Symbols, or numbers.  ``kappa`` is 1/(exp(H/tau_min) - 1), 0 for the memoryless clip.
     """
 
     V: ca.SX
@@ -116,10 +115,13 @@ class Schedule:
         newer = age - 1 - self.losses
         return self.delay[1] - newer * (1 - self.jitter if newer > 0 else 1 + self.jitter)
 
-    def pieces(self, start: float, end: float, newest: int) -> list[Piece]:
-        """The time from ``start`` to ``end`` with commands no younger than ``newest`` samples."""
+    def pieces(self, start: float, end: float, newest: int, cut: float = 0.0) -> list[Piece]:
+        """The time from ``start`` to ``end`` with commands no younger than ``newest`` samples.
+
+        No piece has the instant ``cut`` within.
+        """
         ages = range(newest, self.oldest + 1)
-        inner = [t for age in ages for t in (self._first(age), self._last(age))]
+        inner = [cut, *(t for age in ages for t in (self._first(age), self._last(age)))]
         cuts = [start, *sorted({t for t in inner if start < t < end}), end]
         merged = [cuts[0], *(b for a, b in pairwise(cuts) if b - a > NEAR)]
         return [
@@ -156,38 +158,28 @@ class SpeedBound:
 
     def takeover(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """v_bar: bound of the speed at any instant at which the next command may take over."""
-        first, last = self.schedule.delay
-        return self._during(v, self.schedule.pieces(0.0, last, 1) if last else [], first, targets)
+        return self._during(v, self.schedule.delay, 1, targets)
 
     def following(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
         """Bound of the speed at the next sample; ``targets[0]``: of the command just sent."""
         jitter = self.schedule.jitter
-        ahead = self.schedule.pieces(0.0, 1 - jitter, 0)
-        ahead += self.schedule.pieces(1 - jitter, 1 + jitter, 0) if jitter else []
-        return self._during(v, ahead, 1 - jitter, targets)
+        return self._during(v, (1 - jitter, 1 + jitter), 0, targets)
 
     def _during(
-        self, v: ca.SX, pieces: Iterable[Piece], first: float, targets: Sequence[ca.SX]
+        self, v: ca.SX, when: tuple[float, float], newest: int, targets: Sequence[ca.SX]
     ) -> ca.SX:
-        """Largest bound at the ends of pieces from ``first`` on: between them it is monotone."""
+        """Largest bound at any of the instants ``when`` [periods], first and last, after a sample.
+
+        Between the ends of pieces it is monotone.
+        """
+        first, last = when
         ends = [v] if first <= NEAR else []
-        for piece in pieces:
-            if piece.start < first - NEAR < piece.end - 2 * NEAR:
-                parts = [Piece(piece.start, first, piece.ages), Piece(first, piece.end, piece.ages)]
-            else:
-                parts = [piece]
-            for part in parts:
-                v = self.carried(v, part, targets, (part.end - part.start) * self.period)
-                ends += [v] if part.end >= first - NEAR else []
+        for piece in self.schedule.pieces(0.0, last, newest, first) if last else []:
+            v = self.carried(v, piece, targets, (piece.end - piece.start) * self.period)
+            ends += [v] if piece.end >= first - NEAR else []
         return largest(ends)
 
 
 def largest(items: Sequence[ca.SX]) -> ca.SX:
     """The largest of some expressions."""
     return reduce(ca.fmax, items)
-
-
-def periods(seconds: float, period: float) -> float:
-    """A time in control periods, a whole number where it is one up to rounding."""
-    share = seconds / period
-    return float(round(share)) if math.isclose(share, round(share), rel_tol=NEAR) else share

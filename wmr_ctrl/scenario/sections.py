@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import REQUIRED, Section, quantity
@@ -264,13 +265,7 @@ class Guard(Section, key="guard"):
 
     def relate(self) -> None:
         """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
-        for name, what in (("delay", "a command's delay"), ("lag", "the time constant")):
-            first, second = getattr(self, name) or (0.0, 0.0)
-            if first > second:
-                raise ScenarioError(
-                    f"guard.{name} = [{first!r}, {second!r}] is the wrong way round: {what} lies "
-                    f"between the first and the second. Write [{second!r}, {first!r}]."
-                )
+        _check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
         if self.M_min is None or self.M_max is None:
             return
         for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
@@ -329,13 +324,7 @@ class Filter(Section, key="filter"):
 
     def relate(self) -> None:
         """Intervals are the right way round, and a governor has what it counts on."""
-        for name in ("tau", "gain", "delay"):
-            first, second = getattr(self, name) or (0.0, 0.0)
-            if first > second:
-                raise ScenarioError(
-                    f"filter.{name} = [{first!r}, {second!r}] is the wrong way round: it lies "
-                    f"between the first and the second. Write [{second!r}, {first!r}]."
-                )
+        _check_intervals(self, dict.fromkeys(("tau", "gain", "delay"), "it"))
         if self.kind == "governor" and self.tau is None:
             raise ScenarioError(
                 "filter.tau is missing: the governor counts on bounds of the time constant with "
@@ -346,4 +335,15 @@ class Filter(Section, key="filter"):
             raise ScenarioError(
                 f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
                 "1e6, for which nothing can be said. Narrow the interval."
+            )
+
+
+def _check_intervals(section: Section, names: Mapping[str, str]) -> None:
+    """Raise ScenarioError where an interval is the wrong way round; ``names``: what lies in it."""
+    for name, what in names.items():
+        first, second = getattr(section, name) or (0.0, 0.0)
+        if first > second:
+            raise ScenarioError(
+                f"{section.KEY}.{name} = [{first!r}, {second!r}] is the wrong way round: {what} "
+                f"lies between the first and the second. Write [{second!r}, {first!r}]."
             )
