@@ -7,7 +7,10 @@ picture; its runs are those that the page's text names.
 from __future__ import annotations
 
 import math
+import re
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -16,13 +19,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageSequence
 
 import wmr_ctrl
 from wmr_ctrl.barrier.stable import stable_minimiser
 from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
 from wmr_ctrl.guard.bounds import derived_guard
 from wmr_ctrl.guard.price import usable_speed
+from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
@@ -213,9 +217,6 @@ def robot() -> Figure:
 
 def drive(page: str) -> Run:
     """The run of a page's scenario."""
-    import re
-    import tempfile
-
     with tempfile.TemporaryDirectory() as folder:
         for name, text in re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```", page, re.S):
             (Path(folder) / name).write_text(text, encoding="utf-8")
@@ -252,20 +253,67 @@ PICTURES: Mapping[str, Callable[[], Figure]] = {
 }
 
 
+def guard() -> list[Run]:
+    """The model-based law from far away, mass and friction drop at 3 s: without the guard, with."""
+    numbers = {"disturbance.truncate": 3.0, "clock.duration": 12.0, "metrics.split": 6.0}
+    return [
+        wmr_ctrl.simulate("far-start-drop", "mb", guard=on, overrides=numbers)
+        for on in (False, True)
+    ]
+
+
+FILMS: Mapping[str, Callable[[], list[Run]]] = {"guard": guard}
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write a picture with few colours and no date, so that equal pictures are equal files."""
     figure.savefig(path, metadata={"Software": None}, dpi=110)
-    image = Image.open(path).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    few_colours(path, path)
+
+
+def few_colours(source: Path, path: Path) -> None:
+    """Write a picture with a palette."""
+    image = Image.open(source).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     image.save(path, optimize=True)
+
+
+def gallery() -> None:
+    """The pictures of the gallery, by the commands on its page."""
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\$ wmr-ctrl (.*)\n```\n\n!\[.*?\]\((\S+)\)", page, re.M)
+    with tempfile.TemporaryDirectory() as folder:
+        for command, image in shown:
+            target = ROOT / "docs" / image
+            words = command.split()
+            made = Path(folder, words[words.index("--plot") + 1])
+            words[words.index("--plot") + 1] = str(made)
+            subprocess.run([sys.executable, "-m", "wmr_ctrl", *words], check=True)
+            target.parent.mkdir(exist_ok=True)
+            few_colours(next(made.glob("*-poles.png")) if made.is_dir() else made, target)
+
+
+def lighten(path: Path) -> None:
+    """Leave every second frame of a film, shown twice as long: pages are read by phones, too."""
+    with Image.open(path) as film:
+        frames = [frame.copy() for frame in ImageSequence.Iterator(film)][::2]
+        pace = 2 * int(film.info["duration"])
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=pace, loop=0)
 
 
 def main(names: list[str]) -> None:
     """Draw what is named, or everything."""
     IMAGES.mkdir(parents=True, exist_ok=True)
-    for name in names or PICTURES:
-        with house_style(), mpl.rc_context({"savefig.bbox": None}):
-            save(PICTURES[name](), IMAGES / f"{name}.png")
-        sys.stderr.write(f"docs/images/{name}.png\n")
+    if not names or "gallery" in names:
+        gallery()
+    for name in (one for one in names or (*PICTURES, *FILMS) if one != "gallery"):
+        path = IMAGES / f"{name}{'.gif' if name in FILMS else '.png'}"
+        if name in FILMS:
+            animate_runs(FILMS[name](), path)
+            lighten(path)
+        else:
+            with house_style(), mpl.rc_context({"savefig.bbox": None}):
+                save(PICTURES[name](), path)
+        sys.stderr.write(f"{path.relative_to(ROOT)}\n")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from typing import cast
 HOMES = {
     "save_run": "wmr_ctrl.results.formats",
     "plot_run": "wmr_ctrl.report.plot_run",
-    "animate_run": "wmr_ctrl.report.animate",
+    "animate_runs": "wmr_ctrl.report.animate",
     "film_run": "wmr_ctrl.outputs",
     "gains_by_law": "wmr_ctrl.control.setup",
     "outlook_of": "wmr_ctrl.checks.outlook",

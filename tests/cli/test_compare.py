@@ -1,4 +1,4 @@
-"""`wmr-ctrl compare`: 0 for equal or agreeing runs, 1 for others."""
+"""`wmr-ctrl compare`: laws side by side; two runs, 0 if they are equal or agree, 1 for others."""
 
 from __future__ import annotations
 
@@ -56,3 +56,46 @@ def test_tolerance_must_make_sense(wmr, saved, tolerance):
 
     assert found.exit_code == 2
     assert "tolerance" in found.stderr
+
+
+def test_laws_stand_side_by_side_as_single_runs_have_them(wmr, tmp_path):
+    short = ("--set", "clock.duration=0.2", "--set", "metrics.split=0.1")
+    files = ("--plot", tmp_path / "laws.png", "--animate", tmp_path / "laws.html")
+    text = wmr("compare", "--law", "pid,mb", *short, *files)
+    found = json.loads(wmr("compare", "--law", "pid,mb", *short, "--json").stdout)
+
+    assert text.exit_code == 0
+    assert [line.split()[0] for line in text.stdout.splitlines()[2:4]] == ["pid", "mb"]
+    assert (tmp_path / "laws.png").stat().st_size > 10_000
+    assert '"names":["PID","MB"]' in (tmp_path / "laws.html").read_text(encoding="utf-8")
+    for law in ("pid", "mb"):
+        alone = json.loads(wmr("run", "--law", law, *short, "--json").stdout)
+        assert found[law]["position_rms"] == alone["position_rms"]
+        assert found[law]["tau_peak"] == alone["tau_peak"]
+
+
+def test_more_than_two_runs_are_a_table(wmr, saved):
+    names = [saved(f"{seed}.npz", "--seed", seed) for seed in range(3)]
+    found = wmr("compare", *names)
+
+    assert found.exit_code == 0
+    assert "DIFFER" not in found.stdout
+    assert all(name.name in found.stdout for name in names)
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--law", "pid,pid"), "names pid twice"),
+        (("--law", "pid,pif"), "near: pid"),
+        (("--law", ""), "law"),
+        (("far-start", "paper-simulation", "--law", "pid"), "runs one scenario"),
+        (("far-start",), "Missing option '--law'"),
+        ((), "Missing option '--law'"),
+    ],
+)
+def test_what_cannot_be_compared_is_told(wmr, args, said):
+    found = wmr("compare", *args)
+
+    assert found.exit_code == 2
+    assert said in " ".join(found.stderr.split())

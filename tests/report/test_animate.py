@@ -13,7 +13,7 @@ from PIL import Image
 from tests.results.conftest import build
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
 from wmr_ctrl.report import animate
-from wmr_ctrl.report.animate import animate_run
+from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.scene import BODY, outline, scene_of
 from wmr_ctrl.results import Monitor
 
@@ -26,15 +26,27 @@ def run(fake_simulate):
 
 
 def test_a_scene_keeps_the_first_and_the_last_sample(run):
-    scene = scene_of(run, 100)
+    scene = scene_of([run], 100)
 
     assert len(scene.t) <= 101
     assert (scene.t[0], scene.t[-1]) == (run.time[0], run.time[-1])
-    assert scene.pose.shape == scene.target.shape == (len(scene.t), 3)
+    (robot,) = scene.actors
+    assert robot.pose.shape == scene.target.shape == (len(scene.t), 3)
     left, right, low, high = scene.view
     assert right - left == pytest.approx(high - low)
-    assert left < scene.pose[:, 0].min()
-    assert high > scene.pose[:, 1].max()
+    assert left < robot.pose[:, 0].min()
+    assert high > robot.pose[:, 1].max()
+
+
+def test_a_robot_whose_run_ended_stays_where_it_was(run):
+    early = build(duration=80.0, rows=1, monitor=STOPPED)
+    scene = scene_of([early, early], 100)
+    first, second = scene.actors
+
+    assert len(scene.t) == 1
+    assert first.colour != second.colour
+    with pytest.raises(ArgumentError, match="different"):
+        scene_of([run, build(duration=80.0, x_d=9.0)], 100)
 
 
 def test_the_body_lies_along_the_heading():
@@ -49,29 +61,29 @@ def test_the_body_lies_along_the_heading():
 
 def test_a_page_holds_all_that_it_shows(run, tmp_path):
     path = tmp_path / "run.html"
-    animate_run(run, path)
+    animate_runs([run], path)
     page = path.read_text(encoding="utf-8")
     data = json.loads(re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail)
 
     assert not re.search(r"(src|href)=|url\(|@import|https?:", page)
-    assert len(data["rows"]) == 800
-    assert len(data["rows"][0]) == 9
+    assert len(data["rows"]) == len(data["robots"][0]) == 800
+    assert (len(data["rows"][0]), len(data["robots"][0][0])) == (4, 5)
     assert data["limits"] == [1.0, 1.5]
 
 
 def test_each_colour_of_a_page_has_another_in_the_dark(run, tmp_path):
     path = tmp_path / "run.html"
-    animate_run(run, path)
+    animate_runs([run], path)
     schemes = re.findall(r":root \{(.*?)\}", path.read_text(encoding="utf-8"))
     light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", scheme)) for scheme in schemes)
 
-    assert light.keys() == dark.keys() >= {"ink", "paper", "law", "limit"}
+    assert light.keys() == dark.keys() >= {"ink", "paper", "law0", "limit"}
     assert all(light[name] != dark[name] for name in light)
 
 
 def test_a_page_cannot_be_broken_by_names(tmp_path):
     path = tmp_path / "run.html"
-    animate_run(build(labels={"scenario": "</title><script>alert(1)</script>"}), path)
+    animate_runs([build(labels={"scenario": "</title><script>alert(1)</script>"})], path)
 
     assert "<script>alert" not in path.read_text(encoding="utf-8")
 
@@ -90,7 +102,7 @@ def test_a_gif_has_all_frames_and_tells_progress(run, tmp_path, monkeypatch):
         def done(self):
             left.append(0)
 
-    animate_run(run, tmp_path / "run.gif", Watch())
+    animate_runs([run], tmp_path / "run.gif", Watch())
     with Image.open(tmp_path / "run.gif") as picture:
         assert picture.n_frames >= 12
         assert picture.info["duration"] == animate.GIF_MILLISECONDS
@@ -101,7 +113,7 @@ def test_a_film_without_ffmpeg_names_what_to_install(run, tmp_path, monkeypatch)
     monkeypatch.setattr(animate.shutil, "which", lambda name: None)
 
     with pytest.raises(MissingExtraError, match="ffmpeg"):
-        animate_run(run, tmp_path / "run.mp4")
+        animate_runs([run], tmp_path / "run.mp4")
     assert not list(tmp_path.iterdir())
 
 
@@ -113,32 +125,32 @@ def test_a_film_that_ffmpeg_cannot_write_leaves_nothing(run, tmp_path, monkeypat
     (tmp_path / "out").mkdir()
 
     with pytest.raises(ResultFileError, match="no codec"):
-        animate_run(run, tmp_path / "out" / "run.mp4")
+        animate_runs([run], tmp_path / "out" / "run.mp4")
     assert not list((tmp_path / "out").iterdir())
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 def test_a_film_is_written(run, tmp_path, monkeypatch):
     monkeypatch.setattr("wmr_ctrl.report.animate._FRAMES", {".mp4": 12})
-    animate_run(run, tmp_path / "run.mp4")
+    animate_runs([run], tmp_path / "run.mp4")
 
     assert b"ftyp" in (tmp_path / "run.mp4").read_bytes()[:16]
 
 
 def test_a_run_that_ended_early_is_animated(tmp_path):
-    animate_run(build(duration=80.0, rows=1, monitor=STOPPED), tmp_path / "run.html")
+    animate_runs([build(duration=80.0, rows=1, monitor=STOPPED)], tmp_path / "run.html")
 
     assert (tmp_path / "run.html").stat().st_size > 1000
 
 
 def test_an_empty_run_is_refused(tmp_path):
     with pytest.raises(ArgumentError):
-        animate_run(build(rows=0, monitor=STOPPED), tmp_path / "run.html")
+        animate_runs([build(rows=0, monitor=STOPPED)], tmp_path / "run.html")
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["run.avi", "run", "missing/run.gif"])
 def test_places_that_cannot_be_written_are_refused(run, tmp_path, name):
     with pytest.raises(ResultFileError):
-        animate_run(run, tmp_path / name)
+        animate_runs([run], tmp_path / name)
     assert not list(tmp_path.iterdir())

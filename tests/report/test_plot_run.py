@@ -38,7 +38,7 @@ def test_a_name_is_no_formula(tmp_path, monkeypatch, name):
     monkeypatch.setitem(style._SETTINGS, "svg.fonttype", "none")
     path, run = tmp_path / "run.svg", build(duration=0.2, labels={"scenario": name})
     plot_run(run, path)
-    next(frames(scene_of(run, 1)))
+    next(frames(scene_of([run], 1)))
 
     assert name.replace("\n", " ") in unescape(path.read_text(encoding="utf-8"))
 

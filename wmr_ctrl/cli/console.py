@@ -79,7 +79,8 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     console = Console(width=width(), color_system=None, legacy_windows=False)
     with console.capture() as capture:
         console.print(grid)
-    return "\n".join(line.rstrip() for line in capture.get().strip().splitlines())
+    lines = (line.rstrip() for line in capture.get().splitlines())
+    return textwrap.dedent("\n".join(lines)).strip("\n")
 
 
 def _before_last(rows: Sequence[Sequence[str]]) -> int:

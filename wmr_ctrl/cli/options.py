@@ -86,8 +86,9 @@ class LawName(click.ParamType):
         if len(names) > 1:
             listed = ", ".join(f'"{name.strip()}"' for name in names)
             self.fail(
-                f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl check` without "
-                f"--law speaks of all laws; runs of several are a study: laws = [{listed}] in "
+                f"{value!r} names {len(names)} laws, and this takes one. `wmr-ctrl compare "
+                f"SCENARIO --law {value}` runs them side by side; `wmr-ctrl check` without --law "
+                f"speaks of all laws; many runs of several are a study: laws = [{listed}] in "
                 "PLAN.toml, and `wmr-ctrl study PLAN.toml --out DIR`.",
                 param, ctx,
             )  # fmt: skip

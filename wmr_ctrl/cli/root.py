@@ -13,13 +13,14 @@ import click
 
 from wmr_ctrl import __version__
 from wmr_ctrl.cli.check import check
+from wmr_ctrl.cli.compare import compare
 from wmr_ctrl.cli.console import BROKEN_PIPE, explain
 from wmr_ctrl.cli.cosim import cosim
 from wmr_ctrl.cli.evidence import bench, linearize, prove, reproduce
 from wmr_ctrl.cli.exports import codegen, export, page
 from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
-from wmr_ctrl.cli.runs import compare, run, show_saved
+from wmr_ctrl.cli.runs import run, show_saved
 from wmr_ctrl.cli.studies import study, tune
 from wmr_ctrl.errors import UnknownNameError
 
@@ -29,6 +30,7 @@ EPILOG = """\b
 Examples:
   wmr-ctrl reproduce --quick        the paper's Sections V and VI, 3 seeds
   wmr-ctrl run far-start --law mb   one run
+  wmr-ctrl compare --law prox,mb    laws side by side
   wmr-ctrl export nn --out fmus     the network law as FMUs
   wmr-ctrl run --help               options and examples of a command
 

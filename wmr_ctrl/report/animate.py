@@ -11,7 +11,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -31,7 +31,6 @@ from wmr_ctrl.report.style import (
     PAPER,
     RULE_LINE,
     driver,
-    look,
     page_environment,
 )
 from wmr_ctrl.results import Run, atomic_path
@@ -49,23 +48,26 @@ FILM_RATE = 30
 _GIF_COLOURS = 48
 
 
-def animate_run(
-    run: Run, path: str | os.PathLike[str], progress: PhaseProgress | None = None
+def animate_runs(
+    runs: Sequence[Run],
+    path: str | os.PathLike[str],
+    progress: PhaseProgress | None = None,
+    labels: Sequence[str] = (),
 ) -> None:
-    """Animate ``run`` into a .html (crisp, with play and slider), .gif or .mp4 file.
+    """Animate one run or several at once: a .html (with play and slider), .gif or .mp4 file.
 
     The file is written whole or not at all.  Raises ResultFileError for another suffix or where
     the file cannot be written, MissingExtraError for .mp4 without ffmpeg, ArgumentError for a run
-    without any sample.
+    without any sample or for runs that one picture cannot show (`scene_of`).
     """
     target = _film_target(path, SUFFIXES, "a run is animated as .gif, .mp4, .html")
     suffix, shown = target.suffix.lower(), progress or Silent()
-    scene = scene_of(run, _FRAMES[suffix])
+    scene = scene_of(runs, _FRAMES[suffix], labels)
     shown.start(len(scene.t), "Drawing the animation")
     try:
         with atomic_path(target) as scratch:
             if suffix == ".html":
-                write_page(scene, scratch)
+                write_page(scene, scratch, runs)
                 shown.advance(len(scene.t))
             else:
                 _write_frames(frames(scene), FRAME, scratch, suffix, shown)
@@ -116,18 +118,20 @@ def _film_target(path: str | os.PathLike[str], suffixes: tuple[str, ...], what: 
 # -- the page -----------------------------------------------------------------------------------
 
 
-def write_page(scene: Scene, path: Path) -> None:
+def write_page(scene: Scene, path: Path, runs: Sequence[Run]) -> None:
     """Write the page."""
-    run = scene.run
-    colours = {"law": look(run.law).colour, "muted": MUTED, "limit": LIMIT,
-               "ink": INK, "paper": PAPER, "line": RULE_LINE}  # fmt: skip
+    laws = {f"law{place}": one.colour for place, one in enumerate(scene.actors)}
+    colours = {**laws, "muted": MUTED, "limit": LIMIT, "ink": INK, "paper": PAPER,
+               "line": RULE_LINE}  # fmt: skip
     dark = {name: AFTER_DARK.get(colour, colour) for name, colour in colours.items()}
     text = (
         page_environment()
         .get_template("animation.html.j2")
         .render(
-            title=f"{driver(run.law, run.guard)}, {run.scenario}, seed {run.seed}",
-            explanation=run.explanation,
+            title=scene.title,
+            said=[
+                (one.label, run.explanation) for one, run in zip(scene.actors, runs, strict=True)
+            ],
             data=_json(scene),
             schemes=(colours, dark),
         )
@@ -137,9 +141,11 @@ def write_page(scene: Scene, path: Path) -> None:
 
 def _json(scene: Scene) -> str:
     """Everything that the script draws, rounded to what can be seen; safe inside a script."""
-    table = np.column_stack((scene.t, scene.pose, scene.target, scene.velocity))
+    moving = (np.column_stack((one.pose, one.velocity)) for one in scene.actors)
     content = {
-        "rows": np.round(table, 4).tolist(),
+        "names": [one.label for one in scene.actors],
+        "rows": np.round(np.column_stack((scene.t, scene.target)), 4).tolist(),
+        "robots": [np.round(table, 4).tolist() for table in moving],
         "view": [round(edge, 4) for edge in scene.view],
         "limits": scene.limits,
         "body": BODY,

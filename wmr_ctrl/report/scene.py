@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -15,7 +15,17 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.report.style import DOTTED, INK, LIMIT, MUTED, driver, house_style, look, verbatim
+from wmr_ctrl.report.drawing import line_handle
+from wmr_ctrl.report.style import (
+    DOTTED,
+    INK,
+    LIMIT,
+    MUTED,
+    colours_of,
+    driver,
+    house_style,
+    verbatim,
+)
 from wmr_ctrl.results import FloatArray, Run
 
 BODY = (0.8, 0.5)
@@ -29,46 +39,85 @@ TRACK = 0.25
 
 
 @dataclass(frozen=True)
-class Scene:
-    """Columns of a run at evenly spaced samples, each of shape (frames,).
+class Actor:
+    """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
-    ``view`` is x from, x to, y from, y to [m].
+    ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
     """
 
-    run: Run
-    t: FloatArray
+    label: str
+    colour: str
     pose: FloatArray
-    target: FloatArray
     velocity: FloatArray
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Robots and desired pose at evenly spaced times ``t`` [s] of shape (frames,).
+
+    ``target`` has the shape (frames, 3) of a pose; ``view`` is x from, x to, y from, y to [m];
+    ``limits`` of |v1| [m/s] and |omega| [rad/s] are the same for all.
+    """
+
+    title: str
+    actors: tuple[Actor, ...]
+    t: FloatArray
+    target: FloatArray
+    limits: tuple[float, float]
     view: tuple[float, float, float, float]
 
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Limits of |v1| [m/s] and |omega| [rad/s]."""
-        return self.run.settings.v_u1
 
+def scene_of(runs: Sequence[Run], frames: int, labels: Sequence[str] = ()) -> Scene:
+    """At most ``frames`` frames of runs side by side, the last sample of the longest among them.
 
-def scene_of(run: Run, frames: int) -> Scene:
-    """At most ``frames`` frames of a run, the last sample among them.
-
-    ``pose`` and ``target`` have the shape (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames,
-    2): v1 [m/s], omega [rad/s].  Raises ArgumentError for a run without any sample.
+    A robot whose run ended early stays where it was.  Raises ArgumentError for a run without any
+    sample, and for runs with other limits or another reference than the first.
     """
-    if not run.rows:
-        raise ArgumentError("the run has no sample to show: it ended before the first one.")
-    step = max(1, -(-run.rows // frames))
-    rows = np.unique(np.append(np.arange(0, run.rows, step), run.rows - 1))
-
-    def columns(*names: str) -> FloatArray:
-        return np.column_stack([run[name][rows] for name in names])
-
-    pose, target = columns("x", "y", "theta"), columns("x_d", "y_d", "theta_d")
-    points = np.concatenate((pose[:, :2], target[:, :2]))
+    for run in runs:
+        if not run.rows:
+            raise ArgumentError("the run has no sample to show: it ended before the first one.")
+    longest = max(runs, key=lambda run: float(run.time[-1]))
+    step = max(1, -(-longest.rows // frames))
+    rows = np.unique(np.append(np.arange(0, longest.rows, step), longest.rows - 1))
+    t, target = longest.time[rows], _columns(longest, rows, *_TARGET)
+    actors = []
+    colours = colours_of([run.law for run in runs])
+    for run, label, colour in zip(runs, labels or names_of(runs), colours, strict=True):
+        held = np.searchsorted(run.time, t + 1e-9, side="right") - 1
+        shared = t <= run.time[-1]
+        near = np.isclose(_columns(run, held, *_TARGET), target, rtol=0, atol=_SAME)
+        if run.settings.v_u1 != longest.settings.v_u1 or not near[shared].all():
+            raise ArgumentError(
+                "the runs have different limits or follow different references, so that one "
+                "picture cannot show them together. Draw each by `wmr-ctrl show RUN --plot FILE`."
+            )
+        actors.append(Actor(label, colour, _columns(run, held, *_POSE), _columns(run, held, *_V)))
+    points = np.concatenate([part[:, :2] for part in (target, *(one.pose for one in actors))])
     low, high = points.min(axis=0), points.max(axis=0)
     half = float(max(high - low)) / 2 + 0.7  # room for the robot's body
     x, y = ((low + high) / 2).tolist()
     view = x - half, x + half, y - half, y + half
-    return Scene(run, run.time[rows], pose, target, columns("v1", "omega"), view)
+    names = f"{actors[0].label}, " if len(actors) == 1 else ""
+    title = f"{names}{longest.scenario}, seed {longest.seed}"
+    return Scene(title, tuple(actors), t, target, longest.settings.v_u1, view)
+
+
+_POSE, _TARGET, _V = ("x", "y", "theta"), ("x_d", "y_d", "theta_d"), ("v1", "omega")
+_SAME = 1e-6
+"""References this near [m, rad] are one: runs of other periods sample them at other times."""
+
+
+def _columns(run: Run, rows: NDArray[np.intp], *names: str) -> FloatArray:
+    return np.column_stack([run[name][rows] for name in names])
+
+
+def names_of(runs: Sequence[Run]) -> list[str]:
+    """Law and guard of each run, with its seed where two have the same."""
+    names = [driver(run.law, run.guard) for run in runs]
+    return [
+        f"{name}, seed {run.seed}" if names.count(name) > 1 else name
+        for name, run in zip(names, runs, strict=True)
+    ]
 
 
 def outline(pose: FloatArray, length: float, width: float, aside: float = 0.0) -> FloatArray:
@@ -107,11 +156,16 @@ class _Stage:
         self._scene = scene
         self._figure = Figure(figsize=_SIZE, dpi=_DPI)
         self._canvas = FigureCanvasAgg(self._figure)
-        self._colour = look(scene.run.law).colour
         plane = self._figure.add_axes((0.1, 0.215, 0.87, 0.745))
         self._set_up_plane(plane)
-        self._bars = [self._bar(axis) for axis in (0, 1)]
-        self._moving = self._movers(plane)
+        self._bars = [self._bars_of(axis) for axis in (0, 1)]
+        self._ghost = Polygon(_SQUARE, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
+        plane.add_patch(self._ghost)
+        self._robots = [_Robot(plane, actor) for actor in scene.actors]
+        self._clock = plane.text(0.98, 0.98, "", ha="right", va="top", size=10,
+                                 transform=plane.transAxes, animated=True)  # fmt: skip
+        parts = [artist for robot in self._robots for artist in robot.artists]
+        self._moving = [self._ghost, *parts, self._clock, *self._bars[0], *self._bars[1]]
         self._canvas.draw()
         self._background = self._canvas.copy_from_bbox(self._figure.bbox)
 
@@ -128,11 +182,13 @@ class _Stage:
         axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]")
         axes.set_aspect("equal", adjustable="box")
         axes.plot(scene.target[:, 0], scene.target[:, 1], color=MUTED, ls=DOTTED, lw=1.2)
-        run = scene.run
-        axes.set_title(f"{driver(run.law, run.guard)}, {verbatim(run.scenario)}, seed {run.seed}")
+        axes.set_title(verbatim(scene.title))
+        if len(scene.actors) > 1:
+            handles = [line_handle(one.label, one.colour) for one in scene.actors]
+            axes.legend(handles=handles, loc="upper left")
 
-    def _bar(self, axis: int) -> Rectangle:
-        """A bar from zero to the velocity, in units of its limit; the limits are marked."""
+    def _bars_of(self, axis: int) -> list[Rectangle]:
+        """A bar a robot, from zero to its velocity in units of the limit; limits are marked."""
         axes = self._figure.add_axes((0.2, 0.085 - 0.055 * axis, 0.77, 0.035))
         axes.set(xlim=(-1.5, 1.5), ylim=(0, 1), yticks=(), xticks=())
         axes.grid(visible=False)
@@ -144,36 +200,52 @@ class _Stage:
         limit, unit = self._scene.limits[axis], ("m/s", "rad/s")[axis]
         axes.set_ylabel(f"{('v₁', 'ω')[axis]}, limit\n±{limit:g} {unit}", rotation=0, ha="right",
                         va="center", size=7, labelpad=6)  # fmt: skip
-        bar = Rectangle((0, 0.15), 0, 0.7, color=self._colour, animated=True)
-        axes.add_patch(bar)
-        return bar
-
-    def _movers(self, axes: Axes) -> list[Artist]:
-        """The artists of a frame, from back to front."""
-        square = np.zeros((4, 2))
-        self._trail = axes.plot([], [], color=self._colour, lw=1.3, animated=True)[0]
-        self._ghost = Polygon(square, fill=False, ec=MUTED, ls="--", lw=1.0, animated=True)
-        self._body = Polygon(square, fc=self._colour, ec=INK, alpha=0.35, lw=1.0, animated=True)
-        self._wheels = [Polygon(square, fc=INK, lw=0, animated=True) for _ in "rl"]
-        self._nose = axes.plot([], [], color=INK, lw=2.0, solid_capstyle="round", animated=True)[0]
-        self._clock = axes.text(0.98, 0.98, "", ha="right", va="top", size=10,
-                                transform=axes.transAxes, animated=True)  # fmt: skip
-        for patch in (self._ghost, self._body, *self._wheels):
-            axes.add_patch(patch)
-        return [self._trail, self._ghost, self._body, *self._wheels, self._nose, self._clock,
-                *self._bars]  # fmt: skip
+        actors = self._scene.actors
+        high = 0.7 / len(actors)
+        bars = [
+            Rectangle((0, 0.85 - high * (place + 1)), 0, high, color=one.colour, animated=True)
+            for place, one in enumerate(actors)
+        ]
+        for bar in bars:
+            axes.add_patch(bar)
+        return bars
 
     def _place(self, index: int) -> None:
-        scene, pose = self._scene, self._scene.pose[index]
-        self._trail.set_data(scene.pose[: index + 1, 0], scene.pose[: index + 1, 1])
+        scene = self._scene
         self._ghost.set_xy(outline(scene.target[index], *BODY))
+        self._clock.set_text(f"t = {scene.t[index]:.1f} s")
+        for place, (robot, actor) in enumerate(zip(self._robots, scene.actors, strict=True)):
+            robot.place(index)
+            for axis in (0, 1):
+                share = float(actor.velocity[index, axis] / scene.limits[axis])
+                bar = self._bars[axis][place]
+                bar.set_width(float(np.clip(share, -1.5, 1.5)))
+                bar.set_color(LIMIT if abs(share) > 1 else actor.colour)
+
+
+class _Robot:
+    """Trail, body, wheels and nose of a robot."""
+
+    def __init__(self, axes: Axes, actor: Actor) -> None:
+        self._pose = actor.pose
+        self._trail = axes.plot([], [], color=actor.colour, lw=1.3, animated=True)[0]
+        self._body = Polygon(_SQUARE, fc=actor.colour, ec=INK, alpha=0.35, lw=1.0, animated=True)
+        self._wheels = [Polygon(_SQUARE, fc=INK, lw=0, animated=True) for _ in "rl"]
+        self._nose = axes.plot([], [], color=INK, lw=2.0, solid_capstyle="round", animated=True)[0]
+        for patch in (self._body, *self._wheels):
+            axes.add_patch(patch)
+        self.artists: list[Artist] = [self._trail, self._body, *self._wheels, self._nose]
+
+    def place(self, index: int) -> None:
+        """Move to the pose of a frame."""
+        pose = self._pose[index]
+        self._trail.set_data(self._pose[: index + 1, 0], self._pose[: index + 1, 1])
         self._body.set_xy(outline(pose, *BODY))
         for wheel, side in zip(self._wheels, (1, -1), strict=True):
             wheel.set_xy(outline(pose, *WHEEL, side * TRACK))
         nose = pose[:2] + np.outer((0.0, BODY[0] / 2), (-np.sin(pose[2]), np.cos(pose[2])))
         self._nose.set_data(nose[:, 0], nose[:, 1])
-        self._clock.set_text(f"t = {scene.t[index]:.1f} s")
-        for axis, bar in enumerate(self._bars):
-            share = float(scene.velocity[index, axis] / scene.limits[axis])
-            bar.set_width(float(np.clip(share, -1.5, 1.5)))
-            bar.set_color(LIMIT if abs(share) > 1 else self._colour)
+
+
+_SQUARE = np.zeros((4, 2))
+"""Corners that a patch has before it is placed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -94,6 +94,17 @@ def look(law: str) -> Look:
         return _LOOKS[law]
     colour, dash, marker = _SPARE[sum(law.encode()) % len(_SPARE)]
     return Look(law.replace("_", " "), colour, dash, marker)
+
+
+def colours_of(laws: Sequence[str]) -> list[str]:
+    """Colours of runs of ``laws``: their own, and another where a run before has that already."""
+    taken: list[str] = []
+    for law in laws:
+        spare = (colour for colour, *_ in reversed(_SPARE))
+        choices = (look(law).colour, *spare, *(one.colour for one in _LOOKS.values()))
+        free = (colour for colour in choices if colour not in taken)
+        taken.append(next(free, choices[0]))
+    return taken
 
 
 def driver(law: str, guarded: bool) -> str:

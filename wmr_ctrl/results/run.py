@@ -114,7 +114,7 @@ class Run:
         Raises ResultFileError, ArgumentError for a run without any sample, MissingExtraError for
         .mp4 without ffmpeg.
         """
-        late_bound("animate_run")(self, path)
+        late_bound("animate_runs")([self], path)
 
     @checks_arguments
     def film(self, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,203 @@
+"""``wmr-ctrl compare``: laws on one scenario, or saved runs, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wmr_ctrl.cli.console import DIFFERENCE, print_json, say, table, wrapped
+from wmr_ctrl.cli.options import (
+    SCENARIO,
+    debug_option,
+    examples,
+    guard_option,
+    json_option,
+    load,
+    seed_option,
+    set_option,
+)
+from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.cli.runs import RUNS, animate_option, check_outputs, plot_option
+from wmr_ctrl.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wmr_ctrl.results import Comparison, Run
+
+HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
+COLUMNS = (
+    ("position_rms_last_quarter", 1e3),
+    ("position_max", 1e3),
+    ("max_abs_v1", 1.0),
+    ("max_abs_v2", 1.0),
+    ("tau_peak", 1.0),
+    ("torque_change_rms", 1.0),
+)
+"""Figures of the table's columns, and their factor."""
+
+
+@click.command(
+    short_help="Laws, or saved runs, side by side.",
+    epilog=examples(
+        "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
+        "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
+        "wmr-ctrl run --out a.npz",
+        "wmr-ctrl run --engine numpy --out b.npz",
+        "wmr-ctrl compare a.npz b.npz",
+    ),
+)
+@click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
+@click.option("--law", "laws", metavar="A,B,...", help="Laws to run on the scenario, or all.")
+@guard_option
+@seed_option
+@set_option
+@click.option(
+    "--tolerance",
+    type=float,
+    default=1e-9,
+    metavar="X",
+    help="Columns of two saved runs this close, in their unit or relative to their range, agree.",
+)
+@plot_option
+@animate_option
+@json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
+@debug_option
+@click.pass_context
+def compare(
+    ctx: click.Context,
+    sources: tuple[str, ...],
+    laws: str | None,
+    guard: bool | None,
+    seed: int,
+    assignments: tuple[str, ...],
+    tolerance: float,
+    plot: str | None,
+    animate: str | None,
+    as_json: bool,
+) -> None:
+    """Put laws on one scenario side by side, or saved runs (.npz, .csv or .parquet).
+
+    With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table has the
+    figures of all. Of saved runs the same table is printed. Of two, it is also told where they
+    differ, by how much and when, over the samples and columns that both have: then the exit code
+    is 0 if they are equal or agree within the tolerance, 1 if they differ or share no sample.
+    """
+    check_outputs(plot=plot, animate=animate)
+    if laws is not None:
+        names = _law_names(laws)
+        runs = dict(zip(names, _simulated(sources, names, seed, assignments, guard), strict=True))
+    else:
+        runs = _loaded(sources)
+    _draw(runs, plot, animate)
+    pair = None if laws is not None or len(runs) > 2 else _difference(runs, tolerance)
+    if not as_json:
+        click.echo(comparison_text(runs) if pair is None else f"{pair}\n\n{comparison_text(runs)}")
+    elif pair is None:
+        from wmr_ctrl.results import summary
+
+        print_json({name: summary(run) for name, run in runs.items()})
+    else:
+        print_json(asdict(pair))
+    if pair is not None and pair.verdict not in ("equal", "agree"):
+        ctx.exit(DIFFERENCE)
+
+
+def _law_names(text: str) -> list[str]:
+    from wmr_ctrl.laws.registry import LAWS
+
+    names = list(LAWS) if text == "all" else [name.strip() for name in text.split(",")]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ArgumentError(f"--law {text!r} names {', '.join(twice)} twice. Name each law once.")
+    for name in names:
+        LAWS[name]  # raises for a name that is none, before anything runs
+    return names
+
+
+def _simulated(
+    sources: Sequence[str],
+    names: Sequence[str],
+    seed: int,
+    assignments: Sequence[str],
+    guard: bool | None,
+) -> Iterator[Run]:
+    from wmr_ctrl import api
+
+    if len(sources) > 1:
+        raise ArgumentError(
+            f"--law runs one scenario, and {len(sources)} were named. Name one preset or TOML "
+            "file, or compare saved runs without --law."
+        )
+    scenario = load(sources[0] if sources else SCENARIO, assignments, guard)
+    for name in names:
+        with Progress(f"{name} on {scenario.name}"):
+            yield api.simulate(scenario, name, seed=seed)
+
+
+def _loaded(sources: Sequence[str]) -> dict[str, Run]:
+    from wmr_ctrl.results import load_run
+
+    if len(sources) == 1 and Path(sources[0]).suffix.lower() in RUNS:
+        raise click.UsageError("Missing argument 'RUN_B': two saved runs or more are compared.")
+    if len(sources) < 2:
+        raise click.UsageError(
+            "Missing option '--law': name the laws to compare on a scenario, such as "
+            "--law prox,mb or --law all, or two saved runs."
+        )
+    runs: dict[str, Run] = {}
+    for source in sources:  # a run may be compared with itself
+        name = source if source not in runs else f"{source} ({len(runs) + 1})"
+        runs[name] = load_run(source)
+    return runs
+
+
+def _draw(runs: dict[str, Run], plot: str | None, animate: str | None) -> None:
+    chosen = list(runs.values())
+    if plot:
+        from wmr_ctrl.report.plot_runs import plot_runs
+
+        plot_runs(chosen, plot)
+        say("wrote", plot)
+    if animate:
+        from wmr_ctrl.report.animate import animate_runs
+
+        with Progress("animation") as progress:
+            animate_runs(chosen, animate, progress)
+        say("wrote", animate)
+
+
+def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
+    from wmr_ctrl.results import compare as compare_runs
+
+    first, second = runs.values()
+    return compare_runs(first, second, tolerance)
+
+
+def comparison_text(runs: dict[str, Run]) -> str:
+    """Figures of runs by name as a table, a line of what its columns are, and the remarks."""
+    (limit_v, limit_w) = next(iter(runs.values())).settings.v_u1
+    about = (
+        "RMS, max: distance from the desired position over the last quarter [mm]. |v1|, |omega|: "
+        f"largest over the run, limits {limit_v:g} m/s and {limit_w:g} rad/s. peak, change: wheel "
+        "torques, largest and RMS from sample to sample [N m]."
+    )
+    lines = [table([_row(name, run) for name, run in runs.items()], HEADER), "", wrapped(about)]
+    for name, run in runs.items():
+        keys = dict.fromkeys(item.key for item in run.remarks if item.key != run.outcome.value)
+        if keys:
+            lines.append(wrapped(f"- {name}: {', '.join(keys)}", hang="  "))
+    return "\n".join(lines)
+
+
+def _row(name: str, run: Run) -> tuple[str, ...]:
+    from wmr_ctrl.results.figures import FIGURES, values_of
+
+    values: dict[str, Any] = values_of(run, [FIGURES[figure] for figure, _ in COLUMNS])
+    cells = [
+        "-" if values[figure] is None else f"{factor * values[figure]:.3g}"
+        for figure, factor in COLUMNS
+    ]
+    return (name, *cells, run.outcome.value)
