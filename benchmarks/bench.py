@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from wmr_ctrl.paper import PAPER_TIMES
+
 from . import floor, fmu, generated, numba_peer
 from .hand_c import HandC
 from .numpy_loop import closed_loop
@@ -18,9 +20,6 @@ from .setup import Case, Setup
 from .timing import Candidate, Timing, measure_in_processes
 
 Progress = Callable[[float], None]
-
-PAPER_SECONDS = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
-"""Section V: 10,000 evaluations in MATLAB [s], on another machine: for the record, not a ratio."""
 
 STEPS = 50_000
 CONTROL = 1e-3
@@ -85,13 +84,13 @@ def run_bench(progress: Progress | None = None, quick: bool = True) -> dict[str,
 def summary(found: Mapping[str, Timing]) -> dict[str, Any]:
     """The result of `run_bench` from the timings of its candidates."""
     spread = {item.key: quartiles(found, item) for item in RATIOS}
-    ours = {law: found[law].ns * 1e4 * 1e-9 for law in PAPER_SECONDS if law in found}
+    ours = {law: found[law].ns * 1e4 * 1e-9 for law in PAPER_TIMES if law in found}
     return {
         "ratios": {key: values and values[1] for key, values in spread.items()},
         "spread": {key: values and [values[0], values[2]] for key, values in spread.items()},
         "targets": {item.key: item.target for item in RATIOS if item.target},
         "ns": {name: timing.ns for name, timing in found.items()},
-        "paper": {"evaluations": 10_000, "matlab_s": PAPER_SECONDS, "ours_s": ours},
+        "paper": {"evaluations": 10_000, "matlab_s": PAPER_TIMES, "ours_s": ours},
     }
 
 
@@ -104,7 +103,7 @@ def table(result: Mapping[str, Any]) -> str:
         rows.append(f"{key:38} {shown}  {result['targets'].get(key, '')}".rstrip())
     rows += ["", f"{'10,000 evaluations':38} {'paper, MATLAB':>14} {'here':>12}"]
     for law, seconds in result["paper"]["ours_s"].items():
-        rows.append(f"{law:38} {PAPER_SECONDS[law]:12.4f} s {1e3 * seconds:9.3f} ms")
+        rows.append(f"{law:38} {PAPER_TIMES[law]:12.4f} s {1e3 * seconds:9.3f} ms")
     return "\n".join(rows)
 
 
@@ -115,7 +114,7 @@ def steps() -> dict[str, Candidate]:
     slow = floor.numpy_candidates(200)
     return {
         **{f"{name.removesuffix('_step')}_hand": item for name, item in hand.items()},
-        **{law: generated.step(law, STEPS) for law in PAPER_SECONDS},
+        **{law: generated.step(law, STEPS) for law in PAPER_TIMES},
         "plant": generated.plant_step(STEPS),
         "nn_numpy": slow["nn_numpy"],
         **numba_peer.step_candidates(setup, STEPS),

@@ -21,8 +21,9 @@ from benchmarks.parts import renew
 from wmr_ctrl.api import scenario_of
 from wmr_ctrl.checks import stability
 from wmr_ctrl.laws.prox import guide
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.tuning import TrialFigures, judged, tune
+from wmr_ctrl.tuning import judged, tune
 
 LAWS = ("prox", "kanayama")
 TRIALS, LONG, WEIGHT = 400, 800, 1e-3
@@ -84,17 +85,18 @@ class Place:
 
     case: Case
     law: str
-    figures: tuple[TrialFigures, ...]
+    figures: RunTable
     masses: tuple[float, float] | None
 
-    def of(self, mass: float) -> list[TrialFigures]:
+    def of(self, mass: float) -> RunTable:
         """Figures of all references for a ratio of true to believed mass."""
-        return [item for item in self.figures if item.mass == mass]
+        return self.figures.where(mass=mass)
 
     @property
     def products(self) -> np.ndarray:
         """Position RMS times torque change [mm N m] with the scenario's robot, by reference."""
-        return np.array([1e3 * f.position_rms * f.torque_change_rms for f in self.of(1.0)])
+        own = self.of(1.0)
+        return 1e3 * own["tracking_drive_rms"] * own["torque_change_rms"]
 
 
 def places(case: Case, work: Path, trials: int) -> list[Place]:
@@ -104,13 +106,13 @@ def places(case: Case, work: Path, trials: int) -> list[Place]:
         scenario = scenario_of(case.tuned(law, work, trials))
         figures = judged(scenario, law, TEST_SEEDS)
         found.append(Place(case, law, figures, stability(scenario, law).masses))
-        print(case, law, figures, found[-1].masses, flush=True)
+        print(case, law, figures.records(), found[-1].masses, flush=True)
     return found
 
 
 def table(pairs: Sequence[Sequence[Place]]) -> str:
     """A Markdown table, two rows for each case."""
-    kinds = [item.reference for item in pairs[0][0].of(1.0)]
+    kinds = pairs[0][0].of(1.0)["reference"]
     lines = [
         "| period, delay [ms] | law | "
         + " | ".join(f"{kind}: RMS [mm], change [N m]" for kind in kinds)
@@ -122,14 +124,15 @@ def table(pairs: Sequence[Sequence[Place]]) -> str:
         for place in pair:
             case = place.case
             cells = [f"{1e3 * case.period:g}, {1e3 * case.delay:g}", place.law]
-            cells += [f"{1e3 * f.position_rms:.3g}, {f.torque_change_rms:.3g}"
-                      for f in place.of(1.0)]  # fmt: skip
+            own = place.of(1.0)
+            pairs_of = zip(1e3 * own["tracking_drive_rms"], own["torque_change_rms"], strict=True)
+            cells += [f"{error:.3g}, {change:.3g}" for error, change in pairs_of]
             told = ", ".join(f"{ratio:.2f}" for ratio in ratios)
             cells.append(told if place.law == LAWS[0] else "")
             cells.append("none" if place.masses is None
                          else f"{place.masses[0]:.2f} to {place.masses[1]:.2f}")  # fmt: skip
-            cells.append(", ".join(f"{1e3 * max(f.position_rms for f in place.of(mass)):.3g}"
-                                   for mass in (0.6, 1.6)))  # fmt: skip
+            worst = (1e3 * place.of(m)["tracking_drive_rms"].max() for m in (0.6, 1.6))
+            cells.append(", ".join(f"{error:.3g}" for error in worst))
             lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from wmr_ctrl.proofs import Entry, Ledger
     from wmr_ctrl.report.page import Facts
     from wmr_ctrl.report.write import Verdicts
+    from wmr_ctrl.results.table import RunTable
     from wmr_ctrl.sim.compiled_law import CompiledLaw
-    from wmr_ctrl.sim.many import RunTable
     from wmr_ctrl.sim.runnable import RunnableLoop
 
 ENGINES = ("native", "numpy", "fmu")
@@ -201,7 +201,7 @@ def reproduce(
     the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
     (physics) before the first run.
     """
-    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, Campaign, FigureTable, paper_plan
+    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, Campaign, paper_plan
     from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
     from wmr_ctrl.campaign.engine import run_campaign
     from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
@@ -209,6 +209,7 @@ def reproduce(
     from wmr_ctrl.report.claims import Evidence, judge_all
     from wmr_ctrl.report.page import Reproduction
     from wmr_ctrl.report.write import check_folder, file_names, write_reproduction
+    from wmr_ctrl.results.table import RunTable
     from wmr_ctrl.sim.batch import check_jobs
 
     plan = paper_plan(PAPER_LAWS, QUICK_SEEDS if quick else seeds)
@@ -218,7 +219,7 @@ def reproduce(
         mujoco()
     facts = _facts(PAPER_LAWS, quick)
     campaign = run_campaign(plan, jobs, progress)
-    ours = run_comparison(comparison_plan(), jobs, progress) if with_ours else FigureTable()
+    ours = run_comparison(comparison_plan(), jobs, progress) if with_ours else RunTable()
     few = RIGID_SEEDS[: 1 if quick else None]
     rigid = run_rigid_comparison(few, jobs, progress) if with_physics else Campaign()
     judged = judge_all(Evidence(campaign.table, facts.timings))

@@ -11,9 +11,10 @@ from wmr_ctrl.compiled import CompiledLoop
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import PLANTS, Run
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.interpreted import run_interpreted
-from wmr_ctrl.sim.many import RunTable, each_task, run_each, run_many
+from wmr_ctrl.sim.many import each_task, run_each, run_many
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run, settings_of
 

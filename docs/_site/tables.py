@@ -257,7 +257,7 @@ RESULTS = (
     "wmr_ctrl.results.outcomes.Outcome",
     "wmr_ctrl.results.outcomes.Monitor",
     "wmr_ctrl.results.remarks.Remark",
-    "wmr_ctrl.sim.many.RunTable",
+    "wmr_ctrl.results.table.RunTable",
     "wmr_ctrl.sim.compiled_law.CompiledLaw",
     "wmr_ctrl.filter.filter.CommandFilter",
     "wmr_ctrl.filter.filter.Filtered",
@@ -266,7 +266,6 @@ RESULTS = (
     "wmr_ctrl.proofs.ledger.Ledger",
     "wmr_ctrl.proofs.ledger.Entry",
     "wmr_ctrl.tuning.gains.Tuning",
-    "wmr_ctrl.tuning.gains.TrialFigures",
     "wmr_ctrl.tuning.gains.WorseFigure",
 )
 BUILDING = (

@@ -14,7 +14,7 @@ from itertools import combinations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
-from wmr_ctrl.campaign import FigureTable, PlannedCase, PlannedRun
+from wmr_ctrl.campaign import PlannedCase, PlannedRun
 from wmr_ctrl.campaign.comparison import (
     AWAY,
     BASES,
@@ -28,6 +28,7 @@ from wmr_ctrl.campaign.comparison import (
     swept,
 )
 from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.results.table import RunTable
 
 pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 
@@ -105,49 +106,49 @@ def test_sweeps_have_the_numbers_of_their_factors() -> None:
     scope="module",
     params=["decisive", pytest.param("every two", marks=pytest.mark.slow)],
 )
-def comparison(request: pytest.FixtureRequest) -> FigureTable:
+def comparison(request: pytest.FixtureRequest) -> RunTable:
     plan = DECISIVE if request.param == "decisive" else meets()
     return run_comparison(shortened(plan))
 
 
-def test_guarded_runs_from_inside_keep_the_limits(comparison: FigureTable) -> None:
-    guarded = [r for r in comparison.rows if r.case.guard and r.case.name != "start outside"]
+def test_guarded_runs_from_inside_keep_the_limits(comparison: RunTable) -> None:
+    guarded = comparison.where(guard=True)
+    inside = guarded.at(guarded["case"] != "start outside")
 
-    assert {r.outcome for r in guarded} == {"completed", "refused"}
-    assert all(not r["violations"] for r in guarded)
-
-
-def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: FigureTable) -> None:
-    refused = [row for row in comparison.rows if row.outcome == "refused"]
-
-    assert {row.case.name for row in refused} == {WEAK}
-    assert all("tau_max" in row.refusal for row in refused)
-    assert not any(row.refusal for row in comparison.rows if row not in refused)
+    assert set(inside.different("outcome")) == {"completed", "refused"}
+    assert not (inside["violations"] > 0).any()
 
 
-def test_without_the_guard_limits_break(comparison: FigureTable) -> None:
+def test_only_the_torque_limit_that_is_too_low_is_refused(comparison: RunTable) -> None:
+    refused = comparison.where(outcome="refused")
+
+    assert refused.different("case") == (WEAK,)
+    assert all("tau_max" in text for text in refused["refusal"])
+    assert ((comparison["refusal"] != "") == (comparison["outcome"] == "refused")).all()
+
+
+def test_without_the_guard_limits_break(comparison: RunTable) -> None:
     """Kanayama's command ends 5 % below the limit, which is enough in some of the cases."""
-    broken = {r.case.law for r in comparison.rows if not r.case.guard and r["violations"]}
+    free = comparison.where(guard=False)
+    broken = set(free.at(free["violations"] > 0).different("law"))
 
     assert broken | {"kanayama"} == set(OUR_LAWS)
 
 
 def test_position_is_told_where_a_run_lasts_that_long() -> None:
-    (row,) = run_comparison(comparison_plan(("mb",), ONE, ("10 ms",), ("base",))[:1])
+    plan = comparison_plan(("mb",), ONE, ("10 ms",), ("base",))[:1]
+    (row,) = run_comparison(plan).records()
 
     assert 0 < row[E1] <= row[FARTHEST]
     assert 0 < row[AWAY] <= row[FARTHEST]
 
 
-def test_result_does_not_depend_on_the_number_of_threads(comparison: FigureTable) -> None:
-    few = [
-        PlannedRun(r.case, r.seed)
-        for r in comparison
-        if r.case.law == "mb" and r.case.base == "10 ms"
-    ]
-    alone = run_comparison(few, jobs=1)
+def test_result_does_not_depend_on_the_number_of_threads(comparison: RunTable) -> None:
+    few = [run for run in shortened(DECISIVE) if (run.case.law, run.case.base) == ("mb", "10 ms")]
+    alone, labels = run_comparison(few, jobs=1), ("case", "law", "base", "guard", "seed")
+    rows = {tuple(row[name] for name in labels): row for row in comparison.records()}
 
-    assert alone.rows == tuple(r for r in comparison if (r.case, r.seed) in few)
+    assert alone.records() == [rows[tuple(r[name] for name in labels)] for r in alone.records()]
 
 
 # -- made-up runs -------------------------------------------------------------------------
@@ -163,13 +164,14 @@ def test_each_loop_is_compiled_once_and_refusals_are_rows() -> None:
             raise ScenarioError("too weak")
 
     with made_up(asked=asked):
-        rows = run_comparison(TINY, 2, watch).rows
+        rows = run_comparison(TINY, 2, watch).records()
 
-    assert [(row.case, row.seed) for row in rows] == list(TINY)
+    planned = [{**case.labels, "seed": seed} for case, seed in TINY]
+    assert [{name: row[name] for name in planned[0]} for row in rows] == planned
     assert set(built.values()) == {1}
     assert len(built) == 2 * 2 * 2
     assert watch.left == [0, 0]
-    assert {r.refusal for r in rows if r.case.guard and r.case.name == WEAK} == {"too weak"}
+    assert {r["refusal"] for r in rows if r["guard"] and r["case"] == WEAK} == {"too weak"}
 
 
 def test_unguarded_errors_are_not_swallowed() -> None:

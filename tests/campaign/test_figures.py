@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign.table import reported
+from wmr_ctrl.campaign.paper import reported
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results import Monitor
 from wmr_ctrl.results.figures import FIGURES, Figure, FigureRegistry, values_of

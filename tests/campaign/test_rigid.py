@@ -7,7 +7,7 @@ import math
 import pytest
 
 from tests.campaign.synthetic import made_up as made_up_runs
-from wmr_ctrl.campaign import FigureTable, PlannedCase, RunRow
+from wmr_ctrl.campaign import PlannedCase
 from wmr_ctrl.campaign.engine import scenario_of
 from wmr_ctrl.campaign.rigid import (
     E1,
@@ -19,6 +19,7 @@ from wmr_ctrl.campaign.rigid import (
     run_rigid_comparison,
 )
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.results.table import table_of_rows
 
 CASES = {
     (plant, run.case.name, run.case.law): run.case
@@ -44,20 +45,20 @@ def test_every_case_law_and_seed_is_run_on_both():
     with made_up_runs():
         done = run_rigid_comparison(seeds=(4, 5))
 
-    assert len(done.table) == 2 * len(CASES)
+    assert done.table.rows == 2 * len(CASES)
     assert len(done.runs) == len(CASES) / 2
     assert all(run.seed == 4 for run in done.runs.values())
-    assert [row.seed for row in done.table.of(LIMITED, "mb", plant="mujoco")] == [4, 5]
+    assert done.table.where(case=LIMITED, law="mb", plant="mujoco").seeds == (4, 5)
 
 
 def made_up(plant, seed, **values):
-    row = {"ise_total": 1.0, E1_BEFORE: 0.001, E1: 0.012, "limit_ratio": 0.9}
+    row = {"ise_total": 1.0, E1_BEFORE: 0.001, E1: 0.012, "limit_ratio": 0.9, "tipped": None}
     case = PlannedCase("paper-simulation", "mb", plant=plant, name=LIMITED)
-    return RunRow(case, seed, "completed", {**row, **values})
+    return {**case.labels, "seed": seed, "outcome": "completed", **row, **values}
 
 
 def verdicts(*rows):
-    return {claim.text: claim for claim in rigid_claims(FigureTable(rows))}
+    return {claim.text: claim for claim in rigid_claims(table_of_rows(rows))}
 
 
 def test_claims_are_judged_on_every_seed():

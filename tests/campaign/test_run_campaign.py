@@ -22,7 +22,8 @@ def fake():
 def test_rows_stand_in_the_order_of_the_plan():
     table = run_campaign(PLAN).table
 
-    assert [(row.case, row.seed) for row in table] == PLAN
+    planned = [{**case.labels, "seed": seed} for case, seed in PLAN]
+    assert [{name: row[name] for name in planned[0]} for row in table.records()] == planned
 
 
 def test_a_study_that_changes_fields_has_its_own_name_and_rows():
@@ -31,7 +32,7 @@ def test_a_study_that_changes_fields_has_its_own_name_and_rows():
     with made_up(asked=asked.append):
         done = run_campaign([*STUDY.planned(["mb"], [0]), *own.planned(["mb"], [0])])
 
-    assert done.table.scenarios() == ("paper-simulation", "mine")
+    assert done.table.different("case") == ("paper-simulation", "mine")
     assert set(done.runs) == {("paper-simulation", "mb"), ("mine", "mb")}
     assert [(case.scenario, case.overrides) for case in asked] == [
         ("paper-simulation", {}),

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import STATISTICS, FigureTable, Spread, spread
 from wmr_ctrl.errors import UnknownNameError
+from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
 
 VALUES = st.lists(st.none() | st.floats(-1e6, 1e6), max_size=30)
 
@@ -41,10 +41,10 @@ def test_a_table_finds_cases_and_figures(campaign):
     table = campaign.table
 
     assert table.laws == ("pid", "smc", "mb", "nn")
-    assert len(table.case("paper-simulation", "nn")) == 2
-    assert set(table.values("ise_total", "far-start", "mb")) == {0, 1}
-    assert table.spread("violated", "paper-simulation", "pid").mean == 1.0
-    assert len(table) == len(tuple(table))
+    assert table.case("paper-simulation", "nn").rows == 2
+    assert set(table.case("far-start", "mb").by_seed("ise_total")) == {0, 1}
+    assert table.case("paper-simulation", "pid").spread("violated").mean == 1.0
+    assert len(table.records()) == table.rows == len(table["seed"])
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,21 @@ def test_a_table_finds_cases_and_figures(campaign):
 )
 def test_unknown_names_are_told(campaign, figure, scenario, law):
     with pytest.raises(UnknownNameError):
-        campaign.table.values(figure, scenario, law)
+        campaign.table.case(scenario, law).by_seed(figure)
 
 
-def test_an_empty_table_has_no_cases():
-    assert FigureTable([]).cases == ()
+def test_an_empty_table_has_no_rows():
+    assert (RunTable().rows, RunTable().records(), RunTable().different("law")) == (0, [], ())
+
+
+def test_rows_become_columns_and_rows_again():
+    rows = [
+        {"law": "mb", "guard": None, "seed": 3, "outcome": "completed", "ise_total": 1.5},
+        {"law": "nn", "guard": True, "seed": 4, "outcome": "diverged", "ise_total": None},
+    ]
+    table = table_of_rows(rows)
+
+    assert table.records() == rows
+    assert table.where(guard=True).records() == table.broken.records() == rows[1:]
+    assert table.where(law=None).rows == 2
+    assert table.median("ise_total") == 1.5

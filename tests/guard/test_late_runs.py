@@ -88,7 +88,8 @@ def test_lanes_and_fmus_equal_the_native_loop() -> None:
     for item in (scenario, seen):
         table = simulate_many(item, "prox", range(3))
         runs = [simulate(item, "prox", seed=seed) for seed in range(3)]
-        assert (np.array([run.monitor.max_abs_v for run in runs]) == table["max_abs_v"]).all()
+        fastest = zip(table["max_abs_v1"], table["max_abs_v2"], strict=True)
+        assert [run.monitor.max_abs_v for run in runs] == list(fastest)
 
 
 @pytest.mark.slow

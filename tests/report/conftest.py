@@ -10,10 +10,11 @@ import pytest
 from tests.campaign.conftest import campaign as campaign
 from tests.campaign.conftest import fake_simulate as fake_simulate
 from tests.campaign.synthetic import made_up
-from wmr_ctrl.campaign import FigureTable, PlannedRun
+from wmr_ctrl.campaign import PlannedRun
 from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.report.drawing import Drawing
+from wmr_ctrl.results.table import RunTable
 
 
 @pytest.fixture(scope="session")
@@ -22,7 +23,7 @@ def comparison_cases() -> tuple[PlannedRun, ...]:
 
 
 @pytest.fixture(scope="session")
-def comparison(comparison_cases) -> FigureTable:
+def comparison(comparison_cases) -> RunTable:
     def asked(case):
         if case.guard and "actuator.tau_max" in case.overrides:
             raise ScenarioError("too weak for the bounds")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 import string
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, FigureTable, PlannedCase, RunRow
-from wmr_ctrl.campaign.table import reported
+from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, PlannedCase
+from wmr_ctrl.campaign.paper import reported
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.report.claims import (
     Divisor,
@@ -25,6 +24,7 @@ from wmr_ctrl.report.claims import (
     verdict_of,
 )
 from wmr_ctrl.report.evidence_figures import slip_torque
+from wmr_ctrl.results.table import table_of_rows
 
 CLAIMS = load_claims()
 SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
@@ -33,13 +33,13 @@ TIMES = {"paper_time", "our_time"}
 
 def row(law, seed, **values):
     case = PlannedCase("paper-simulation", law, name="paper-simulation")
-    return RunRow(case, seed, "completed", values)
+    return {**case.labels, "seed": seed, "outcome": "completed", **values}
 
 
 def evidence(*rows):
     """Rows with every figure None but those that are given."""
     empty = dict.fromkeys((figure.name for figure in reported()), None)
-    return Evidence(FigureTable(replace(r, values={**empty, **r.values}) for r in rows))
+    return Evidence(table_of_rows([{**empty, **row} for row in rows]))
 
 
 def measured(value, **bound):

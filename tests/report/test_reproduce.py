@@ -89,7 +89,7 @@ def test_quick_takes_three_seeds_and_progress_ends_every_phase(tmp_path):
     watch = Watch()
     verdicts = api.reproduce(tmp_path, quick=True, progress=watch)
 
-    assert {row.seed for row in verdicts.table} == {0, 1, 2}
+    assert verdicts.table.seeds == (0, 1, 2)
     assert verdicts.table.laws == ("pid", "smc", "mb", "nn")
     assert watch.left == [0, 0, 0]
     assert watch.ended == 3

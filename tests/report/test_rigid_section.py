@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import csv
 
-from wmr_ctrl.campaign import Campaign, FigureTable, PlannedCase, RunRow
+from wmr_ctrl.campaign import Campaign, PlannedCase
 from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, E1_BEFORE, LIMITED
 from wmr_ctrl.report.page import report_environment
 from wmr_ctrl.report.rigid_section import RigidSection, rigid_figures
-from wmr_ctrl.report.write import write_rigid
+from wmr_ctrl.report.write import RIGID_COLUMNS, write_rows
+from wmr_ctrl.results.table import table_of_rows
 
 
 def row(name, law, plant, seed=0, **values):
     known = {"ise_total": 1.0, E1_BEFORE: 0.001, E1: 0.001, "limit_ratio": 0.9}
+    known |= {"slipped": None, "tipped": None}
     case = PlannedCase("paper-simulation", law, plant=plant, name=name)
-    return RunRow(case, seed, "completed", {**known, **values})
+    return {**case.labels, "seed": seed, "outcome": "completed", **known, **values}
 
 
 FELL = {"ise_total": None, E1: None, "slipped": 0.003, "tipped": 4.0, "limit_ratio": 3.0}
-ROWS = FigureTable(
+ROWS = table_of_rows(
     (
         row(AS_PRINTED, "mb", "ode"),
         row(AS_PRINTED, "mb", "mujoco", **FELL),
@@ -53,12 +55,12 @@ def test_without_whole_runs_nothing_is_drawn():
 
 
 def test_the_file_has_units_and_a_row_a_run(tmp_path):
-    write_rigid(tmp_path / "rigid.csv", ROWS)
+    write_rows(tmp_path / "rigid.csv", ROWS.records(), RIGID_COLUMNS)
     text = (tmp_path / "rigid.csv").read_text(encoding="utf-8")
     head, *rows = csv.reader(text.splitlines())
 
     assert all(name.endswith("]") for name in head[5:])
-    assert len(rows) == len(ROWS)
+    assert len(rows) == ROWS.rows
     assert rows[1][5] == ""
 
 

@@ -7,6 +7,7 @@ import csv
 import json
 import re
 
+import numpy as np
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
@@ -243,7 +244,7 @@ def test_statistics_are_those_of_the_runs(written):
     header, rows = table_of(written.folder / "table.csv")
     column = header.index("tau_peak [N.m]")
     there = {row[3]: row[column] for row in rows if row[:2] == ["paper-experiment", "smc"]}
-    expected = written.table.spread("tau_peak", "paper-experiment", "smc")
+    expected = written.table.case("paper-experiment", "smc").spread("tau_peak")
 
     assert float(there["median"]) == expected.median
     assert (float(there["min"]), float(there["max"])) == (expected.min, expected.max)
@@ -252,7 +253,7 @@ def test_statistics_are_those_of_the_runs(written):
 def test_every_run_is_in_runs_csv(written):
     header, rows = table_of(written.folder / "runs.csv")
 
-    assert len(rows) == len(written.table)
+    assert len(rows) == written.table.rows
     assert float(rows[0][header.index("max_abs_v1 [m/s]")]) > 0
 
 
@@ -296,7 +297,7 @@ def test_runs_without_a_law_of_the_paper_are_refused(tmp_path):
 
 def test_shortfalls_without_rows_are_not_told(comparison):
     template = report_environment().get_template("ours.html.j2")
-    few = type(comparison)(comparison.rows[:1])
+    few = comparison.at(np.array([0]))
     none, some = (
         template.render(guard=GuardSection(rows), picture=str).partition("Where it falls short")[2]
         for rows in (few, comparison)

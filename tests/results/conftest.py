@@ -28,7 +28,7 @@ def build(
 ) -> Run:
     """A run of ``duration`` s whose ``columns`` are given as constants or arrays, others zero."""
     half = duration / 2 if split is None else split
-    settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from, dbar)
+    settings = Settings(control, control / 10, duration, (1.0, 1.5), half, rms_from, dbar=dbar)
     count = settings.samples if rows is None else rows
     signals = (*LOG_HEAD, *extra)
     log: dict[str, Any] = {

@@ -79,7 +79,8 @@ def test_tables_have_drive_and_end_of_runs(duration: float) -> None:
     for seed in range(2):
         run = simulate("safe-simulation", "prox", seed=seed, overrides=case)
         for part, seen in tracking(run).items():
-            assert table[f"tracking_{part}"][seed] == pytest.approx(list(seen.values()), rel=1e-6)
+            tabled = [table[f"tracking_{part}_{kind}"][seed] for kind in ("rms", "max")]
+            assert tabled == pytest.approx(list(seen.values()), rel=1e-6)
         assert table["tracked"][seed] == tracked(run)
         assert table["torque_needed_rms"][seed] == pytest.approx(torque_needed_rms(run), rel=1e-6)
         assert table["saturated_share"][seed] == pytest.approx(saturated_share(run), abs=1e-3)

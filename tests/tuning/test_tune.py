@@ -16,8 +16,9 @@ from wmr_ctrl.laws import LAWS
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.results import tau_peak
 from wmr_ctrl.results.figures import FIGURES, Figure
+from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.scenario import load_scenario
-from wmr_ctrl.tuning import TrialFigures, judged, tunable
+from wmr_ctrl.tuning import judged, tunable
 
 pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
@@ -51,10 +52,10 @@ def test_the_figures_after_are_those_of_the_file(once):
     case = load_scenario(once.out)
     table = wmr_ctrl.simulate_many(case, "prox", [7])
 
-    assert once.after[0].reference == "circle"
-    assert once.after[0].position_rms == table["position_rms"][0, 1]
-    assert {item.mass for item in once.after} == {1.0, 0.6, 1.6}
-    assert {item.reference for item in once.after} == {"circle", "lemniscate", "line"}
+    assert once.after["reference"][0] == "circle"
+    assert once.after["tracking_drive_rms"][0] == table["tracking_drive_rms"][0]
+    assert set(once.after["mass"]) == {1.0, 0.6, 1.6}
+    assert set(once.after["reference"]) == {"circle", "lemniscate", "line"}
 
 
 def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
@@ -70,7 +71,7 @@ def test_an_interrupted_search_ends_as_one_that_was_not(short, once, tmp_path):
     resumed = wmr_ctrl.tune(short, "prox", out, **FEW)
 
     assert resumed.gains == once.gains
-    assert resumed.after == once.after
+    assert resumed.after.records() == once.after.records()
 
 
 def test_trials_of_another_search_are_not_taken(short, tmp_path):
@@ -119,14 +120,16 @@ def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
 
 
 def test_figures_that_became_worse_are_told(once):
-    before = TrialFigures("circle", 1.0, 0.18, 0.5, (0.9, 1.0), 0)
-    better = replace(before, position_rms=0.15, torque_change_rms=0.52)
-    worse = replace(before, reference="lemniscate", position_rms=0.2, max_abs_v=(0.95, 1.6), lost=1)
-    tuning = replace(once, before=(before, before), after=(better, worse))
+    before = {"reference": "circle", "mass": 1.0, "tracking_drive_rms": 0.18, "lost": 0,
+              "torque_change_rms": 0.5, "max_abs_v1": 0.9, "max_abs_v2": 1.0}  # fmt: skip
+    better = before | {"tracking_drive_rms": 0.15, "torque_change_rms": 0.52}
+    worse = before | {"reference": "lemniscate", "tracking_drive_rms": 0.2, "max_abs_v1": 0.95}
+    after = [better, worse | {"max_abs_v2": 1.6, "lost": 1}]
+    tuning = replace(once, before=table_of_rows([before] * 2), after=table_of_rows(after))
 
     assert [(item.reference, item.figure, item.after) for item in tuning.worse] == [
-        ("lemniscate", "position_rms", 0.2),
-        ("lemniscate", "max_abs_v[2]", 1.6),
+        ("lemniscate", "tracking_drive_rms", 0.2),
+        ("lemniscate", "max_abs_v2", 1.6),
         ("lemniscate", "lost", 1),
     ]
     assert [item["figure"] for item in tuning.to_json()["worse"]] == [
@@ -152,7 +155,7 @@ def test_the_command_prints_figures_before_and_after(tmp_path, monkeypatch):
 def test_figures_of_other_packages_are_judged_too(short, monkeypatch):
     twice = Figure("twice_peak", "N.m", "two times tau_peak", lambda run: 2.0 * tau_peak(run))
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
-    first = judged(short, "prox", [7])[0]
+    table = judged(short, "prox", [7])
     run = wmr_ctrl.simulate(short, "prox", seed=7)
 
-    assert first.figures == {"twice_peak": 2.0 * tau_peak(run)}
+    assert table["twice_peak"][0] == 2.0 * tau_peak(run)

@@ -18,8 +18,3 @@ from wmr_ctrl.campaign.paper import paper_plan as paper_plan
 from wmr_ctrl.campaign.plan import PlannedCase as PlannedCase
 from wmr_ctrl.campaign.plan import PlannedRun as PlannedRun
 from wmr_ctrl.campaign.plan import Study as Study
-from wmr_ctrl.campaign.table import STATISTICS as STATISTICS
-from wmr_ctrl.campaign.table import FigureTable as FigureTable
-from wmr_ctrl.campaign.table import RunRow as RunRow
-from wmr_ctrl.campaign.table import Spread as Spread
-from wmr_ctrl.campaign.table import spread as spread

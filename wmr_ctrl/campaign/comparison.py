@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from wmr_ctrl.campaign.engine import PhaseProgress, run_campaign
 from wmr_ctrl.campaign.plan import MOST_SEEDS_EACH, Overrides, PlannedRun, Study
-from wmr_ctrl.campaign.table import FigureTable
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE, named
 
 SCENARIO = "paper-simulation"
@@ -136,7 +136,7 @@ COMPARED = ("violations", "limit_ratio1", "limit_ratio2", AWAY, FARTHEST, "ise_t
 
 def run_comparison(
     plan: Sequence[PlannedRun], jobs: int | None = None, progress: PhaseProgress | None = None
-) -> FigureTable:
+) -> RunTable:
     """The rows of ``plan``; as `run_campaign`."""
     what = "the laws with and without the guard"
     texts = f"Compiling {what}", f"Running {what}"

@@ -10,11 +10,12 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Protocol, TypeVar, runtime_checkable
 
+from wmr_ctrl.campaign.paper import reported
 from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
-from wmr_ctrl.campaign.table import REFUSED, FigureTable, RunRow, reported
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.figures import FIGURES, values_of
+from wmr_ctrl.results.table import REFUSED, RunTable, table_of_rows
 from wmr_ctrl.scenario import Scenario, load_scenario, override
 from wmr_ctrl.sim.batch import check_jobs
 from wmr_ctrl.sim.many import run_each
@@ -159,7 +160,7 @@ class Campaign:
     ``runs`` maps (scenario, law) to the Run of the lowest seed.  Without rows: not run.
     """
 
-    table: FigureTable = field(default_factory=FigureTable)
+    table: RunTable = field(default_factory=RunTable)
     runs: Mapping[tuple[str, str], Run] = field(default_factory=dict)
 
 
@@ -188,16 +189,20 @@ def run_campaign(
         first[key] = min(seed, first.get(key, seed))
     runs: dict[tuple[str, str], Run] = {}
 
-    def row(place: int, run: Run) -> RunRow:
+    def row(place: int, run: Run) -> dict[str, object]:
         case, seed = plan[place]
         if first.get((case.name, case.law)) == seed:
             runs[case.name, case.law] = run
-        return RunRow(case, seed, run.outcome.value, values_of(run, taken))
+        return {"outcome": run.outcome.value, "refusal": "", **values_of(run, taken)}
+
+    def refused(item: Refusal) -> dict[str, object]:
+        none = dict.fromkeys(figure.name for figure in taken)
+        return {"outcome": REFUSED, "refusal": item.text, **none}
 
     results = run_cases(plan, row, jobs, progress or Silent(), texts)
     rows = [
-        RunRow(*planned, REFUSED, {}, item.text) if isinstance(item, Refusal) else item
-        for planned, item in zip(plan, results, strict=True)
+        {**case.labels, "seed": seed, **(refused(item) if isinstance(item, Refusal) else item)}
+        for (case, seed), item in zip(plan, results, strict=True)
     ]
     ordered = {key: runs[key] for key in first if key in runs}  # threads end in any order
-    return Campaign(FigureTable(rows), MappingProxyType(ordered))
+    return Campaign(table_of_rows(rows), MappingProxyType(ordered))

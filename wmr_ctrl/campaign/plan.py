@@ -47,6 +47,12 @@ class PlannedCase:
     name: str = ""
     base: str = ""
 
+    @property
+    def labels(self) -> dict[str, object]:
+        """The columns that tell it from other cases in a table of runs."""
+        about = {"case": self.name, "law": self.law, "base": self.base}
+        return {**about, "guard": self.guard, "plant": self.plant}
+
 
 class PlannedRun(NamedTuple):
     """A run to be made."""

@@ -19,12 +19,12 @@ import numpy as np
 
 from wmr_ctrl.campaign.engine import Refusal, Silent, built_loops
 from wmr_ctrl.campaign.plan import PlannedCase
-from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.table import REFUSED, RunTable
 from wmr_ctrl.sim.batch import cores
-from wmr_ctrl.sim.many import RunTable, tabulated
+from wmr_ctrl.sim.many import tabulated
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop
 
@@ -86,7 +86,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
     if ready:
         table = _table(ready, chunk.runs[0][0].plant, chunk.figures, jobs)
-        columns = {"violated": table["violations"] > 0, **table.columns()}
+        columns = {"violated": table["violations"] > 0, **table}
         outcome[places] = table["outcome"]
         for name in chunk.figures:
             rows[name][places] = columns[name]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from operator import truediv
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -214,6 +213,8 @@ def tune(
 
 def _text(better: Tuning) -> str:
     """Gains, the objective, and figures of the test seeds before and after."""
+    import numpy as np
+
     first, last = better.objective
     lines = [f"{key} = {', '.join(f'{v:g}' for v in value)}" for key, value in better.gains.items()]
     lines += [
@@ -224,19 +225,20 @@ def _text(better: Tuning) -> str:
         f"{'reference':<14}{'mass':>6}{'before':>14}{'after':>9}{'before':>16}{'after':>9}"
         f"{'before':>12}{'after':>8}",
     ]
-    limits = better.scenario.limits.v_u1
-    for old, new in zip(better.before, better.after, strict=True):
-        place = (new.reference, new.mass)
-        before, after = (max(map(truediv, item.max_abs_v, limits)) for item in (old, new))
+    limits, both = better.scenario.limits.v_u1, (better.before, better.after)
+    figures = [
+        *(1e3 * test["tracking_drive_rms"] for test in both),
+        *(test["torque_change_rms"] for test in both),
+        *(np.maximum(t["max_abs_v1"] / limits[0], t["max_abs_v2"] / limits[1]) for t in both),
+    ]
+    widths = (">14.3g", ">9.3g", ">16.3g", ">9.3g", ">12.3f", ">8.3f")
+    for row, *numbers in zip(better.after.records(), *figures, strict=True):
+        place = row["reference"], row["mass"]
         worse = [item.figure for item in better.worse if (item.reference, item.mass) == place]
-        lost = f"  {new.lost} runs ended early" if new.lost else ""
+        lost = f"  {row['lost']} runs ended early" if row["lost"] else ""
         lost += f"  worse: {', '.join(worse)}" if worse else ""
-        lines.append(
-            f"{old.reference:<14}{old.mass:>6g}"
-            f"{1e3 * old.position_rms:>14.3g}{1e3 * new.position_rms:>9.3g}"
-            f"{old.torque_change_rms:>16.3g}{new.torque_change_rms:>9.3g}"
-            f"{before:>12.3f}{after:>8.3f}{lost}"
-        )
+        cells = "".join(map(format, numbers, widths))
+        lines.append(f"{row['reference']:<14}{row['mass']:>6g}{cells}{lost}")
     if better.worse:
         lines += ["", wrapped(WORSE)]
     return "\n".join(lines)

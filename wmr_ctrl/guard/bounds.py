@@ -101,9 +101,8 @@ def assumptions(scenario: Scenario, guard: Guard) -> Assumptions:
     """A guard's assumptions on the motion, be it on or off."""
     low, high = pair_of(guard.M_min), pair_of(guard.M_max)
     force = stopping_force(high, scenario.limits.v_u1, scenario.clock.control)
-    return Assumptions(
-        pair_of(guard.dbar), force, M_min=low, M_max=high, nbar=guard.nbar, alpha=guard.alpha
-    )
+    dbar, nbar, alpha = pair_of(guard.dbar), guard.nbar, guard.alpha
+    return Assumptions(dbar=dbar, force=force, M_min=low, M_max=high, nbar=nbar, alpha=alpha)
 
 
 def derived_guard(scenario: Scenario, bound: Bound, tau_max: float) -> GuardNumbers:

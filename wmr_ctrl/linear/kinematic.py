@@ -152,9 +152,10 @@ def endings(
     )  # fmt: skip
     scenario = loop.scenario
     end = sample(scenario, np.array([scenario.clock.duration]))[0, :2]
-    gaps = np.hypot(*(table["final_state"][:, :2] - end).T)
+    gaps = np.hypot(table["final_x"] - end[0], table["final_y"] - end[1])
     gaps[table["stop"] > 0] = np.inf
+    columns = (table["outcome"], gaps, table["max_abs_v1"], table["max_abs_v2"])
     return [
-        Ending(Outcome(outcome), float(gap), (float(v[0]), float(v[1])))
-        for outcome, gap, v in zip(table["outcome"], gaps, table["max_abs_v"], strict=True)
+        Ending(Outcome(outcome), float(gap), (float(v1), float(omega)))
+        for outcome, gap, v1, omega in zip(*columns, strict=True)
     ]

@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import elements
 from wmr_ctrl.physics.rigid import RigidBody, mujoco
 from wmr_ctrl.physics.workers import Progress, make_each
 from wmr_ctrl.results import RigidMonitor, Run, split_columns, tracked
-from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
+from wmr_ctrl.results.figures import FIGURES, RIGID, STATE, SUMMED, values_of
 from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import RIGID as RIGID_COLUMNS
 from wmr_ctrl.sim.coupled import Coupled
-from wmr_ctrl.sim.figures import SHAPES
-from wmr_ctrl.sim.many import RunTable, later, not_summed, planned_tasks
+from wmr_ctrl.sim.many import later, not_summed, planned_tasks
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 T = TypeVar("T")
@@ -133,9 +132,6 @@ class Coupling:
 
 # -- figures of many runs ------------------------------------------------------------------------
 
-Row: TypeAlias = dict[str, NDArray[np.generic]]
-"""Figures of one run by name, each of its shape."""
-
 
 def run_rigid_many(
     build: Callable[[Scenario], RunnableLoop],
@@ -171,40 +167,29 @@ def rigid_table(
     progress: Progress | None = None,
 ) -> RunTable:
     """The table of some runs, each made once for all of its figures."""
-    whole = not_summed(figures)
-    rows = make_each(partial(rigid_figures, further=whole), runs, jobs, progress)
-    table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    return RunTable({**table, "seed": np.array([seed for _, seed in runs])}, whole)
+    rows = make_each(partial(rigid_row, further=not_summed(figures)), runs, jobs, progress)
+    return table_of_rows(rows)
 
 
-def rigid_figures(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> Row:
+def rigid_row(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> dict[str, object]:
     """Figures, outcome and ``tracked`` of a run; it counts as stopped where it has tipped.
 
     ``further``: names of figures of the catalogue that are taken besides.
     """
     run, end = run_to_end(loop, seed)
-    taken = values_of(run, map(FIGURES.__getitem__, further))
-    row = {name: np.array(np.nan if value is None else value) for name, value in taken.items()}
-    row |= {"outcome": np.array(run.outcome.value), "tracked": np.array(bool(tracked(run)))}
-    return {**figures_from_run(run, end), **row}
+    asked = values_of(run, map(FIGURES.__getitem__, further))
+    about = {"seed": seed, "outcome": run.outcome.value, "tracked": bool(tracked(run))}
+    return {**about, **figures_from_run(run, end), **asked}
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def figures_from_run(run: Run, end: tuple[float, ...]) -> Row:
-    """Every figure of `SHAPES` of one run, of its body too; ``end`` is its last state, (5,).
+def figures_from_run(run: Run, end: tuple[float, ...]) -> dict[str, float | None]:
+    """Every number of `COLUMNS` of one run, and of its body; ``end`` is its last state, (5,).
 
     They are those of `sim.many.run_many` but for the rounding of sums.
     """
     seen = run.monitor
-    row = {name: np.full(shape, np.nan) for name, shape in SHAPES.items()}
-    for figure in (*SUMMED, *(RIGID if seen.rigid else ())):
-        value = figure.of(run)
-        row.setdefault(figure.array, np.array(np.nan))[figure.index] = (
-            np.nan if value is None else value
-        )
+    row = values_of(run, (*SUMMED, *(RIGID if seen.rigid else ())))
     events = {"first": seen.first_violation, "stop": seen.stopped, "bounds": seen.bounds_left}
-    row |= {
-        f"{name}_axis": np.array(np.nan if e is None else float(e[1])) for name, e in events.items()
-    }
-    stop = np.array(float(STOP_REASONS.index(seen.stop_reason)))
-    return row | {"final_state": np.array(end), "samples": np.array(float(run.rows)), "stop": stop}
+    row |= {f"{name}_axis": None if e is None else float(e[1]) for name, e in events.items()}
+    row |= {f"final_{name}": number for (name, _), number in zip(STATE, end, strict=True)}
+    return row | {"samples": float(run.rows), "stop": float(STOP_REASONS.index(seen.stop_reason))}

@@ -9,8 +9,9 @@ from enum import StrEnum
 from importlib.resources import files
 from typing import Any
 
-from wmr_ctrl.campaign import FigureTable, Spread, spread
+from wmr_ctrl.paper import EVALUATIONS, PAPER_TIMES
 from wmr_ctrl.report.style import ABSENT, shown
+from wmr_ctrl.results.table import RunTable, Spread, spread
 
 
 class Verdict(StrEnum):
@@ -30,9 +31,6 @@ class Verdict(StrEnum):
 
 STAND_IN_LAW = "smc"
 """The paper's reference [32] is not in its text: whatever this law does says nothing about it."""
-PAPER_TIMES: Mapping[str, float] = {"pid": 0.4056, "smc": 2.0662, "mb": 0.3875, "nn": 1.4294}
-"""Seconds that 10,000 evaluations of each law took the paper's authors."""
-EVALUATIONS = 10_000
 CONTROL = 0.01
 """Control period of Section V [s], as it is read into the paper."""
 _TIMES = {"paper_time", "our_time"}
@@ -214,7 +212,7 @@ def _test(entry: dict[str, Any]) -> TestSpec:
 class Evidence:
     """The table that claims are judged by, and our seconds per 10,000 evaluations by law."""
 
-    table: FigureTable
+    table: RunTable
     times: Mapping[str, float] = field(default_factory=dict)
 
     def values(self, spec: TestSpec) -> dict[int, float | None]:
@@ -234,11 +232,11 @@ class Evidence:
         return spec.figure != "our_time" or bool(self.times)
 
     def _case(self, spec: TestSpec, scenario: str, law: str) -> dict[int, float | None]:
-        values, over = self.table.values(spec.figure, scenario, law), spec.over
+        values, over = self.table.case(scenario, law).by_seed(spec.figure), spec.over
         if over is None:
             return values
-        names = over.figure or spec.figure, over.scenario or scenario, over.law or law
-        other = self.table.values(*names)
+        runs = self.table.case(over.scenario or scenario, over.law or law)
+        other = runs.by_seed(over.figure or spec.figure)
         return {seed: _ratio(values[seed], other[seed]) for seed in values if seed in other}
 
 

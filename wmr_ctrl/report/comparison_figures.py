@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from wmr_ctrl.campaign import FigureTable
 from wmr_ctrl.campaign.comparison import AWAY, BASE, BASES, swept
-from wmr_ctrl.campaign.table import REFUSED
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -28,12 +26,13 @@ from wmr_ctrl.report.drawing import (
     rows_of,
 )
 from wmr_ctrl.report.style import LIMIT, MUTED, look
+from wmr_ctrl.results.table import REFUSED, RunTable
 from wmr_ctrl.results.windows import LATE
 
 
-def comparison_figures(rows: FigureTable) -> tuple[Drawing, ...]:
+def comparison_figures(rows: RunTable) -> tuple[Drawing, ...]:
     """Every figure of the comparison, in the section's order."""
-    high = 1.1 + 0.07 * len(rows.scenarios()) * len(rows.laws)
+    high = 1.1 + 0.07 * len(rows.different("case")) * len(rows.laws)
     by_law = 0.95 + 0.36 * len(rows.laws)
     return (
         Drawing("ours_violations", (9.6, high), partial(_draw_violations, rows=rows)),
@@ -51,10 +50,11 @@ def _name(axes: Axes, title: str) -> None:
     axes.set_title(title, weight="normal", size=8)
 
 
-def _draw_violations(figure: Figure, rows: FigureTable) -> None:
-    padding, factors = Padding(left=2.75, right=0.15, bottom=0.44, top=0.74), rows.scenarios()
-    panels = row_of_axes(figure, padding, [1.0] * len(rows.bases), 0.2)
-    for place, (axes, base) in enumerate(zip(panels, rows.bases, strict=True)):
+def _draw_violations(figure: Figure, rows: RunTable) -> None:
+    padding, factors = Padding(left=2.75, right=0.15, bottom=0.44, top=0.74), rows.different("case")
+    bases = rows.different("base")
+    panels = row_of_axes(figure, padding, [1.0] * len(bases), 0.2)
+    for place, (axes, base) in enumerate(zip(panels, bases, strict=True)):
         rows_of(axes, factors if place == 0 else [""] * len(factors))
         _fill(axes, rows, base)
         _name(axes, f"torque held for {base}")
@@ -65,30 +65,31 @@ def _draw_violations(figure: Figure, rows: FigureTable) -> None:
     heading(figure, "Plant steps beyond a velocity limit", [*law_marks(rows.laws), *_kinds()])
 
 
-def _fill(axes: Axes, rows: FigureTable, base: str) -> None:
+def _fill(axes: Axes, rows: RunTable, base: str) -> None:
     step = 0.84 / len(rows.laws)
-    for row, factor in enumerate(rows.scenarios()):
-        if factor not in rows.scenarios(base):
+    for row, factor in enumerate(rows.different("case")):
+        if factor not in rows.where(base=base).different("case"):
             axes.annotate("first base only", (0, row), xytext=(12, 0), textcoords="offset points",
                           va="center", size=6.5, color=MUTED)  # fmt: skip
         for place, law in enumerate(rows.laws):
             height = row - 0.42 + step * (place + 0.5)
             for guard in (False, True):
-                runs = rows.of(factor, law, base=base, guard=guard)
-                steps = [r["violations"] for r in runs if r.outcome != REFUSED]
-                dots(axes, steps, height, law, step, filled=not guard)
+                runs = rows.where(case=factor, law=law, base=base, guard=guard)
+                dots(axes, runs["violations"], height, law, step, filled=not guard)
 
 
-def _draw_position(figure: Figure, rows: FigureTable) -> None:
+def _draw_position(figure: Figure, rows: RunTable) -> None:
     padding = Padding(left=0.78, right=0.15, bottom=0.42, top=0.74)
-    panels = row_of_axes(figure, padding, [1.0] * len(rows.bases), 0.55)
-    for axes, base in zip(panels, rows.bases, strict=True):
+    bases = rows.different("base")
+    panels = row_of_axes(figure, padding, [1.0] * len(bases), 0.55)
+    for axes, base in zip(panels, bases, strict=True):
         law_rows(axes, rows.laws)
         for place, law in enumerate(rows.laws):
             for guard in (False, True):
-                errors = (row[AWAY] for row in rows.of(BASE, law, base=base, guard=guard))
-                millimetres = [None if error is None else 1e3 * error for error in errors]
-                dots(axes, millimetres, place + (0.2 if guard else -0.2), law, filled=not guard)
+                runs = rows.where(case=BASE, law=law, base=base, guard=guard)
+                dots(
+                    axes, 1e3 * runs[AWAY], place + (0.2 if guard else -0.2), law, filled=not guard
+                )
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         plain_ticks(axes, (1,))
         _name(axes, f"torque held for {base}")
@@ -117,7 +118,7 @@ def limits(base: str) -> Points:
     return sorted([*own, (UNLIMITED, base, BASE)])
 
 
-def _draw_period(figure: Figure, rows: FigureTable) -> None:
+def _draw_period(figure: Figure, rows: RunTable) -> None:
     places = {
         f"{'with' if guard else 'without'} the guard": (periods(), guard) for guard in (False, True)
     }
@@ -125,10 +126,10 @@ def _draw_period(figure: Figure, rows: FigureTable) -> None:
     heading(figure, "ISE against the control period", law_handles(rows.laws))
 
 
-def _draw_torque(figure: Figure, rows: FigureTable) -> None:
+def _draw_torque(figure: Figure, rows: RunTable) -> None:
     places = {
         f"{base}, {'with' if guard else 'without'} the guard": (limits(base), guard)
-        for base in rows.bases
+        for base in rows.different("base")
         for guard in (False, True)
     }
     _draw_lines(figure, rows, places, 0.42, "torque limit [N m]")
@@ -138,7 +139,7 @@ def _draw_torque(figure: Figure, rows: FigureTable) -> None:
 
 def _draw_lines(
     figure: Figure,
-    rows: FigureTable,
+    rows: RunTable,
     places: dict[str, tuple[Points, bool]],
     gap: float,
     label: str,
@@ -157,14 +158,15 @@ def _draw_lines(
     panels[0].set_ylabel("ISE [m² s + rad² s]")
 
 
-def _line(axes: Axes, rows: FigureTable, points: Points, law: str, guard: bool) -> None:
+def _line(axes: Axes, rows: RunTable, points: Points, law: str, guard: bool) -> None:
     """A law's medians; a cross where some run broke a limit."""
     seen, there, bad = look(law), [], []
     for x, base, factor in points:
-        y = rows.median("ise_total", base, factor, law, guard)
+        runs = rows.where(case=factor, law=law, base=base, guard=guard)
+        y = runs.median("ise_total")
         if y is not None:
             there.append((x, y))
-            if any(row.broke for row in rows.of(factor, law, base=base, guard=guard)):
+            if runs.broken.rows:
                 bad.append((x, y))
     if there:
         axes.plot(*zip(*there, strict=True), color=seen.colour, ls=seen.dash, marker=seen.marker,
@@ -183,10 +185,10 @@ def _ticks(axes: Axes, places: Sequence[float], label: str) -> None:
     axes.set_xlim(0.85 * places[0], 1.18 * places[-1])
 
 
-def _mark_refused(axes: Axes, rows: FigureTable, points: Points, guard: bool) -> None:
+def _mark_refused(axes: Axes, rows: RunTable, points: Points, guard: bool) -> None:
     """Say where the guard refuses every law."""
     for x, base, factor in points:
-        runs = [row for law in rows.laws for row in rows.of(factor, law, base=base, guard=guard)]
-        if runs and all(row.outcome == REFUSED for row in runs):
+        runs = rows.where(case=factor, base=base, guard=guard)
+        if runs.rows and (runs["outcome"] == REFUSED).all():
             axes.text(x, 0.5, "refused", rotation=90, ha="center", va="center", size=7,
                       color=MUTED, transform=axes.get_xaxis_transform())  # fmt: skip

@@ -197,7 +197,7 @@ def mark_switch(axes: Axes, time: float | None) -> None:
 
 def dots(
     axes: Axes,
-    values: Iterable[float | None],
+    values: FloatArray,
     y: float,
     law: str,
     high: float = 0.4,
@@ -206,9 +206,9 @@ def dots(
 ) -> None:
     """A dot per value around height ``y``, spread within ``high`` so that none hides another.
 
-    A bar marks the median.  Values that are None are left out.
+    A bar marks the median.  NaN are left out.
     """
-    x = np.array([value for value in values if value is not None])
+    x = values[~np.isnan(values)]
     if not x.size:
         return
     seen = look(law)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wmr_ctrl.campaign import Campaign, FigureTable
+from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -35,6 +35,7 @@ from wmr_ctrl.report.drawing import (
 from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import FloatArray, Run
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import load_scenario
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
@@ -47,7 +48,7 @@ _TALL = 2.05
 def evidence_figures(campaign: Campaign) -> tuple[Drawing, ...]:
     """Every figure, in the report's order."""
     table, runs = campaign.table, campaign.runs
-    high = 0.9 + 0.07 * len(table.scenarios()) * len(table.laws)
+    high = 0.9 + 0.07 * len(table.different("case")) * len(table.laws)
     return (
         Drawing("measure", (9.6, 2.6), partial(_draw_measure, table=table)),
         Drawing("switch", (9.6, 2.5), partial(_draw_switch, runs=runs, laws=table.laws)),
@@ -61,7 +62,7 @@ def evidence_figures(campaign: Campaign) -> tuple[Drawing, ...]:
 # -- ISE and late e1 of every seed, with and without the change of parameters ---------------
 
 
-def _draw_measure(figure: Figure, table: FigureTable) -> None:
+def _draw_measure(figure: Figure, table: RunTable) -> None:
     padding = Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
     left, right = row_of_axes(figure, padding, (1, 1), 0.95)
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
@@ -73,20 +74,18 @@ def _draw_measure(figure: Figure, table: FigureTable) -> None:
     heading(figure, "What the change at 40 s does, in two measures", handles, 0.26)
 
 
-def _panel_measure(
-    axes: Axes, table: FigureTable, name: str, label: str, factor: float = 1.0
-) -> None:
+def _panel_measure(axes: Axes, table: RunTable, name: str, label: str, factor: float = 1.0) -> None:
     law_rows(axes, table.laws)
     axes.set(xscale="log", xlabel=label)
     plain_ticks(axes)
     for row, law in enumerate(table.laws):
-        changed, same = (table.values(name, case, law) for case in (WITH, WITHOUT))
-        for values, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
-            scaled = [None if value is None else factor * value for value in values.values()]
-            dots(axes, scaled, row + shift, law, filled=filled)
-        axes.annotate(_factor(changed, same), (1, row), xycoords=("axes fraction", "data"),
-                      xytext=(6, 0), textcoords="offset points", va="center", size=8,
-                      weight="bold", color=INK)  # fmt: skip
+        changed, same = (table.case(case, law) for case in (WITH, WITHOUT))
+        for runs, shift, filled in ((changed, -0.2, True), (same, 0.2, False)):
+            dots(axes, factor * runs[name], row + shift, law, filled=filled)
+        axes.annotate(_factor(changed.by_seed(name), same.by_seed(name)), (1, row),
+                      xycoords=("axes fraction", "data"), xytext=(6, 0),
+                      textcoords="offset points", va="center", size=8, weight="bold",
+                      color=INK)  # fmt: skip
     axes.annotate("factor", (1, 1), xycoords="axes fraction", xytext=(6, 4), va="bottom",
                   textcoords="offset points", size=6.5, color=MUTED)  # fmt: skip
 
@@ -174,12 +173,13 @@ def slip_torque() -> float:
     return robot.m * robot.g * robot.r / 2
 
 
-def _draw_torque(figure: Figure, table: FigureTable) -> None:
+def _draw_torque(figure: Figure, table: RunTable) -> None:
     axes = one_axes(figure, Padding(left=0.60, right=0.20, bottom=0.42, top=0.50))
     law_rows(axes, table.laws)
     for row, law in enumerate(table.laws):
-        dots(axes, table.values("tau_rms", WITH, law).values(), row, law, filled=False)
-        dots(axes, table.values("tau_peak", WITH, law).values(), row, law)
+        runs = table.case(WITH, law)
+        dots(axes, runs["tau_rms"], row, law, filled=False)
+        dots(axes, runs["tau_peak"], row, law)
     axes.set(xscale="log", xlabel="wheel torque [N m]")
     axes.set_xlim(1, max(200, axes.get_xlim()[1]))
     plain_ticks(axes)
@@ -195,14 +195,15 @@ def _draw_torque(figure: Figure, table: FigureTable) -> None:
 # -- largest |v|/limit of the worse axis, every scenario, law and seed ------------------------
 
 
-def _draw_limits(figure: Figure, table: FigureTable) -> None:
+def _draw_limits(figure: Figure, table: RunTable) -> None:
     axes = one_axes(figure, Padding(left=2.30, right=0.20, bottom=0.44, top=0.50))
-    rows_of(axes, table.scenarios())
+    scenarios = table.different("case")
+    rows_of(axes, scenarios)
     step = 0.84 / len(table.laws)
     for scenario, law in table.cases:
-        row, place = table.scenarios().index(scenario), table.laws.index(law)
+        row, place = scenarios.index(scenario), table.laws.index(law)
         height = row - 0.42 + step * (place + 0.5)
-        dots(axes, table.values("limit_ratio", scenario, law).values(), height, law, step)
+        dots(axes, table.case(scenario, law)["limit_ratio"], height, law, step)
     axes.set(xscale="log", xlabel="largest |v| / limit, worse axis")
     axes.set_xlim(0.5, max(10.0, 1.4 * axes.dataLim.x1))
     plain_ticks(axes)

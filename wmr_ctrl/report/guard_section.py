@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias, TypeVar
 
-from wmr_ctrl.campaign import FigureTable, RunRow
+import numpy as np
+
 from wmr_ctrl.campaign.comparison import (
     AWAY,
     BASE,
@@ -20,14 +21,14 @@ from wmr_ctrl.campaign.comparison import (
     SCENARIO,
     overrides_of,
 )
-from wmr_ctrl.campaign.table import REFUSED, median
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.guard.bounds import net
 from wmr_ctrl.guard.price import speed_price, usable_speed
 from wmr_ctrl.report.style import ABSENT, look, shown
 from wmr_ctrl.report.tables import TextTable, table_by_law
-from wmr_ctrl.results import Outcome
+from wmr_ctrl.results import FloatArray, Outcome
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.table import REFUSED, RunTable, median
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world.phases import largest_friction
 
@@ -48,29 +49,27 @@ Cells: TypeAlias = list[tuple[str, float | None, float | None]]
 class GuardSection:
     """The comparison's rows, and by sentence its numbers: None or empty where no row has them."""
 
-    rows: FigureTable
+    rows: RunTable
 
     def by_base(self, of: Callable[[str], T]) -> list[tuple[str, T]]:
         """The numbers of each base that has any."""
-        return [(base, numbers) for base in self.rows.bases if (numbers := of(base))]
+        return [(base, numbers) for base in self.rows.different("base") if (numbers := of(base))]
 
     def started(self, outside: bool) -> Numbers | None:
         """Runs, broken ones, largest |v|/limit and most steps outside, with and without the guard.
 
         ``outside``: of runs that start beyond the limits, or of all others.
         """
-        pair = {
-            name: [r for r in self.rows.guarded(guard) if (r.case.name == OUTSIDE) is outside]
-            for name, guard in (("held", True), ("free", False))
-        }
-        if not all(pair.values()):
+        chosen = self.rows.at((self.rows["case"] == OUTSIDE) == outside)
+        pair = {"held": _made(chosen, True), "free": _made(chosen, False)}
+        if not all(runs.rows for runs in pair.values()):
             return None
         return {
             name: {
-                "runs": len(runs),
-                "broken": _broken(runs),
+                "runs": runs.rows,
+                "broken": runs.broken.rows,
                 "fastest": _fastest(runs),
-                "steps": max(int(row["violations"] or 0) for row in runs),
+                "steps": int(runs["violations"].max()),
             }
             for name, runs in pair.items()
         }
@@ -85,7 +84,7 @@ class GuardSection:
     @property
     def bounds_left(self) -> int:
         """Guarded runs whose motion contradicts the guard's bounds."""
-        return sum(row.outcome == Outcome.BOUNDS_LEFT for row in self.rows.guarded())
+        return int((_made(self.rows, True)["outcome"] == Outcome.BOUNDS_LEFT).sum())
 
     def after(self, base: str) -> Cells:
         """Distance after the change of parameters in the base case."""
@@ -94,7 +93,7 @@ class GuardSection:
     def steered(self, base: str) -> list[tuple[str, float]]:
         """Laws behind which the guard acts always, and the share of samples in which it does."""
         shares = (
-            (look(law).label, median(map(_clipped, self._guarded(base, BASE, law))))
+            (look(law).label, median(_clipped(self._runs(base, BASE, law)).tolist()))
             for law in self.rows.laws
         )
         return [(label, share) for label, share in shares if share and share > ALWAYS]
@@ -103,7 +102,7 @@ class GuardSection:
         """SMC from the far start, and the least and most ISE of the other laws."""
 
         def far(figure: str, law: str) -> float | None:
-            return self.rows.median(figure, base, FAR_START, law, True)
+            return self._runs(base, FAR_START, law).median(figure)
 
         ise = {law: far("ise_total", law) for law in self.rows.laws}
         smc, others = ise.pop("smc", None), [value for value in ise.values() if value is not None]
@@ -117,7 +116,7 @@ class GuardSection:
         lost, steady = list[tuple[str, float]](), list[tuple[str, float]]()
         for law in self.rows.laws:
             there, usual = (
-                self.rows.median("ise_total", base, factor, law, True) for factor in (PUSHED, BASE)
+                self._runs(base, factor, law).median("ise_total") for factor in (PUSHED, BASE)
             )
             if there is not None and usual is not None:
                 (lost if there > SPINS * usual else steady).append((look(law).label, there))
@@ -126,30 +125,30 @@ class GuardSection:
     @property
     def refused(self) -> Numbers | None:
         """Runs that the guard refused, and the same cases without it."""
-        refused = [row for row in self.rows if row.outcome == REFUSED]
-        if not refused:
+        refused = self.rows.where(outcome=REFUSED)
+        if not refused.rows:
             return None
-        cases = tuple(dict.fromkeys(row.case.name for row in refused))
-        alone = [row for row in self.rows.guarded(False) if row.case.name in cases]
+        cases, free = refused.different("case"), _made(self.rows, False)
+        alone = free.at(np.isin(free["case"], cases))
         return {
             "cases": cases,
-            "runs": len(refused),
-            "words": refused[0].refusal,
-            "alone": len(alone),
-            "broken": _broken(alone),
+            "runs": refused.rows,
+            "words": refused["refusal"][0],
+            "alone": alone.rows,
+            "broken": alone.broken.rows,
         }
 
     def broken_by_prox(self, base: str) -> list[Numbers]:
         """Cases in which prox breaks a limit without the guard."""
         cases = {
-            factor: self.rows.of(factor, "prox", base=base, guard=False)
-            for factor in self.rows.scenarios(base)
+            factor: self._runs(base, factor, "prox", guard=False)
+            for factor in self._cases(base)
             if factor != OUTSIDE
         }
         return [
-            {"factor": f, "broken": _broken(runs), "runs": len(runs), "fastest": _fastest(runs)}
+            {"factor": f, "broken": runs.broken.rows, "runs": runs.rows, "fastest": _fastest(runs)}
             for f, runs in cases.items()
-            if _broken(runs)
+            if runs.broken.rows
         ]
 
     def price(self, base: str) -> dict[str, Cells]:
@@ -160,19 +159,23 @@ class GuardSection:
 
     def _cells(self, base: str, factor: str, figure: str) -> Cells:
         """A figure of each law that was run so."""
-        median_of = self.rows.median
         return [
             (
                 look(law).label,
-                median_of(figure, base, factor, law, True),
-                median_of(figure, base, factor, law, False),
+                held.median(figure),
+                self._runs(base, factor, law, guard=False).median(figure),
             )
             for law in self.rows.laws
-            if self._guarded(base, factor, law)
+            if (held := self._runs(base, factor, law)).rows
         ]
 
-    def _guarded(self, base: str, factor: str, law: str) -> tuple[RunRow, ...]:
-        return self.rows.of(factor, law, base=base, guard=True)
+    def _runs(
+        self, base: str, factor: str, law: str | None = None, *, guard: bool = True
+    ) -> RunTable:
+        return self.rows.where(base=base, case=factor, law=law, guard=guard)
+
+    def _cases(self, base: str) -> tuple[str, ...]:
+        return self.rows.where(base=base).different("case")
 
     # -- tables -------------------------------------------------------------------------------
 
@@ -188,15 +191,15 @@ class GuardSection:
         factor = 1e3 if FIGURES[figure].unit == "m" else 1.0
 
         def value(case: str, law: str) -> float | None:
-            return self.rows.median(figure, base, case, law, True)
+            return self._runs(base, case, law).median(figure)
 
-        def cell(runs: Sequence[RunRow]) -> str:
-            middle = median(row[figure] for row in runs)
+        def cell(runs: RunTable) -> str:
+            middle = runs.median(figure)
             return _refused(runs) or shown(None if middle is None else factor * middle)
 
         cases = [
             case
-            for case in self.rows.scenarios(base)
+            for case in self._cases(base)
             if figure != E1_BEFORE or "changes" not in overrides_of(base, case)
         ]
         pair = partial(self._pair, base, cell)
@@ -204,14 +207,14 @@ class GuardSection:
 
     def clip_table(self, base: str) -> TextTable:
         """Median share of samples in which the guard changed thrust and moment [%]."""
-        return self._table(base, lambda case, law: _clip(self._guarded(base, case, law)))
+        return self._table(base, lambda case, law: _clip(self._runs(base, case, law)))
 
     def _table(self, base: str, cell: Callable[[str, str], str]) -> TextTable:
-        cases = {case: case for case in self.rows.scenarios(base)}
+        cases = {case: case for case in self._cases(base)}
         return table_by_law(cases, self.rows.laws, cell)
 
-    def _pair(self, base: str, cell: Callable[[Sequence[RunRow]], str], case: str, law: str) -> str:
-        both = (self.rows.of(case, law, base=base, guard=guard) for guard in (False, True))
+    def _pair(self, base: str, cell: Callable[[RunTable], str], case: str, law: str) -> str:
+        both = (self._runs(base, case, law, guard=guard) for guard in (False, True))
         return " | ".join(map(cell, both))
 
     @property
@@ -224,11 +227,11 @@ class GuardSection:
             (
                 f"{factor}, {base}",
                 *map(shown, _prices(base, factor)),
-                _clip([r for law in self.rows.laws for r in self._guarded(base, factor, law)]),
+                _clip(self._runs(base, factor)),
             )
             for factor in (BASE, PUSHED)
-            for base in self.rows.bases
-            if factor in self.rows.scenarios(base)
+            for base in self.rows.different("base")
+            if factor in self._cases(base)
         )
         return TextTable(head, body) if body else None
 
@@ -242,42 +245,41 @@ def _grown(cells: Cells, least: float) -> Cells:
     ]
 
 
-def _broken(runs: Iterable[RunRow]) -> int:
-    return sum(1 for row in runs if row.broke)
+def _made(rows: RunTable, guard: bool) -> RunTable:
+    """Runs with the guard, or without it, that were not refused."""
+    return rows.at((rows["guard"] == guard) & (rows["outcome"] != REFUSED))
 
 
-def _clipped(row: RunRow) -> float | None:
-    """The larger share of samples of both axes in which the guard acted."""
-    shares = [share for axis in (1, 2) if (share := row[f"guard_share{axis}"]) is not None]
-    return max(shares, default=None)
+def _clipped(runs: RunTable) -> FloatArray:
+    """The larger share of samples of both axes in which the guard acted, by run."""
+    return np.fmax(runs["guard_share1"], runs["guard_share2"])
 
 
-def _fastest(runs: Iterable[RunRow]) -> float | None:
-    fastest = (row[f"limit_ratio{axis}"] for row in runs for axis in (1, 2))
-    return max((ratio for ratio in fastest if ratio is not None), default=None)
+def _fastest(runs: RunTable) -> float | None:
+    fastest = np.fmax(runs["limit_ratio1"], runs["limit_ratio2"])
+    return None if np.isnan(fastest).all() else float(np.nanmax(fastest))
 
 
-def _broken_cell(runs: Sequence[RunRow]) -> str:
-    if not runs or _refused(runs):
+def _broken_cell(runs: RunTable) -> str:
+    if not runs.rows or _refused(runs):
         return _refused(runs) or ABSENT
-    broken = [row for row in runs if row.broke]
-    if not broken:
-        return f"0/{len(runs)}"
-    ended = any(row.outcome in (Outcome.DIVERGED, Outcome.NON_FINITE) for row in runs)
-    steps = median(row["violations"] for row in broken) or 0.0
-    return f"{len(broken)}/{len(runs)}: {'diverged' if ended else f'{steps:.0f}'}"
+    if not runs.broken.rows:
+        return f"0/{runs.rows}"
+    ended = np.isin(runs["outcome"], (Outcome.DIVERGED, Outcome.NON_FINITE)).any()
+    steps = runs.broken.median("violations") or 0.0
+    return f"{runs.broken.rows}/{runs.rows}: {'diverged' if ended else f'{steps:.0f}'}"
 
 
-def _clip(runs: Sequence[RunRow]) -> str:
+def _clip(runs: RunTable) -> str:
     """Median share of samples in which the guard changed thrust and moment [%]."""
-    first, second = (median(row[f"guard_share{axis}"] for row in runs) for axis in (1, 2))
+    first, second = (runs.median(f"guard_share{axis}") for axis in (1, 2))
     if first is None or second is None:
         return _refused(runs) or ABSENT
     return f"{shown(100 * first, 2)}, {shown(100 * second, 2)}"
 
 
-def _refused(runs: Sequence[RunRow]) -> str:
-    return REFUSED if runs and all(row.outcome == REFUSED for row in runs) else ""
+def _refused(runs: RunTable) -> str:
+    return REFUSED if runs.rows and (runs["outcome"] == REFUSED).all() else ""
 
 
 def _prices(base: str, factor: str) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jinja2 import Environment
 
-from wmr_ctrl.campaign import BARRIER_LAWS, STUDIES, Campaign, FigureTable
+from wmr_ctrl.campaign import BARRIER_LAWS, STUDIES, Campaign
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.proofs.ledger import load
 from wmr_ctrl.report.claims import RULE, Judged, Verdict, load_readings
@@ -20,6 +20,7 @@ from wmr_ctrl.report.rigid_section import RigidSection
 from wmr_ctrl.report.style import ABSENT, page_environment, picture, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
 from wmr_ctrl.results import atomic_text
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import preset_titles
 
 _STRESS_CASES = {
@@ -67,7 +68,7 @@ class Reproduction:
     campaign: Campaign
     judged: tuple[Judged, ...]
     facts: Facts = field(default_factory=Facts)
-    comparison: FigureTable = field(default_factory=FigureTable)
+    comparison: RunTable = field(default_factory=RunTable)
     rigid: Campaign = field(default_factory=Campaign)
 
 
@@ -145,8 +146,8 @@ def _scenarios(campaign: Campaign) -> list[dict[str, str | int]]:
         {
             "name": name,
             "title": titles.get(name, ""),
-            "seeds": len(table.case(name, first[name])),
+            "seeds": table.case(name, first[name]).rows,
             "hash": campaign.runs[name, first[name]].provenance.get("scenario_hash", ""),
         }
-        for name in table.scenarios()
+        for name in table.different("case")
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,12 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from wmr_ctrl.campaign import Campaign, RunRow, spread
+from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.campaign.rigid import AS_PRINTED, E1, RIGID_STUDIES, rigid_claims
 from wmr_ctrl.report.drawing import Drawing, Padding, heading, law_handles, row_of_axes
 from wmr_ctrl.report.style import INK, MUTED, look, shown
 from wmr_ctrl.report.tables import TextTable, headed, ranged
 from wmr_ctrl.results import PLANTS, Run
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, loads_scenario
 
 ISE = "ise_total"
@@ -49,7 +49,7 @@ class RigidSection:
         """Findings by case, of the laws that ran on both plants."""
         by_case: dict[str, list[RigidFinding]] = {}
         for name, law, plane, body in self._pairs():
-            if plane:
+            if plane.rows:
                 by_case.setdefault(name, []).append(_finding(law, plane, body))
         return by_case
 
@@ -91,39 +91,38 @@ class RigidSection:
         """Label of the law whose fall is drawn."""
         return look([*self.fallen][-1]).label
 
-    def _pairs(self) -> list[tuple[str, str, tuple[RunRow, ...], tuple[RunRow, ...]]]:
+    def _pairs(self) -> list[tuple[str, str, RunTable, RunTable]]:
         """Case, law and the rows of both plants, of each case and law that ran on tyres."""
-        plane, body = PLANTS
-        rows = self.campaign.table.of
+        plane, body = (self.campaign.table.where(plant=plant) for plant in PLANTS)
         return [
-            (case.label, law, rows(case.label, law, plant=plane), tyres)
-            for case in RIGID_STUDIES[plane]
-            for law in case.laws
-            if (tyres := rows(case.label, law, plant=body))
+            (name, law, plane.where(case=name, law=law), tyres)
+            for name, laws in ((case.label, case.laws) for case in RIGID_STUDIES["ode"])
+            for law in laws
+            if (tyres := body.where(case=name, law=law)).rows
         ]
 
 
-def _finding(law: str, plane: Sequence[RunRow], body: Sequence[RunRow]) -> RigidFinding:
-    falls = [fall for row in body if (fall := row["tipped"]) is not None]
-    both = ((p[ISE], b[ISE]) for p, b in zip(plane, body, strict=True))
-    ratios = [abs(tyres / flat - 1) for flat, tyres in both if flat and tyres]
+def _finding(law: str, plane: RunTable, body: RunTable) -> RigidFinding:
+    falls, slips = (body.spread(event) for event in ("tipped", "slipped"))
+    apart = np.abs(body[ISE] / plane[ISE] - 1)
+    ratios = apart[np.isfinite(apart)]
     return RigidFinding(
         headed(law),
-        len(body),
-        len(falls),
-        min(falls, default=None),
-        sum(row["slipped"] is not None for row in body),
-        sum((row["limit_ratio"] or 0.0) > 1 for row in body),
-        max(ratios, default=None),
+        body.rows,
+        falls.count,
+        falls.min,
+        slips.count,
+        int((body["limit_ratio"] > 1).sum()),
+        float(ratios.max()) if ratios.size else None,
     )
 
 
-def _cells(plane: Sequence[RunRow], body: Sequence[RunRow]) -> tuple[str, ...]:
-    upright = [row for row in body if not row["tipped"]]
+def _cells(plane: RunTable, body: RunTable) -> tuple[str, ...]:
+    upright = body.at(np.isnan(body["tipped"]))
     return (
-        *(ranged(spread(row[ISE] for row in rows)) for rows in (plane, upright)),
-        *(ranged(spread(row[E1] for row in rows), 1e3) for rows in (plane, body)),
-        *(ranged(spread(row[event] for row in body)) for event in ("slipped", "tipped")),
+        *(ranged(rows.spread(ISE)) for rows in (plane, upright)),
+        *(ranged(rows.spread(E1), 1e3) for rows in (plane, body)),
+        *(ranged(body.spread(event)) for event in ("slipped", "tipped")),
     )
 
 

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from wmr_ctrl.campaign import FigureTable, Spread
-from wmr_ctrl.report.claims import PAPER_TIMES, STAND_IN_LAW
+from wmr_ctrl.paper import PAPER_TIMES
+from wmr_ctrl.report.claims import STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.table import RunTable, Spread
 from wmr_ctrl.results.windows import LATE, WINDOWS, named
 
 T = TypeVar("T")
@@ -128,21 +129,22 @@ _LINES = (
 
 
 def scenario_table(
-    table: FigureTable, scenario: str, *, changes: bool, short: bool = False
+    table: RunTable, scenario: str, *, changes: bool, short: bool = False
 ) -> TextTable:
     """Median and range of the chief figures of a scenario, a column per law.
 
     ``changes``: whether the robot's parameters change in it; without, nothing is told of a before
     and an after.  ``short``: the few figures that tell the laws apart.
     """
+    runs = {law: table.case(scenario, law) for law in table.laws}
 
     def cell(line: _Line, law: str) -> str:
         if line.figure == "violated":
-            return _broken(table, scenario, law)
-        return ranged(table.spread(line.figure, scenario, law), line.factor)
+            return _broken(runs[law])
+        return ranged(runs[law].spread(line.figure), line.factor)
 
     def value(line: _Line, law: str) -> float | None:
-        given = table.spread(line.figure, scenario, law)
+        given = runs[law].spread(line.figure)
         middle = given.mean if line.figure == "violated" else given.median
         return middle if line.better else None
 
@@ -150,19 +152,18 @@ def scenario_table(
     return table_by_law({line.name: line for line in lines}, table.laws, cell, value, "")
 
 
-def _broken(table: FigureTable, scenario: str, law: str) -> str:
-    values = table.values("violated", scenario, law).values()
-    return f"{sum(1 for value in values if value)} of {len(values)}"
+def _broken(runs: RunTable) -> str:
+    return f"{int((runs['violated'] > 0).sum())} of {runs.rows}"
 
 
 def stress_table(
-    table: FigureTable, scenarios: Mapping[str, str], laws: Sequence[str] = ()
+    table: RunTable, scenarios: Mapping[str, str], laws: Sequence[str] = ()
 ) -> TextTable:
     """Share of seeds beyond the limit and the largest |v|/limit; ``scenarios`` by title."""
 
     def cell(scenario: str, law: str) -> str:
-        ratio = ranged(table.spread("limit_ratio", scenario, law), digits=4)
-        return f"{_broken(table, scenario, law)}: {ratio}"
+        runs = table.case(scenario, law)
+        return f"{_broken(runs)}: {ranged(runs.spread('limit_ratio'), digits=4)}"
 
     return table_by_law(scenarios, laws or table.laws, cell)
 

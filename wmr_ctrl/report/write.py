@@ -5,22 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmr_ctrl.campaign import (
-    PAPER_LAWS,
-    STATISTICS,
-    Campaign,
-    FigureTable,
-    PhaseProgress,
-    RunRow,
-    Silent,
-)
+from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
 from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
-from wmr_ctrl.campaign.rigid import COMPARED
-from wmr_ctrl.campaign.table import reported
+from wmr_ctrl.campaign.paper import reported
+from wmr_ctrl.campaign.rigid import E1 as E1_RMS
+from wmr_ctrl.campaign.rigid import E1_BEFORE as E1_RMS_BEFORE
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.report.claims import RULE, Judged, Measured, Verdict, load_readings
@@ -31,6 +24,7 @@ from wmr_ctrl.report.page import Reproduction, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.rigid_section import rigid_figures
 from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
+from wmr_ctrl.results.table import STATISTICS, RunTable
 from wmr_ctrl.results.windows import BEFORE, LATE
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
@@ -42,7 +36,7 @@ class Verdicts:
     """The verdict on every claim, the table behind them, and the files that were written."""
 
     judged: tuple[Judged, ...]
-    table: FigureTable
+    table: RunTable
     folder: Path
     files: tuple[Path, ...]
 
@@ -119,7 +113,7 @@ def write_reproduction(
     if compared:
         write_comparison(home / COMPARISON_FILE, compared)
     if rigid.table:
-        write_rigid(home / RIGID_FILE, rigid.table)
+        write_rows(home / RIGID_FILE, rigid.table.records(), RIGID_COLUMNS)
     names = file_names(bool(compared), bool(rigid.table))
     files = (*(home / name for name in names), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
@@ -183,29 +177,47 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
         writer.writerows(rows)
 
 
-def write_table(path: Path, table: FigureTable) -> None:
+def write_table(path: Path, table: RunTable) -> None:
     """One row per scenario, law and statistic over the seeds; a column per figure."""
-    rows = []
+    rows, figures = [], reported()
     for case in table.cases:
-        spreads = [table.spread(figure.name, *case).statistics for figure in reported()]
-        seeds = len(table.case(*case))
-        rows += [(*case, seeds, name, *(one[name] for one in spreads)) for name in STATISTICS]
-    figures = (figure.heading for figure in reported())
-    write_csv(path, ("scenario", "law", "seeds", "statistic", *figures), rows)
+        runs = table.case(*case)
+        spreads = [runs.spread(figure.name).statistics for figure in figures]
+        rows += [(*case, runs.rows, name, *(one[name] for one in spreads)) for name in STATISTICS]
+    headings = (figure.heading for figure in figures)
+    write_csv(path, ("scenario", "law", "seeds", "statistic", *headings), rows)
 
 
-def write_runs(path: Path, table: FigureTable) -> None:
-    """One row per run, with all of its figures."""
-    rows = (
-        (row.case.name, row.case.law, row.seed, row.outcome, *(row[f.name] for f in reported()))
-        for row in table
-    )
-    figures = (figure.heading for figure in reported())
-    write_csv(path, ("scenario", "law", "seed", "outcome", *figures), rows)
+def write_rows(
+    path: Path, rows: Iterable[Mapping[str, object]], columns: Mapping[str, str]
+) -> None:
+    """One row per run: what stands under the name that each heading has in ``columns``."""
+    write_csv(path, columns, ([row[name] for name in columns.values()] for row in rows))
+
+
+def write_runs(path: Path, table: RunTable) -> None:
+    """Every run with all of its figures."""
+    about = {"scenario": "case", "law": "law", "seed": "seed", "outcome": "outcome"}
+    figures = {figure.heading: figure.name for figure in reported()}
+    write_rows(path, table.records(), about | figures)
+
+
+def write_comparison(path: Path, table: RunTable) -> None:
+    """Every run of the comparison; only guarded ones have a share of time in clip."""
+    free = {"guard": "off", "guard_share1": None, "guard_share2": None}
+    rows = (row | ({"guard": "on"} if row["guard"] else free) for row in table.records())
+    write_rows(path, rows, COMPARISON_COLUMNS)
 
 
 _BEFORE, _LATE = (f"{start:g}-{end:g} s" for start, end in (BEFORE, LATE))
-_COMPARISON = {
+COMPARISON_COLUMNS = {
+    "base": "base",
+    "case": "case",
+    "law": "law",
+    "guard": "guard",
+    "seed": "seed",
+    "outcome": "outcome",
+    "steps beyond a limit [1]": "violations",
     "max |v1|/limit [1]": "limit_ratio1",
     "max |omega|/limit [1]": "limit_ratio2",
     f"RMS distance over {_LATE} [m]": AWAY,
@@ -214,42 +226,27 @@ _COMPARISON = {
     f"mean |e1| over {_BEFORE} [m]": E1_BEFORE,
     f"mean |e1| over {_LATE} [m]": E1,
     "peak wheel torque [N.m]": "tau_peak",
-}
-"""Columns of ours.csv by figure."""
-_CLIP = {
     "share of time in clip, thrust [1]": "guard_share1",
     "share of time in clip, moment [1]": "guard_share2",
 }
-"""Those that only guarded runs have."""
+"""Columns of ours.csv by heading."""
+RIGID_COLUMNS = {
+    "case": "case",
+    "law": "law",
+    "seed": "seed",
+    "plant": "plant",
+    "outcome": "outcome",
+    "ISE [m2.s + rad2.s]": "ise_total",
+    f"RMS of e1 over {_BEFORE} [m]": E1_RMS_BEFORE,
+    f"RMS of e1 over {_LATE} [m]": E1_RMS,
+    "max |v|/limit [1]": "limit_ratio",
+    "first slip [s]": "slipped",
+    "fall [s]": "tipped",
+}
+"""Columns of rigid.csv by heading."""
 
 
-def write_comparison(path: Path, table: Iterable[RunRow]) -> None:
-    """Every run of the comparison with its figures."""
-    rows = []
-    for row in table:
-        case, steps = row.case, row["violations"]
-        figures = (row[name] for name in _COMPARISON.values())
-        clip = (row[name] if case.guard else None for name in _CLIP.values())
-        guard, whole = "on" if case.guard else "off", None if steps is None else int(steps)
-        about = (case.base, case.name, case.law, guard, row.seed, row.outcome, whole)
-        rows.append((*about, *figures, *clip))
-    names = ("base", "case", "law", "guard", "seed", "outcome", "steps beyond a limit [1]")
-    write_csv(path, (*names, *_COMPARISON, *_CLIP), rows)
-
-
-def write_rigid(path: Path, table: Iterable[RunRow]) -> None:
-    """Every run on either plant."""
-    header = ("case", "law", "seed", "plant", "outcome", "ISE [m2.s + rad2.s]",
-              f"RMS of e1 over {_BEFORE} [m]", f"RMS of e1 over {_LATE} [m]",
-              "max |v|/limit [1]", "first slip [s]", "fall [s]")  # fmt: skip
-    rows = (
-        (r.case.name, r.case.law, r.seed, r.case.plant, r.outcome, *map(r.__getitem__, COMPARED))
-        for r in table
-    )
-    write_csv(path, header, rows)
-
-
-def write_claims(path: Path, judged: Sequence[Judged], table: FigureTable) -> None:
+def write_claims(path: Path, judged: Sequence[Judged], table: RunTable) -> None:
     """Every claim with its tests and verdict, and the readings, as JSON."""
     content = {
         "paper": CITATION,

@@ -43,16 +43,13 @@ class Sum:
 class Figure:
     """A number of a run: name, SI unit, meaning, and how to take it (None where it has none).
 
-    ``array`` and ``index``: where the tables of runs without a log have it, if they do; ``sum``:
-    the loop's sums that it is made from there.
+    ``sum``: the loop's sums that it is made from where no log is kept.
     """
 
     name: str
     unit: str
     meaning: str
     of: Take
-    array: str = ""
-    index: tuple[int, ...] = ()
     sum: Sum | None = None
 
     @property
@@ -115,11 +112,7 @@ def _stopped(run: Run) -> tuple[float, ...] | None:
 
 def _event(name: str, meaning: str) -> Figure:
     """The time of an event that the monitor tells."""
-    return Figure(name, "s", meaning, _at(attrgetter(f"monitor.{name}"), 0), name)
-
-
-def _not_logged(_: Run) -> None:
-    """The log ends a period before the run does."""
+    return Figure(name, "s", meaning, _at(attrgetter(f"monitor.{name}"), 0))
 
 
 _SUMS = {
@@ -133,16 +126,14 @@ _SUMS = {
 
 def _reading(name: str, unit: str, meaning: str) -> Figure:
     """A figure that is a reading by itself."""
-    return Figure(name, unit, meaning, _at(READINGS[name]), name, (), _SUMS.get(name))
+    return Figure(name, unit, meaning, _at(READINGS[name]), _SUMS.get(name))
 
 
 def _pair(name: str, units: tuple[str, str], meaning: str) -> Iterator[Figure]:
     """Figures of an axis each, counted from 1."""
     for axis in (0, 1):
         text = f"{meaning}, axis {axis + 1}"
-        yield Figure(
-            f"{name}{axis + 1}", units[axis], text, _at(READINGS[name], axis), name, (axis,)
-        )
+        yield Figure(f"{name}{axis + 1}", units[axis], text, _at(READINGS[name], axis))
 
 
 def _ise(part: str, over: str, meaning: str) -> Figure:
@@ -150,22 +141,21 @@ def _ise(part: str, over: str, meaning: str) -> Figure:
     alone, name = part == "position", f"ise_{part}"
     unit, sums = ("m2.s", part) if alone else ("m2.s + rad2.s", "position + angle")
     total = Sum(sums, over, "integral")
-    return Figure(name, unit, f"ISE {meaning}", _at(measures.ise, part), name, (), total)
+    return Figure(name, unit, f"ISE {meaning}", _at(measures.ise, part), total)
 
 
-def _position(tail: str, over: str, where: str, place: int) -> Figure:
+def _position(tail: str, over: str, where: str) -> Figure:
     """RMS distance from the reference over a window."""
-    of, name, text = _at(measures.position_rms, over), "position_rms", f"RMS distance {where}"
-    return Figure(f"{name}{tail}", "m", text, of, name, (place,), Sum("position", over))
+    of, text = _at(measures.position_rms, over), f"RMS distance {where}"
+    return Figure(f"position_rms{tail}", "m", text, of, Sum("position", over))
 
 
 def _tracking(part: str, when: str) -> Iterator[Figure]:
     """RMS and largest distance from the reference while driving, or at rest."""
     totals = {"rms": Sum("position", part), "max": Sum("farthest", part, "largest")}
-    for place, (short, text) in enumerate((("rms", "RMS"), ("max", "largest"))):
-        of = _at(measures.tracking, part, f"position_{short}")
-        name, array = f"tracking_{part}_{short}", f"tracking_{part}"
-        yield Figure(name, "m", f"{text} distance {when}", of, array, (place,), totals[short])
+    for short, text in (("rms", "RMS"), ("max", "largest")):
+        of, name = _at(measures.tracking, part, f"position_{short}"), f"tracking_{part}_{short}"
+        yield Figure(name, "m", f"{text} distance {when}", of, totals[short])
 
 
 def _seconds(span: Span) -> str:
@@ -174,11 +164,11 @@ def _seconds(span: Span) -> str:
 
 def _errors(axis: int, unit: str) -> Iterator[Figure]:
     """RMS of an axis of the tracking error, Eq. (8), in each window."""
-    for place, span in enumerate(WINDOWS):
+    for span in WINDOWS:
         text, total = f"RMS of e{axis} over {_seconds(span)}", Sum(f"e{axis}", named(span))
         of = _at(partial(measures.e_rms, start=span[0], end=span[1]), axis - 1)
         name = f"e{axis}_rms_{named(span)}"
-        yield Figure(name, unit, text, of, "e_rms", (place, axis - 1), total)
+        yield Figure(name, unit, text, of, total)
 
 
 def _weights(axis: int) -> Iterator[Figure]:
@@ -199,15 +189,15 @@ def _over(span: Span, name: str, text: str, of: Callable[[Run, Span], float | No
     return Figure(f"{name}_{named(span)}", "m", meaning, lambda run: of(run, span))
 
 
-_STATE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
+STATE = (("x", "m"), ("y", "m"), ("theta", "rad"), ("v1", "m/s"), ("omega", "rad/s"))
 
 SHARES = ("violated", "tracked")
 """Figures that are 0 or 1 a run: their mean is a share of the runs."""
 
 SUMMED: tuple[Figure, ...] = (
     _reading("violations", "1", "plant steps beyond a velocity limit"),
-    _position("", "all", "from the desired position, whole run", 0),
-    _position("_last_quarter", "last_quarter", "over the last quarter", 1),
+    _position("", "all", "from the desired position, whole run"),
+    _position("_last_quarter", "last_quarter", "over the last quarter"),
     _reading("position_max", "m", "largest distance over the last quarter"),
     *_tracking("drive", "while driving"),
     *_tracking("end", "after arrival"),
@@ -225,17 +215,17 @@ SUMMED: tuple[Figure, ...] = (
     *_pair("guard_share", ("1", "1"), "share of samples in which the guard changed the force"),
     *_pair("d_least", ("N", "N.m"), "largest least disturbance"),
     _event("bounds_left", "first motion that contradicts the guard's bounds"),
-    Figure("stopped", "s", "time at which a run ended early", _at(_stopped, 0), "stopped"),
+    Figure("stopped", "s", "time at which a run ended early", _at(_stopped, 0)),
     *(figure for axis, unit in ((1, "m"), (2, "m"), (3, "rad")) for figure in _errors(axis, unit)),
     *(
-        Figure(f"final_{name}", unit, f"{name} at the end", _not_logged, "final_state", (place,))
-        for place, (name, unit) in enumerate(_STATE)
+        Figure(f"final_{name}", unit, f"{name} at the end", lambda _: None)  # the log ends before
+        for name, unit in STATE
     ),
 )
 """Figures that the loop adds up without a log, in the order of a study's columns."""
 
 RIGID: tuple[Figure, ...] = tuple(
-    Figure(name, unit, meaning, _at(_rigid, name), name)
+    Figure(name, unit, meaning, _at(_rigid, name))
     for name, unit, meaning in (
         ("slipped", "s", "first time at which a tread slid by more than body.slip_max"),
         ("tipped", "s", "time at which the robot had fallen over"),

@@ -22,21 +22,36 @@ PLANTS = ("ode", "mujoco")
 """The plane model, and the rigid body on tyres."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CountedNumbers:
+    """Numbers that a guard counts on or leaves; None where they are not known.
+
+    ``dbar``: bound of the disturbance that the scenario states or implies [N, N m]; ``void``: what
+    the scenario has that no such bound covers, in sentences; ``usable`` and ``asked``, with the
+    guard on: largest steady speeds that it leaves, and those of the reference [m/s, rad/s];
+    ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s] and ``alpha`` [1/s]: as in `Guard`.
+    """
+
+    dbar: Pair | None = None
+    void: str = ""
+    usable: Pair | None = None
+    asked: Pair | None = None
+    M_min: Pair | None = None
+    M_max: Pair | None = None
+    nbar: Pair | None = None
+    alpha: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(CountedNumbers):
     """Clocks, limits and windows under which a run was made.
 
     ``control`` and ``plant``: control period and plant step [s]; ``duration`` [s], as asked for;
     ``v_u1``: limits of |v1| [m/s] and |omega| [rad/s]; ``split``: time that separates the ISE
-    before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s]; ``dbar``:
-    bound of the disturbance that the scenario states or implies [N, N m], None where not known;
-    ``tolerance``: position error that counts as tracked [m], None where not known; ``void``: what
-    the scenario has that the guard's guarantee does not cover, in sentences; ``plant_kind``:
-    "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which the
-    desired motion comes to rest for good [s], None where it never does; ``usable`` and ``asked``:
-    largest steady speeds that the guard leaves, and the reference's largest [m/s, rad/s], None
-    without guard; ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s] and ``alpha`` [1/s]: what
-    a guard counts on beside dbar, None where not known.
+    before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
+    ``tolerance``: position error that counts as tracked [m], None where not known;
+    ``plant_kind``: "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which
+    the desired motion comes to rest for good [s], None where it never does.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -46,17 +61,9 @@ class Settings:
     v_u1: Pair
     split: float
     rms_from: float = 2.0
-    dbar: Pair | None = None
     tolerance: float | None = None
-    void: str = ""
     plant_kind: str = "ode"
     arrival: float | None = None
-    usable: Pair | None = None
-    asked: Pair | None = None
-    M_min: Pair | None = None
-    M_max: Pair | None = None
-    nbar: Pair | None = None
-    alpha: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
@@ -109,25 +116,15 @@ def admitted(dbar: Pair, largest: Pair) -> Pair:
     return dbar[0] + ROUNDING * largest[0], dbar[1] + ROUNDING * largest[1]
 
 
-@dataclass(frozen=True)
-class Assumptions:
-    """A guard's assumptions on the motion: largest disturbance and force per axis [N, N m].
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assumptions(CountedNumbers):
+    """A guard's assumptions on the motion; ``dbar`` is always known.
 
-    ``force`` stops the robot in one sample: the scale of what the monitor compares.  ``void``: what
-    the scenario has that no such bound covers, in sentences.  ``usable`` and ``asked``, with the
-    guard on: largest steady speeds that it leaves, and those of the reference [m/s, rad/s].
-    ``M_min``, ``M_max`` [kg, kg m2], ``nbar`` [m/s, rad/s], ``alpha`` [1/s]: as in `Guard`.
+    ``force`` stops the robot in one sample [N, N m]: the scale of what the monitor compares.
     """
 
     dbar: Pair
     force: Pair
-    void: str = ""
-    usable: Pair | None = None
-    asked: Pair | None = None
-    M_min: Pair | None = None
-    M_max: Pair | None = None
-    nbar: Pair | None = None
-    alpha: float | None = None
 
 
 def first_beyond(columns: Mapping[str, NDArray[np.float64]], bounds: Assumptions) -> Event | None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.paper import EVALUATIONS
 from wmr_ctrl.signals import LARGEST
 from wmr_ctrl.sim.memory import opened
 
@@ -74,9 +75,6 @@ class CompiledLaw:
             "what was written into u and parameters."
         )
 
-
-EVALUATIONS = 10_000
-"""Evaluations that the paper timed."""
 
 START_SAMPLE = (0.0, 0.0, -1.5707963, 0.2, 0.1, 0.0, 0.0, -0.5, -0.5, -0.7, 0.3, -0.4)
 """A sample near the paper's start: reference, pose, velocity."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.results import Event, Monitor, Settings, outcome_of
-from wmr_ctrl.results.figures import SUMMED, Figure, Sum
+from wmr_ctrl.results.figures import STATE, SUMMED, Sum
 from wmr_ctrl.results.outcomes import STOP_REASONS
 from wmr_ctrl.results.windows import at_rest, windows_of
 from wmr_ctrl.sim.memory import Memory, Task
@@ -21,51 +21,31 @@ EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
 STOP_REASONS), and the number of samples made."""
 
 
-def _shape(array: str) -> tuple[int, ...]:
-    places = [figure.index for figure in SUMMED if figure.array == array]
-    return tuple(max(place) + 1 for place in zip(*places, strict=True))
-
-
-SHAPES: Mapping[str, tuple[int, ...]] = {
-    **{figure.array: _shape(figure.array) for figure in SUMMED},
-    **dict.fromkeys(EVENTS, ()),
-}
-"""Array to its shape for one run: ``e_rms`` by window of `WINDOWS` and axis [m, m, rad];
-``position_rms`` over all and over the last quarter [m]; ``tracking_drive`` and ``tracking_end``,
-RMS and largest distance [m]; ``final_state`` x, y [m], theta [rad], v1 [m/s], omega [rad/s];
-``max_abs_v``, ``d_least`` and ``guard_share`` by axis; the others one number as in the catalogue of
-figures, or of `EVENTS`.  NaN where there was no such event or the run ended before its window did.
-"""
-
-
-def column_of(figure: Figure, arrays: Mapping[str, Floats]) -> Floats:
-    """A figure that the loop adds up, one number a run: a view of ``arrays``."""
-    values: Floats = np.moveaxis(arrays[figure.array], 0, -1)[figure.index]
-    return values
+COLUMNS = (*(figure.name for figure in SUMMED), *EVENTS)
+"""Numbers of a run without a log; NaN where there was no such event, or the run ended before the
+figure's window did."""
 
 
 def empty_figures(count: int) -> Figures:
     """Arrays for ``count`` runs, with ``outcome`` (text) and ``tracked`` (bool)."""
-    arrays = {name: np.full((count, *shape), np.nan) for name, shape in SHAPES.items()}
-    return arrays | {"outcome": np.full(count, "", "<U16"), "tracked": np.full(count, False)}
+    texts = {"outcome": np.full(count, "", "<U16"), "tracked": np.full(count, False)}
+    return texts | {name: np.full(count, np.nan) for name in COLUMNS}
 
 
 def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[Task]) -> None:
     """Write a batch's figures where its runs stand."""
     where, settings = list(places), [run.loop.settings for run in runs]
     guarded = [run.loop.scenario.guard.enabled for run in runs]
-    for name, values in _from_findings(memory, settings[0]).items():
+    numbers = {**_from_findings(memory, settings[0]), **dict(_from_sums(memory, settings[0]))}
+    for share in ("guard_share1", "guard_share2"):
+        numbers[share] = np.where(guarded, numbers[share], 0.0)
+    for name, values in numbers.items():
         figures[name][where] = values
-    figures["guard_share"][[place for place, on in zip(where, guarded, strict=True) if not on]] = (
-        0.0
-    )
-    for figure, values in _from_sums(memory, settings[0]):
-        column_of(figure, figures)[where] = values
     seen = zip(monitors(memory, settings[0]), guarded, strict=True)
     figures["outcome"][where] = [outcome_of(watched, guard).value for watched, guard in seen]
     allowed = np.array([item.tolerance for item in settings], dtype=float)
     stops = np.array([first < end for first, end in map(at_rest, settings)])
-    drives, ends = (figures[f"tracking_{part}"][where, 0] <= allowed for part in ("drive", "end"))
+    drives, ends = (numbers[f"tracking_{part}_rms"] <= allowed for part in ("drive", "end"))
     figures["tracked"][where] = drives & (ends | ~stops)
 
 
@@ -102,11 +82,11 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
     row = memory.row
     step, left = settings.plant, row("left_sample")
     violated, ended, samples = row("violations") > 0, row("stop") > 0, row("samples")
-    ran = (samples > 0)[:, None]
-    shares = row("clipped1", "clipped2") / np.maximum(samples[:, None], 1)
+    ran, most = samples > 0, np.maximum(samples, 1)
     return {
-        "final_state": memory.final,
-        "max_abs_v": row("max_v1", "max_omega"),
+        **{f"final_{name}": memory.final[:, place] for place, (name, _) in enumerate(STATE)},
+        "max_abs_v1": row("max_v1"),
+        "max_abs_v2": row("max_omega"),
         "violations": row("violations"),
         "first_violation": np.where(violated, row("first_step") * step, np.nan),
         "first_axis": np.where(violated, row("first_axis"), np.nan),
@@ -114,16 +94,16 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
         "stopped": np.where(ended, row("stop_step") * step, np.nan),
         "stop_axis": np.where(ended, row("stop_axis"), np.nan),
         "samples": samples,
-        "tau_peak": np.where(samples > 0, row("torque"), np.nan),
-        "d_least": np.where(ran, row("d_least1", "d_least2"), np.nan),
+        "tau_peak": np.where(ran, row("torque"), np.nan),
+        **{f"d_least{k}": np.where(ran, row(f"d_least{k}"), np.nan) for k in (1, 2)},
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
         "bounds_axis": np.where(left >= 0, row("left_axis"), np.nan),
-        "guard_share": np.where(ran, shares, np.nan),
+        **{f"guard_share{k}": np.where(ran, row(f"clipped{k}") / most, np.nan) for k in (1, 2)},
     }
 
 
-def _from_sums(memory: Memory, settings: Settings) -> Iterator[tuple[Figure, Floats]]:
-    """Each figure that has sums, and its numbers; NaN where a run did not last its window."""
+def _from_sums(memory: Memory, settings: Settings) -> Iterator[tuple[str, Floats]]:
+    """Figures that have sums, by name; NaN where a run did not last the figure's window."""
     windows = windows_of(settings)
     full = {name: covered(span, settings, memory) for name, span in windows.items()}
     place = {name: k for k, name in enumerate(windows)}
@@ -135,7 +115,7 @@ def _from_sums(memory: Memory, settings: Settings) -> Iterator[tuple[Figure, Flo
     for figure in SUMMED:
         if figure.sum is not None:
             added, samples = (total(n, figure.sum.over) for n in (figure.sum.sums, "samples"))
-            yield figure, _made(figure.sum, added, samples, settings.control)
+            yield figure.name, _made(figure.sum, added, samples, settings.control)
 
 
 def _made(how: Sum, added: Floats, samples: Floats, period: float) -> Floats:

@@ -3,86 +3,22 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING, SupportsIndex, TypeVar
+from typing import SupportsIndex, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wmr_ctrl.errors import ArgumentError, UnknownNameError
-from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.limits import MOST_SEEDS, SEED_END
 from wmr_ctrl.fields.problems import show
 from wmr_ctrl.results import Monitor, Run, split_columns
 from wmr_ctrl.results.figures import FIGURES, RIGID, SUMMED, values_of
-from wmr_ctrl.results.frames import figure, table_frame, table_html
+from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.batch import Floats, Progress, run_logged, run_tasks
-from wmr_ctrl.sim.figures import column_of
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
-
-if TYPE_CHECKING:
-    import pandas
-
-
-@dataclass(frozen=True, repr=False)
-class RunTable(Mapping[str, NDArray[np.float64]]):
-    """Figures of many runs: an array by name, one row a run, in the order in which they were asked.
-
-    Names and units are those of `sim.figures.SHAPES`, on the rigid body those of
-    `results.figures.RIGID` too, and of the ``further`` figures that were asked for; ``outcome``
-    (str), ``seed`` and ``tracked`` (bool, RMS of drive and end against metrics.tolerance) besides.
-    A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
-    """
-
-    figures: Mapping[str, NDArray[np.float64]]
-    further: tuple[str, ...] = ()
-
-    def __repr__(self) -> str:
-        return f"<RunTable, {self.rows} runs, {len(self)} figures>"
-
-    def _repr_html_(self) -> str:
-        """The first runs and their main figures, for notebooks."""
-        columns = self.columns()
-        names = [name for name in SHOWN if name in columns]
-        units = {f.name: f.unit for f in FIGURES if f.name not in HEADS}
-        heads = [f"{name} [{units[name]}]" if name in units else name for name in names]
-        rows = [
-            [figure(columns[name][k].item()) for name in names] for k in range(min(self.rows, 8))
-        ]
-        return table_html(f"{self.rows} runs", rows, heads)
-
-    @property
-    def rows(self) -> int:
-        """Number of runs."""
-        return len(self.figures["seed"])
-
-    def columns(self) -> dict[str, NDArray[np.generic]]:
-        """One array of numbers a column, by the names that study tables have."""
-        heads: dict[str, NDArray[np.generic]] = {name: self.figures[name] for name in HEADS}
-        summed = [figure for figure in (*SUMMED, *RIGID) if figure.array in self.figures]
-        taken = {figure.name: column_of(figure, self.figures) for figure in summed}
-        return heads | taken | {name: self.figures[name] for name in self.further}
-
-    @checks_arguments
-    def to_dataframe(self) -> pandas.DataFrame:
-        """One row a run, one number a column; units in ``attrs``.  Raises MissingExtraError."""
-        return table_frame(self.columns(), {figure.name: figure.unit for figure in FIGURES})
-
-    @checks_arguments
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        if name not in self.figures:
-            raise UnknownNameError("figure", name, self.figures)
-        return self.figures[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.figures)
-
-    def __len__(self) -> int:
-        return len(self.figures)
 
 
 def run_many(
@@ -115,13 +51,14 @@ def tabulated(
 ) -> RunTable:
     """The table of some runs; ``figures`` that need a log are taken from runs made once more."""
     whole = not_summed(figures)
-    arrays = run_tasks(tasks, jobs=jobs, progress=progress)
-    arrays["seed"] = np.array([task.seed for task in tasks])
+    seeds = np.array([task.seed for task in tasks])
+    columns = {"seed": seeds, **run_tasks(tasks, jobs=jobs, progress=progress)}
     if whole:
-        chosen = [FIGURES[name] for name in whole]
-        rows = each_task(tasks, lambda _, run: list(values_of(run, chosen).values()), jobs)
-        arrays |= dict(zip(whole, np.array(rows, dtype=float).T, strict=True))
-    return RunTable(arrays, whole)
+        rows = each_task(
+            tasks, lambda _, run: values_of(run, map(FIGURES.__getitem__, whole)), jobs
+        )
+        columns |= table_of_rows(rows).columns
+    return RunTable(columns)
 
 
 def planned_tasks(
@@ -160,11 +97,6 @@ PREPARING = 0.1
 def later(progress: Progress | None) -> Progress | None:
     """Progress of the runs, behind what was told before."""
     return progress and (lambda share: progress(PREPARING + (1.0 - PREPARING) * share))
-
-
-HEADS = ("seed", "outcome", "tracked")
-SHOWN = (*HEADS, "position_rms", "ise_total", "max_abs_v1", "max_abs_v2")
-"""Columns that notebooks show."""
 
 
 T = TypeVar("T")
@@ -206,7 +138,7 @@ def each_task(
 
 def not_summed(names: Sequence[str]) -> tuple[str, ...]:
     """Those of the figures' names that need a whole log.  Raises UnknownNameError."""
-    return tuple(name for name in dict.fromkeys(names) if not FIGURES[name].array)
+    return tuple(name for name in dict.fromkeys(names) if FIGURES[name] not in (*SUMMED, *RIGID))
 
 
 def checked_seeds(seeds: Iterable[int]) -> list[int]:

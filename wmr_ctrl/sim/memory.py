@@ -158,11 +158,9 @@ class Memory:
         pointers = (item.ctypes.data_as(REALS) for item in (self.findings, self.state))
         return not self.vectors.run(ct.byref(self.settings), *pointers)
 
-    def row(self, *names: str) -> Floats:
-        """Findings by name for each run: (runs,), or (runs, names) for several."""
-        places = [self.layout.findings.index(name) for name in names]
-        rows = self.findings[places, : self.count]
-        return rows[0] if len(names) == 1 else rows.T
+    def row(self, name: str) -> Floats:
+        """A finding of each run, (runs,)."""
+        return self.findings[self.layout.findings.index(name), : self.count]
 
     @property
     def final(self) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,11 +21,10 @@ from wmr_ctrl.results import (
     largest_push,
     outcome_of,
 )
+from wmr_ctrl.results.settings import CountedNumbers
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
-COUNTED = ("dbar", "void", "usable", "asked", "M_min", "M_max", "nbar", "alpha")
-"""Fields of `Assumptions` that a run's settings keep."""
 Log = tuple[tuple[Signal, ...], Mapping[str, np.ndarray], Monitor]
 """Signals, columns and monitor, as an engine leaves them."""
 
@@ -49,7 +48,7 @@ def assemble_run(
     (signals, columns, seen), guard = log, scenario.guard.enabled
     left, least = first_beyond(columns, bounds), largest_push(columns)
     monitor = replace(seen, bounds_left=left, d_least=least)
-    known = {name: getattr(bounds, name) for name in COUNTED}
+    known = {item.name: getattr(bounds, item.name) for item in fields(CountedNumbers)}
     settings = replace(settings_of(scenario), plant_kind=plant, **known)
     outcome, made_by = outcome_of(monitor, guard), {**provenance(scenario), **facts}
     return Run(

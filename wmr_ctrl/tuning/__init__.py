@@ -1,6 +1,5 @@
 """Gains of a law for a scenario, found by search on runs."""
 
-from wmr_ctrl.tuning.gains import TrialFigures as TrialFigures
 from wmr_ctrl.tuning.gains import Tuning as Tuning
 from wmr_ctrl.tuning.gains import judged as judged
 from wmr_ctrl.tuning.gains import tunable as tunable

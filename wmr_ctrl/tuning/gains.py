@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -32,9 +32,10 @@ from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import atomic_text, check_writable
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.scenario.toml_write import to_toml
-from wmr_ctrl.sim.many import RunTable, checked_seeds
+from wmr_ctrl.sim.many import checked_seeds
 from wmr_ctrl.tuning.search import Search, Trials, digest_of
 
 Progress = Callable[[float], None]
@@ -46,6 +47,8 @@ REFERENCES = ("lemniscate", "line")
 LOST, SEARCH = 10.0, 0.9
 """Cost of a run that ended early [m]; share of the time that the search takes."""
 
+_ERRORS = ("tracking_drive_rms", "torque_change_rms")
+"""Figures that are judged, less is better."""
 MOST_TRIALS = 100_000
 WORSE = 0.05
 """Share by which a figure may grow before it is worse: medians of few runs differ by as much."""
@@ -112,38 +115,6 @@ class WorseFigure:
 
 
 @dataclass(frozen=True)
-class TrialFigures:
-    """Medians over the test seeds on one reference, for one ratio of true to believed mass.
-
-    ``position_rms`` [m] and ``torque_change_rms`` [N m] as in a run; ``max_abs_v`` [m/s, rad/s] and
-    ``lost``, runs that ended early, are the worst and the number of all; ``figures``: those of
-    other packages.
-    """
-
-    reference: str
-    mass: float
-    position_rms: float
-    torque_change_rms: float
-    max_abs_v: tuple[float, float]
-    lost: int
-    figures: Mapping[str, float] = field(default_factory=dict)
-
-    def worse_than(self, before: TrialFigures, limits: Sequence[float]) -> Iterator[WorseFigure]:
-        """Errors and torques that grew by more than WORSE, velocities beyond limits, runs lost."""
-        rows = [
-            ("position_rms", before.position_rms, self.position_rms, 0.0),
-            ("torque_change_rms", before.torque_change_rms, self.torque_change_rms, 0.0),
-        ]
-        pairs = zip(before.max_abs_v, self.max_abs_v, limits, strict=True)
-        rows += [(f"max_abs_v[{k}]", *pair) for k, pair in enumerate(pairs, start=1)]
-        for name, old, new, limit in rows:
-            if not new <= (max(old, limit) if limit else (1 + WORSE) * old):
-                yield WorseFigure(self.reference, self.mass, name, old, new)
-        if self.lost > before.lost:
-            yield WorseFigure(self.reference, self.mass, "lost", before.lost, self.lost)
-
-
-@dataclass(frozen=True)
 class Tuning:
     """The scenario with the gains that were found, and both sides of the comparison."""
 
@@ -151,15 +122,28 @@ class Tuning:
     scenario: Scenario
     gains: Mapping[str, tuple[float, ...]]
     objective: tuple[float, float]
-    before: tuple[TrialFigures, ...]
-    after: tuple[TrialFigures, ...]
+    before: RunTable
+    after: RunTable
     out: Path
 
     @property
     def worse(self) -> tuple[WorseFigure, ...]:
         """Figures of the test that are worse after than before, in the order of the table."""
-        pairs, limits = zip(self.before, self.after, strict=True), self.scenario.limits.v_u1
-        return tuple(item for old, new in pairs for item in new.worse_than(old, limits))
+        v1, omega = self.scenario.limits.v_u1
+        allowed = {name: (1 + WORSE) * self.before[name] for name in _ERRORS}
+        allowed |= {
+            "max_abs_v1": np.maximum(self.before["max_abs_v1"], v1),
+            "max_abs_v2": np.maximum(self.before["max_abs_v2"], omega),
+            "lost": self.before["lost"],
+        }
+        both = self.before, self.after
+        names, masses = (self.after[label].tolist() for label in ("reference", "mass"))
+        return tuple(
+            WorseFigure(reference, mass, name, *(float(item[name][k]) for item in both))
+            for k, (reference, mass) in enumerate(zip(names, masses, strict=True))
+            for name, most in allowed.items()
+            if not self.after[name][k] <= most[k]
+        )
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -171,8 +155,8 @@ class Tuning:
             "masses": [1.0, *MASSES],
             "objective": dict(zip(("before", "after"), self.objective, strict=True)),
             "gains": {key: list(value) for key, value in self.gains.items()},
-            "before": [asdict(item) for item in self.before],
-            "after": [asdict(item) for item in self.after],
+            "before": self.before.records(),
+            "after": self.after.records(),
             "worse": [asdict(item) for item in self.worse],
         }  # fmt: skip
 
@@ -284,7 +268,7 @@ def _costs(
     """The objective of each set of gains, all runs side by side."""
     cases = [case for gains in sets for _, case in _robots(with_gains(plan.scenario, gains))]
     table = _table(cases, plan.law, plan.seeds, jobs)
-    position = np.where(table["stop"] > 0, LOST, table["tracking_drive"][:, 0])
+    position = np.where(table["stop"] > 0, LOST, table["tracking_drive_rms"])
     change = np.where(table["stop"] > 0, 0.0, table["torque_change_rms"])
     squares = np.nan_to_num(position, nan=LOST) ** 2 + (plan.weight * np.nan_to_num(change)) ** 2
     return [float(item) for item in np.sqrt(squares.reshape(len(sets), -1).mean(axis=1))]
@@ -304,8 +288,13 @@ def _table(
 
 def judged(
     scenario: str | Path | Scenario, law: str, seeds: Iterable[int], jobs: int | None = None
-) -> tuple[TrialFigures, ...]:
-    """Figures of a law on a scenario as `tune` tells them: its reference and others, each robot."""
+) -> RunTable:
+    """Test of a law on a scenario as `tune` tells it: a row a reference and robot.
+
+    ``reference``; ``mass``, true over believed; over the seeds the medians of tracking_drive_rms,
+    torque_change_rms and other packages' figures, the greatest max_abs_v1 and max_abs_v2, and
+    ``lost``, the number of runs that ended early.
+    """
     chosen, listed = scenario_of(scenario), tuple(seeds)
     own, cases = chosen.reference_kind.name, []
     for kind in dict.fromkeys((own, *REFERENCES)):
@@ -313,19 +302,18 @@ def judged(
         cases += [(kind, ratio, case) for ratio, case in _robots(on)]
     names = [figure.name for figure in FIGURES.plugins]
     table = _table([case for _, _, case in cases], law, listed, jobs, names)
-    count = len(listed)
-    parts = (slice(k * count, (k + 1) * count) for k in range(len(cases)))
-    return tuple(
-        TrialFigures(
-            kind,
-            ratio,
-            float(np.median(table["tracking_drive"][part, 0])),
-            float(np.median(table["torque_change_rms"][part])),
-            (float(table["max_abs_v"][part, 0].max()), float(table["max_abs_v"][part, 1].max())),
-            int((table["stop"][part] > 0).sum()),
-            {name: float(np.median(table[name][part])) for name in names},
-        )
-        for part, (kind, ratio, _) in zip(parts, cases, strict=True)
+
+    by_case = {name: values.reshape(len(cases), -1) for name, values in table.items()}
+    middle = {name: np.median(by_case[name], axis=1) for name in (*_ERRORS, *names)}
+    return RunTable(
+        {
+            "reference": np.array([kind for kind, _, _ in cases]),
+            "mass": np.array([ratio for _, ratio, _ in cases]),
+            **{name: middle.pop(name) for name in _ERRORS},
+            **{name: by_case[name].max(axis=1) for name in ("max_abs_v1", "max_abs_v2")},
+            "lost": (by_case["stop"] > 0).sum(axis=1),
+            **middle,
+        }
     )
 
 
