@@ -52,7 +52,7 @@ THIRD_PARTY = {
     "barrier": {"casadi"},
     "laws": {"casadi"},
     "guard": {"casadi"},
-    "filter": {"casadi"},
+    "filter": {"casadi", "numpy"},
     "control": {"casadi"},
     "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},
     "checks": {"casadi", "numpy"},

@@ -11,7 +11,8 @@ import wmr_ctrl
 from tests.filter.adversary import Base, fastest
 from wmr_ctrl import load_scenario
 from wmr_ctrl.errors import ArgumentError, ScenarioError
-from wmr_ctrl.filter.filter import ROUNDING, Governor
+from wmr_ctrl.filter.channels import ROUNDING
+from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.scenario import Scenario
 
 STATED = {
@@ -179,6 +180,71 @@ def test_what_cannot_be_met_is_refused_with_its_key(stated, words):
 def test_pairs_have_two_numbers():
     with pytest.raises(ArgumentError, match="command has 3 numbers"):
         wmr_ctrl.command_filter(scenario()).step((1.0, 2.0, 3.0))
+
+
+UNLIKE = {"channels": "wheels", "tau": None, "d": (0.0, 0.0), "gain": (1.0, 1.0)}
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0])
+@pytest.mark.parametrize("channels", ["wheels", "body"])
+def test_unlike_wheels_need_to_be_limited_by_themselves(channels, ratio):
+    stated = scenario("clip", **(UNLIKE | {"channels": channels}))
+    l, (V, W) = stated.robot.l, stated.limits.v_u1
+    limit, rng = wmr_ctrl.command_filter(stated), np.random.default_rng(0)
+    left, wheels, worst = 1 - np.exp(-0.05 / 0.2 / np.array([1.0, ratio])), np.zeros(2), 0.0
+    for k in range(400):
+        asked = (9.0, 0.0) if k % 80 < 40 else (0.0, rng.choice([-9.0, 9.0]))
+        v, omega = limit.step(asked).command
+        wheels += left * (np.array([v + l * omega, v - l * omega]) - wheels)
+        worst = max(worst, abs(wheels.sum()) / 2 / V, abs(wheels[0] - wheels[1]) / 2 / l / W)
+    assert worst <= 1 or (channels == "body" and ratio > 1)
+    assert channels == "wheels" or ratio == 1 or worst > 1.0
+
+
+@pytest.mark.parametrize("scale", ["curvature", "turn", "drive"])
+@pytest.mark.parametrize("kind", ["clip", "governor"])
+def test_wheels_are_kept_below_their_own_limit(kind, scale):
+    stated = scenario(kind, scale=scale, wheel_speed=1.1, channels="body", d=(0.0, 0.0))
+    limit, l, rng = wmr_ctrl.command_filter(stated), stated.robot.l, np.random.default_rng(1)
+    body, asked, most, least = np.zeros(2), (9.0, 9.0), 0.0, 9.0
+    for k in range(600):
+        asked = asked if k % 30 else rng.choice([-9, 0, 9], 2)
+        sent = limit.step(tuple(asked), tuple(body)).command
+        body += (1 - np.exp(-0.05 / 0.2)) * (1.1 * np.array(sent) - body)
+        most = max(most, *abs(body[0] + np.array([l, -l]) * body[1]))
+        least = min(least, 1.0 - abs(body).max())
+    assert 1.0 < most <= 1.1
+    assert least >= 0
+
+
+def test_priority_gives_one_axis_all_that_it_can_have():
+    first = {"turn": 1, "drive": 0}
+    stated = {name: scenario("clip", scale=name, wheel_speed=1.0, d=(0.0, 0.0)) for name in first}
+    for name, axis in first.items():
+        sent = wmr_ctrl.command_filter(stated[name]).step((9.0, 9.0)).command
+        alone = [0.0, 0.0]
+        alone[axis] = 9.0
+        assert sent[axis] == wmr_ctrl.command_filter(stated[name]).step(alone).command[axis]
+        assert sent[0] + stated[name].robot.l * sent[1] == pytest.approx(1 / 1.1, rel=1e-6)
+
+
+UNSOUND = {
+    "limits.v_u1": (0.04, 1.0), "filter.tau": (-0.2, 0.3), "filter.gain": (0.9, math.nan),
+    "filter.d": (-0.1, 0.0), "clock.control": (0.0,), "filter.odometry": (math.inf, 0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNSOUND)
+def test_parameters_that_nothing_can_keep_stop_the_base_and_are_told(name):
+    system = Governor(scenario()).system
+    p = np.array([
+        value for item in system.params
+        for value in UNSOUND.get(item.signal.name if item.signal.name == name else "", item.value)
+    ])  # fmt: skip
+    step = system.function("step", [system.update, system.y])
+    x, y = step(np.array([0.5, 0.1, 0.2, 0.0, 0.0, 0.05]), system.x0, p)
+    assert y.full().ravel().tolist() == [0.0, 0.0, 32.0]
+    assert np.isfinite(x.full()).all()
 
 
 def test_a_run_says_that_no_filter_acts_in_it():

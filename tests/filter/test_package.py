@@ -14,7 +14,7 @@ from tests.filter.test_filter import scenario
 from wmr_ctrl.codegen.package import package_files
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter import command_filter
-from wmr_ctrl.filter.filter import FLAG_NAMES
+from wmr_ctrl.filter.channels import FLAG_NAMES
 from wmr_ctrl.scenario import load_scenario
 
 ODD = """#include <math.h>

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.filter.filter import ASKED
+from wmr_ctrl.filter.channels import ASKED
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Limits
 from wmr_ctrl.signals import VELOCITY

@@ -14,11 +14,11 @@ from wmr_ctrl.fields.section import Section, asking, number_of, numbers_in, quan
 from wmr_ctrl.fields.values import Frozen, Quantity, Range, as_list, check_multiple
 from wmr_ctrl.late_bound import late_bound
 from wmr_ctrl.results.frames import table_html
+from wmr_ctrl.scenario.command_filter import Filter
 from wmr_ctrl.scenario.sections import (
     Body,
     Change,
     Clock,
-    Filter,
     Guard,
     Initial,
     Limits,

@@ -265,7 +265,7 @@ class Guard(Section, key="guard"):
 
     def relate(self) -> None:
         """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
-        _check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
+        check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
         if self.M_min is None or self.M_max is None:
             return
         for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
@@ -276,69 +276,7 @@ class Guard(Section, key="guard"):
                 )
 
 
-FILTERS = ("none", "clip", "governor")
-SCALES = ("curvature", "axes")
-MOST_PERIODS = 64
-"""Most control periods of delay, age and losses that the governor counts through."""
-
-
-class Filter(Section, key="filter"):
-    """Filter of commanded velocities that keeps |v1|, |omega| within limits.v_u1.
-
-    The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
-    gain and push are anywhere within their intervals and may vary.  Samples are clock.control
-    apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
-    never overshoots; ``governor`` needs all of them, and spends on speed what odometry tells.
-    """
-
-    kind: str = quantity("none", unit="1", doc="how commands are limited", options=FILTERS)
-    tau: tuple[float, float] | None = quantity(
-        None, unit="s", doc="bounds of the speed loop's time constant", above=0, size=2
-    )
-    gain: tuple[float, float] = quantity(
-        (1.0, 1.0), unit="1", doc="bounds of speed over command at rest", above=0
-    )
-    d: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="m/s, rad/s", doc="speed at which a push alone would end", minimum=0
-    )
-    odometry: tuple[float, float] | None = quantity(
-        None, unit="m/s, rad/s", doc="bound of odometry's error; left out: it is not used",
-        minimum=0, size=2,
-    )  # fmt: skip
-    age: float = quantity(0.0, unit="s", doc="largest age of odometry", minimum=0, usual=(0, 2))
-    delay: tuple[float, float] = quantity(
-        (0.0, 0.0), unit="s", doc="bounds of a command's delay, which may vary", minimum=0,
-        usual=(0, 2),
-    )  # fmt: skip
-    losses: int = quantity(0, unit="1", doc="most commands in a row that are lost", minimum=0)
-    jitter: float = quantity(
-        0.0, unit="s", doc="how far samples may lie from the clock's period", minimum=0
-    )
-    hold: float = quantity(
-        0.0, unit="s", doc="how long the base keeps a command that nothing follows, then stops",
-        minimum=0, usual=(0, 10),
-    )  # fmt: skip
-    scale: str = quantity(
-        "curvature", unit="1", doc="both axes by one factor, or each by its own", options=SCALES
-    )
-
-    def relate(self) -> None:
-        """Intervals are the right way round, and a governor has what it counts on."""
-        _check_intervals(self, dict.fromkeys(("tau", "gain", "delay"), "it"))
-        if self.kind == "governor" and self.tau is None:
-            raise ScenarioError(
-                "filter.tau is missing: the governor counts on bounds of the time constant with "
-                "which the base follows its command. Give tau = [low, high] [s], or take "
-                'filter.kind = "clip", which holds for every base that never overshoots.'
-            )
-        if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
-            raise ScenarioError(
-                f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
-                "1e6, for which nothing can be said. Narrow the interval."
-            )
-
-
-def _check_intervals(section: Section, names: Mapping[str, str]) -> None:
+def check_intervals(section: Section, names: Mapping[str, str]) -> None:
     """Raise ScenarioError where an interval is the wrong way round; ``names``: what lies in it."""
     for name, what in names.items():
         first, second = getattr(section, name) or (0.0, 0.0)

@@ -10,8 +10,9 @@ from functools import cached_property
 
 import casadi as ca
 
-from wmr_ctrl.filter.filter import WAYS, Governor
+from wmr_ctrl.filter.channels import WAYS
 from wmr_ctrl.filter.governor import FirstOrder, admitted, drive, largest_command, relaxed
+from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.ledger import HAND
 from wmr_ctrl.proofs.methods.spec import Z3
@@ -288,6 +289,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
         for i in range(len(WAYS))
     }
     given = tuple(above(limit) for limit in every.values())
+    every["numbers are sound"] = step.graph.sound
     goal = at_least(mutation(1, 0.99) * step.limit, step.way * step.graph.sent[axis])
     return Statement(step.symbols, (goal,), given, every)
 

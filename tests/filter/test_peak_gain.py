@@ -1,0 +1,144 @@
+"""The clip of linear loops: its peak gain against quadrature, and against the worst commands."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.filter.linear_base import LinearBase, pi_base, second_order_base
+from wmr_ctrl import command_filter, load_scenario
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.enclosure import Span, exp, root
+from wmr_ctrl.filter.peak_gain import PiLoop, second_order
+from wmr_ctrl.scenario import Scenario
+
+WIDE = {"mass": (50.0, 65.0), "kp": (135.0, 165.0), "ki": (270.0, 330.0), "friction": (0.0, 20.0)}
+LOOP = PiLoop((50.0, 65.0), (135.0, 165.0), (270.0, 330.0), (0.0, 20.0))
+PUSH = 10.0
+
+
+def scenario(**stated: object) -> Scenario:
+    """The family "wide" on both axes, whose inertia is as heavy at the rim as its mass."""
+    given = {"kind": "clip", "loop": "pi", "inertia": (50 / 16, 65 / 16), "push": (PUSH, 0.0)}
+    keys = {"limits.v_u1": (1.0, 1.0), "limits.v_u2": (0.7, 0.7), "clock.control": 0.05}
+    return load_scenario(
+        "paper-simulation",
+        keys | {f"filter.{name}": value for name, value in (WIDE | given | stated).items()},
+    )
+
+
+def variation(base: LinearBase, column: np.ndarray) -> float:
+    """Integral of the impulse response's size, by the trapezoidal rule."""
+    slowest = -np.linalg.eigvals(base.A).real.max()
+    times = np.linspace(0, 25 / slowest, 20001)
+    return float(np.trapezoid(np.abs(base.impulse(column, times)), times))
+
+
+shares = st.floats(0, 1)
+
+
+@settings(max_examples=12, deadline=None)
+@given(shares, shares, shares, shares)
+def test_no_member_has_a_larger_peak_gain_than_its_family(m, p, i, c):
+    numbers = zip((m, p, i, c), WIDE.values(), strict=True)
+    base = pi_base(*(low + share * (high - low) for share, (low, high) in numbers))
+    peak = LOOP.peak(PUSH)
+    assert variation(base, base.b) <= peak.gain + 1e-5
+    assert PUSH * variation(base, base.e) <= peak.push + 1e-5
+
+
+def test_the_worst_member_has_it():
+    worst, pushed, peak = pi_base(65, 135, 330, 0), pi_base(50, 135, 270, 0), LOOP.peak(PUSH)
+    assert variation(worst, worst.b) == pytest.approx(peak.gain, rel=1e-4)
+    assert PUSH * variation(pushed, pushed.e) == pytest.approx(peak.push, rel=1e-4)
+
+
+@pytest.mark.parametrize("z", [0.1, 0.7, 0.999, 1.0, 1.3, 4.0])
+def test_peak_gain_of_second_order_loops_is_the_quadrature_s(z):
+    base, peak = second_order_base(3.0, z, 1.1), second_order(z, 1.1, 0.2)
+    assert variation(base, base.b) == pytest.approx(peak.gain, rel=2e-4)
+    assert 0.2 * variation(base, base.e) == pytest.approx(peak.push, rel=2e-4)
+
+
+@pytest.mark.parametrize("z", [0.05, 0.4, 0.9, 1.5])
+def test_peak_gain_of_pi_loops_without_friction_falls_with_damping(z):
+    def at(kp: float) -> float:
+        return PiLoop((1.0, 1.0), (kp, kp), (1.0, 1.0), (0.0, 0.0)).peak(0.0).gain
+
+    assert at(2.02 * z) < at(2 * z)
+
+
+def sender(stated: Scenario, axis: int = 0):
+    limit = command_filter(stated)
+
+    def send(asked: float) -> float:
+        made = limit.step((asked, 0.0) if axis == 0 else (0.0, asked))
+        return made.command[axis]
+
+    return send
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("T", [0.01, 0.2])
+def test_the_worst_commands_stay_inside_and_nearly_reach_the_limit(T, axis):
+    base = pi_base(65, 135, 330, 0)
+    reached = base.fastest(sender(scenario(), axis), (PUSH, 0.0)[axis], T, int(8 / T))
+    assert 0.95 < reached <= 1.0
+
+
+@pytest.mark.parametrize(
+    "broken", [pi_base(68.25, 135, 330, 0), pi_base(65, 128.25, 330, 0), pi_base(65, 135, 346.5, 0)]
+)
+def test_a_loop_beyond_its_family_passes_the_limit(broken):
+    send = sender(scenario(push=(0.0, 0.0)))
+    assert broken.fastest(send, 0.0, 0.01, 800) > 1.0
+
+
+def test_second_order_loops_stay_inside_where_they_are_damped_as_stated():
+    stated = scenario(loop="second-order", damping=(0.4, 2.0), gain=(0.9, 1.1), d=(0.05, 0.0),
+                      push=(0.0, 0.0))  # fmt: skip
+    bases = [second_order_base(4.0, z, 1.1) for z in (0.4, 0.38)]
+    inside, beyond = (b.fastest(sender(stated), 0.05, 0.01, 1000) for b in bases)
+    assert 0.98 < inside <= 1.0 < beyond
+
+
+@given(st.floats(-20, 20), st.floats(-20, 20), st.floats(0.01, 20))
+def test_enclosures_hold_exact_results(a, b, c):
+    one, other, below = (Fraction(item) for item in (a, b, c))
+    x, y, z = Span.of(a), Span.of(b), Span.of(c)
+    for found, exact in (
+        (x + y, one + other), (x - y, one - other), (x * y, one * other), (x / z, one / below),
+    ):  # fmt: skip
+        assert Fraction(float(found.lo)) <= exact <= Fraction(float(found.hi))
+    assert Fraction(float(root(z).lo)) ** 2 <= below <= Fraction(float(root(z).hi)) ** 2
+    assert exp(Span.of(a, a + c)).lo <= np.exp(a) <= np.exp(a + c) <= exp(Span.of(a, a + c)).hi
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"kp": None}, "filter.kp is missing"),
+        ({"ki": (330.0, 270.0)}, "wrong way round"),
+        ({"ki": (0.0, 330.0)}, "filter.ki"),
+        ({"kind": "governor", "tau": (0.2, 0.3)}, "begins to fall at once"),
+        ({"gain": (0.9, 1.1)}, "reaches its command at rest"),
+        ({"push": (110.0, 0.0)}, "alone drives the base to 1.07"),
+        ({"channels": "wheels"}, "different masses"),
+        ({"loop": "second-order"}, "filter.damping is missing"),
+    ],
+)
+def test_what_cannot_be_met_is_refused(stated, words):
+    with pytest.raises(ScenarioError, match=words):
+        command_filter(scenario(**stated))
+
+
+def test_the_parameters_are_the_peak_gain_and_what_pushes_lead_to():
+    system = command_filter(scenario()).system
+    found = {item.signal.name: item.value for item in system.params}
+    peak = LOOP.peak(PUSH)
+    assert found["filter.peak_gain"] == pytest.approx((peak.gain, peak.gain), rel=1e-12)
+    assert found["filter.delta"] == pytest.approx((peak.push, 0.0), abs=1e-12)

@@ -1,0 +1,142 @@
+"""Speeds that are limited, and one command brought inside all of their limits.
+
+A channel is a speed that follows its own command by itself: v and omega, or the speed of each wheel
+over the ground, v + l omega and v - l omega.  Their limits are a convex set of commands with 0
+inside, so that every command has a largest share that is safe: scaled by it, it keeps omega/v, the
+curvature of the path.
+
+Wheels that are not alike couple v and omega: there the wheels are the channels, each limited to
+min(V, l Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+
+from wmr_ctrl.filter.governor import FirstOrder, admitted
+from wmr_ctrl.model.system import Parameters
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import LARGEST, Signal
+
+AXES = (0, 1)
+WAYS = (1, -1)
+ROUNDING = 2.0**-26
+"""Share of V that the filter stays away from the limit: some hundred roundings of doubles, and
+times that are taken for the same (1e-9 of a period), are far below it."""
+TINY = 1e-30
+"""Room of a limit that is used up [m/s], so that no share is 0/0."""
+
+ASKED = Signal("v_asked", "m/s, rad/s", "commanded velocity (linear, angular)", 2)
+SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
+FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
+
+LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND = 1, 2, 4, 8, 16, 32
+"""Bits of the flags, of which CommandFilter.step tells the meaning."""
+FLAG_NAMES = {
+    LIMITED: "limited",
+    UNUSED: "unused",
+    BOUNDS_LEFT: "bounds-left",
+    LATE: "late",
+    REFUSED: "refused",
+    UNSOUND: "unsound",
+}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Speed row[0] v + row[1] omega with its numbers; ``largest`` is the value of its limit."""
+
+    row: tuple[ca.SX, ca.SX]
+    bounds: FirstOrder
+    largest: float
+
+    def of(self, pair: Sequence[ca.SX] | ca.SX) -> ca.SX:
+        """The channel's part of (v, omega)."""
+        return self.row[0] * pair[0] + self.row[1] * pair[1]
+
+
+def channels_of(
+    scenario: Scenario, p: Parameters, numbers: tuple[ca.SX, ca.SX, ca.SX], kappa: ca.SX
+) -> list[Channel]:
+    """Channels of a scenario's filter; ``numbers``: gain (least, largest of each axis), push."""
+    settings, limits = scenario.filter, scenario.limits.v_u1
+    K_min, K_max, d = numbers
+    V = p.take("limits.v_u1") * (1 - ROUNDING)
+    nbar = p.take("filter.odometry") if settings.odometry else ca.SX.zeros(2)
+    body = [FirstOrder(V[i], d[i], nbar[i], K_min[i], K_max[i], kappa) for i in AXES]
+    unit = ((ca.SX(1), ca.SX(0)), (ca.SX(0), ca.SX(1)))
+    both = [Channel(unit[i], body[i], limits[i]) for i in AXES]
+    wheels = settings.channels == "wheels"
+    if not wheels and settings.wheel_speed is None:
+        return both
+    l, top, most = p.take("robot.l"), list[ca.SX](), list[float]()
+    if settings.wheel_speed is not None:
+        top, most = [p.take("filter.wheel_speed") * (1 - ROUNDING)], [settings.wheel_speed]
+    if wheels:
+        top += [V[0], l * V[1]]
+        most += [limits[0], scenario.robot.l * limits[1]]
+    rim = FirstOrder(
+        reduce(ca.fmin, top), d[0] + l * d[1], nbar[0] + l * nbar[1],
+        ca.fmin(K_min[0], K_min[1]), ca.fmax(K_max[0], K_max[1]), kappa,
+    )  # fmt: skip
+    sides = [Channel((ca.SX(1), way * l), rim, min(most)) for way in WAYS]
+    return sides if wheels else [*both, *sides]
+
+
+def scaled(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], scale: str
+) -> ca.SX:
+    """The command (2,) within the limits lo < 0 < hi of all channels.
+
+    ``scale``: by one factor, each axis by its own, or one axis first and then the other.
+    """
+    if scale in ("turn", "drive"):
+        return _one_first(r, channels, lo, hi, AXES[scale == "turn"])
+    shares = admitted([channel.of(r) for channel in channels], lo, hi)
+    common = reduce(ca.fmin, shares)
+    factors = shares if scale == "axes" else [common, common]
+    if channels[0].row[1].is_zero():  # the axes themselves: no rounding leads beyond their limits
+        return ca.vertcat(*(ca.fmin(ca.fmax(factors[i] * r[i], lo[i]), hi[i]) for i in AXES))
+    return ca.vertcat(*(factors[i] * r[i] for i in AXES))
+
+
+def _one_first(
+    r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
+) -> ca.SX:
+    sent = [ca.SX(0), ca.SX(0)]
+    for axis in (first, 1 - first):
+        used = [channel.of(sent) for channel in channels]
+        left = [ca.fmin(lo[k] - used[k], -TINY) for k in range(len(channels))]
+        right = [ca.fmax(hi[k] - used[k], TINY) for k in range(len(channels))]
+        asked = [channel.row[axis] * r[axis] for channel in channels]
+        sent[axis] = reduce(ca.fmin, admitted(asked, left, right)) * r[axis]
+    return ca.vertcat(*sent)
+
+
+def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
+    """The command of both axes, 0 where it is no number, and the flag that says so."""
+    usable = reduce(ca.logic_and, (within(asked[i], LARGEST) for i in AXES))
+    return [ca.if_else(usable, asked[i], 0) for i in AXES], ca.if_else(usable, 0, REFUSED)
+
+
+def within(value: ca.SX, size: ca.SX | float) -> ca.SX:
+    """1 where |value| <= size; 0 else, and for what is no number."""
+    return ca.logic_and(value >= -size, value <= size)
+
+
+def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:
+    """The flag of a command that is not sent as it was asked for."""
+    return ca.if_else(ca.logic_and(sent[0] == r[0], sent[1] == r[1]), 0, LIMITED)
+
+
+def sound(channels: Iterable[Channel]) -> ca.SX:
+    """1 where every channel's numbers leave a command that is safe; 0 for what is no number."""
+    tests = []
+    for b in (channel.bounds for channel in channels):
+        tests += [b.dbar >= 0, b.dbar < b.V, b.V <= LARGEST, b.nbar >= 0, b.nbar <= LARGEST]
+        tests += [b.K_min > 0, b.K_max >= b.K_min, b.K_max <= LARGEST]
+    return reduce(ca.logic_and, tests)

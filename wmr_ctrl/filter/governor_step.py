@@ -1,0 +1,214 @@
+"""The governor's step as a graph, from odometry to the command that is sent.
+
+Its state is the bounds of every channel's speed and the commands that may still act.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property, reduce
+from typing import TypeAlias
+
+import casadi as ca
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.channels import (
+    ASKED,
+    AXES,
+    BOUNDS_LEFT,
+    FLAGS,
+    LATE,
+    SENT,
+    UNSOUND,
+    UNUSED,
+    WAYS,
+    channels_of,
+    limited,
+    scaled,
+    sound,
+    usable_command,
+    within,
+)
+from wmr_ctrl.filter.governor import NEAR, Schedule, SpeedBound, drive, largest_command
+from wmr_ctrl.guard.lateness import Times
+from wmr_ctrl.model.system import Output, Parameters, System, port
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.command_filter import MOST_PERIODS
+from wmr_ctrl.signals import LARGEST, Signal
+
+Sides: TypeAlias = list[list[ca.SX]]
+"""A number of every channel, of its speed first, then of the speed's negative."""
+
+ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
+AGE = Signal("odometry_age", "s", "age of the odometry; negative: there is none")
+ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
+
+
+SIDES = (("v_above", "bound of the velocity"), ("v_below", "bound of the velocity's negative"))
+
+
+def schedule(scenario: Scenario) -> Schedule:
+    """The filter's times in control periods.
+
+    Raises ScenarioError where they span more samples than the filter counts through.
+    """
+    settings, T = scenario.filter, scenario.clock.control
+    if settings.jitter >= T:
+        raise ScenarioError(
+            f"filter.jitter = {settings.jitter:g} s must be less than the period between samples, "
+            f"clock.control = {T:g} s."
+        )
+    first, last = settings.delay
+    times = first, last, settings.jitter, settings.age, settings.hold
+    in_periods = (float(item) for item in map(Times(T, scenario.clock.plant).in_periods, times))
+    soonest, latest, jitter, age, hold = in_periods
+    plan = Schedule((soonest, latest), settings.losses, jitter, age, hold)
+    span = (last + settings.age) / (T - settings.jitter) + settings.losses
+    if span > MOST_PERIODS:
+        raise ScenarioError(
+            f"filter: delay, age of odometry and losses span {span:.0f} control periods of {T:g} s "
+            f"and the governor counts through at most {MOST_PERIODS}. State shorter ones, or take "
+            'filter.kind = "clip", which needs none of them.'
+        )
+    return plan
+
+
+class Governor:
+    """The graph of a governor, step by step from odometry to the command that is sent."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Take the ports; ScenarioError where the times span too many samples."""
+        self.scenario, self.plan, self.p = scenario, schedule(scenario), Parameters(scenario)
+        self.asked, self.odometry = port(ASKED), port(ODOMETRY)
+        self.age, self.elapsed = port(AGE, -1.0), port(ELAPSED)
+        self.before = [port(_sent(number)) for number in range(1, self.plan.oldest + 1)]
+        self.T, tau = self.p.take("clock.control"), self.p.take("filter.tau")
+        kappa = 1 / ca.expm1(self.plan.longest * self.T / tau[0])
+        self.channels = channels_of(scenario, self.p, stated(self.p), kappa)
+        self.bounds = [channel.bounds for channel in self.channels]
+        self.motions = [SpeedBound(self.plan, b, (tau[0], tau[1]), self.T) for b in self.bounds]
+        largest = [channel.largest for channel in self.channels]
+        self.known = [port(_known(*side, len(largest)), largest) for side in SIDES]
+        self.command, self.refused = usable_command(self.asked.sym)
+        times = ca.logic_and(tau[0] > 0, tau[1] >= tau[0]), self.T > 0, self.T <= LARGEST
+        self.sound = reduce(ca.logic_and, (*times, tau[1] <= LARGEST, sound(self.channels)))
+
+    @cached_property
+    def seen(self) -> ca.SX:
+        """1 where there is odometry, young enough and a number."""
+        if self.scenario.filter.odometry is None:
+            return ca.SX(0)
+        age = 0.5 * self.plan.age * self.T
+        young = within(self.age.sym - age, age + NEAR * self.T)
+        return reduce(ca.logic_and, [young, *(within(self.odometry.sym[i], LARGEST) for i in AXES)])
+
+    @cached_property
+    def punctual(self) -> ca.SX:
+        """1 where the sample came within its jitter."""
+        elapsed = ca.if_else(self.elapsed.sym == 0, self.T, self.elapsed.sym)
+        return within(elapsed - self.T, (self.plan.jitter + NEAR) * self.T)
+
+    @cached_property
+    def now(self) -> Sides:
+        """Bounds of the speed at the sample: what was carried here, and what odometry says."""
+        sides = []
+        for way, known in zip(WAYS, self.known, strict=True):
+            odometry = [
+                motion.now(way * channel.of(self.odometry.sym), self.age.sym, self._targets(way, i))
+                for i, (motion, channel) in enumerate(zip(self.motions, self.channels, strict=True))
+            ]
+            carried = [ca.fmin(known.sym[i], b.V) for i, b in enumerate(self.bounds)]
+            both = [ca.fmin(odometry[i], carried[i]) for i in range(len(carried))]
+            sides.append([ca.if_else(self.seen, b, c) for b, c in zip(both, carried, strict=True)])
+        return sides
+
+    @cached_property
+    def agrees(self) -> ca.SX:
+        """1 where odometry and the stated bounds do not contradict each other."""
+        both = zip(*self.now, strict=True)
+        return reduce(ca.logic_and, [above + below >= 0 for above, below in both])
+
+    @cached_property
+    def trusted(self) -> ca.SX:
+        """1 where the bounds count; else the memoryless clip acts."""
+        return ca.logic_and(self.agrees, self.punctual)
+
+    @cached_property
+    def start(self) -> Sides:
+        """Bounds of the speed at the sample, V where they are not to be trusted."""
+        return [
+            [ca.if_else(self.trusted, v, b.V) for v, b in zip(side, self.bounds, strict=True)]
+            for side in self.now
+        ]
+
+    @cached_property
+    def limits(self) -> Sides:
+        """Largest commands that are safe, forwards and backwards, of all channels."""
+        sides = []
+        for way, side in zip(WAYS, self.now, strict=True):
+            taken = [m.takeover(side[i], self._targets(way, i)) for i, m in enumerate(self.motions)]
+            v_bar = [
+                ca.if_else(self.trusted, v, b.V) for v, b in zip(taken, self.bounds, strict=True)
+            ]
+            sides.append([largest_command(*pair) for pair in zip(v_bar, self.bounds, strict=True)])
+        return sides
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The safe command (2,); 0 where the parameters are unsound."""
+        upper, lower = self.limits
+        backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
+        safe = scaled(self.command, self.channels, backwards, upper, scale)
+        return ca.if_else(self.sound, safe, 0)
+
+    @cached_property
+    def following(self) -> Sides:
+        """Bounds of the speed at the next sample."""
+        return [
+            [
+                motion.following(side[i], self._targets(way, i, self.sent))
+                for i, motion in enumerate(self.motions)
+            ]
+            for way, side in zip(WAYS, self.start, strict=True)
+        ]
+
+    def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
+        """Speed towards which each command may drive a channel, by its age; [0]: the newest."""
+        first = self.before[0].sym if newest is None else newest
+        commands, channel = [first, *(item.sym for item in self.before)], self.channels[number]
+        return [drive(way * channel.of(command), channel.bounds) for command in commands]
+
+    @property
+    def system(self) -> System:
+        """The sampled System, whose state is the bounds and the commands that may still act."""
+        flags = limited(self.sent, self.command) + ca.if_else(self.seen, 0, UNUSED) + self.refused
+        flags += ca.if_else(self.agrees, 0, BOUNDS_LEFT) + ca.if_else(self.punctual, 0, LATE)
+        bounds = ca.vertcat(*(item for side in self.following for item in side))
+        older = [item.sym for item in self.before[:-1]]
+        known = ca.if_else(self.sound, bounds, LARGEST)
+        return System(
+            "filter",
+            "command filter (governor)",
+            inputs=(self.asked, self.odometry, self.age, self.elapsed),
+            state=(*self.known, *self.before),
+            params=self.p.ports,
+            update=ca.vertcat(known, self.sent, *older),
+            outputs=(
+                Output(SENT, self.sent),
+                Output(FLAGS, ca.if_else(self.sound, flags, UNSOUND)),
+            ),
+            period=self.scenario.clock.control,
+        )
+
+
+def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Gain, least and largest of each axis, and push as they are stated, of one loop for both."""
+    gain = p.take("filter.gain")
+    return ca.vertcat(gain[0], gain[0]), ca.vertcat(gain[1], gain[1]), p.take("filter.d")
+
+
+def _known(name: str, meaning: str, size: int) -> Signal:
+    return Signal(name, "m/s, rad/s", f"{meaning}, of each channel", size)
+
+
+def _sent(age: int) -> Signal:
+    return Signal(f"v_sent_{age}", "m/s, rad/s", f"command sent {age} samples ago", 2)

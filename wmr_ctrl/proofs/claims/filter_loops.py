@@ -1,0 +1,95 @@
+"""The command filter on bases that overshoot, and on bases whose wheels are not alike."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from wmr_ctrl.filter.channels import WAYS
+from wmr_ctrl.filter.clip import Clip
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.ledger import HAND
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import (
+    Statement,
+    above,
+    at_least,
+    symbols,
+    within,
+)
+from wmr_ctrl.scenario import load_scenario
+
+claim = Claims(by=Z3(effort=60))
+LINEAR = {
+    "filter.kind": "clip",
+    "filter.loop": "second-order",
+    "filter.damping": (0.5, 1.0),
+}
+"""Settings for the structure of the clip of linear loops; its numbers are symbols."""
+
+
+@claim("filter.wheel-box", given="l > 0; |v + l omega|, |v - l omega| <= min(V, l Omega)")
+def wheel_box(mutation: Mutation) -> Statement:
+    """|v| <= V and |omega| <= Omega.
+
+    Wheels that are limited by themselves keep the limits of the body, however unlike they are.
+    """
+    t = symbols("v omega V Omega l", "V Omega l")
+    top = mutation(1, 1.01) * ca.fmin(t["V"], t["l"] * t["Omega"])
+    rims = [t["v"] + way * t["l"] * t["omega"] for way in WAYS]
+    given = [above(t["l"]), *(part for rim in rims for part in within(rim, top))]
+    goals = (*within(t["v"], t["V"]), *within(t["omega"], t["Omega"]))
+    return Statement(t, goals, tuple(given))
+
+
+@claim(
+    "filter.sent-clip-{id}",
+    given="every command (no number, too); 0 < N, 0 <= delta < V: the parameters of the clip of "
+    "linear loops",
+    over=({"id": "linear", "axis": 0}, {"id": "angular", "axis": 1}),
+)
+def sent_clip(mutation: Mutation, axis: int) -> Statement:
+    """N |u| + delta <= V (1 - 2^-26), u what the whole clip sends on the {id} axis.
+
+    Whatever is asked for of both axes, commands stay within what the loop's peak gain admits.
+    """
+    clip = Clip(load_scenario("paper-simulation", LINEAR))
+    named = {
+        f"{item.signal.name}.{k + 1}": item.sym[k]
+        for item in (clip.asked, *clip.p.ports)
+        for k in range(item.signal.size)
+    }
+    bounds = [channel.bounds for channel in clip.channels]
+    given = [
+        part for b in bounds for part in (above(b.K_max), at_least(b.dbar), above(b.V, b.dbar))
+    ]
+    b, u = bounds[axis], clip.sent[axis]
+    goal = at_least(mutation(b.V, 0.99 * b.V), b.K_max * ca.fabs(u) + b.dbar)
+    return Statement(named, (goal,), tuple(given), {"numbers are sound": clip.sound})
+
+
+@claim(
+    "filter.peak-worst",
+    given="K in (0, K_max], z >= z_min > 0; 0 < M, kp, ki and c >= 0 in their intervals",
+    by=HAND,
+)
+def peak_worst() -> None:
+    """N of second-order loops is largest at K_max and z_min, that of PI loops where kp is least, ki
+    and M largest and c = 0, what a push leads to where kp, c, ki and M are least.
+
+    The peak gain of a whole family is that of one corner, which is known beforehand.
+    """
+
+
+@claim(
+    "filter.peak-gain",
+    given="a linear loop of the family, its numbers constant, at rest at the start; |u| <= (V - "
+    "delta)/N and |d| <= dbar, measurable functions of time",
+    by=HAND,
+    premises="filter.peak-worst filter.sent-clip-linear filter.sent-clip-angular",
+)
+def peak_gain() -> None:
+    """|v| <= N max|u| + delta <= V at every instant, N = int |g|, delta = int |g_d| dbar, for g and
+    g_d the responses to an impulse of u and d.
+
+    A clip at (V - delta)/N keeps a loop that overshoots within its limit, and no larger one does.
+    """

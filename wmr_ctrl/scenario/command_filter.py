@@ -1,0 +1,147 @@
+"""The section of the command filter: the base that it counts on, and how commands are limited."""
+
+from __future__ import annotations
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.scenario.sections import check_intervals
+
+FILTERS = ("none", "clip", "governor")
+LOOPS = ("first-order", "second-order", "pi")
+CHANNELS = ("body", "wheels")
+SCALES = ("curvature", "axes", "turn", "drive")
+MOST_PERIODS = 64
+"""Most control periods of delay, age and losses that the governor counts through."""
+
+
+class Filter(Section, key="filter"):
+    """Filter of commanded velocities that keeps |v1|, |omega| within limits.v_u1.
+
+    The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
+    gain and push are anywhere within their intervals and may vary.  Samples are clock.control
+    apart.  ``clip`` needs the upper end of ``gain`` and ``d`` alone, and holds for every base that
+    never overshoots; ``governor`` needs all of them, and spends on speed what odometry tells.
+    """
+
+    kind: str = quantity("none", unit="1", doc="how commands are limited", options=FILTERS)
+    loop: str = quantity(
+        "first-order", unit="1", doc="how the base follows its command", options=LOOPS
+    )
+    tau: tuple[float, float] | None = quantity(
+        None, unit="s", doc="bounds of the speed loop's time constant", above=0, size=2
+    )
+    gain: tuple[float, float] = quantity(
+        (1.0, 1.0), unit="1", doc="bounds of speed over command at rest", above=0
+    )
+    d: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m/s, rad/s", doc="speed at which a push alone would end", minimum=0
+    )
+    odometry: tuple[float, float] | None = quantity(
+        None, unit="m/s, rad/s", doc="bound of odometry's error; left out: it is not used",
+        minimum=0, size=2,
+    )  # fmt: skip
+    age: float = quantity(0.0, unit="s", doc="largest age of odometry", minimum=0, usual=(0, 2))
+    delay: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="s", doc="bounds of a command's delay, which may vary", minimum=0,
+        usual=(0, 2),
+    )  # fmt: skip
+    losses: int = quantity(0, unit="1", doc="most commands in a row that are lost", minimum=0)
+    jitter: float = quantity(
+        0.0, unit="s", doc="how far samples may lie from the clock's period", minimum=0
+    )
+    hold: float = quantity(
+        0.0, unit="s", doc="how long the base keeps a command that nothing follows, then stops",
+        minimum=0, usual=(0, 10),
+    )  # fmt: skip
+    scale: str = quantity(
+        "curvature",
+        unit="1",
+        doc="both axes by one factor, each by its own, or first turning (driving), then the other",
+        options=SCALES,
+    )
+    channels: str = quantity(
+        "body",
+        unit="1",
+        doc="speeds that follow their commands by themselves: v and omega, or each wheel's",
+        options=CHANNELS,
+    )
+    wheel_speed: float | None = quantity(
+        None, unit="m/s", doc="limit of each wheel's speed over the ground", above=0
+    )
+    damping: tuple[float, float] | None = quantity(
+        None, unit="1", doc="bounds of a second-order loop's damping ratio", above=0, size=2
+    )
+    mass: tuple[float, float] | None = quantity(
+        None, unit="kg", doc="bounds of the mass that PI loops drive", above=0, size=2
+    )
+    inertia: tuple[float, float] | None = quantity(
+        None, unit="kg.m2", doc="bounds of the inertia that PI loops drive", above=0, size=2
+    )
+    kp: tuple[float, float] | None = quantity(
+        None, unit="N.s/m", doc="bounds of a PI loop's gain, of both wheels, at the rim", above=0,
+        size=2,
+    )  # fmt: skip
+    ki: tuple[float, float] | None = quantity(
+        None, unit="N/m", doc="bounds of its integral gain, of both wheels, at the rim", above=0,
+        size=2,
+    )  # fmt: skip
+    friction: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N.s/m", doc="bounds of the friction that grows with speed", minimum=0
+    )
+    push: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="N, N.m", doc="largest push on a base with PI loops", minimum=0
+    )
+
+    def relate(self) -> None:
+        """Intervals are the right way round, and a filter has what it counts on."""
+        named = ("tau", "gain", "delay", "damping", "mass", "inertia", "kp", "ki", "friction")
+        check_intervals(self, dict.fromkeys(named, "it"))
+        self._relate_loop()
+        if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
+            raise ScenarioError(
+                'filter.scale = "axes" limits v and omega each by itself, which wheels do not '
+                'allow that are limited by themselves. Take "curvature", "turn" or "drive".'
+            )
+        if self.kind == "governor" and self.tau is None:
+            raise ScenarioError(
+                "filter.tau is missing: the governor counts on bounds of the time constant with "
+                "which the base follows its command. Give tau = [low, high] [s], or take "
+                'filter.kind = "clip", which holds for every base that never overshoots.'
+            )
+        if self.tau is not None and self.tau[1] > 1e6 * self.tau[0]:
+            raise ScenarioError(
+                f"filter.tau = [{self.tau[0]!r}, {self.tau[1]!r}] spans more than a factor of "
+                "1e6, for which nothing can be said. Narrow the interval."
+            )
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """Bounds called ``name``, which the loop counts on and `relate` has seen."""
+        low, high = getattr(self, name)
+        return low, high
+
+    def _relate_loop(self) -> None:
+        """Raise ScenarioError where a loop lacks its numbers, or the kind does not hold for it."""
+        needed = {"second-order": ("damping",), "pi": ("mass", "inertia", "kp", "ki")}
+        for name in needed.get(self.loop, ()):
+            if getattr(self, name) is None:
+                raise ScenarioError(
+                    f'filter.{name} is missing: filter.loop = "{self.loop}" counts on its bounds. '
+                    f"Give {name} = [low, high]."
+                )
+        if self.loop != "first-order" and self.kind == "governor":
+            raise ScenarioError(
+                f'filter.kind = "governor" does not hold for filter.loop = "{self.loop}": it '
+                "counts on a speed that begins to fall at once, and a loop with a state of its own "
+                'does not. Take filter.kind = "clip".'
+            )
+        if self.loop == "pi" and (any(self.d) or self.gain != (1.0, 1.0)):
+            raise ScenarioError(
+                'filter.loop = "pi" reaches its command at rest: leave out filter.gain and '
+                "filter.d, and state the largest push as push = [N, N.m]."
+            )
+        if self.loop == "pi" and (self.channels == "wheels" or self.wheel_speed):
+            raise ScenarioError(
+                'filter.loop = "pi" moves v and omega by different masses, so that a wheel\'s '
+                "speed does not follow that wheel's command by itself: leave out filter.channels "
+                "and filter.wheel_speed."
+            )
