@@ -8,14 +8,20 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 from hypothesis import HealthCheck, settings
 from xdist.remote import Producer
 
 from tests.longest_first import Apart, seconds
+
+if TYPE_CHECKING:
+    from wmr_ctrl.codegen.build import Instructions
+
+Sets: TypeAlias = "Callable[[], tuple[Instructions, ...]]"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile(
@@ -36,19 +42,29 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ.setdefault("WMR_CTRL_CACHE", str(cache.mkdir("wmr_ctrl")))
 
 
-@pytest.fixture(scope="module")
-def one_set_of_instructions() -> Iterator[None]:
+@pytest.fixture(scope="session", autouse=True)
+def one_set_of_instructions() -> Iterator[Sets]:
     """Loops for lanes are compiled for one set of vector instructions, in a third of the time.
 
-    For files with many loops of their own. Sets are compared with single runs, each by its name,
-    in tests/bits, tests/sim/test_batch.py and, for every effect, tests/world/test_structures.py.
+    Its value is the function that lists all of them.
     """
     from wmr_ctrl.codegen import build
 
+    every = build.vector_sets
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "vector_sets", lambda: (build.BASELINE,))
-        patch.setattr(build, "_PROGRAMS", {})  # others' libraries have every set
-        yield
+        yield every
+
+
+@pytest.fixture
+def every_set_of_instructions(
+    one_set_of_instructions: Sets, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For tests of vectors: loops for lanes are compiled as a user has them."""
+    from wmr_ctrl.codegen import build
+
+    monkeypatch.setattr(build, "vector_sets", one_set_of_instructions)
+    monkeypatch.setattr(build, "_PROGRAMS", {})  # those of other tests have one set
 
 
 @pytest.hookimpl(optionalhook=True)

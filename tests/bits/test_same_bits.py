@@ -88,6 +88,7 @@ def test_platforms_agree(number: int, tmp_path: Path) -> None:
     assert differences(platform, law, ["everything"], tmp_path) == []
 
 
+@pytest.mark.usefixtures("every_set_of_instructions")
 @pytest.mark.parametrize(
     ("law", "vectors"), turns(headed("mb", NAMES), [item.name for item in vector_sets()], shown=1)
 )

@@ -30,8 +30,6 @@ from wmr_ctrl.campaign.comparison import (
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results.table import RunTable
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
-
 WEAK = "tau_max = 5 N m"
 ONE = HELD_OUT[:1]
 DECISIVE = (

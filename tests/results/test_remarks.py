@@ -21,7 +21,6 @@ from wmr_ctrl.results import (
 )
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 MakeRun = Callable[..., Run]
 CLIP = next(signal for signal in GUARD_DIAGNOSTICS if signal.name == "clip_active")
 AT_100_MS = {"clock.control": 0.1}

@@ -20,7 +20,6 @@ from wmr_ctrl.results import (
 )
 from wmr_ctrl.results.oscillation import KEPT, SLOWEST, fast_swing_rms
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 MakeRun = Callable[..., Run]
 PATH = {
     "reference.kind": "waypoints",

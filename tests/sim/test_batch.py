@@ -67,8 +67,9 @@ def same_values(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.all((one == other) | (one != one) & (other != other)))
 
 
+@pytest.mark.usefixtures("every_set_of_instructions")
 @pytest.mark.parametrize(
-    ("law", "vectors"), turns(headed("nn", NAMES), [item.name for item in vector_sets()])
+    ("law", "vectors"), turns(headed("nn", NAMES), [item.name for item in vector_sets()], shown=1)
 )
 def test_lanes_are_the_single_loop_over_80_s(law: str, vectors: str) -> None:
     tasks = tasks_of("paper-simulation", law, range(3), {}, vectors)
@@ -110,6 +111,7 @@ def test_every_option_means_the_same(law: str, changed: dict[str, object]) -> No
     assert_alike("paper-simulation", law, tasks, overrides)
 
 
+@pytest.mark.usefixtures("every_set_of_instructions")
 def test_vector_sets_give_the_same_bits() -> None:
     tasks = tasks_of("paper-simulation", "nn", range(3), SHORT)
     names = names_of(tasks[0].loop.compiled.library)
@@ -268,6 +270,7 @@ def test_unknown_vector_set_is_named() -> None:
         run_tasks([replace(tasks[0], vectors="mmx")])
 
 
+@pytest.mark.usefixtures("every_set_of_instructions")
 def test_one_library_holds_every_set_and_offers_what_the_processor_has() -> None:
     """The best first; which one runs is no part of how the library was built."""
     library = tasks_of("paper-simulation", "mb", range(1), SHORT)[0].loop.compiled.library

@@ -19,7 +19,6 @@ from wmr_ctrl.model.system import System
 from wmr_ctrl.results.frames import summary
 from wmr_ctrl.sim.many import RunTable, run_many
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 SHORT = {"clock.duration": 4.0, "changes": []}
 
 

@@ -20,7 +20,6 @@ from wmr_ctrl.results.table import table_of_rows
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.tuning import judged, tunable
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
 SHORT = {"clock.control": 0.1, "clock.duration": 12.0, "changes": []}
 FEW = {"seeds": [1], "test_seeds": [7], "trials": 16}
 

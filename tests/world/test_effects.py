@@ -27,8 +27,6 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.signals import TORQUE
 from wmr_ctrl.world.effect import Bound, total
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
-
 TWINNED = ("lost poses", "untold delay", "lag that varies")
 
 

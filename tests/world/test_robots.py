@@ -16,8 +16,6 @@ from wmr_ctrl.world.jitter import JITTER
 from wmr_ctrl.world.lag import LAG
 from wmr_ctrl.world.wheels import WHEELS
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
-
 ROBOTS = ("robot-10ms", "robot-100ms")
 FACTOR = "as a robot has it"
 UNSEEN = 7401

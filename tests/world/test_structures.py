@@ -18,6 +18,7 @@ from wmr_ctrl.sim.memory import Task, laid_out
 from wmr_ctrl.sim.memory import vector_sets as usable
 from wmr_ctrl.world.references.registry import OURS
 
+pytestmark = pytest.mark.usefixtures("every_set_of_instructions")
 Changes = Mapping[str, object]
 
 KINDS = (*(kind.name for kind in OURS), CLOTHOID.name)

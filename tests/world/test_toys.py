@@ -23,8 +23,6 @@ from wmr_ctrl.fields.problems import UnknownKeyError
 from wmr_ctrl.results import Run
 from wmr_ctrl.scenario import loads_scenario, to_toml
 
-pytestmark = pytest.mark.usefixtures("one_set_of_instructions")
-
 SHORT = {"clock.duration": 1.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
 TOYS = {
     "sensor with state and draws": {"toy_gyro.walk": 0.001},
