@@ -23,7 +23,9 @@ from PIL import Image, ImageSequence
 
 import wmr_ctrl
 from wmr_ctrl.barrier.stable import stable_minimiser
-from wmr_ctrl.campaign import PAPER_LAWS, paper_plan, run_campaign
+from wmr_ctrl.campaign import PAPER_LAWS
+from wmr_ctrl.campaign.engine import run_campaign
+from wmr_ctrl.campaign.paper import paper_plan
 from wmr_ctrl.guard.bounds import derived_guard
 from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.report.animate import animate_runs

@@ -99,7 +99,7 @@ class Case:
     @staticmethod
     def from_scenario(scenario: Any, seed: int = 0) -> Case:
         """Numbers of a Scenario that this loop can run: a circle, at most one change, no extras."""
-        from wmr_ctrl.scenario import Circle
+        from wmr_ctrl.world.references import Circle
 
         reference, robot, clock = scenario.reference, scenario.robot, scenario.clock
         _require(

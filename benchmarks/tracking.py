@@ -19,7 +19,8 @@ from benchmarks.parts import renew
 from wmr_ctrl.api import simulate
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.results import position_max, position_rms
+from wmr_ctrl.results import position_rms
+from wmr_ctrl.results.measures import position_max
 from wmr_ctrl.scenario import load_scenario
 
 SEEDS = range(7101, 7106)

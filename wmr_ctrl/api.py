@@ -201,9 +201,10 @@ def reproduce(
     the committed ones.  Raises ArgumentError, ResultFileError (``out``) and MissingExtraError
     (physics) before the first run.
     """
-    from wmr_ctrl.campaign import PAPER_LAWS, QUICK_SEEDS, Campaign, paper_plan
+    from wmr_ctrl.campaign import PAPER_LAWS, Campaign
     from wmr_ctrl.campaign.comparison import comparison_plan, run_comparison
     from wmr_ctrl.campaign.engine import run_campaign
+    from wmr_ctrl.campaign.paper import QUICK_SEEDS, paper_plan
     from wmr_ctrl.campaign.rigid import RIGID_SEEDS, run_rigid_comparison
     from wmr_ctrl.physics.rigid import mujoco
     from wmr_ctrl.report.claims import Evidence, judge_all

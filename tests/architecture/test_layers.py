@@ -63,7 +63,7 @@ THIRD_PARTY = {
     "fmi": {"casadi", "fmpy", "jinja2", "numpy"},
     "modelica": {"casadi", "jinja2"},
     "simulink": {"jinja2"},
-    "campaign": {"numpy", "scipy"},
+    "campaign": {"filelock", "numpy", "scipy"},
     "report": {"PIL", "jinja2", "matplotlib", "numpy"},
     "page": {"jinja2"},
     "api_types": set(),

@@ -10,7 +10,7 @@ from unittest.mock import patch
 import numpy as np
 
 from tests.results.conftest import build
-from wmr_ctrl.campaign import PlannedCase
+from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.results import Monitor, Run
 from wmr_ctrl.signals import Signal
 

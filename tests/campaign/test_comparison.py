@@ -14,7 +14,6 @@ from itertools import combinations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up
-from wmr_ctrl.campaign import PlannedCase, PlannedRun
 from wmr_ctrl.campaign.comparison import (
     AWAY,
     BASES,
@@ -27,6 +26,7 @@ from wmr_ctrl.campaign.comparison import (
     run_comparison,
     swept,
 )
+from wmr_ctrl.campaign.plan import PlannedCase, PlannedRun
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.results.table import RunTable
 

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, paper_plan
+from wmr_ctrl.campaign import PAPER_LAWS
+from wmr_ctrl.campaign.paper import AS_STATED, STUDIES, paper_plan
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.scenario import load_scenario, preset_names
 

@@ -7,8 +7,8 @@ import math
 import pytest
 
 from tests.campaign.synthetic import made_up as made_up_runs
-from wmr_ctrl.campaign import PlannedCase
 from wmr_ctrl.campaign.engine import scenario_of
+from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.campaign.rigid import (
     E1,
     E1_BEFORE,

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.campaign.synthetic import Watch, made_up, simulate
-from wmr_ctrl.campaign import Study, paper_plan, run_campaign
+from wmr_ctrl.campaign.engine import run_campaign
+from wmr_ctrl.campaign.paper import paper_plan
+from wmr_ctrl.campaign.plan import Study
 from wmr_ctrl.errors import ArgumentError
 
 STUDY = Study("paper-simulation")

@@ -30,7 +30,8 @@ from wmr_ctrl.fmi.sources import sources_of
 from wmr_ctrl.fmi.ssp import export_ssp
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.results import Run
-from wmr_ctrl.scenario import Body, Scenario, override, quantities
+from wmr_ctrl.scenario import Scenario, override, quantities
+from wmr_ctrl.scenario.sections import Body
 from wmr_ctrl.world.references import REFERENCES
 
 LAW = "mb"

@@ -21,7 +21,8 @@ from wmr_ctrl.linear import (
     stepper,
 )
 from wmr_ctrl.model.dynamics import plant
-from wmr_ctrl.scenario import Lemniscate, Line, StopAndGo, override
+from wmr_ctrl.scenario import override
+from wmr_ctrl.world.references import Lemniscate, Line, StopAndGo
 
 LAWS = ("pid", "smc", "mb", "nn")
 K1, K2, K3, V1D, V2D = 10.0, 5.0, 4.0, 0.2, 0.1

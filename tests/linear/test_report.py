@@ -15,7 +15,8 @@ from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.linear import report_linear
 from wmr_ctrl.linear.loop import constant_speed
-from wmr_ctrl.scenario import Lemniscate, Scenario, load_scenario
+from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.world.references import Lemniscate
 
 KEYS = {
     "kinematic_poles", "poles", "max_sample_time", "max_sample_time_kink",

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from wmr_ctrl.scenario import Change, Clock, Robot
+from wmr_ctrl.scenario import Change, Robot
+from wmr_ctrl.scenario.sections import Clock
 
 State = tuple[float, float, float, float, float]
 """x [m], y [m], theta [rad], v1 [m/s], omega [rad/s]."""

@@ -10,7 +10,8 @@ import pytest
 from wmr_ctrl import simulate, simulate_runs
 from wmr_ctrl.engines import runnable_plantless
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, UnknownNameError
-from wmr_ctrl.results import load_run, outcome_of, runs_equal, save_run, summary
+from wmr_ctrl.results import load_run, outcome_of, summary
+from wmr_ctrl.results.formats import runs_equal, save_run
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.signals import PLANT_STATE, RIGID
 from wmr_ctrl.sim.coupled import Coupled

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.campaign import AS_STATED, PAPER_LAWS, STUDIES, PlannedCase
-from wmr_ctrl.campaign.paper import reported
+from wmr_ctrl.campaign import PAPER_LAWS
+from wmr_ctrl.campaign.paper import AS_STATED, STUDIES, reported
+from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.report.claims import (
     Divisor,

@@ -14,7 +14,8 @@ from tests.campaign.synthetic import Watch, made_up
 from tests.page.browser import browser
 from tests.report.conftest import drawn_for_the_page
 from tests.report.test_drawings import EVIDENCE
-from wmr_ctrl.campaign import paper_plan, run_campaign
+from wmr_ctrl.campaign.engine import run_campaign
+from wmr_ctrl.campaign.paper import paper_plan
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.report.claims import Evidence, Verdict, judge_all
 from wmr_ctrl.report.comparison_figures import comparison_figures
@@ -262,7 +263,7 @@ def test_ours_csv_has_units_and_a_row_per_run(written, comparison_cases):
 
     assert all(re.search(r" \[.+\]$", name) for name in header[6:])
     assert len(rows) == len(comparison_cases)
-    assert all(not any(row[6:]) for row in rows if row[5] == "refused")
+    assert all(not any(row[6:]) for row in rows if row[3] == "refused")
 
 
 # -- other campaigns ----------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wmr_ctrl.results import arrival
+from wmr_ctrl.results.measures import arrival
 
 
 @pytest.fixture

@@ -13,7 +13,9 @@ from pathlib import Path
 import pytest
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import Run, atomic_path, atomic_text, atomic_write, check_writable, save_run
+from wmr_ctrl.results import Run, atomic_path, atomic_text, check_writable
+from wmr_ctrl.results.files import atomic_write
+from wmr_ctrl.results.formats import save_run
 
 MakeRun = Callable[..., Run]
 
@@ -98,7 +100,7 @@ def test_a_failing_last_step_leaves_nothing(
 FILL = """
 import resource, sys
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import atomic_write
+from wmr_ctrl.results.files import atomic_write
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
     with atomic_write(sys.argv[1]) as file:

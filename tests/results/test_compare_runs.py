@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.results import ColumnDifference, Comparison, Monitor, Run, compare
+from wmr_ctrl.results import Monitor, Run
+from wmr_ctrl.results.compare import ColumnDifference, Comparison, compare
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]

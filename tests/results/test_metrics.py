@@ -12,18 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.results import (
-    Monitor,
-    Run,
-    covered,
-    e_rms,
-    ise,
-    ise_over,
-    summary,
-    tau_peak,
-    tau_rms,
-    window,
-)
+from wmr_ctrl.results import Monitor, Run, e_rms, ise, summary, tau_peak, tau_rms
+from wmr_ctrl.results.measures import ise_over
+from wmr_ctrl.results.windows import covered, window
 
 MakeRun = Callable[..., Run]
 CONTROLS = st.sampled_from([0.001, 0.01, 0.1, 0.3, 1 / 3])

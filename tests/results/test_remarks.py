@@ -8,17 +8,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.api import simulate, simulate_many
-from wmr_ctrl.results import (
-    Monitor,
-    Run,
-    guard_share,
-    oscillation,
-    percent,
-    position_max,
-    position_rms,
-    torque_change_rms,
-    tracked,
-)
+from wmr_ctrl.results import Monitor, Run, percent, position_rms, tracked
+from wmr_ctrl.results.measures import guard_share, position_max, torque_change_rms
+from wmr_ctrl.results.oscillation import oscillation
 from wmr_ctrl.signals import GUARD_DIAGNOSTICS
 
 MakeRun = Callable[..., Run]

@@ -10,16 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmr_ctrl.results import (
-    Monitor,
-    Rises,
-    Run,
-    WeightNorm,
-    distance,
-    rises,
-    settling_time,
-    weight_norm,
-)
+from wmr_ctrl.results import Monitor, Rises, Run, distance, rises
+from wmr_ctrl.results.measures import settling_time, weight_norm
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
@@ -65,7 +57,7 @@ def test_weight_norms_at_the_end_and_at_their_largest(make_run: MakeRun) -> None
     norms = np.stack([first, np.arange(100.0)], axis=1)
     found = weight_norm(make_run(extra=WEIGHTS, W_norm=norms))
 
-    assert found == WeightNorm(end=(39.0, 99.0), largest=(59.0, 99.0))
+    assert found == {"end": [39.0, 99.0], "largest": [59.0, 99.0]}
     assert weight_norm(make_run()) is None
     assert weight_norm(make_run(extra=WEIGHTS, rows=0)) is None
 

@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import Monitor, Run, load_run, runs_equal, save_run
+from wmr_ctrl.results import Monitor, Run, load_run
+from wmr_ctrl.results.formats import runs_equal, save_run
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]

@@ -9,18 +9,12 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.scenario import (
-    Change,
-    Frozen,
-    Limits,
-    Robot,
-    Scenario,
-    Section,
-    UnknownKeyError,
-    build,
-    quantity,
-)
+from wmr_ctrl.fields.problems import UnknownKeyError
+from wmr_ctrl.fields.section import build, quantity
+from wmr_ctrl.fields.values import Frozen
+from wmr_ctrl.scenario import Change, Robot, Scenario, Section
 from wmr_ctrl.scenario.scenario import SECTIONS
+from wmr_ctrl.scenario.sections import Limits
 from wmr_ctrl.world.references import REFERENCES
 
 KINDS = [kind.section for kind in REFERENCES.values()]

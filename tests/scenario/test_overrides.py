@@ -8,17 +8,9 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.scenario import (
-    Change,
-    Circle,
-    Line,
-    Robot,
-    Waypoints,
-    load_scenario,
-    override,
-    parse_assignments,
-)
+from wmr_ctrl.scenario import Change, Robot, load_scenario, override, parse_assignments
 from wmr_ctrl.scenario.overrides import parse_key, parse_value
+from wmr_ctrl.world.references import Circle, Line, Waypoints
 
 
 @pytest.mark.parametrize(

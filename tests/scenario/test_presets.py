@@ -10,8 +10,6 @@ import pytest
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.scenario import (
     Change,
-    Circle,
-    Line,
     Scenario,
     from_dict,
     load_scenario,
@@ -21,6 +19,7 @@ from wmr_ctrl.scenario import (
     scenario_dict,
     to_toml,
 )
+from wmr_ctrl.world.references import Circle, Line
 
 NAMES = (
     "paper-experiment",

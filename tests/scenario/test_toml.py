@@ -11,21 +11,10 @@ from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import (
-    Actuator,
     Change,
-    Circle,
-    Clock,
-    Disturbance,
-    Lemniscate,
-    Line,
-    Metrics,
     Model,
     Robot,
-    RoundedSquare,
     Scenario,
-    Sensor,
-    StopAndGo,
-    Waypoints,
     from_dict,
     load_scenario,
     loads_scenario,
@@ -34,7 +23,17 @@ from wmr_ctrl.scenario import (
     to_toml,
 )
 from wmr_ctrl.scenario.scenario import SECTIONS
-from wmr_ctrl.world.references import REFERENCES
+from wmr_ctrl.scenario.sections import Clock, Metrics
+from wmr_ctrl.world.references import (
+    REFERENCES,
+    Circle,
+    Lemniscate,
+    Line,
+    RoundedSquare,
+    StopAndGo,
+    Waypoints,
+)
+from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
 
 FULL = Scenario(
     title='odd "title" with = and # and é',

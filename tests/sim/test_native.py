@@ -21,9 +21,11 @@ from wmr_ctrl.api import (
 )
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError, WmrError
 from wmr_ctrl.laws.registry import NAMES
-from wmr_ctrl.results import Run, runs_equal
-from wmr_ctrl.scenario import Disturbance, Scenario, preset_names
+from wmr_ctrl.results import Run
+from wmr_ctrl.results.formats import runs_equal
+from wmr_ctrl.scenario import Scenario, preset_names
 from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.world.registry import Disturbance
 
 SHORT = {"clock.duration": 6.0, "changes": [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}]}
 

@@ -13,19 +13,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import (
+from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario.sections import Clock
+from wmr_ctrl.signals import REFERENCE
+from wmr_ctrl.world.references import (
     Circle,
-    Clock,
     Lemniscate,
     Line,
     RoundedSquare,
-    Scenario,
     StopAndGo,
     Waypoints,
-    load_scenario,
+    reference_bounds,
 )
-from wmr_ctrl.signals import REFERENCE
-from wmr_ctrl.world.references import reference_bounds
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import Scenario, Waypoints, load_scenario, loads_scenario
+from wmr_ctrl.scenario import Scenario, load_scenario, loads_scenario
+from wmr_ctrl.world.references import Waypoints
 from wmr_ctrl.world.references import sample as sample_scenario
 from wmr_ctrl.world.references.point_files import read_poses
 from wmr_ctrl.world.references.waypoints import profile_of

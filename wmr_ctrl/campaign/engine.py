@@ -108,6 +108,15 @@ def built_loops(
     return [known[key] for key, _ in keyed]
 
 
+def accepted(
+    loops: Sequence[RunnableLoop | Refusal], seeds: Sequence[int]
+) -> tuple[list[int], list[tuple[RunnableLoop, int]]]:
+    """Places of the runs that are not refused, and their loops and seeds."""
+    pairs = enumerate(zip(loops, seeds, strict=True))
+    ready = {k: (loop, seed) for k, (loop, seed) in pairs if not isinstance(loop, Refusal)}
+    return [*ready], [*ready.values()]
+
+
 def case_key(case: PlannedCase) -> str:
     """Key of a case's compiled loop."""
     source = case.scenario if isinstance(case.scenario, str) else hash(case.scenario)
@@ -127,12 +136,7 @@ def run_cases(
     Nothing depends on ``jobs``.
     """
     loops = built_loops((case for case, _ in runs), progress, texts[0])
-    ready: list[tuple[RunnableLoop, int]] = []
-    places: list[int] = []
-    for place, (loop, (_, seed)) in enumerate(zip(loops, runs, strict=True)):
-        if not isinstance(loop, Refusal):
-            ready.append((loop, seed))
-            places.append(place)
+    places, ready = accepted(loops, [seed for _, seed in runs])
     run, done = run_each, 0
     if runs and runs[0][0].plant == "mujoco":
         from wmr_ctrl.physics.run import run_rigid_each

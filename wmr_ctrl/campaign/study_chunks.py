@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
-from wmr_ctrl.campaign.engine import Refusal, Silent, built_loops
+from wmr_ctrl.campaign.engine import Refusal, Silent, accepted, built_loops
 from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
@@ -75,12 +75,7 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     On ``jobs`` threads, or processes for the rigid body; what an executor's worker calls.
     """
     loops = chunk.loops or built_loops((case for case, _ in chunk.runs), Silent(), "")
-    ready: list[tuple[RunnableLoop, int]] = []
-    places: list[int] = []
-    for place, (loop, (_, seed)) in enumerate(zip(loops, chunk.runs, strict=True)):
-        if not isinstance(loop, Refusal):
-            ready.append((loop, seed))
-            places.append(place)
+    places, ready = accepted(loops, [seed for _, seed in chunk.runs])
     rows: Columns = {name: np.full(len(loops), np.nan) for name in chunk.figures}
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")
     refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]

@@ -13,26 +13,26 @@ import csv
 import heapq
 import json
 import math
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
+from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from wmr_ctrl.campaign.plan import Study
 from wmr_ctrl.errors import ResultFileError
-from wmr_ctrl.results import atomic_path, atomic_text, atomic_write
+from wmr_ctrl.results import atomic_path, atomic_text
 from wmr_ctrl.results.figures import FIGURES
+from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.scenario import Section, quantities
 
 Rows = Mapping[str, NDArray[np.generic]]
 """``index``, ``outcome``, ``refusal`` and an array a figure, one row a run."""
-_QUOTE = '"'
 HEAD = ("index", "law", "guard", "seed")
 REFUSAL = "refusal"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
@@ -78,16 +78,15 @@ class StudyFolder:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(("name", "unit", "meaning"))
             writer.writerows(described_columns(self.plan))
-        streams = [self._lines(paths) for paths in looks]
+        streams = [self._cells(paths) for paths in looks]
         with atomic_text(target) as file:
-            named = ("outcome", *self.plan.figures, REFUSAL)
-            file.write(_line((*HEAD, *self.plan.keys, *named)))
-            for _, line in heapq.merge(*streams, key=lambda pair: pair[0]):
-                file.write(line)
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow((*HEAD, *self.plan.keys, "outcome", *self.plan.figures, REFUSAL))
+            writer.writerows(heapq.merge(*streams))
         return target
 
-    def _lines(self, paths: Sequence[Path]) -> Iterator[tuple[int, str]]:
-        """Index and line of the table of each run in some chunks."""
+    def _cells(self, paths: Sequence[Path]) -> Iterator[tuple[int | str, ...]]:
+        """The table's row of each run in some chunks, its index first."""
         plan = self.plan
         for path in paths:
             rows = self.rows(path)
@@ -104,10 +103,11 @@ class StudyFolder:
                 if cell != last:
                     last, case = cell, plan.case(cell)
                     labels = case.law, str(case.guard).lower()
-                    values = [_cell(value) for value in plan.values(cell)]
+                    given = plan.values(cell)
+                    values = [v if isinstance(v, str) else json.dumps(v) for v in given]
                 numbers = [repr(x) if math.isfinite(x) else "" for x in figures]
-                head = (str(index), *labels, str(plan.first_seed + place))
-                yield index, _line((*head, *values, outcome, *numbers, refusal))
+                seed = plan.first_seed + place
+                yield (index, *labels, seed, *values, outcome, *numbers, refusal)
 
 
 def counted_reasons(refusals: Iterable[str]) -> dict[str, int]:
@@ -130,23 +130,6 @@ def _filled(words: str, numbers: Sequence[str | None]) -> str:
     shown = ["..." if number is None else number for number in numbers]
     parts = zip(words.split("\0"), [*shown, ""], strict=True)
     return "".join(part + number for part, number in parts)
-
-
-def _cell(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
-
-
-def _line(cells: Sequence[str]) -> str:
-    """A row of CSV."""
-    line = ",".join(cells)
-    if '"' in line or "\n" in line or line.count(",") >= len(cells):
-        line = ",".join(map(_quoted, cells))
-    return line + "\n"
-
-
-def _quoted(text: str) -> str:
-    """A cell in quotes where it needs them."""
-    return f'"{text.replace(_QUOTE, 2 * _QUOTE)}"' if set(text) & set(',"\n') else text
 
 
 def described_columns(plan: Study) -> Iterator[tuple[str, str, str]]:
@@ -185,33 +168,19 @@ def opened(folder: Path, plan: Study, facts: Mapping[str, str]) -> Iterator[Stud
     """
     try:
         (folder / "chunks").mkdir(parents=True, exist_ok=True)
-        lock = (folder / ".lock").open("a")
-    except OSError as error:
-        raise ResultFileError(f"cannot write {str(folder)!r}: {error.strerror}.") from error
-    with lock:
-        _locked(lock, folder)
-        _same_study(folder, plan, facts)
-        for scratch in (folder / "chunks").glob(".*.npz"):
-            scratch.unlink(missing_ok=True)  # of a process that was killed
-        yield StudyFolder(folder, plan)
-
-
-def _locked(lock: IO[str], folder: Path) -> None:
-    """Take the lock, which ends with its process however that ends."""
-    try:
-        if os.name == "nt":
-            import msvcrt
-
-            vars(msvcrt)["locking"](lock.fileno(), vars(msvcrt)["LK_NBLCK"], 1)
-        else:
-            import fcntl
-
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+        lock = FileLock(folder / ".lock").acquire(timeout=0)  # ends with its process in any case
+    except Timeout:
         raise ResultFileError(
             f"{str(folder)!r}: another process works on this study. Wait for it, or name another "
             "folder."
         ) from None
+    except OSError as error:
+        raise ResultFileError(f"cannot write {str(folder)!r}: {error.strerror}.") from error
+    with lock:
+        _same_study(folder, plan, facts)
+        for scratch in (folder / "chunks").glob(".*.npz"):
+            scratch.unlink(missing_ok=True)  # of a process that was killed
+        yield StudyFolder(folder, plan)
 
 
 def _same_study(folder: Path, plan: Study, facts: Mapping[str, str]) -> None:

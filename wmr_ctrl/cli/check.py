@@ -226,7 +226,8 @@ def _item(text: str) -> str:
 
 def _sight(run: Run) -> str:
     """One run in a sentence."""
-    from wmr_ctrl.results import arrival, driving, guard_share, percent, tracked, tracking
+    from wmr_ctrl.results import driving, percent, tracked
+    from wmr_ctrl.results.measures import arrival, guard_share, tracking
 
     parts, shares, times = tracking(run), guard_share(run), arrival(run)
     away = " and ".join(

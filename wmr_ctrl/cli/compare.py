@@ -9,23 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import DIFFERENCE, print_json, say, table, wrapped
-from wmr_ctrl.cli.options import (
-    SCENARIO,
-    debug_option,
-    examples,
-    guard_option,
-    json_option,
-    load,
-    seed_option,
-    set_option,
-)
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.cli.runs import RUNS, animate_option, check_outputs, plot_option
 from wmr_ctrl.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wmr_ctrl.results import Comparison, Run
+    from wmr_ctrl.results import Run
+    from wmr_ctrl.results.compare import Comparison
 
 HEADER = ("law", "RMS", "max", "|v1|", "|omega|", "peak", "change", "outcome")
 COLUMNS = (
@@ -41,7 +33,7 @@ COLUMNS = (
 
 @click.command(
     short_help="Laws, or saved runs, side by side.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl compare mine.toml --law prox,kanayama,mb --plot laws.png",
         "wmr-ctrl compare far-start --law mb,prox --guard --animate race.html",
         "wmr-ctrl run --out a.npz",
@@ -51,9 +43,9 @@ COLUMNS = (
 )
 @click.argument("sources", metavar="[SCENARIO | RUN RUN...]", nargs=-1)
 @click.option("--law", "laws", metavar="A,B,...", help="Laws to run on the scenario, or all.")
-@guard_option
-@seed_option
-@set_option
+@opt.guard_option
+@opt.seed_option
+@opt.set_option
 @click.option(
     "--tolerance",
     type=float,
@@ -63,8 +55,8 @@ COLUMNS = (
 )
 @plot_option
 @animate_option
-@json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
-@debug_option
+@opt.json_option("Print the figures, or the difference of two saved runs, as one JSON document.")
+@opt.debug_option
 @click.pass_context
 def compare(
     ctx: click.Context,
@@ -131,7 +123,7 @@ def _simulated(
             f"--law runs one scenario, and {len(sources)} were named. Name one preset or TOML "
             "file, or compare saved runs without --law."
         )
-    scenario = load(sources[0] if sources else SCENARIO, assignments, guard)
+    scenario = opt.load(sources[0] if sources else opt.SCENARIO, assignments, guard)
     for name in names:
         with Progress(f"{name} on {scenario.name}"):
             yield api.simulate(scenario, name, seed=seed)
@@ -170,7 +162,7 @@ def _draw(runs: dict[str, Run], plot: str | None, animate: str | None) -> None:
 
 
 def _difference(runs: dict[str, Run], tolerance: float) -> Comparison:
-    from wmr_ctrl.results import compare as compare_runs
+    from wmr_ctrl.results.compare import compare as compare_runs
 
     first, second = runs.values()
     return compare_runs(first, second, tolerance)

@@ -67,7 +67,8 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     from rich.text import Text
 
     listed = list(rows)
-    if _before_last([*listed, *([header] if header else [])]) > width() - ROOM:
+    columns = zip(*listed, *([header] if header else []), strict=True)
+    if sum(max(map(len, column)) + 2 for column in list(columns)[:-1]) > width() - ROOM:
         cells = ((name, ", ".join(filter(None, rest))) for name, *rest in listed)
         return "\n".join(wrapped(f"{name}: {rest}", hang="  ") for name, rest in cells)
     grid = Table(box=SIMPLE_HEAD if header else None, show_header=bool(header), pad_edge=False)
@@ -81,11 +82,6 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
         console.print(grid)
     lines = (line.rstrip() for line in capture.get().splitlines())
     return textwrap.dedent("\n".join(lines)).strip("\n")
-
-
-def _before_last(rows: Sequence[Sequence[str]]) -> int:
-    """Columns that all cells of a table but the last of each row take, with the gaps after them."""
-    return sum(max(map(len, column)) + 2 for column in list(zip(*rows, strict=True))[:-1])
 
 
 @contextmanager
@@ -121,19 +117,13 @@ def _told(error: Exception) -> tuple[str, int]:
         case WmrError():
             return str(error), WRONG_INPUT
         case OSError():
-            return _system(error), WRONG_INPUT
+            reason = error.strerror or str(error) or type(error).__name__
+            where = f"{error.filename}: " if error.filename else ""
+            remedy = "Check that the file exists, may be accessed and fits on the disk."
+            return f"{where}{reason}. {remedy}", WRONG_INPUT
         case _:
-            return _fault(error), FAULT
-
-
-def _system(error: OSError) -> str:
-    reason = error.strerror or str(error) or type(error).__name__
-    where = f"{error.filename}: " if error.filename else ""
-    return f"{where}{reason}. Check that the file exists, may be accessed and fits on the disk."
-
-
-def _fault(error: Exception) -> str:
-    return (
-        f"{type(error).__name__}: {error or 'no message'}. This should not happen: rerun with "
-        "--debug to see where it comes from, and report it together with the command."
-    )
+            text = (
+                f"{type(error).__name__}: {error or 'no message'}. This should not happen: rerun "
+                "with --debug to see where it comes from, and report it together with the command."
+            )
+            return text, FAULT

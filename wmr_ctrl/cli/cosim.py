@@ -6,16 +6,7 @@ from typing import TYPE_CHECKING, Unpack
 
 import click
 
-from wmr_ctrl.cli.options import (
-    LawName,
-    debug_option,
-    examples,
-    guard_option,
-    load,
-    scenario_argument,
-    seed_option,
-    set_option,
-)
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.cli.runs import check_outputs, deliver, figures_option, plot_option, save_option
 
@@ -25,22 +16,22 @@ if TYPE_CHECKING:
 
 @click.command(
     short_help="Co-simulate FMUs of plant and controller.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl cosim paper-simulation --law nn",
         "wmr-ctrl cosim --plant theirs.fmu --map names.toml --out run.npz",
         "wmr-ctrl cosim --controller theirs.fmu --map names.toml --guard",
         "wmr-ctrl cosim --law prox --guard --master jacobi --know-delay",
     ),
 )
-@scenario_argument
+@opt.scenario_argument
 @click.option(
     "--law",
-    type=LawName(),
+    type=opt.LawName(),
     metavar="NAME",
     help="Control law; see `wmr-ctrl laws`; not beside somebody else's controller.  [default: the "
     "controller's if it is ours, else nn]",
 )
-@guard_option
+@opt.guard_option
 @click.option("--plant", metavar="FILE.fmu", help="Plant in place of ours.")
 @click.option("--controller", metavar="FILE.fmu", help="Controller in place of ours.")
 @click.option("--map", "map_file", metavar="FILE.toml", help="Names and units of foreign FMUs.")
@@ -56,12 +47,12 @@ if TYPE_CHECKING:
     is_flag=True,
     help="With jacobi: build the controller for torques that act one control period late.",
 )
-@seed_option
-@set_option
+@opt.seed_option
+@opt.set_option
 @save_option
 @plot_option
 @figures_option
-@debug_option
+@opt.debug_option
 def cosim(
     scenario: str,
     law: str | None,
@@ -82,7 +73,7 @@ def cosim(
     from wmr_ctrl import api
 
     check_outputs(out, plot)
-    case = load(scenario, assignments, guard)
+    case = opt.load(scenario, assignments, guard)
     with Progress(f"{law or 'the controller'} on {case.name}, as FMUs") as progress:
         options["progress"] = progress
         run = api.cosimulate(case, law, **options)

@@ -6,19 +6,8 @@ from pathlib import Path
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import DIFFERENCE, json_text, print_json, say, width
-from wmr_ctrl.cli.options import (
-    check_folder,
-    check_output,
-    debug_option,
-    examples,
-    jobs_option,
-    json_option,
-    law_option,
-    load,
-    scenario_argument,
-    set_option,
-)
 from wmr_ctrl.cli.progress import Progress
 
 SEEDS, QUICK = 20, 3
@@ -32,7 +21,7 @@ SEEDS, QUICK = 20, 3
     metavar="N",
     help=f"Runs of each law and scenario.  [default: {SEEDS}, or {QUICK} with --quick]",
 )
-@jobs_option
+@opt.jobs_option
 @click.option(
     "--with-ours",
     is_flag=True,
@@ -44,7 +33,7 @@ SEEDS, QUICK = 20, 3
     help="Then put the laws on a rigid body with tyres: minutes more; needs the extra physics.",
 )
 @click.option("--out", default="reproduction", metavar="DIR", help="Folder for the results.")
-@debug_option
+@opt.debug_option
 @click.pass_context
 def reproduce(
     ctx: click.Context,
@@ -62,7 +51,7 @@ def reproduce(
     the paper; with --with-physics rigid.csv, and a section on the robot as a rigid body on tyres.
     The exit code is 0 if every verdict is the one that this release states, 1 if not.
     """
-    check_folder(out, "--out")
+    opt.check_folder(out, "--out")
     from wmr_ctrl import api
 
     with Progress("reproduce") as progress:
@@ -83,7 +72,7 @@ def reproduce(
 
 @click.command(
     short_help="Check the paper's equations by machine.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl prove",
         "wmr-ctrl prove --only eq25.printed --only 'guard.*' --json entries.json",
         "wmr-ctrl prove --export obligations",
@@ -109,7 +98,7 @@ def reproduce(
     help="Take nothing from the committed ledger: neither what altering functions did, nor what "
     "another solver said, nor which engine to ask first.",
 )
-@debug_option
+@opt.debug_option
 def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: bool) -> None:
     """Prove or refute the paper's numbered equations and theorems, and our own results.
 
@@ -123,7 +112,7 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     if folder is not None:
         run_export(Path(folder), only)
         return
-    check_output(file, (".json",), "--json")
+    opt.check_output(file, (".json",), "--json")
     with Progress("proofs") as progress:
 
         def tell(share: float, _entry: object) -> None:
@@ -134,9 +123,9 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
 
 
 @click.command(short_help="Poles, margins and the largest stable sample time.")
-@scenario_argument
-@law_option
-@set_option
+@opt.scenario_argument
+@opt.law_option
+@opt.set_option
 @click.option(
     "--at",
     type=float,
@@ -153,8 +142,8 @@ def prove(only: tuple[str, ...], file: str | None, folder: str | None, anew: boo
     metavar="DIR",
     help="Also draw Bode, Nyquist, poles, sample times and the barrier's pull into the folder DIR.",
 )
-@json_option("Print all figures as one JSON document.")
-@debug_option
+@opt.json_option("Print all figures as one JSON document.")
+@opt.debug_option
 def linearize(
     scenario: str,
     law: str,
@@ -174,9 +163,11 @@ def linearize(
     from wmr_ctrl.linear import report_linear
 
     if plot:
-        check_folder(plot, "--plot")
+        opt.check_folder(plot, "--plot")
     with Progress(f"{law}, linearised") as progress:
-        report = report_linear(load(scenario, assignments), law, at, guard=guard, progress=progress)
+        report = report_linear(
+            opt.load(scenario, assignments), law, at, guard=guard, progress=progress
+        )
         progress.start(1, "pictures")
         paths = report.plots(plot, progress) if plot else ()
     if as_json:
@@ -189,13 +180,13 @@ def linearize(
 
 @click.command(short_help="Measure the speed of the generated code, as ratios.")
 @click.option("--json", "file", metavar="FILE", help="Also write all measurements to FILE (.json).")
-@debug_option
+@opt.debug_option
 def bench(file: str | None) -> None:
     """Measure generated C against hand-written C and NumPy, interleaved in one run.
 
     Ratios carry over from one machine to another; FILE has the times too.
     """
-    check_output(file, (".json",), "--json")
+    opt.check_output(file, (".json",), "--json")
     from wmr_ctrl import api
 
     with Progress("benchmarks") as progress:

@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import say
-from wmr_ctrl.cli.options import (
-    check_folder,
-    check_output,
-    debug_option,
-    examples,
-    load,
-    scenario_option,
-    seed_option,
-    set_option,
-)
 from wmr_ctrl.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -27,7 +18,7 @@ if TYPE_CHECKING:
 
 @click.command(
     short_help="Write FMUs for other simulation tools.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl export plant --out fmus",
         "wmr-ctrl export nn --fmi 2 --target all --out fmus",
         "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
@@ -39,8 +30,8 @@ if TYPE_CHECKING:
 )
 @click.argument("what", metavar="plant|LAW|reference|guard|closed-loop|ssp|modelica|simulink")
 @click.option("--law", default="nn", metavar="NAME", help="Law of closed-loop, ssp and simulink.")
-@scenario_option
-@set_option
+@opt.scenario_option
+@opt.set_option
 @click.option("--fmi", default="both", type=click.Choice(["2", "3", "both"]), help="FMI version.")
 @click.option(
     "--target", default="host", metavar="host|all|PLATFORM", help="Platforms to build for."
@@ -58,7 +49,7 @@ if TYPE_CHECKING:
     "--flat", is_flag=True, help="ssp: without connectors of the system, for ecos and libcosim."
 )
 @click.option("--out", default=".", metavar="DIR", help="Folder to write into.")
-@debug_option
+@opt.debug_option
 def export(
     what: str, scenario: str, assignments: tuple[str, ...], out: str, **options: object
 ) -> None:
@@ -73,8 +64,8 @@ def export(
 
     given = {name: value for name, value in options.items() if name in read_by(what)}
     _refuse_unread(what, options.keys() - given)
-    check_folder(out, "--out")
-    given |= {"scenario": load(scenario, assignments), "out": out}
+    opt.check_folder(out, "--out")
+    given |= {"scenario": opt.load(scenario, assignments), "out": out}
     for path in api.export_fmu(what, **cast("ExportOptions", given)):
         say("wrote", str(path))
 
@@ -91,18 +82,18 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 
 @click.command(
     short_help="Write a law as a C99 package for a robot.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl codegen nn --out nn_c",
         "wmr-ctrl codegen mb --float32 --out mb_c",
         "wmr-ctrl codegen filter --scenario mine.toml --out filter_c",
     ),
 )
 @click.argument("law")
-@scenario_option
-@set_option
+@opt.scenario_option
+@opt.set_option
 @click.option("--float32", is_flag=True, help="Single precision throughout.")
 @click.option("--out", required=True, metavar="DIR", help="Folder to write into.")
-@debug_option
+@opt.debug_option
 def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool, out: str) -> None:
     """Write header, source, example, test vectors and build files of one law into a folder.
 
@@ -112,21 +103,21 @@ def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool
     """
     from wmr_ctrl.codegen.package import write_package
 
-    check_folder(out, "--out")
-    for path in write_package(law, Path(out), load(scenario, assignments), float32=float32):
+    opt.check_folder(out, "--out")
+    for path in write_package(law, Path(out), opt.load(scenario, assignments), float32=float32):
         say("wrote", str(path))
 
 
 @click.command(
     short_help="Write a page in which the robot can be dragged and pushed.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl page --out robot.html",
         "wmr-ctrl page --out mine.html --scenario mine.toml --law nn --law prox",
     ),
 )
 @click.option("--out", required=True, metavar="FILE.html", help="File to write.")
-@scenario_option
-@set_option
+@opt.scenario_option
+@opt.set_option
 @click.option(
     "--law",
     "laws",
@@ -134,8 +125,8 @@ def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool
     metavar="NAME",
     help="A law that can be chosen on the page.  May be given several times.  [default: all]",
 )
-@seed_option
-@debug_option
+@opt.seed_option
+@opt.debug_option
 def page(
     out: str, scenario: str, assignments: tuple[str, ...], laws: tuple[str, ...], seed: int
 ) -> None:
@@ -147,8 +138,8 @@ def page(
     """
     from wmr_ctrl import api
 
-    check_output(out, (".html",), "--out")
-    case = load(scenario, assignments)
+    opt.check_output(out, (".html",), "--out")
+    case = opt.load(scenario, assignments)
     with Progress("compiling the page") as progress:
         path = api.write_page(out, case, laws=laws or None, seed=seed, progress=progress)
     say("wrote", str(path))

@@ -6,19 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import FMU_FAILED, print_json, say
-from wmr_ctrl.cli.options import (
-    check_output,
-    debug_option,
-    examples,
-    guard_option,
-    json_option,
-    law_option,
-    load,
-    scenario_argument,
-    seed_option,
-    set_option,
-)
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.errors import UnknownNameError
 
@@ -37,22 +26,22 @@ animate_option = click.option(
 film_option = click.option(
     "--film", metavar="FILE", help="Film the rigid body in 3-D (--plant mujoco): .mp4 or .gif."
 )
-figures_option = json_option("Print outcome and figures as one JSON document.")
+figures_option = opt.json_option("Print outcome and figures as one JSON document.")
 
 
 @click.command(
     short_help="Run one law on one scenario.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl run                          # law and scenario of the paper",
         "wmr-ctrl run far-start --law mb --plot mb.png",
         "wmr-ctrl run mine.toml --set clock.control=0.02 --json",
         "wmr-ctrl run --plant mujoco --film fall.mp4",
     ),
 )
-@scenario_argument
-@law_option
-@guard_option
-@seed_option
+@opt.scenario_argument
+@opt.law_option
+@opt.guard_option
+@opt.seed_option
 @click.option(
     "--engine",
     default="native",
@@ -65,13 +54,13 @@ figures_option = json_option("Print outcome and figures as one JSON document.")
     metavar="ode|mujoco",
     help="The plane model, or a rigid body on tyres (extra physics).",
 )
-@set_option
+@opt.set_option
 @save_option
 @plot_option
 @animate_option
 @film_option
 @figures_option
-@debug_option
+@opt.debug_option
 def run(
     scenario: str,
     law: str,
@@ -95,14 +84,14 @@ def run(
         from wmr_ctrl.report.animate import check_film
 
         check_film(files["film"], plant)
-    finished = _simulated(load(scenario, assignments, guard), law, seed, engine, plant)
+    finished = _simulated(opt.load(scenario, assignments, guard), law, seed, engine, plant)
     deliver(finished, as_json, **files)
 
 
 @click.command(
     "show",
     short_help="Print, draw or film a saved run.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl run far-start --law mb --out mb.npz",
         "wmr-ctrl show mb.npz --plot mb.png --animate mb.html",
         "wmr-ctrl show mb.npz --out mb.parquet",
@@ -114,7 +103,7 @@ def run(
 @animate_option
 @film_option
 @figures_option
-@debug_option
+@opt.debug_option
 def show_saved(file: str, as_json: bool, **files: str | None) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
 
@@ -135,13 +124,13 @@ def check_outputs(
     film: str | None = None,
 ) -> None:
     """Raise, before anything is computed, where a file cannot be written; films check theirs."""
-    check_output(out, RUNS, "--out")
+    opt.check_output(out, RUNS, "--out")
     if out and out.lower().endswith(".parquet"):
         from wmr_ctrl.results.frames import library
 
         library("pyarrow")
-    check_output(plot, PLOTS, "--plot")
-    check_output(animate, ANIMATIONS, "--animate")
+    opt.check_output(plot, PLOTS, "--plot")
+    opt.check_output(animate, ANIMATIONS, "--animate")
     if animate and animate.lower().endswith(".mp4"):
         from wmr_ctrl.report.animate import find_ffmpeg
 
@@ -183,7 +172,7 @@ def write_run(
 ) -> None:
     """Save, draw and film a run, each where a file is named."""
     if out:
-        from wmr_ctrl.results import save_run
+        from wmr_ctrl.results.formats import save_run
 
         save_run(run, out)
         say("wrote", out)

@@ -8,18 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wmr_ctrl.cli import options as opt
 from wmr_ctrl.cli.console import DIFFERENCE, print_json, resumable, say, wrapped
-from wmr_ctrl.cli.options import (
-    LawName,
-    check_folder,
-    check_output,
-    debug_option,
-    examples,
-    jobs_option,
-    json_option,
-    load,
-    set_option,
-)
 from wmr_ctrl.cli.progress import Progress
 from wmr_ctrl.fields.limits import SEED_END
 
@@ -29,7 +19,7 @@ if TYPE_CHECKING:
 
 @click.command(
     short_help="Run a plan of many runs; draw its results.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl study plan.toml --out mass",
         "wmr-ctrl study plan.toml --out mass --executor dask://10.0.0.1:8786",
         "wmr-ctrl study plot mass",
@@ -44,9 +34,9 @@ if TYPE_CHECKING:
     metavar="E",
     help="threads, dask (processes here) or dask://HOST:PORT.",
 )
-@jobs_option
-@json_option("Print what was made as one JSON document.")
-@debug_option
+@opt.jobs_option
+@opt.json_option("Print what was made as one JSON document.")
+@opt.debug_option
 def study(
     words: tuple[str, ...], out: str | None, executor: str, jobs: int | None, as_json: bool
 ) -> None:
@@ -67,7 +57,7 @@ def study(
         return
     if len(words) != 1 or out is None:
         raise click.UsageError("give PLAN.toml and --out DIR, or `plot DIR`, or `parquet DIR`.")
-    check_folder(out, "--out")
+    opt.check_folder(out, "--out")
     from wmr_ctrl import api
     from wmr_ctrl.campaign.study_plan import load_plan
 
@@ -127,14 +117,18 @@ class SeedRange(click.ParamType):
 
 @click.command(
     short_help="Find gains of a law for a scenario.",
-    epilog=examples(
+    epilog=opt.examples(
         "wmr-ctrl tune safe-simulation --law prox --out mine.toml",
         "wmr-ctrl tune robot.toml --law kanayama --out mine.toml --trials 400 --json",
     ),
 )
 @click.argument("scenario")
 @click.option(
-    "--law", type=LawName(), required=True, metavar="NAME", help="Control law; see `wmr-ctrl laws`."
+    "--law",
+    type=opt.LawName(),
+    required=True,
+    metavar="NAME",
+    help="Control law; see `wmr-ctrl laws`.",
 )
 @click.option("--out", required=True, metavar="FILE", help="Scenario with the gains found: .toml.")
 @click.option(
@@ -163,10 +157,10 @@ class SeedRange(click.ParamType):
     metavar="KEY",
     help="A gain that stays, such as gains.kinematics.k, which laws share. May be repeated.",
 )
-@jobs_option
-@set_option
-@json_option("Print gains and figures, before and after, as one JSON document.")
-@debug_option
+@opt.jobs_option
+@opt.set_option
+@opt.json_option("Print gains and figures, before and after, as one JSON document.")
+@opt.debug_option
 def tune(
     scenario: str,
     law: str,
@@ -187,13 +181,13 @@ def tune(
     Writes the scenario with these gains, and says how they do on test seeds and on references that
     were not trained on. An interrupted search goes on where it was when it is called again.
     """
-    check_output(out, (".toml",), "--out")
+    opt.check_output(out, (".toml",), "--out")
     from wmr_ctrl import tuning
     from wmr_ctrl.tuning.search import trials_file
 
     with resumable(trials_file(Path(out))), Progress(f"tune {law}") as progress:
         better = tuning.tune(
-            load(scenario, assignments),
+            opt.load(scenario, assignments),
             law,
             out,
             seeds=seeds,

@@ -31,9 +31,10 @@ from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.filter import filter_system
 from wmr_ctrl.model.system import Output, Port, System, stack
 from wmr_ctrl.results import write_all
-from wmr_ctrl.scenario import Circle, Scenario
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import LARGEST, VELOCITY, Signal
 from wmr_ctrl.world.encoder import COUNTS, ENCODER, reader
+from wmr_ctrl.world.references import Circle
 
 FILES = ("wmr_{law}.h", "wmr_{law}.c", "example.c", "vectors.h", "check.c", "CMakeLists.txt",
          "README.md")  # fmt: skip

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.filter.channels import ASKED
 from wmr_ctrl.model.system import System
-from wmr_ctrl.scenario import Limits
+from wmr_ctrl.scenario.sections import Limits
 from wmr_ctrl.signals import VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
 

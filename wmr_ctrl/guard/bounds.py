@@ -11,7 +11,8 @@ from wmr_ctrl.guard.lateness import Counting, Since, Times, lateness, since_last
 from wmr_ctrl.model.dynamics import full_thrust
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.results.settings import stopping_force
-from wmr_ctrl.scenario import Clock, Guard, Scenario
+from wmr_ctrl.scenario import Guard, Scenario
+from wmr_ctrl.scenario.sections import Clock
 from wmr_ctrl.world.effect import Bound, Effect, mass_bounds
 
 Pair = tuple[float, float]

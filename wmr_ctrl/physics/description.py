@@ -12,7 +12,8 @@ import math
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.scenario import Body, Scenario
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.scenario.sections import Body
 from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"

@@ -237,11 +237,8 @@ class Evidence:
             return values
         runs = self.table.case(over.scenario or scenario, over.law or law)
         other = runs.by_seed(over.figure or spec.figure)
-        return {seed: _ratio(values[seed], other[seed]) for seed in values if seed in other}
-
-
-def _ratio(value: float | None, other: float | None) -> float | None:
-    return value / other if value is not None and other else None
+        both = ((seed, value, other[seed]) for seed, value in values.items() if seed in other)
+        return {seed: a / b if a is not None and b else None for seed, a, b in both}
 
 
 def _worst(spec: TestSpec, values: list[float | None]) -> float | None:

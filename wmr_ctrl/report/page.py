@@ -9,7 +9,8 @@ from pathlib import Path
 
 from jinja2 import Environment
 
-from wmr_ctrl.campaign import BARRIER_LAWS, STUDIES, Campaign
+from wmr_ctrl.campaign import Campaign
+from wmr_ctrl.campaign.paper import BARRIER_LAWS, STUDIES
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.proofs.ledger import load
 from wmr_ctrl.report.claims import RULE, Judged, Verdict, load_readings
@@ -17,7 +18,7 @@ from wmr_ctrl.report.drawing import Drawing
 from wmr_ctrl.report.guard_section import GuardSection
 from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.rigid_section import RigidSection
-from wmr_ctrl.report.style import ABSENT, page_environment, picture, shown
+from wmr_ctrl.report.style import page_environment, picture, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
 from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.table import RunTable
@@ -111,12 +112,10 @@ def write_page(
 def report_environment() -> Environment:
     """The templates with the report's filters."""
     environment = page_environment()
-    environment.filters.update(shown=shown, thousandths=_thousandths)
+    environment.filters.update(
+        shown=shown, thousandths=lambda value: shown(value and 1e3 * value, 2)
+    )
     return environment
-
-
-def _thousandths(value: float | None) -> str:
-    return ABSENT if value is None else shown(1e3 * value, 2)
 
 
 def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextTable]:

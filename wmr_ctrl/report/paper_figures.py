@@ -195,10 +195,6 @@ def _column(name: str) -> Callable[[Run], FloatArray]:
     return lambda run: run[name]
 
 
-def _millimetres(run: Run) -> FloatArray:
-    return np.asarray(1e3 * distance(run))
-
-
 def _error(name: str) -> Callable[[Run], FloatArray]:
     """True pose less reference, unlike the body-frame errors of Eq. (8)."""
     return lambda run: run[name] - run[f"{name}_d"]
@@ -210,7 +206,7 @@ _ANGULAR = Trace("ω [rad/s]", _column("omega"), limit_axis=1, smooth=0.5, late=
 _X = Trace("$x - x_d$ [m]", _error("x"), early=5.0)
 _Y = Trace("$y - y_d$ [m]", _error("y"), early=5.0)
 _THETA = Trace("$θ - θ_d$ [rad]", _error("theta"), early=5.0, smooth=1.0)
-_D = WholeTrace("d [mm]", _millimetres, floor=0.5)
+_D = WholeTrace("d [mm]", lambda run: 1e3 * distance(run), floor=0.5)
 _RIGHT = Trace("τ₁, right [N m]", _column("tau_right"), early=2.0, smooth=1.0)
 _LEFT = Trace("τ₂, left [N m]", _column("tau_left"), early=2.0, smooth=1.0)
 _W1 = WholeTrace("‖W₁‖ [1]", _column("W_norm[1]"))

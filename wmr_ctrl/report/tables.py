@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -172,9 +173,9 @@ def times_table(times: Mapping[str, float], laws: Sequence[str]) -> TextTable:
     """Milliseconds per 10,000 evaluations: the paper's and ours [s], side by side."""
     head = ("law", "paper (MATLAB, i5-3210M)", "here (compiled C, each call from Python)")
     return TextTable(
-        head, tuple((headed(law), *(_ms(t.get(law)) for t in (PAPER_TIMES, times))) for law in laws)
+        head,
+        tuple(
+            (headed(law), *(shown(1e3 * t.get(law, math.nan), 2) for t in (PAPER_TIMES, times)))
+            for law in laws
+        ),
     )
-
-
-def _ms(value: float | None) -> str:
-    return ABSENT if value is None else shown(1e3 * value, 2)

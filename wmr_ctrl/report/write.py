@@ -5,15 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from wmr_ctrl.campaign import PAPER_LAWS, Campaign, PhaseProgress, Silent
-from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
+from wmr_ctrl.campaign.comparison import COMPARED
 from wmr_ctrl.campaign.paper import reported
-from wmr_ctrl.campaign.rigid import E1 as E1_RMS
-from wmr_ctrl.campaign.rigid import E1_BEFORE as E1_RMS_BEFORE
+from wmr_ctrl.campaign.rigid import COMPARED as RIGID_COMPARED
 from wmr_ctrl.errors import ArgumentError, ResultFileError
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.report.claims import RULE, Judged, Measured, Verdict, load_readings
@@ -24,8 +23,8 @@ from wmr_ctrl.report.page import Reproduction, write_page
 from wmr_ctrl.report.paper_figures import paper_figure
 from wmr_ctrl.report.rigid_section import rigid_figures
 from wmr_ctrl.results import atomic_text, check_writable, json_safe, make_folder
+from wmr_ctrl.results.figures import FIGURES, Figure
 from wmr_ctrl.results.table import STATISTICS, RunTable
-from wmr_ctrl.results.windows import BEFORE, LATE
 
 FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 COMPARISON_FILE, RIGID_FILE = "ours.csv", "rigid.csv"
@@ -107,13 +106,15 @@ def write_reproduction(
     )
     pictures = _draw(drawings, figures, progress or Silent())
     write_table(home / "table.csv", table)
-    write_runs(home / "runs.csv", table)
+    write_runs(home / "runs.csv", table, (), reported())
     write_claims(home / "claims.json", reproduction.judged, table)
     write_page(home / "report.html", reproduction, drawings, figures)
     if compared:
-        write_comparison(home / COMPARISON_FILE, compared)
+        taken = map(FIGURES.__getitem__, COMPARED)
+        write_runs(home / COMPARISON_FILE, compared, ("base", "guard"), taken)
     if rigid.table:
-        write_rows(home / RIGID_FILE, rigid.table.records(), RIGID_COLUMNS)
+        taken = map(FIGURES.__getitem__, RIGID_COMPARED)
+        write_runs(home / RIGID_FILE, rigid.table, ("plant",), taken)
     names = file_names(bool(compared), bool(rigid.table))
     files = (*(home / name for name in names), *pictures)
     return Verdicts(reproduction.judged, table, home, files)
@@ -188,62 +189,14 @@ def write_table(path: Path, table: RunTable) -> None:
     write_csv(path, ("scenario", "law", "seeds", "statistic", *headings), rows)
 
 
-def write_rows(
-    path: Path, rows: Iterable[Mapping[str, object]], columns: Mapping[str, str]
+def write_runs(
+    path: Path, table: RunTable, labels: Sequence[str], figures: Iterable[Figure]
 ) -> None:
-    """One row per run: what stands under the name that each heading has in ``columns``."""
-    write_csv(path, columns, ([row[name] for name in columns.values()] for row in rows))
-
-
-def write_runs(path: Path, table: RunTable) -> None:
-    """Every run with all of its figures."""
-    about = {"scenario": "case", "law": "law", "seed": "seed", "outcome": "outcome"}
-    figures = {figure.heading: figure.name for figure in reported()}
-    write_rows(path, table.records(), about | figures)
-
-
-def write_comparison(path: Path, table: RunTable) -> None:
-    """Every run of the comparison; only guarded ones have a share of time in clip."""
-    free = {"guard": "off", "guard_share1": None, "guard_share2": None}
-    rows = (row | ({"guard": "on"} if row["guard"] else free) for row in table.records())
-    write_rows(path, rows, COMPARISON_COLUMNS)
-
-
-_BEFORE, _LATE = (f"{start:g}-{end:g} s" for start, end in (BEFORE, LATE))
-COMPARISON_COLUMNS = {
-    "base": "base",
-    "case": "case",
-    "law": "law",
-    "guard": "guard",
-    "seed": "seed",
-    "outcome": "outcome",
-    "steps beyond a limit [1]": "violations",
-    "max |v1|/limit [1]": "limit_ratio1",
-    "max |omega|/limit [1]": "limit_ratio2",
-    f"RMS distance over {_LATE} [m]": AWAY,
-    f"largest distance over {_LATE} [m]": FARTHEST,
-    "ISE [m2.s + rad2.s]": "ise_total",
-    f"mean |e1| over {_BEFORE} [m]": E1_BEFORE,
-    f"mean |e1| over {_LATE} [m]": E1,
-    "peak wheel torque [N.m]": "tau_peak",
-    "share of time in clip, thrust [1]": "guard_share1",
-    "share of time in clip, moment [1]": "guard_share2",
-}
-"""Columns of ours.csv by heading."""
-RIGID_COLUMNS = {
-    "case": "case",
-    "law": "law",
-    "seed": "seed",
-    "plant": "plant",
-    "outcome": "outcome",
-    "ISE [m2.s + rad2.s]": "ise_total",
-    f"RMS of e1 over {_BEFORE} [m]": E1_RMS_BEFORE,
-    f"RMS of e1 over {_LATE} [m]": E1_RMS,
-    "max |v|/limit [1]": "limit_ratio",
-    "first slip [s]": "slipped",
-    "fall [s]": "tipped",
-}
-"""Columns of rigid.csv by heading."""
+    """One row per run: scenario, law, seed, outcome, further ``labels``, and the figures."""
+    columns = {"scenario": "case"} | {name: name for name in ("law", "seed", "outcome", *labels)}
+    columns |= {figure.heading: figure.name for figure in figures}
+    rows = ([row[name] for name in columns.values()] for row in table.records())
+    write_csv(path, columns, rows)
 
 
 def write_claims(path: Path, judged: Sequence[Judged], table: RunTable) -> None:
@@ -262,29 +215,21 @@ def write_claims(path: Path, judged: Sequence[Judged], table: RunTable) -> None:
 
 
 def _claim(judged: Judged) -> dict[str, object]:
-    claim = judged.claim
+    parts = ("id", "section", "title", "quote", "threshold")
     return {
-        "id": claim.id,
-        "section": claim.section,
-        "title": claim.title,
-        "quote": claim.quote,
-        "threshold": claim.threshold,
+        **{name: getattr(judged.claim, name) for name in parts},
         "tests": [_test(test) for test in judged.tests],
         "verdict": judged.verdict.value,
-        "expected": claim.expected.value,
+        "expected": judged.claim.expected.value,
         "explanation": judged.explanation,
     }
 
 
 def _test(test: Measured) -> dict[str, object]:
-    spec = test.spec
+    spec, parts = test.spec, ("figure", "scenarios", "laws", "at_least", "at_most")
     return {
         "measure": spec.text,
-        "figure": spec.figure,
-        "scenarios": spec.scenarios,
-        "laws": spec.laws,
-        "at_least": spec.at_least,
-        "at_most": spec.at_most,
+        **{name: getattr(spec, name) for name in parts},
         "unit": spec.unit or "1",
         "found": {"seeds": len(test.values), **test.spread.statistics},
         "seeds_that_keep_it": test.keeping if spec.decides else None,

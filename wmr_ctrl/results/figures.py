@@ -175,12 +175,8 @@ def _weights(axis: int) -> Iterator[Figure]:
     """Norms of an axis' weights."""
     for when, text in (("end", "last sample"), ("largest", "largest")):
         meaning = f"norm of the weights of axis {axis}, {text}"
-        yield Figure(f"W{axis}_{when}", "1", meaning, partial(_weight, axis - 1, when))
-
-
-def _weight(axis: int, when: str, run: Run) -> float | None:
-    norm = measures.weight_norm(run)
-    return None if norm is None else (norm.end if when == "end" else norm.largest)[axis]
+        of = _at(measures.weight_norm, when, axis - 1)
+        yield Figure(f"W{axis}_{when}", "1", meaning, of)
 
 
 def _over(span: Span, name: str, text: str, of: Callable[[Run, Span], float | None]) -> Figure:

@@ -80,14 +80,14 @@ def runs_equal(run_a: Run, run_b: Run) -> bool:
 
     Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.
     """
-    return metadata_text(run_a) == metadata_text(run_b) and all(
-        _same_bits(run_a.columns[name], run_b.columns[name]) for name in run_a.columns
+    if metadata_text(run_a) != metadata_text(run_b):
+        return False
+    pairs = ((column, run_b.columns[name]) for name, column in run_a.columns.items())
+    return all(
+        np.array_equal(a, b, equal_nan=True)
+        and ((np.signbit(a) == np.signbit(b)) | np.isnan(a)).all()
+        for a, b in pairs
     )
-
-
-def _same_bits(a: FloatArray, b: FloatArray) -> bool:
-    same = (a == b) & (np.signbit(a) == np.signbit(b)) | np.isnan(a) & np.isnan(b)
-    return a.shape == b.shape and bool(same.all())
 
 
 def check_suffix(path: str | os.PathLike[str]) -> str:

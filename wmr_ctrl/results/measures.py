@@ -41,14 +41,6 @@ class Rises:
     largest: float
 
 
-@dataclass(frozen=True, slots=True)
-class WeightNorm:
-    """Norm of each axis' network weights at the last sample, and its largest over the run."""
-
-    end: tuple[float, ...]
-    largest: tuple[float, ...]
-
-
 def distance(run: Run) -> FloatArray:
     """Distance of the robot from its reference point [m] at each sample, shape (N,)."""
     return np.hypot(run["x"] - run["x_d"], run["y"] - run["y_d"])
@@ -320,9 +312,12 @@ def _relative(run: Run, value: float) -> float | None:
     return value / start if start else None
 
 
-def weight_norm(run: Run) -> WeightNorm | None:
-    """Norms of the weights [1] per axis, or None for a law without weights or an empty run."""
+def weight_norm(run: Run) -> dict[str, list[float]] | None:
+    """Norm of the weights [1] by axis at the ``end``, and the ``largest`` over the run.
+
+    None for a law without weights or an empty run.
+    """
     if "W_norm" not in run or run.rows == 0:
         return None
     norms = run["W_norm"]
-    return WeightNorm(tuple(norms[-1].tolist()), tuple(np.max(norms, axis=0).tolist()))
+    return {"end": norms[-1].tolist(), "largest": np.max(norms, axis=0).tolist()}

@@ -23,7 +23,7 @@ from wmr_ctrl.results.measures import (
     velocity_sway,
 )
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import Outcome, RigidMonitor
+from wmr_ctrl.results.outcomes import Outcome
 from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:
@@ -95,18 +95,15 @@ def _outcome(run: Run) -> Iterator[Remark]:
     if seen and seen.tipped is not None:
         yield Remark(Outcome.TIPPED.value, Outcome.TIPPED.sentence(monitor))
     if seen and seen.slipped is not None:
-        yield Remark(Outcome.SLIPPED.value, _slipped(seen))
+        yield Remark(
+            Outcome.SLIPPED.value,
+            f"From t = {seen.slipped:.6g} s on the wheels slipped over the ground, at most by "
+            f"{seen.max_slip:.3g} m/s; laws and guard assume that they grip. Limit the wheel "
+            "torques: `wmr-ctrl check` names the largest one without spin.",
+        )
     if run.guard and monitor.bounds_left:
         outcome = Outcome.BOUNDS_LEFT
         yield Remark(outcome.value, outcome.sentence(monitor, run.guard))
-
-
-def _slipped(seen: RigidMonitor) -> str:
-    return (
-        f"From t = {seen.slipped:.6g} s on the wheels slipped over the ground, at most by "
-        f"{seen.max_slip:.3g} m/s; laws and guard assume that they grip. Limit the wheel torques: "
-        "`wmr-ctrl check` names the largest one without spin."
-    )
 
 
 def _not_tracked(run: Run) -> Iterator[Remark]:

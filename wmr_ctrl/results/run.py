@@ -64,7 +64,12 @@ class Run:
         self._set("signals", tuple(self.signals))
         self._set("outcome", Outcome(self.outcome))
         self._set("seed", operator.index(self.seed))
-        _check_outcome(self)
+        outcome = outcome_of(self.monitor, self.guard)
+        if self.outcome != outcome:
+            raise ArgumentError(
+                f"run.outcome = {self.outcome.value!r} does not fit what the monitor saw, which is "
+                f"{outcome.value!r}. Use outcome_of(monitor, guard)."
+            )
         _check_columns(self)
         _check_clock(self)
 
@@ -273,15 +278,6 @@ def _frozen(values: object) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
-
-
-def _check_outcome(run: Run) -> None:
-    outcome = outcome_of(run.monitor, run.guard)
-    if run.outcome != outcome:
-        raise ArgumentError(
-            f"run.outcome = {run.outcome.value!r} does not fit what the monitor saw, which is "
-            f"{outcome.value!r}. Use outcome_of(monitor, guard)."
-        )
 
 
 def _check_columns(run: Run) -> None:

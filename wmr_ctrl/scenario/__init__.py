@@ -5,25 +5,15 @@ This layer knows nothing of control laws or symbolic expressions; gains are kept
 
 from __future__ import annotations
 
-from wmr_ctrl.fields.problems import UnknownKeyError as UnknownKeyError
-from wmr_ctrl.fields.section import REQUIRED as REQUIRED
 from wmr_ctrl.fields.section import Section as Section
-from wmr_ctrl.fields.section import build as build
 from wmr_ctrl.fields.section import quantities as quantities
-from wmr_ctrl.fields.section import quantity as quantity
-from wmr_ctrl.fields.values import Frozen as Frozen
 from wmr_ctrl.scenario.overrides import override as override
 from wmr_ctrl.scenario.overrides import parse_assignments as parse_assignments
 from wmr_ctrl.scenario.raw import from_dict as from_dict
 from wmr_ctrl.scenario.raw import scenario_dict as scenario_dict
 from wmr_ctrl.scenario.scenario import Scenario as Scenario
-from wmr_ctrl.scenario.sections import Body as Body
 from wmr_ctrl.scenario.sections import Change as Change
-from wmr_ctrl.scenario.sections import Clock as Clock
 from wmr_ctrl.scenario.sections import Guard as Guard
-from wmr_ctrl.scenario.sections import Initial as Initial
-from wmr_ctrl.scenario.sections import Limits as Limits
-from wmr_ctrl.scenario.sections import Metrics as Metrics
 from wmr_ctrl.scenario.sections import Model as Model
 from wmr_ctrl.scenario.sections import Robot as Robot
 from wmr_ctrl.scenario.toml_io import inherited as inherited

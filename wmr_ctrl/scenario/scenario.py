@@ -45,13 +45,14 @@ def clean_gains(raw: object) -> Gains:
     """
     if not isinstance(raw, Mapping):
         raise ScenarioError(f"gains = {show(raw)} must be a table of laws, as in [gains.mb].")
-    return Frozen((str(law), _law(gains, f"gains.{law}")) for law, gains in raw.items())
-
-
-def _law(gains: object, path: str) -> Mapping[str, Gain]:
-    if not isinstance(gains, Mapping):
-        raise ScenarioError(f"{path} = {show(gains)} must be a table of gains, as in [{path}].")
-    return Frozen((str(name), _gain(value, f"{path}.{name}")) for name, value in gains.items())
+    laws = {}
+    for law, gains in raw.items():
+        path = f"gains.{law}"
+        if not isinstance(gains, Mapping):
+            raise ScenarioError(f"{path} = {show(gains)} must be a table of gains, as in [{path}].")
+        named = ((str(name), _gain(value, f"{path}.{name}")) for name, value in gains.items())
+        laws[str(law)] = Frozen(named)
+    return Frozen(laws)
 
 
 def _gain(value: object, path: str) -> Gain:
@@ -68,23 +69,6 @@ ROUNDING = 1e-9
 """Share by which a difference of two times may miss a third."""
 
 S = TypeVar("S", bound=Section)
-
-SECTIONS: dict[str, type[Section]] = {
-    "robot": Robot,
-    "body": Body,
-    "model": Model,
-    "limits": Limits,
-    "initial": Initial,
-    "disturbance": Disturbance,
-    "sensor": Sensor,
-    "actuator": Actuator,
-    "guard": Guard,
-    "filter": Filter,
-    "clock": Clock,
-    "metrics": Metrics,
-}
-"""Tables of a scenario that are one dataclass each and a field of Scenario, by key."""
-OTHER_KEYS = ("title", "gains", "reference", "changes")
 
 
 def sections() -> dict[str, type[Section]]:
@@ -227,6 +211,16 @@ class Scenario:
         if name not in numbers:
             raise UnknownNameError("number of the reference", name, numbers)
         return numbers[name]
+
+
+OTHER_KEYS = ("title", "gains", "reference", "changes")
+SECTIONS: dict[str, type[Section]] = {
+    item.name: cast("type[Section]", kind)
+    for item in dataclasses.fields(Scenario)
+    if isinstance(kind := item.default_factory, type) and issubclass(kind, Section)
+    if item.name not in OTHER_KEYS
+}
+"""Tables of a scenario that are one dataclass each and a field of Scenario, by key."""
 
 
 def _check_types(scenario: Scenario) -> None:

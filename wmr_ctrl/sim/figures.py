@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.results import Event, Monitor, Settings, outcome_of
+from wmr_ctrl.results import Monitor, Settings, outcome_of
 from wmr_ctrl.results.figures import STATE, SUMMED, Sum
-from wmr_ctrl.results.outcomes import STOP_REASONS
+from wmr_ctrl.results.outcomes import STOP_REASONS, Event
 from wmr_ctrl.results.windows import at_rest, windows_of
 from wmr_ctrl.sim.memory import Memory, Task
 

@@ -11,12 +11,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.compiled import CompiledLoop, LoopLayout, elements
+from wmr_ctrl.compiled import LoopLayout, elements
 from wmr_ctrl.errors import ArgumentError, CompilerError, UnknownNameError
 from wmr_ctrl.signals import PLANT_STATE
 from wmr_ctrl.sim.runnable import RunnableLoop
@@ -201,7 +202,7 @@ def laid_out(
         )
     padded = [*runs, *[runs[-1]] * (chosen.lanes - len(runs))]
     arrays: dict[str, Numbers] = {
-        "parameters": _columns([_parameters(run.loop.compiled) for run in padded]),
+        "parameters": _columns([[*chain(*run.loop.compiled.parameters)] for run in padded]),
         "start": _columns([_start(run) for run in padded]),
         "phase_start": np.array(compiled.phase_start, dtype=np.int64),
         "window": np.array(windows, dtype=np.int64).reshape(-1, 2),
@@ -233,10 +234,6 @@ def noise_key(seed: int) -> tuple[int, int]:
     """Key of the Philox generator for a seed."""
     words = np.random.SeedSequence(seed).generate_state(2, np.uint64)
     return int(words[0]), int(words[1])
-
-
-def _parameters(compiled: CompiledLoop) -> list[float]:
-    return [number for row in compiled.parameters for number in row]
 
 
 def _start(run: Task) -> list[float]:

@@ -12,16 +12,8 @@ import numpy as np
 
 from wmr_ctrl import __version__
 from wmr_ctrl.compiled import CompiledLoop
-from wmr_ctrl.results import (
-    Assumptions,
-    Monitor,
-    Run,
-    Settings,
-    first_beyond,
-    largest_push,
-    outcome_of,
-)
-from wmr_ctrl.results.settings import CountedNumbers
+from wmr_ctrl.results import Assumptions, Monitor, Run, Settings, outcome_of
+from wmr_ctrl.results.settings import CountedNumbers, first_beyond, largest_push
 from wmr_ctrl.scenario import Scenario, to_toml
 from wmr_ctrl.signals import Signal
 
