@@ -96,6 +96,15 @@ BODY_FORCE = (
     Signal("moment", "N.m", "disturbance moment on the body"),
 )
 DISTURBING = (*TORQUE_NOISE, *BODY_FORCE)
+COMMAND = (
+    Signal("v_command", "m/s", "commanded linear velocity, as sent to the base"),
+    Signal("omega_command", "rad/s", "commanded angular velocity, as sent to the base"),
+)
+"""Inputs of a base that takes velocities."""
+ASKED = Signal("v_asked", "m/s, rad/s", "commanded velocity (linear, angular), unfiltered", 2)
+SENT_BEFORE = Signal(
+    "v_sent_before", "m/s, rad/s", "velocity sent at the previous sample, behind the filter", 2
+)
 TAU_APPLIED = Signal(
     "tau_applied", "N.m", "torque applied over the previous sample (right, left)", 2
 )

@@ -149,3 +149,9 @@ def test_a_file_of_points_is_found_from_where_one_stands(tmp_path, monkeypatch):
 
     assert scenario.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)))
     assert again.reference == Waypoints(points=((0, 0), (1, 0), (2, 1)), speed=0.3)
+
+
+def test_tables_that_are_given_stay_as_they_were() -> None:
+    given = {"robot": {"m": 52.0}}
+    override(load_scenario("paper-simulation"), {**given, "robot.m": 60.0})
+    assert given == {"robot": {"m": 52.0}}

@@ -29,6 +29,8 @@ from wmr_ctrl.checks.torques import first_torques as first_torques
 from wmr_ctrl.checks.torques import grip_warnings as grip_warnings
 from wmr_ctrl.checks.torques import noise_gain, weak_drives
 from wmr_ctrl.checks.torques import reference_torque as reference_torque
+from wmr_ctrl.checks.velocity_base import filter_facts as filter_facts
+from wmr_ctrl.checks.velocity_base import velocity_base
 from wmr_ctrl.checks.velocity_guard import contradicted, guard_price, violent_alpha
 from wmr_ctrl.checks.warning import Warning as Warning
 from wmr_ctrl.control.setup import Setup
@@ -52,10 +54,13 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     violent_alpha,
 )
 """In the order in which they are told: what ends a run first comes first."""
+OF_VELOCITY_BASES = (units, start, preconditions, coarse_step, velocity_base)
+"""Those that hold for a base that takes velocities."""
 
 
 @lru_cache(maxsize=256)
 def warnings_for(setup: Setup) -> tuple[Warning, ...]:
     """Warnings from theory for a law on a scenario; empty where it has no objection."""
     loop = loop_of(setup)
-    return tuple(warning for check in CHECKS for warning in check(loop))
+    checks = OF_VELOCITY_BASES if setup.takes_velocity else CHECKS
+    return tuple(warning for check in checks for warning in check(loop))

@@ -22,6 +22,7 @@ from wmr_ctrl.checks.sampled_plant import (
 )
 from wmr_ctrl.checks.world import COMMAND, Floats, World, world_of
 from wmr_ctrl.control.applied import followed
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.graph import rounds
@@ -254,7 +255,8 @@ def wheels(robot: Robot) -> Floats:
 
 @lru_cache(maxsize=64)
 def surroundings(scenario: Scenario) -> Surroundings:
-    """The Surroundings of a scenario, made once."""
+    """The Surroundings of a scenario, made once; ScenarioError for a base that takes velocities."""
+    check_takes_torques(scenario, "linear loops are made")
     return Surroundings(scenario)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmr_ctrl.cli.check_limits import filter_lines, filter_numbers, guard_lines, guard_numbers
 from wmr_ctrl.cli.console import print_json, say, wrapped
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 from wmr_ctrl.cli.progress import Progress
@@ -16,7 +17,6 @@ from wmr_ctrl.errors import CompilerError
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Stability, Warning
     from wmr_ctrl.control.setup import Setup
-    from wmr_ctrl.guard.bounds import SourcedNumber
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.toml_io import InheritedValue
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     Runs = Mapping[str, Run]
     Taken = Sequence[InheritedValue]
 
+NOT_LINEAR = "on a base that takes velocities, where stability is not worked out"
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
-PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
 
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
@@ -71,10 +71,12 @@ def check(
             setup = settle(case, law)
             grip = (replace(item, objects=False) for item in grip_warnings(setup))
             warned[law] = (*warnings_for(setup), *grip)
-            stable[law] = stability(case, law)
+            if not first.takes_velocity:
+                stable[law] = stability(case, law)
         runs = _runs(case, warned, progress)
     if as_json:
-        print_json({**_document(case, warned, stable, runs, taken), "guard": _guard_numbers(first)})
+        limited = {"guard": guard_numbers(first), "filter": filter_numbers(first)}
+        print_json({**_document(case, warned, stable, runs, taken), **limited})
     else:
         lines = [*_head(case, first, taken), *_lines(case, warned, stable, runs)]
         click.echo("\n".join(lines))
@@ -136,7 +138,7 @@ def _document(
         "arrival": scenario.reference.arrival,
         "laws": {
             law: {
-                "largest_stable_period": stable[law].period,
+                "largest_stable_period": stable[law].period if law in stable else None,
                 "warnings": [asdict(warning) for warning in warnings],
             }
             for law, warnings in warned.items()
@@ -186,7 +188,7 @@ def _head(scenario: Scenario, setup: Setup, taken: Taken) -> list[str]:
         end = early if arrival > lasts else ""
         lines.append(wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}."))
     inherited = [warning["text"] or "" for warning in _inherited_warning(taken)]
-    return [*lines, *map(_item, (*_guard_lines(setup), *inherited))]
+    return [*lines, *map(_item, (*guard_lines(setup), *filter_lines(setup), *inherited))]
 
 
 def _lines(
@@ -209,7 +211,8 @@ def _lines(
         if law in runs:
             seen = (item for item in runs[law].remarks if item.key != OBJECTED)
             texts += [f"{item.key}: {item.text}" for item in seen]
-        said = wrapped(f"{law}, {_stable(stable[law], scenario.clock.control)}{rest}")
+        periods = _stable(stable[law], scenario.clock.control) if law in stable else NOT_LINEAR
+        said = wrapped(f"{law}, {periods}{rest}")
         lines += ["", said, *(map(_item, texts) if texts else ["  - no objection"])]
         lines += [_item(_sight(runs[law]))] if law in runs else []
     return lines
@@ -261,87 +264,3 @@ def _stable(limits: Stability, period: float) -> str:
         parts.append(f"for a mass of {limits.mass_words}")
     here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
     return f"stable around the reference {limit}{here}"
-
-
-def _guard_numbers(setup: Setup) -> dict[str, object] | None:
-    """The guard's numbers for JSON, their sources, and the speeds it leaves; None without guard."""
-    if not setup.scenario.guard.enabled:
-        return None
-    from wmr_ctrl.guard.bounds import assumption_sources
-    from wmr_ctrl.guard.price import speed_price
-
-    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
-    price = speed_price(setup.scenario, setup.guard)
-    return {
-        **{name: item.value for name, item in known.items()},
-        "sources": {name: dict(item.sources) for name, item in known.items()},
-        "usable_speed": price.usable,
-        "reference_speed": price.asked,
-    }
-
-
-def _guard_lines(setup: Setup) -> Iterator[str]:
-    """The same in two sentences; none without guard."""
-    if not setup.scenario.guard.enabled:
-        return
-    from wmr_ctrl.guard.bounds import assumption_sources
-    from wmr_ctrl.guard.price import speed_price
-    from wmr_ctrl.results import speeds
-
-    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
-    parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
-    parts += [_late(known[name]) for name in ("delay", "lag")]
-    ages = [known[name] for name in ("age", "window") if any(known[name].value)]
-    parts += [f"{item.name} {_digits(item.value)} s{_made(item)}" for item in ages]
-    yield f"the guard counts on {'; '.join(parts)}"
-    price = speed_price(setup.scenario, setup.guard)
-    yield (
-        f"it leaves at most {speeds(price.usable)} against friction; the reference asks for at "
-        f"most {speeds(price.asked)}"
-    )
-
-
-def _masses(known: Mapping[str, SourcedNumber]) -> str:
-    low, high = known["M_min"], known["M_max"]
-    texts = [
-        f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"
-        for i, (name, unit) in enumerate((("M", "kg"), ("I", "kg m2")))
-    ]
-    origin, other = _made(low), _made(high)
-    return f"{', '.join(texts)}{origin if origin == other else f'{origin} to{other}'}"
-
-
-def _differs(setup: Setup) -> str:
-    """Mass or inertia of the robot where the laws believe another, within what is counted."""
-    texts = [
-        f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
-        for name, unit in (("m", "kg"), ("I", "kg m2"))
-        if setup.value(f"robot.{name}") != setup.value(f"model.{name}")
-    ]
-    return f", and the robot has {', '.join(texts)}" if texts else ""
-
-
-def _bound(item: SourcedNumber) -> str:
-    (a, b), (first, second) = item.value, PER_AXIS[item.name]
-    return f"{item.name} {a:.4g} {first}, {b:.4g} {second}{_made(item)}"
-
-
-def _late(item: SourcedNumber) -> str:
-    low, high = item.value
-    if high == 0:
-        return f"no {item.name}{_made(item)}"
-    text = f"{high:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
-    return f"{item.name} {text} s{_made(item)}"
-
-
-def _digits(values: Iterable[float]) -> str:
-    return ", ".join(f"{value:.4g}" for value in values)
-
-
-def _made(item: SourcedNumber) -> str:
-    """Sources of a number, in brackets."""
-    texts = [
-        source if added in (None, item.value) else f"{source} {_digits(added or ())}"
-        for source, added in item.sources.items()
-    ]
-    return f" ({'; '.join(texts)})" if texts else ""

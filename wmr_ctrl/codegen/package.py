@@ -26,6 +26,7 @@ from wmr_ctrl.codegen.single_precision import (
 from wmr_ctrl.codegen.source import cached_definition
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.fields.problems import printable
 from wmr_ctrl.filter import filter_system
@@ -85,6 +86,7 @@ def package_files(
     if law == FILTER:
         system = filter_system(scenario)
     else:
+        check_takes_torques(scenario, "C packages of laws are written")
         setup = settle(scenario, law)
         system = packaged(setup) if counting else controller(setup)
     if float32 and (scenario.guard.enabled or law == FILTER):

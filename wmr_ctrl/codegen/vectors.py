@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.filter.channels import ASKED
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario.sections import Limits
-from wmr_ctrl.signals import VELOCITY
+from wmr_ctrl.signals import ASKED, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
 
 Floats = NDArray[np.float64]

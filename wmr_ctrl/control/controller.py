@@ -8,6 +8,7 @@ import casadi as ca
 
 from wmr_ctrl.control.applied import Applied, remembered
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.velocity import SentVelocity
 from wmr_ctrl.guard.bounds import ROUNDING, pair_of
 from wmr_ctrl.guard.delay import Tails, delayed_push
 from wmr_ctrl.guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
@@ -16,7 +17,7 @@ from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import TorqueLimited
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust, wheel_to_force
 from wmr_ctrl.model.system import Output, Parameters, Port, System, port, ports, stack
-from wmr_ctrl.signals import FORCE, TORQUE, VELOCITY
+from wmr_ctrl.signals import ASKED, FORCE, TORQUE, VELOCITY
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Remembered:
 def controller(setup: Setup) -> System:
     """The law, the guard if it is on, then the wheels' limit: tau_right, tau_left [N m].
 
+    For a base that takes velocities the law, an adapter if it asks for a force, then the command
+    filter if there is one: v_command [m/s], omega_command [rad/s].
     A law's inputs tau_applied and tau_sent become state of this System, which remembers what it
     commanded and what the drives made of it.
     """
@@ -60,7 +63,9 @@ def law_graph(setup: Setup, in_flight: int | None = None) -> System:
 
     ``in_flight`` commands are what it predicts over, those of the scenario's clock unless given.
     """
-    return setup.control_law.build(LawContext(setup, in_flight))
+    law = setup.control_law
+    build = law.command if setup.takes_velocity and law.command else law.build
+    return build(LawContext(setup, in_flight))
 
 
 def guard(setup: Setup) -> System:
@@ -116,8 +121,14 @@ def _watched_torque(
 
 def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
     """Wheel torques (2,) [N m] of a force without guard, the thrust served first."""
-    r, half_track, phi = _wheels(setup, p)
-    return force_to_wheel(r, half_track, linear_first(asked, phi, half_track))
+    r, half_track, _ = _wheels(setup, p)
+    return force_to_wheel(r, half_track, _reached(setup, p, asked))
+
+
+def _reached(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
+    """What of a force (2,) [N, N m] the wheels can give, the thrust served first."""
+    _, half_track, phi = _wheels(setup, p)
+    return linear_first(asked, phi, half_track)
 
 
 def _monitor(
@@ -190,6 +201,9 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
+    if setup.takes_velocity:
+        direct = core.outputs[0].signal == ASKED
+        return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked)).system()
     wish = (Output(FORCE, asked),) if asking else ()
     known = remembered(core)
     if not (watched or known):

@@ -33,6 +33,7 @@ from wmr_ctrl.results.measures import AT_LIMIT
 from wmr_ctrl.results.settings import admitted, stopping_force
 from wmr_ctrl.signals import (
     BODY_FORCE,
+    COMMAND,
     DISTURBING,
     LOG_HEAD,
     MEASURED,
@@ -50,6 +51,7 @@ from wmr_ctrl.signals import (
 from wmr_ctrl.world.effect import EffectRole, Rate
 from wmr_ctrl.world.phases import KEYS, demanded
 from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.speed_loop import EXERTED
 
 SUMS = ("position", "angle", "e1", "e2", "e3", "torque", "change", "samples", "needed", "saturated")
 """Per sample, added up over windows: dx^2 + dy^2 [m2], dtheta^2 [rad2], e_i^2, torque^2, the same
@@ -142,7 +144,8 @@ class Graphs:
 
     def _join_drives(self, drives: list[System], gusts: list[System], *, pushed: bool) -> None:
         """Torques and disturbances over a plant step, from held values."""
-        rate, signals = self.step, held_signals(pushed)
+        rate = self.step
+        signals = held_signals(rate.setup, pushed)
         self.u = port(Signal("held", "1", "what a sample leaves to its steps", len(signals)))
         rate.known |= {item.name: self.u.sym[i] for i, item in enumerate(signals)}
         self._late = rate.drive(drives)
@@ -185,8 +188,9 @@ class LoopGraphs(Graphs):
         self.setup = setup
         self.controller, self.reference = watched_controller(setup), reference(setup.scenario)
         sensors = self._join_sensors(setup, external_plant=external_plant)
-        self._compose_sample(sensors)
-        drives, gusts = map(self.step.effects, (EffectRole.DRIVE, EffectRole.DISTURBANCE))
+        drives = self.step.drives()
+        self._compose_sample(sensors, drives)
+        gusts = self.step.effects(EffectRole.DISTURBANCE)
         self._join_drives(drives, gusts, pushed=self._pushed)
         self.next_fast = self.plant_step()
 
@@ -199,7 +203,9 @@ class LoopGraphs(Graphs):
     def columns(self) -> tuple[Signal, ...]:
         """Signals of the log, in order."""
         pushed = BODY_FORCE if self._pushed else ()
-        columns = (*LOG_HEAD, *own_diagnostics(self.controller), *pushed, *self.sample.shown)
+        sent = COMMAND if self.setup.takes_velocity else ()
+        own = own_diagnostics(self.controller)
+        columns = (*LOG_HEAD, *own, *sent, *pushed, *self.sample.shown)
         names = [item.name for item in columns]
         for item in self.sample.shown:
             if names.count(item.name) > 1:
@@ -222,22 +228,27 @@ class LoopGraphs(Graphs):
         e, torque = known[TRACKING_ERROR.name], self.sample.column(TORQUE)
         peak = ca.fmax(ca.fabs(torque[0]), ca.fabs(torque[1]))
         least = known["d_least"]
-        keys = ("guard.M_max", "limits.v_u1", "clock.control", "guard.dbar")
-        mass, u1, period, dbar = (cast(Any, p.take(key)) for key in keys)  # symbols for floats
-        most = admitted(dbar, stopping_force(mass, u1, period))
         sums = (off[0] * off[0] + off[1] * off[1], off[2] * off[2], e * e)
         before = next(item.sym for item in self.slow if item.signal == TORQUE_BEFORE)
         squares = _squared(torque), _squared(torque - before)
-        beyond = [least[axis] > most[axis] for axis in (0, 1)]
         needed = demanded(
             ca.vertcat(*map(p.take, KEYS)),
             *(self.sample.column(part) for part in (REFERENCE[3:5], REFERENCE[5:])),
         )
         at_limit = peak >= AT_LIMIT * wheel_limit(self.setup, p)
         summed = (*sums, *squares, 1, _squared(needed), at_limit)
-        return ca.vertcat(*summed, peak, known["clip_active"], least, *beyond)
+        return ca.vertcat(*summed, peak, known["clip_active"], least, self._beyond(least))
 
-    def _compose_sample(self, sensors: list[System]) -> None:
+    def _beyond(self, least: ca.SX) -> ca.SX:
+        """1 where d_least (2,) contradicts the guard's bounds; no guard is on a velocity base."""
+        if self.setup.takes_velocity:
+            return ca.SX.zeros(2)
+        keys = ("guard.M_max", "limits.v_u1", "clock.control", "guard.dbar")
+        mass, u1, period, dbar = (cast(Any, self.parameters.take(key)) for key in keys)
+        most = admitted(dbar, stopping_force(mass, u1, period))  # symbols for floats
+        return ca.vertcat(*(least[axis] > most[axis] for axis in (0, 1)))
+
+    def _compose_sample(self, sensors: list[System], drives: list[System]) -> None:
         rate, known = self.sample, self.sample.known
         known[PSI.name] = known[POSE[2].name] + ca.pi / 2
         known |= rate.run(self.reference)
@@ -245,6 +256,10 @@ class LoopGraphs(Graphs):
         measured = zip((*POSE, *VELOCITY), MEASURED, strict=True)
         shown = known | {true.name: known[seen.name] for true, seen in measured}
         known |= rate.run(self.controller, shown)
+        if self.setup.takes_velocity:
+            every_state = (item for system in drives for item in system.state)
+            exerted = next(item.sym for item in every_state if item.signal == EXERTED)
+            known |= {signal.name: exerted[i] for i, signal in enumerate(TORQUE)}
         disturbances = rate.effects(EffectRole.DISTURBANCE)
         rate.disturb(disturbances)
         rate.add((port(TORQUE_BEFORE),), rate.column(TORQUE))
@@ -252,7 +267,7 @@ class LoopGraphs(Graphs):
         self._pushed = pushes(every)
         desired = rate.column(REFERENCE[:3])
         known[TRACKING_ERROR.name] = tracking_error(desired, rate.column(POSE))
-        self.held = rate.column(held_signals(self._pushed))
+        self.held = rate.column(held_signals(self.setup, self._pushed))
 
 
 class PlantlessGraphs(Graphs):
@@ -268,7 +283,7 @@ class PlantlessGraphs(Graphs):
         self.sample.measure(sensors)
         disturbances = self.sample.effects(EffectRole.DISTURBANCE)
         self.sample.disturb(disturbances)
-        drives, gusts = map(self.step.effects, (EffectRole.DRIVE, EffectRole.DISTURBANCE))
+        drives, gusts = self.step.drives(), self.step.effects(EffectRole.DISTURBANCE)
         pushed = pushes([*disturbances, *gusts])
         self.columns = (*(BODY_FORCE if pushed else ()), *self.sample.shown)
         self.measured = self.sample.column((*MEASURED, *DISTURBING, *self.columns))

@@ -12,6 +12,8 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
+from wmr_ctrl.filter.clip import derived_numbers
+from wmr_ctrl.filter.hypotheses import check_velocity_base
 from wmr_ctrl.guard.bounds import GuardNumbers, assumptions, derived_guard
 from wmr_ctrl.guard.contradictions import (
     Contradiction,
@@ -27,13 +29,13 @@ from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.results import Assumptions
 from wmr_ctrl.scenario import Scenario, override, preset_names
 from wmr_ctrl.scenario.units import asking_about_units
-from wmr_ctrl.signals import TORQUE_NOISE, Signal
-from wmr_ctrl.symbolic import ca
+from wmr_ctrl.signals import COMMAND, TORQUE, Signal
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, total
 from wmr_ctrl.world.grip import grip
 from wmr_ctrl.world.references.kind import check_finite
 from wmr_ctrl.world.references.registry import OURS as OUR_REFERENCES
 from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 KINEMATICS = "kinematics"
 GUARD_ALONE = "guard"
@@ -70,6 +72,16 @@ class Setup:
                 f"{', '.join(LAWS)}."
             )
         return self.law
+
+    @property
+    def takes_velocity(self) -> bool:
+        """True where the base takes velocities."""
+        return takes_velocity(self.scenario)
+
+    @property
+    def commanded(self) -> tuple[Signal, ...]:
+        """Signals that the controller sends: wheel torques, or velocities."""
+        return COMMAND if self.takes_velocity else TORQUE
 
     @property
     def tau_max(self) -> float:
@@ -132,13 +144,21 @@ class Setup:
 
         Raises KeyError for a key that names no number.
         """
+        if key in self._of_filter:
+            return self._of_filter[key]
         section, name = self._place(key)
         return number_of(section, name, key) if section else self.scenario.number(key)
 
     def value(self, key: str) -> tuple[float, ...]:
         """Value of the number at a key alone."""
+        if key in self._of_filter:
+            return self._of_filter[key][1]
         section, name = self._place(key)
         return numbers_in(section, name) if section else self.scenario.value(key)
+
+    @cached_property
+    def _of_filter(self) -> dict[str, tuple[Signal, tuple[float, ...]]]:
+        return derived_numbers(self.scenario)
 
     def _place(self, key: str) -> tuple[Section | None, str]:
         """Section and field of a key; no section where it is the scenario's alone."""
@@ -161,12 +181,12 @@ def settle(scenario: Scenario, law: str | None) -> Setup:
     counts on bounds that the scenario breaks.
     """
     chosen = None if law is None else LAWS[law]
-    if scenario.filter.kind != "none":
+    if scenario.filter.kind != "none" and not takes_velocity(scenario):
         raise ScenarioError(
             f'filter.kind = "{scenario.filter.kind}": the command filter is for bases that take '
-            "velocities, and this robot takes torques, which the guard limits. For the filter by "
-            "itself take wmr_ctrl.command_filter or `wmr-ctrl codegen filter`; here set "
-            'filter.kind = "none".'
+            "velocities, and this robot takes torques, which the guard limits. Set base.kind = "
+            '"velocity", or filter.kind = "none"; for the filter by itself take '
+            "wmr_ctrl.command_filter or `wmr-ctrl codegen filter`."
         )
     with asking_about_units(scenario):
         return _settled(
@@ -197,6 +217,8 @@ def _settled(scenario: Scenario, chosen: Law | None, known: tuple[Effect, ...]) 
     )
     if scenario.guard.enabled:
         refuse_contradictions(scenario, bound)
+    if takes_velocity(scenario):
+        check_velocity_base(scenario, gains, bound)
     return Setup(scenario, chosen, gains, kinematic_gains(scenario), guard, present)
 
 
@@ -294,33 +316,6 @@ def one_period_later(scenario: Scenario) -> Scenario:
     """
     delay = scenario.actuator.delay + scenario.clock.control
     return override(scenario, {"actuator.delay": delay})
-
-
-def check_plain_loop(setup: Setup, holder: str) -> None:
-    """Raise ArgumentError for effects that a loop of reference, controller and plant would miss.
-
-    Those that act, but for random numbers at the plant's inputs: they come from outside.
-    ``holder``: what holds that loop, such as "the Simulink kit".
-    """
-    scenario = setup.scenario
-    acting = [item for item in setup.effects if item.active(scenario)]
-    missed = [item.title for item in acting if not _is_noise(item, scenario)]
-    if missed:
-        raise ArgumentError(
-            f"{holder} holds reference, controller and plant, and the scenario {scenario.name} has "
-            f"more: {', '.join(missed)}. Export the closed-loop FMU, which has all, or take that "
-            "out of the scenario."
-        )
-
-
-def _is_noise(effect: Effect, scenario: Scenario) -> bool:
-    """True for random numbers at the wheels alone: nothing is left where those are 0."""
-    if effect.role is not EffectRole.DISTURBANCE:
-        return False
-    system = effect.system(scenario)
-    at_wheels = all(item.signal in TORQUE_NOISE for item in system.outputs)
-    quiet = ca.substitute(system.y, system.w, ca.SX.zeros(system.w.shape))
-    return at_wheels and not system.state and bool(system.draws) and quiet.is_zero()
 
 
 _FINITE: dict[tuple[object, ...], None] = {}

@@ -38,12 +38,12 @@ def structure_of(setup: Setup) -> Hashable:
     if foreign:
         return parts, tuple(vars(scenario).items())  # its text is short, and this one's is hashed
     sizes = tuple(signal.size for signal, _ in kind.numbers(scenario.reference))
-    known = ["robot", "limits", "disturbance", "sensor", "actuator"]
+    known = ["robot", "limits", "disturbance", "sensor", "actuator", "base"]
     known += [item.section.KEY for item in setup.effects if item.section.KEY not in known]
     tables = tuple(_form(scenario.table(key)) for key in known)
     shape = tuple(scenario.value(key) for item in setup.effects for key in item.shape)
     guard = (scenario.guard.enabled, scenario.guard.map)
-    steps = _steps(setup), setup.predicted
+    steps = _steps(setup), setup.predicted, _velocity(setup)
     return parts, sizes, tables, shape, guard, steps, _form(setup.gains), _form(setup.kinematics)
 
 
@@ -54,6 +54,12 @@ def _steps(setup: Setup) -> Hashable:
     if actuator.ideal and not any(any(pair) for pair in times):
         return None
     return clock.control, clock.plant, actuator.delay, times
+
+
+def _velocity(setup: Setup) -> Hashable:
+    """Filter and clock of a base that takes velocities: the filter counts in samples."""
+    scenario = setup.scenario
+    return (scenario.filter, scenario.clock, scenario.base) if setup.takes_velocity else None
 
 
 def _form(section: Section) -> Hashable:

@@ -25,7 +25,6 @@ from wmr_ctrl.signals import (
     SAMPLE,
     STEP,
     TIME,
-    TORQUE,
     TORQUE_NOISE,
     Signal,
 )
@@ -119,6 +118,11 @@ class Wiring:
         chosen = (item for item in self.setup.with_role(role) if item.rate is self.rate)
         return [item.system(self.setup.scenario) for item in chosen]
 
+    def drives(self) -> list[System]:
+        """What makes torques of what is sent: commands, the speed loop, then the drives."""
+        roles = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
+        return [system for role in roles for system in self.effects(role)]
+
     def measure(self, sensors: Sequence[System]) -> None:
         """Sensors one after the other, the first from the true state."""
         for seen, true in zip(MEASURED, PLANT_STATE, strict=True):
@@ -136,7 +140,9 @@ class Wiring:
         self.known |= total
 
     def drive(self, drives: Sequence[System]) -> ca.SX:
-        """Drives one after the other, from the torque that arrives; returns the delay [s].
+        """Drives one after the other, from the command that arrives; returns the delay [s].
+
+        For a base that takes velocities what acts on the command and the speed loop come first.
 
         Raises ArgumentError for a delay behind another drive.
         """
@@ -165,6 +171,6 @@ def pushes(systems: Sequence[System]) -> bool:
     return any(item.signal.name in names for system in systems for item in system.outputs)
 
 
-def held_signals(pushed: bool) -> tuple[Signal, ...]:
-    """Signals held over a sample, the commanded torques first."""
-    return (*TORQUE, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))
+def held_signals(setup: Setup, pushed: bool) -> tuple[Signal, ...]:
+    """Signals held over a sample, the commanded torques or velocities first."""
+    return (*setup.commanded, *TORQUE_NOISE, *(BODY_FORCE if pushed else ()))

@@ -30,7 +30,6 @@ times that are taken for the same (1e-9 of a period), are far below it."""
 TINY = 1e-30
 """Room of a limit that is used up [m/s], so that no share is 0/0."""
 
-ASKED = Signal("v_asked", "m/s, rad/s", "commanded velocity (linear, angular)", 2)
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
 FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 

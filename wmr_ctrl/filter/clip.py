@@ -11,7 +11,6 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.filter.channels import (
-    ASKED,
     FLAGS,
     SENT,
     UNSOUND,
@@ -27,10 +26,22 @@ from wmr_ctrl.filter.governor_step import stated
 from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import ASKED, Signal
 
 PEAK_GAIN = Signal("filter.peak_gain", "1", "largest speed that commands of at most 1 lead to", 2)
 DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
+
+
+def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
+    """Parameters of a clip that no field states, by name: peak gains and what pushes lead to."""
+    settings = scenario.filter
+    if settings.kind != "clip" or settings.loop == "first-order":
+        return {}
+    peaks = peak_gains(scenario)
+    return {
+        PEAK_GAIN.name: (PEAK_GAIN, tuple(item.gain for item in peaks)),
+        DELTA.name: (DELTA, tuple(item.push for item in peaks)),
+    }
 
 
 class Clip:
@@ -43,11 +54,7 @@ class Clip:
             self.p = Parameters(scenario)
             numbers = stated(self.p)
         else:
-            peaks = peak_gains(scenario)
-            N, delta = (
-                port(PEAK_GAIN, [item.gain for item in peaks]),
-                port(DELTA, [item.push for item in peaks]),
-            )
+            N, delta = (port(*item) for item in derived_numbers(scenario).values())
             self.p = Parameters(scenario, (N, delta))
             numbers = N.sym, N.sym, delta.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))

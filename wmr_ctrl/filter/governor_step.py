@@ -12,7 +12,6 @@ import casadi as ca
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.filter.channels import (
-    ASKED,
     AXES,
     BOUNDS_LEFT,
     FLAGS,
@@ -33,7 +32,7 @@ from wmr_ctrl.guard.lateness import Times
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.command_filter import MOST_PERIODS
-from wmr_ctrl.signals import LARGEST, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, Signal
 
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""

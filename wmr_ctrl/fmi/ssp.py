@@ -13,7 +13,8 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from wmr_ctrl.control.setup import Setup, check_plain_loop, one_period_later, settle
+from wmr_ctrl.control.outside import check_plain_loop
+from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.blocks import parallel
 from wmr_ctrl.fmi.cosim.mapping import (

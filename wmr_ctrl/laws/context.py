@@ -167,10 +167,12 @@ class LawContext:
         update: ca.SX | None = None,
         diagnostics: Sequence[Output] = (),
         further_inputs: Sequence[Port] = (),
+        asked: Signal = FORCE,
     ) -> System:
         """The law's System: state and next state, generalised force (N, N m), own diagnostics.
 
-        ``further_inputs`` may hold tau_applied and tau_sent, which `controller` supplies.
+        ``further_inputs`` may hold tau_applied, tau_sent and v_sent_before, which `controller`
+        supplies.  With ``asked`` = ASKED the output is a velocity (m/s, rad/s), no force.
         """
         every = (*self.diagnostics(), *diagnostics)  # before the parameters that it takes
         return System(
@@ -180,7 +182,7 @@ class LawContext:
             state=tuple(state),
             params=self.parameters.ports,
             update=ca.SX(0, 1) if update is None else update,
-            outputs=(Output(FORCE, force),),
+            outputs=(Output(asked, force),),
             diagnostics=every,
             period=self.scenario.clock.control,
         )

@@ -13,6 +13,7 @@ No barrier and no theorem: it cuts the command a margin below the limit, and wha
 the command overshoots the margin.  The first command starts from the measured velocity; the
 observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.  With
 delay > 0 all of this is about the instant at which the command acts (see `prediction`).
+A base that takes velocities is sent the command itself, which starts from what was sent to it.
 Choose it to have something plain and good to compare with, or behind the guard.
 """
 
@@ -23,10 +24,10 @@ import casadi as ca
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
 from wmr_ctrl.laws.law import Law, Predicting, Traits
-from wmr_ctrl.laws.observer import Observer
+from wmr_ctrl.laws.observer import STARTED, Observer
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.model.system import System, port
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import ASKED, SENT_BEFORE, Signal
 
 COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
 
@@ -56,9 +57,7 @@ def build(context: LawContext) -> System:
     observer = Observer(context, context.gain("wo"), context.friction_at)
     last = port(COMMAND)
     then, sent = ahead(context, observer.force)
-    start = ca.if_else(observer.started > 0, last.sym, then.v)
-    top, most = then.gain("share") * then.u1, then.gain("a_max") * then.period
-    command = start + _cut(_cut(wanted_velocity(then), top) - start, most)
+    command = _commanded(then, ca.if_else(observer.started > 0, last.sym, then.v))
     pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
     a = then.v_d_dot + pull * (command - then.v)
     asked = context.mass * a + context.friction_at(then.v + context.period * a)
@@ -70,6 +69,25 @@ def build(context: LawContext) -> System:
         observer.diagnostics,
         (observer.input, *sent),
     )
+
+
+def build_command(context: LawContext) -> System:
+    """Velocity that is sent to a base which follows it by a loop of its own."""
+    before, started = port(SENT_BEFORE), port(STARTED)
+    start = ca.if_else(started.sym > 0, before.sym, context.v)
+    return context.system(
+        "kinematic tracking with limited commands (kanayama)",
+        _commanded(context, start),
+        (started,),
+        ca.SX(1),
+        further_inputs=(before,),
+        asked=ASKED,
+    )
+
+
+def _commanded(context: LawContext, start: ca.SX) -> ca.SX:
+    top, most = context.gain("share") * context.u1, context.gain("a_max") * context.period
+    return start + _cut(_cut(wanted_velocity(context), top) - start, most)
 
 
 def wanted_velocity(context: LawContext) -> ca.SX:
@@ -84,4 +102,6 @@ def _cut(values: ca.SX, most: ca.SX) -> ca.SX:
 
 
 TRAITS = Traits(model=True, observer=True)
-LAW = Law("kanayama", KanayamaGains, build, TRAITS, __doc__, tuned=("k", "rate", "wo", "a_max"))
+LAW = Law(
+    "kanayama", KanayamaGains, build, TRAITS, __doc__, ("k", "rate", "wo", "a_max"), build_command
+)

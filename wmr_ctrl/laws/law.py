@@ -41,7 +41,9 @@ class Law:
     """A control law: name, gains, graph, traits and what its file says.
 
     ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
-    names those of its gains that a search may move, all positive.
+    names those of its gains that a search may move, all positive.  ``command(context)``, where
+    there is one, gives the law of a base that takes velocities, whose output is the velocity
+    `ASKED`; a law without drives such a base by the force it asks for (`control/velocity.py`).
     """
 
     name: str
@@ -50,6 +52,7 @@ class Law:
     traits: Traits
     doc: str | None
     tuned: tuple[str, ...] = ()
+    command: Callable[[LawContext], System] | None = None
 
     @property
     def title(self) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 
 from wmr_ctrl.checks.loop import PERIOD
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.linearise import Floats, column, element_names
 from wmr_ctrl.linear.loop import is_learning
@@ -61,6 +62,7 @@ def law_nlsys(
 
     ``memory="frozen"`` keeps all its memory at its start values.
     """
+    check_takes_torques(scenario, "loops of python-control are made")
     block = controller(settle(scenario, law))
     if not is_learning(memory):
         block = holding(block, [item.signal.name for item in block.state])

@@ -12,6 +12,7 @@ from wmr_ctrl.checks.sampled_plant import Point as Point
 from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.control.controller import controller
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.linearise import Floats, column
@@ -22,6 +23,7 @@ from wmr_ctrl.world.references import sample
 
 def law_loop(scenario: Scenario, law: str) -> Loop:
     """``law`` on ``scenario`` as the checks see it, built once."""
+    check_takes_torques(scenario, "linear loops are made")
     return loop_of(settle(scenario, law))
 
 

@@ -20,7 +20,8 @@ from wmr_ctrl import __version__
 from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.codegen.package import text_engine
 from wmr_ctrl.control.controller import controller
-from wmr_ctrl.control.setup import check_plain_loop, check_scenario, settle
+from wmr_ctrl.control.outside import check_plain_loop
+from wmr_ctrl.control.setup import check_scenario, settle
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib.resources import files
 
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import ScenarioError
@@ -108,6 +109,7 @@ def settled_variants(scenario: Scenario, laws: tuple[str, ...]) -> Iterator[Sett
 
     Raises as `settle` does where its own is refused.
     """
+    check_takes_torques(scenario, "the page drives robots")
     own = Variant(scenario.guard.enabled, scenario.clock.control, scenario.actuator.delay)
     yield SettledVariant(own, {law: settle(scenario, law) for law in laws})
     for variant in _others(scenario, own, laws[0]):

@@ -154,8 +154,8 @@ _SENTENCES = {
     ),
     Outcome.LIMIT_VIOLATED: (
         "The velocity limit was broken, first by the {violation}; {steps} beyond a limit "
-        "({extremes}). Switch the guard on, start inside the limits, or ask for a slower "
-        "reference."
+        "({extremes}). Switch the guard on (on a base that takes velocities: the filter), start "
+        "inside the limits, or ask for a slower reference."
     ),
     Outcome.DIVERGED: (
         "The run ended early because of the {stop}: it reached {bound} {unit}, which no robot "

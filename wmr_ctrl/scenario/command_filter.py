@@ -91,6 +91,7 @@ class Filter(Section, key="filter"):
     push: tuple[float, float] = quantity(
         (0.0, 0.0), unit="N, N.m", doc="largest push on a base with PI loops", minimum=0
     )
+    trust: bool = quantity(False, unit="1", doc="whether a broken hypothesis is let pass in a run")
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""

@@ -73,7 +73,10 @@ def apply(raw: Mapping[str, object], overrides: Mapping[str, object]) -> Raw:
     """
     if not overrides:
         return deepcopy(dict(raw))
-    values = {key: parse_value(v) if isinstance(v, str) else v for key, v in overrides.items()}
+    values = {
+        key: parse_value(value) if isinstance(value, str) else deepcopy(value)
+        for key, value in overrides.items()
+    }
     result = _with_kind(deepcopy(dict(raw)), values)
     result = with_defaults(result)
     for key, value in values.items():

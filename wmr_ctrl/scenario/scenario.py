@@ -29,7 +29,7 @@ from wmr_ctrl.scenario.sections import (
 from wmr_ctrl.signals import Signal
 from wmr_ctrl.world.references import REFERENCES, Circle, Reference
 from wmr_ctrl.world.references.kind import ReferenceKind
-from wmr_ctrl.world.registry import EFFECTS, Actuator, Disturbance, Sensor
+from wmr_ctrl.world.registry import EFFECTS, Actuator, Base, Disturbance, Sensor
 
 Gain: TypeAlias = float | bool | str | tuple[float, ...]
 Gains: TypeAlias = Mapping[str, Mapping[str, Gain]]
@@ -104,6 +104,7 @@ class Scenario:
     disturbance: Disturbance = field(default_factory=Disturbance)
     sensor: Sensor = field(default_factory=Sensor)
     actuator: Actuator = field(default_factory=Actuator)
+    base: Base = field(default_factory=Base)
     effects: Mapping[str, Section] = field(default_factory=Frozen)
     guard: Guard = field(default_factory=Guard)
     filter: Filter = field(default_factory=Filter)

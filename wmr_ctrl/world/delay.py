@@ -10,13 +10,15 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.fields.values import check_count
 from wmr_ctrl.model.system import Output, Parameters, System, ports
 from wmr_ctrl.signals import TORQUE
-from wmr_ctrl.world.effect import MOST_REMEMBERED, Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.history import MOST_REMEMBERED
 
 MOST_QUEUED = 100_000
 """Plant steps that a command may be under way."""
 
 
-def _queued(doc: str) -> float:
+def queued(doc: str) -> float:
+    """Field of a section: a time [s] that a command is under way in the loop's queue."""
     return quantity(
         0.0,
         unit="s",
@@ -32,8 +34,8 @@ def _queued(doc: str) -> float:
 class Delay(Section, key="actuator"):
     """Constant delay of the torque."""
 
-    delay: float = _queued("delay of the torque")
-    unmodelled_delay: float = _queued("further delay that laws and observer do not know of")
+    delay: float = queued("delay of the torque")
+    unmodelled_delay: float = queued("further delay that laws and observer do not know of")
 
 
 def build(scenario: Scenario) -> System:
@@ -77,8 +79,13 @@ DELAY = Effect(
 
 def delay_in_periods(scenario: Scenario) -> tuple[int, int]:
     """The delay that is told as whole control periods and the plant steps that are left."""
+    return in_periods(scenario.section(Delay).delay, scenario)
+
+
+def in_periods(late: float, scenario: Scenario) -> tuple[int, int]:
+    """A time [s] as whole control periods and the plant steps that are left."""
     clock = scenario.clock
-    return divmod(round(scenario.section(Delay).delay / clock.plant), clock.substeps)
+    return divmod(round(late / clock.plant), clock.substeps)
 
 
 def commands_under_way(scenario: Scenario) -> int:

@@ -6,7 +6,12 @@ An effect is one file: a section of the scenario, a graph, a bound.  It is named
 |---|---|---|---|
 | sensor | sample | time, true state, ``travel``, what was measured so far | measured quantities |
 | disturbance | sample or step | time, true state | wheel torque, force on the body |
+| command | step | commanded velocity so far, true state | commanded velocity |
+| loop | step | commanded velocity, true state | torque |
 | drive | step | torque so far, true state | torque |
+
+Commands and the speed loop are those of a base that takes velocities; what a controller sends to
+it is a velocity, and to any other a torque.
 
 Effects of a role compose in the order of the registry: a sensor reads what those before it made of
 the measured quantities, a drive the torque that those before it let through; disturbances add up.
@@ -25,9 +30,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import blamed
 from wmr_ctrl.fields.problems import show
-from wmr_ctrl.fields.section import Section, quantities, quantity
-from wmr_ctrl.model.system import NORMAL, UNIFORM, Port, System, port, stack
+from wmr_ctrl.fields.section import Section, quantities
+from wmr_ctrl.model.system import NORMAL, UNIFORM, System
 from wmr_ctrl.signals import (
+    COMMAND,
     DISTURBING,
     MEASURED,
     PATH,
@@ -40,7 +46,6 @@ from wmr_ctrl.signals import (
     TRAVEL,
     Signal,
 )
-from wmr_ctrl.symbolic import ca
 
 if TYPE_CHECKING:
     from wmr_ctrl import scenario
@@ -51,10 +56,9 @@ Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
 ROUNDING = 1e-9
 """Share by which sums of times may miss each other."""
-PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window")
+PAIRS = ("dbar", "nbar", "mass", "lag", "age", "window", "command")
+SENTENCES = ("hidden", "overshoots", "void")
 """Fields of a Bound that have a number for each axis, or a smallest and a largest."""
-MOST_REMEMBERED = 500
-"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
 
 
 class EffectRole(Enum):
@@ -62,6 +66,8 @@ class EffectRole(Enum):
 
     SENSOR = "sensor"
     DISTURBANCE = "disturbance"
+    COMMAND = "command"
+    LOOP = "loop"
     DRIVE = "drive"
 
 
@@ -86,6 +92,10 @@ class Bound:
     Late sensors: the velocity is the mean over a ``window`` [s] that ended ``age`` [s] ago, to
     within nbar.
 
+    Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s].
+    ``hidden`` says what the governor of commands does not know of, ``overshoots`` what passes its
+    command, each in a sentence that begins with the key at fault.
+
     ``void`` says what assumption the effect breaks whatever the numbers are, in a sentence that
     begins with the key at fault: then the guard filters but promises nothing.
     """
@@ -98,6 +108,10 @@ class Bound:
     lag: Pair = (0.0, 0.0)
     age: Pair = (0.0, 0.0)
     window: Pair = (0.0, 0.0)
+    command: Pair = (0.0, 0.0)
+    losses: int = 0
+    hidden: str = ""
+    overshoots: str = ""
     void: str = ""
 
     def __post_init__(self) -> None:
@@ -111,8 +125,9 @@ class Bound:
                 raise ValueError(f"{name} = {show(getattr(self, name))} must be a finite time.")
         if self.lag[0] > self.lag[1]:
             raise ValueError(f"lag = {self.lag!r} must be its smallest and its largest.")
-        if not isinstance(self.void, str):
-            raise ValueError(f"void = {show(self.void)} must be a sentence.")
+        for name in SENTENCES:
+            if not isinstance(getattr(self, name), str):
+                raise ValueError(f"{name} = {show(getattr(self, name))} must be a sentence.")
 
     @property
     def takeover(self) -> Pair:
@@ -128,12 +143,16 @@ _TRUE = (TIME, *PLANT_STATE)
 READS: dict[EffectRole, tuple[Signal, ...]] = {
     EffectRole.SENSOR: (*_TRUE, SAMPLE, PATH, SKID, TRAVEL, *MEASURED),
     EffectRole.DISTURBANCE: (*_TRUE, SAMPLE, STEP),
+    EffectRole.COMMAND: (*_TRUE, STEP, *COMMAND),
+    EffectRole.LOOP: (*_TRUE, STEP, *COMMAND),
     EffectRole.DRIVE: (*_TRUE, STEP, *TORQUE),
 }
 """Inputs that an effect of a role may have: those that every output has for it."""
 WRITES: dict[EffectRole, tuple[Signal, ...]] = {
     EffectRole.SENSOR: MEASURED,
     EffectRole.DISTURBANCE: DISTURBING,
+    EffectRole.COMMAND: COMMAND,
+    EffectRole.LOOP: TORQUE,
     EffectRole.DRIVE: TORQUE,
 }
 
@@ -173,7 +192,8 @@ class Effect:
 
     def __post_init__(self) -> None:
         """Refuse what would be no part of any loop."""
-        rates = {EffectRole.SENSOR: (Rate.SAMPLE,), EffectRole.DRIVE: (Rate.STEP,)}
+        late = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
+        rates = {EffectRole.SENSOR: (Rate.SAMPLE,), **dict.fromkeys(late, (Rate.STEP,))}
         fields = isinstance(self.section, type) and issubclass(self.section, Section)
         named = {name for name, _ in quantities(self.section)} if fields else set()
         wrong = {
@@ -248,7 +268,8 @@ class Effect:
             )
 
     def _only_draws(self, system: System) -> None:
-        if system.transport is not None and self.role is not EffectRole.DRIVE:
+        late = (EffectRole.COMMAND, EffectRole.DRIVE)
+        if system.transport is not None and self.role not in late:
             raise ArgumentError(f"the effect {self.title} has a transport, and is no drive.")
         for item in system.draws:
             if item.kind not in (UNIFORM, NORMAL):
@@ -292,7 +313,12 @@ def total(bounds: list[Bound]) -> Bound:
         name: tuple(sum((getattr(item, name)[i] for item in bounds), 0.0) for i in (0, 1))
         for name in PAIRS
     }
-    return replace(Bound(delay=delay, jitter=jitter, void=" ".join(reasons)), **sums)
+    said: dict[str, Any] = {
+        name: " ".join(filter(None, (getattr(item, name) for item in bounds)))
+        for name in ("hidden", "overshoots")
+    }
+    losses = sum(item.losses for item in bounds)
+    return Bound(delay=delay, jitter=jitter, losses=losses, void=" ".join(reasons), **sums, **said)
 
 
 def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
@@ -311,38 +337,3 @@ def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
 def heaviest(scenario: Scenario) -> float:
     """Largest mass that a guard counts on [kg]."""
     return mass_bounds(scenario)[1][0]
-
-
-@dataclass(frozen=True)
-class History:
-    """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, the state for it and its update.
-
-    Before the first sample it was what it is then: the robot stood still.
-    """
-
-    aged: tuple[ca.SX, ...]
-    state: tuple[Port, ...]
-    update: ca.SX
-
-
-def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
-    """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
-    name, unit, meaning, size = signal.name, signal.unit, signal.meaning, signal.size
-    ages = range(1, count + 1)
-    older = (Signal(f"{name}_{k}", unit, f"{meaning}, {k} samples ago", size) for k in ages)
-    state = tuple(port(item) for item in older)
-    aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
-    return History(aged, state, stack(aged[:count]))
-
-
-def remembered(doc: str) -> float:
-    """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
-    return quantity(
-        0.0,
-        unit="s",
-        doc=f"{doc}, a multiple of clock.control",
-        minimum=0,
-        usual=(0, 5),
-        multiple_of="clock.control",
-        most=MOST_REMEMBERED,
-    )

@@ -15,17 +15,9 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import Number, Output, Parameters, Port, System, port
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, SKID, VELOCITY, Signal
 from wmr_ctrl.symbolic import ca
-from wmr_ctrl.world.effect import (
-    MOST_REMEMBERED,
-    Bound,
-    Effect,
-    EffectRole,
-    History,
-    Scenario,
-    history,
-    on_axes,
-)
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
+from wmr_ctrl.world.history import MOST_REMEMBERED, History, history
 from wmr_ctrl.world.wheels import Wheels, misread, true_wheels
 
 DIFFERENCE, TIME = "difference", "time"

@@ -9,7 +9,8 @@ from __future__ import annotations
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Output, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_POSE, SAMPLE, Signal
-from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing, history, remembered
+from wmr_ctrl.world.effect import Effect, EffectRole, Scenario, adds_nothing
+from wmr_ctrl.world.history import history, remembered
 
 OLD_POSE = Signal("old_pose", "m, m, rad", "pose", 3)
 

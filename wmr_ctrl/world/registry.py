@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import loaded
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.world.command_delay import COMMAND_DELAY, CommandDelay
 from wmr_ctrl.world.delay import DELAY, Delay
 from wmr_ctrl.world.effect import Effect, EffectRole
 from wmr_ctrl.world.encoder import ENCODER
@@ -28,6 +29,9 @@ from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
 from wmr_ctrl.world.push import PUSH, Push
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.slope import SLOPE
+from wmr_ctrl.world.speed_loop import BaseKind
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER, FirstOrderLoop
+from wmr_ctrl.world.speed_loop_pi import PI, PiLoop
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
@@ -39,6 +43,7 @@ if TYPE_CHECKING:
 OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
+    COMMAND_DELAY, FIRST_ORDER, PI,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -69,6 +74,22 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
         return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 
+class Base(CommandDelay, PiLoop, FirstOrderLoop, BaseKind, key="base"):
+    """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
+
+    Each wheel of the speed loop gives at most actuator.tau_max.
+    """
+
+    tau_believed: tuple[float, float] | None = quantity(
+        None, unit="s", size=2, above=0, usual=(0, 5),
+        doc="time constants that laws believe; left out: tau, of a PI loop mass over kp",
+    )  # fmt: skip
+
+
+SHARED = tuple(section.KEY for section in (Sensor, Disturbance, Actuator, Base))
+"""Tables to which several effects give fields."""
+
+
 class EffectRegistry:
     """All effects: ours, then those of other packages in the order of their names."""
 
@@ -78,7 +99,7 @@ class EffectRegistry:
         foreign = loaded(GROUP, Effect)
         for place, effect in enumerate(foreign):
             others = (*OURS, *foreign[:place])
-            keys = {Sensor.KEY, Disturbance.KEY, Actuator.KEY, *(o.section.KEY for o in others)}
+            keys = {*SHARED, *(o.section.KEY for o in others)}
             if effect.name in {other.name for other in others} or effect.section.KEY in keys:
                 raise ArgumentError(
                     f"the effect {effect.title} has the name or the table of another one. Its "
@@ -97,8 +118,7 @@ class EffectRegistry:
 
     def sections(self) -> dict[str, type[Section]]:
         """Sections of effects that have a table of their own, by its key."""
-        shared = {Sensor.KEY, Disturbance.KEY, Actuator.KEY}
-        own = (item.section for item in self if item.section.KEY not in shared)
+        own = (item.section for item in self if item.section.KEY not in SHARED)
         return {section.KEY: section for section in own}
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from wmr_ctrl.fields.section import Section
 from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
 from wmr_ctrl.signals import MEASURED_VELOCITY, PATH, POSE, SAMPLE, VELOCITY, Signal
-from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, history, on_axes, remembered
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Scenario, on_axes
 from wmr_ctrl.world.gyro import axes_without_gyro
+from wmr_ctrl.world.history import history, remembered
 
 PLACE = Signal("mean_place", "m, rad", "way and orientation", 2)
 OLD_VELOCITY = Signal("mean_v", "m/s, rad/s", "true velocity", 2)

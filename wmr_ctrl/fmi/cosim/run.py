@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 
 from wmr_ctrl.control.controller import watched_controller
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fmi.blocks import guard_model, parallel
@@ -185,6 +186,7 @@ def _cosim_setup(
             "and brings a law of its own. Leave the law out."
         )
     setup = settle(scenario_given(scenario), law if law is not None else within or STAND_IN)
+    check_takes_torques(setup.scenario, "co-simulation couples FMUs")
     own = settle(one_period_later(setup.scenario), setup.name) if delay_known else setup
     foreign = theirs or "controller" in maps
     bare = None

@@ -1,0 +1,212 @@
+"""Bases that take velocities: speed loops, the adapter of torque laws, the filter in runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+import wmr_ctrl
+from wmr_ctrl.checks import filter_facts
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.linear.point import law_loop
+from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.speed_loop import has_loop
+
+VELOCITY: Mapping[str, Any] = {
+    "base": {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.05, 0.95]},
+    "clock.control": 0.05,
+    "clock.duration": 6.0,
+    "limits": {"v_u1": [1.0, 2.0], "v_u2": [0.7, 1.4]},
+}
+GOVERNED: Mapping[str, Any] = {
+    **VELOCITY,
+    "filter": {
+        "kind": "governor",
+        "tau": [0.2, 0.3],
+        "gain": [0.9, 1.1],
+        "odometry": [0.01, 0.01],
+    },
+}
+
+
+def based(overrides: Mapping[str, Any], **further: Any) -> Scenario:
+    given = {**overrides, **{key.replace("__", "."): value for key, value in further.items()}}
+    return override(load_scenario("paper-simulation-noise-free"), {"changes": [], **given})
+
+
+def driven(scenario: Scenario, commands: Sequence[float]) -> np.ndarray:
+    """v1 after each plant step of the plant behind the speed loop, from the graphs themselves."""
+    import casadi as ca
+
+    loops = [item for item in EFFECTS.present(scenario) if item.role.value == "loop"]
+    loop, robot = loops[0].system(scenario), plant(scenario)
+    act = loop.function("act", [loop.update, loop.y])
+    h = ca.SX.sym("h")
+    step = ca.Function("step", [robot.u, robot.x, robot.p, h], [rk4_step(robot, h)])
+    x, own, speeds = np.zeros(5), np.array(loop.x0), []
+    for command in commands:
+        own, torque = act([command, 0.0, x[3], x[4]], own, loop.p0)
+        x = step(ca.vertcat(torque, 0, 0, 0, 0), x, robot.p0, scenario.clock.plant).full().ravel()
+        speeds.append(x[3])
+    return np.array(speeds)
+
+
+def test_a_first_order_loop_relaxes_by_its_time_constant_and_gain() -> None:
+    scenario = based(VELOCITY, robot__mu=0.0)
+    speeds = driven(scenario, [0.8] * 400)
+    time = 0.001 * np.arange(1, 401)
+    assert speeds == pytest.approx(1.05 * 0.8 * (1 - np.exp(-time / 0.2)), abs=1e-12)
+
+
+def test_friction_only_slows_a_first_order_loop_down() -> None:
+    speeds = driven(based(VELOCITY), [0.8] * 400)
+    smooth = driven(based(VELOCITY, robot__mu=0.0), [0.8] * 400)
+    assert (speeds <= smooth + 1e-12).all()
+    assert speeds == pytest.approx(smooth, abs=2e-3)
+
+
+def test_a_pi_loop_is_the_one_of_its_equation() -> None:
+    """M v'' + kp v' + ki v = kp u' + ki u, whose step response is a sum over its poles."""
+    pi = {**VELOCITY, "base": {"kind": "velocity", "loop": "pi"}}
+    speeds = driven(based(pi, robot__mu=0.0), [1.0] * 4000)
+    poles = np.roots([50.0, 150.0, 300.0])
+    numerator = np.poly1d([150.0 / 50.0, 300.0 / 50.0])
+    time = 0.001 * np.arange(1, 4001)
+    exact = 1 + sum(
+        numerator(p) / (p * (p - q)) * np.exp(p * time) for p, q in (poles, poles[::-1])
+    )
+    assert speeds == pytest.approx(exact.real, abs=2e-3)
+    assert speeds.max() > 1.1
+
+
+def test_antiwindup_takes_the_overshoot_behind_a_torque_limit() -> None:
+    def peak(antiwindup: bool) -> float:
+        base = {"kind": "velocity", "loop": "pi", "antiwindup": antiwindup}
+        weak = based({**VELOCITY, "base": base}, actuator__tau_max=3.0, robot__mu=0.0)
+        return float(driven(weak, [1.0] * 3500).max())
+
+    assert peak(False) > 1.45
+    assert peak(True) < peak(False) - 0.3
+
+
+def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for() -> None:
+    """With known time constants prox drives as it does on a base that takes torques."""
+    fast = {"clock.control": 0.01, "base": {"kind": "velocity", "tau": [0.2, 0.2]}}
+    velocity = wmr_ctrl.simulate(based({**VELOCITY, **fast}), "prox")
+    torque = wmr_ctrl.simulate(based({**VELOCITY, **fast, "base": {}}), "prox")
+    for name in ("x", "y", "v1", "omega"):
+        assert velocity[name] == pytest.approx(torque[name], abs=0.02), name
+
+
+def test_a_law_that_believes_another_time_constant_drives_another_way() -> None:
+    base = {"kind": "velocity", "tau": [0.2, 0.2]}
+    right = wmr_ctrl.simulate(based({**VELOCITY, "base": base}), "prox", engine="numpy")
+    wrong = {**base, "tau_believed": [0.4, 0.4]}
+    other = wmr_ctrl.simulate(based({**VELOCITY, "base": wrong}), "prox", engine="numpy")
+    assert np.abs(right["x"] - other["x"]).max() > 1e-3
+
+
+def test_both_engines_agree_with_governor_and_delay() -> None:
+    late = based(
+        GOVERNED,
+        base={**VELOCITY["base"], "delay": 0.07},
+        filter={**GOVERNED["filter"], "delay": [0.07, 0.07]},
+    )
+    for law in ("kanayama", "prox"):
+        native, numpy = (wmr_ctrl.simulate(late, law, engine=e) for e in ("native", "numpy"))
+        for name in ("x", "v1", "omega", "v_command", "tau_right", "v_asked"):
+            assert native[name] == pytest.approx(numpy[name], abs=1e-9), name
+
+
+def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
+    """A gain of 1.1 takes a law that asks for .95 of the limit beyond it."""
+    strong = {"kind": "velocity", "tau": [0.2, 0.25], "gain": [1.1, 1.1]}
+    far = {**GOVERNED, "base": strong, "initial.pose": [-2.0, -2.0, -0.7]}
+    alone = wmr_ctrl.simulate(based({**far, "filter": {}}), "kanayama")
+    assert alone.monitor.violations > 0
+    for kind in ("clip", "governor"):
+        held = wmr_ctrl.simulate(
+            based({**far, "filter": {**GOVERNED["filter"], "kind": kind}}), "kanayama"
+        )
+        assert held.monitor.violations == 0
+        assert held["clip_active"].any()
+        assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
+
+
+def test_usable_speed_is_the_closed_form_without_delay() -> None:
+    scenario = based(GOVERNED)
+    facts = filter_facts(settle(scenario, "kanayama"))
+    assert facts is not None
+    kappa = 1 / math.expm1(0.05 / 0.2)
+    k = 0.9 / 1.1
+    expected = [k * (V + kappa * (V - 0.01)) / (1 + kappa * k) for V in (1.0, 2.0)]
+    assert facts.usable_speed == pytest.approx(expected, rel=1e-6)
+    assert facts.delay_cost is not None
+    assert min(facts.delay_cost) > 0
+    clip = {**GOVERNED, "filter": {"kind": "clip", "gain": [0.9, 1.1]}}
+    memoryless = filter_facts(settle(based(clip), "kanayama"))
+    assert memoryless is not None
+    assert memoryless.usable_speed == pytest.approx((k, 2 * k), rel=1e-6)
+
+
+BROKEN: Mapping[str, tuple[Mapping[str, Any], str]] = {
+    "pi": ({"base.loop": "pi"}, "never pass their command"),
+    "tau": ({"base.tau": [0.19, 0.2]}, "outside filter.tau"),
+    "gain": ({"base.gain": [1.11, 1.0]}, "outside filter.gain"),
+    "weak": ({"base.gain": [1.0, 0.89]}, "outside filter.gain"),
+    "delay": ({"base.delay": 0.01}, "outside filter.delay"),
+    "push": ({"disturbance.push": [5.0, 0.0]}, "filter.d[1]"),
+    "torque": ({"actuator.tau_max": 20.0}, "slower than first order"),
+    "lag": ({"actuator.lag": 0.01}, "behind the speed loop"),
+    "noise": ({"sensor.velocity_noise": [0.02, 0.0]}, "filter.odometry[1]"),
+    "window": ({"sensor.velocity_window": 0.1}, "late or a mean"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_the_theorem_does_not_cover_is_refused_unless_trusted(name: str) -> None:
+    changes, words = BROKEN[name]
+    broken = based({**GOVERNED, **changes})
+    with pytest.raises(ScenarioError) as error:
+        settle(broken, "kanayama")
+    assert words in str(error.value)
+    trusted = override(broken, {"filter.trust": True})
+    facts = filter_facts(settle(trusted, "kanayama"))
+    assert facts is not None
+    assert any(words in sentence for sentence in facts.broken)
+
+
+REFUSED: Mapping[str, Mapping[str, Any]] = {
+    "guard.enabled": {"guard.enabled": True},
+    "gains.kanayama.delay": {"gains.kanayama.delay": 0.05, "base.delay": 0.05},
+}
+
+
+@pytest.mark.parametrize("key", REFUSED)
+def test_what_a_velocity_base_cannot_have_is_refused_by_name(key: str) -> None:
+    with pytest.raises(ScenarioError, match=r"base\.kind"):
+        settle(based({**VELOCITY, **REFUSED[key]}), "kanayama")
+
+
+@pytest.mark.parametrize("name", ["delay", "jitter"])
+def test_late_torques_are_refused_where_velocities_are_sent(name: str) -> None:
+    with pytest.raises(ScenarioError, match=f"actuator.{name}"):
+        based({**VELOCITY, f"actuator.{name}": 0.01})
+
+
+def test_linear_loops_refuse_a_velocity_base_by_name() -> None:
+    with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
+        law_loop(based(VELOCITY), "kanayama")
+
+
+def test_a_torque_base_has_no_speed_loop() -> None:
+    scenario = based({"base": {"loop": "pi"}})
+    assert not has_loop(scenario, "pi")
+    assert not any(item.role.value == "loop" for item in EFFECTS.present(scenario))

@@ -1,0 +1,117 @@
+"""Bases that take velocities: which statement of the command filter holds, and what it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.warning import Warning
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter import CommandFilter
+from wmr_ctrl.filter.hypotheses import broken_hypotheses
+from wmr_ctrl.scenario import Scenario, override
+
+STATEMENTS = {
+    "clip": "memoryless clip, for every base that never overshoots",
+    "governor": "governor, for a first-order base with nothing hidden",
+}
+MILLISECOND = 1e-3
+SETTLED = 40.0
+"""Time constants after which a base is taken to have settled: e^-40 is below rounding."""
+MOST_STEPS = 5000
+
+
+@dataclass(frozen=True)
+class FilterFacts:
+    """Result of a command filter on a scenario.
+
+    ``gain``: largest gain that is counted on; ``usable_speed`` (linear, angular) [m/s, rad/s]: at
+    rest on the weakest base that is stated, without push, of a command far beyond the limit;
+    ``delay_cost``: what one more millisecond of delay takes of it; ``gain_cost``: what one more per
+    cent of gain takes; ``broken``: what of the theorem does not hold.
+    """
+
+    kind: str
+    statement: str
+    gain: float
+    usable_speed: tuple[float, float]
+    delay_cost: tuple[float, float] | None
+    gain_cost: tuple[float, float] | None
+    broken: tuple[str, ...]
+
+
+def filter_facts(setup: Setup) -> FilterFacts | None:
+    """The facts of a setup's filter; None where it has none."""
+    scenario, stated = setup.scenario, setup.scenario.filter
+    if not setup.takes_velocity or stated.kind == "none":
+        return None
+    usable = usable_speed(scenario)
+    (low, high), (first, last) = stated.gain, stated.delay
+    late = _cost(scenario, usable, {"filter.delay": [first, last + MILLISECOND]})
+    strong = _cost(scenario, usable, {"filter.gain": [low, high * 1.01]})
+    broken = broken_hypotheses(scenario, setup.bound)
+    statement = STATEMENTS[stated.kind]
+    return FilterFacts(stated.kind, statement, high, usable, late, strong, broken)
+
+
+def usable_speed(scenario: Scenario) -> tuple[float, float]:
+    """Speeds at rest [m/s, rad/s] of the weakest base that the filter is stated for.
+
+    The filter's own graph drives it: the smallest gain, the largest time constant (of a clip the
+    speed at rest does not depend on it), the longest delay, exact odometry.  Each axis by itself.
+    """
+    scenario = override(scenario, {"filter.scale": "axes"})
+    filtering, stated = CommandFilter(scenario), scenario.filter
+    if not filtering.governs:
+        sent = filtering.step([10 * limit for limit in scenario.limits.v_u1]).command
+        return stated.gain[0] * sent[0], stated.gain[0] * sent[1]
+    assert stated.tau is not None  # a governor has it
+    T, tau = scenario.clock.control, stated.tau[1]
+    whole, part = divmod(stated.delay[1] / T, 1.0)
+    asked = [10 * limit for limit in scenario.limits.v_u1]
+    v, commands = np.zeros(2), [np.zeros(2)] * (int(whole) + 2)
+    for _ in range(min(MOST_STEPS, int(SETTLED * tau / T) + int(whole) + 2)):
+        measured = None if stated.odometry is None else v.tolist()
+        commands = [np.array(filtering.step(asked, measured).command), *commands[:-1]]
+        for command, share in ((commands[int(whole) + 1], part), (commands[int(whole)], 1 - part)):
+            v = v - np.expm1(-share * T / tau) * (stated.gain[0] * command - v)
+    return float(v[0]), float(v[1])
+
+
+def _cost(
+    scenario: Scenario, usable: tuple[float, float], overrides: dict[str, list[float]]
+) -> tuple[float, float] | None:
+    """Loss of usable speed by a harder statement; None where the filter does not take that."""
+    try:
+        less = usable_speed(override(scenario, overrides))
+    except ScenarioError:
+        return None
+    return usable[0] - less[0], usable[1] - less[1]
+
+
+def velocity_base(loop: Loop) -> Iterator[Warning]:
+    """Yield what is not promised of a base that takes velocities, and what is not worked out."""
+    scenario = loop.scenario
+    if not loop.setup.takes_velocity:
+        return
+    yield Warning(
+        "base.kind",
+        'base.kind = "velocity": stability around the reference is not worked out for such a base, '
+        "whose speed loop lies between the law and the wheels; runs show it.",
+        "docs/filter.md",
+        objects=False,
+    )
+    if scenario.filter.kind == "none":
+        yield Warning(
+            "filter.kind",
+            'filter.kind = "none": nothing keeps the base within limits.v_u1 for sure. Choose '
+            '"clip" or "governor".',
+            "docs/filter.md",
+            objects=False,
+        )
+    for sentence in broken_hypotheses(scenario, loop.setup.bound):
+        yield Warning("filter.trust", f"The filter promises nothing. {sentence}", "docs/filter.md")

@@ -1,0 +1,48 @@
+"""Outputs that hold only a part of the loop, and what of a scenario they would miss."""
+
+from __future__ import annotations
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.errors import ArgumentError, ScenarioError
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import TORQUE_NOISE
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Effect, EffectRole
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+def check_plain_loop(setup: Setup, holder: str) -> None:
+    """Raise ArgumentError for effects that a loop of reference, controller and plant would miss.
+
+    Those that act, but for random numbers at the plant's inputs: they come from outside.
+    ``holder``: what holds that loop, such as "the Simulink kit".
+    """
+    scenario = setup.scenario
+    acting = [item for item in setup.effects if item.active(scenario)]
+    missed = [item.title for item in acting if not _is_noise(item, scenario)]
+    if missed:
+        raise ArgumentError(
+            f"{holder} holds reference, controller and plant, and the scenario {scenario.name} has "
+            f"more: {', '.join(missed)}. Export the closed-loop FMU, which has all, or take that "
+            "out of the scenario."
+        )
+
+
+def _is_noise(effect: Effect, scenario: Scenario) -> bool:
+    """True for random numbers at the wheels alone: nothing is left where those are 0."""
+    if effect.role is not EffectRole.DISTURBANCE:
+        return False
+    system = effect.system(scenario)
+    at_wheels = all(item.signal in TORQUE_NOISE for item in system.outputs)
+    quiet = ca.substitute(system.y, system.w, ca.SX.zeros(system.w.shape))
+    return at_wheels and not system.state and bool(system.draws) and quiet.is_zero()
+
+
+def check_takes_torques(scenario: Scenario, holder: str) -> None:
+    """Raise ScenarioError where the base takes velocities, of which ``holder`` knows nothing."""
+    if takes_velocity(scenario):
+        raise ScenarioError(
+            f'base.kind = "velocity": {holder} for bases that take wheel torques alone. Runs, '
+            "lanes, studies, `check` and the closed-loop FMU have the speed loop; for these, or "
+            'without it, set base.kind = "torque".'
+        )

@@ -1,0 +1,166 @@
+"""Velocity sent to a base that takes velocities: the law's wish, then the command filter.
+
+A law that asks for a force F is adapted by inverting the believed first-order loop of the base:
+
+    a = M1^-1 (F - F1(v)),    u = v + s a,    s = T/(1 - exp(-T/tau)),
+
+so that the mean acceleration of the sample is the one that the law asks for.  With M1 = diag(tau)
+and F1 = 0 that is u = v + F for T << tau.  Source: Martins, Sarcinelli-Filho and Carelli, A
+velocity-based dynamic model and its properties for differential drive mobile robots (2017), whose
+model has coupling and drag terms beside the two time constants; they are 0 here.  The force that
+acted is worked back from the command that was sent, behind filter and known delay, so that an
+observer does not wind up.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.control.applied import followed
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT
+from wmr_ctrl.filter.filter import filter_system
+from wmr_ctrl.filter.governor_step import ODOMETRY
+from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
+from wmr_ctrl.model.system import Output, Parameters, Port, System, port, stack
+from wmr_ctrl.signals import (
+    ASKED,
+    COMMAND,
+    GUARD_DIAGNOSTICS,
+    SENT_BEFORE,
+    TAU_APPLIED,
+    VELOCITY,
+    Signal,
+)
+from wmr_ctrl.world.command_delay import command_delay_in_periods
+from wmr_ctrl.world.speed_loop import has_loop
+from wmr_ctrl.world.speed_loop_first_order import reach
+
+
+class SentVelocity:
+    """Law, adapter and filter of a setup, from the law's output to the velocity that is sent.
+
+    ``wish``: what the law asks for, a force [N, N m] within the wheels' reach, or a velocity.
+    """
+
+    def __init__(self, setup: Setup, core: System, p: Parameters, wish: ca.SX) -> None:
+        """Take the ports of the law's System ``core``, whose parameters ``p`` has."""
+        self.setup, self.core, self.p, self.wish = setup, core, p, wish
+        self.v = stack(item.sym for item in core.inputs if item.signal in VELOCITY)
+        self.whole, self.part = command_delay_in_periods(setup.scenario)
+        own = {item.signal: item for item in core.inputs}
+        before = own.get(SENT_BEFORE) or port(SENT_BEFORE)
+        ages = range(2, 2 + self.whole + bool(self.part) - 1)
+        self.earlier = (before, *(port(_sent(age)) for age in ages))
+        self.applied = own.get(TAU_APPLIED)
+        kind = setup.scenario.filter.kind
+        self.filter = None if kind == "none" else filter_system(setup.scenario)
+
+    @cached_property
+    def F1(self) -> ca.SX:
+        """Believed friction at the measured velocity (2,) [N, N m]."""
+        return self._friction(self.v)
+
+    def _friction(self, v: ca.SX) -> ca.SX:
+        take = self.p.take
+        return friction(take("model.mu"), take("model.m"), take("robot.g"), take("robot.v_s"), v)
+
+    @cached_property
+    def mass(self) -> ca.SX:
+        """Believed mass and inertia (2,) [kg, kg m2]."""
+        return reduced_mass(self.p.take("model.m"), self.p.take("model.I"))
+
+    @cached_property
+    def reach(self) -> ca.SX:
+        """s (2,) [s], for the time constants that are believed."""
+        scenario, take = self.setup.scenario, self.p.take
+        if scenario.base.tau_believed is not None:
+            tau = take("base.tau_believed")
+        elif has_loop(scenario, "pi"):
+            tau = self.mass / (take("base.kp") * ca.vertcat(1, take("robot.l") ** 2))
+        else:
+            tau = take("base.tau")
+        return reach(take("clock.control"), tau)
+
+    @cached_property
+    def asked(self) -> ca.SX:
+        """Velocity that the law asks for (2,)."""
+        if self.core.outputs[0].signal == ASKED:
+            return self.wish
+        return self.v + self.reach * (self.wish - self.F1) / self.mass
+
+    @cached_property
+    def filtered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """The velocity that is sent (2,), the filter's flags and its next state."""
+        if self.filter is None:
+            return self.asked, ca.SX(0), ca.SX(0, 1)
+        known = {ASKED: self.asked, ODOMETRY: self.v}
+        inputs = stack(known.get(item.signal, ca.SX(0)) for item in self.filter.inputs)
+        p = stack(self.p.take(item.signal.name) for item in self.filter.params)
+        graph = self.filter.function("filter", [self.filter.update, self.filter.y])
+        following, y = graph(inputs, self.filter.x, p)
+        sent, flags = (place_of(self.filter, y, signal) for signal in (SENT, FLAGS))
+        return sent, flags, following
+
+    def system(self) -> System:
+        """The sampled System, whose state is the law's, then what was sent, then the filter's.
+
+        Of the guard's diagnostics ``clip_active`` tells where the filter changed the command,
+        ``feasible`` whether odometry agrees with the stated bounds; no push is looked for.
+        """
+        sent, flags, filtering = self.filtered
+        states = [sent, *(item.sym for item in self.earlier[:-1])]
+        memory: list[Port] = [*self.earlier]
+        if self.applied is not None:
+            memory.append(self.applied)
+            states.append(self._acting(sent))
+        held = () if self.filter is None else self.filter.state
+        known = {item.signal for item in memory}
+        changed = sent != self.asked
+        agrees = ca.logic_not(_bit(flags, BOUNDS_LEFT))
+        watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
+        shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
+        return System(
+            self.core.name,
+            self.core.title,
+            inputs=tuple(item for item in self.core.inputs if item.signal not in known),
+            state=(*self.core.state, *memory, *held),
+            params=self.p.ports,
+            update=ca.vertcat(self.core.update, *states, filtering),
+            outputs=tuple(Output(signal, sent[i]) for i, signal in enumerate(COMMAND)),
+            diagnostics=(
+                *self.core.diagnostics, *(Output(*item) for item in watched), *shown,
+            ),
+            period=self.core.period,
+        )  # fmt: skip
+
+    def _acting(self, sent: ca.SX) -> ca.SX:
+        """Mean torque (2,) [N m] over the coming sample, as the believed loop exerts it."""
+        commands = [sent, *(item.sym for item in self.earlier)]
+        late = (self.whole, self.part, self.setup.scenario.clock.substeps)
+        u, _ = followed(commands, late, ca.SX.zeros(2), 0.0)
+        a = (u - self.v) / self.reach
+        midway = self.v + a * self.p.take("clock.control") / 2
+        force = self.mass * a + self._friction(midway)
+        return force_to_wheel(self.p.take("robot.r"), self.p.take("robot.l"), force)
+
+
+def place_of(system: System, y: ca.SX, signal: Signal) -> ca.SX:
+    """The rows of an output vector ``y`` that a signal has."""
+    at = 0
+    for item in system.outputs:
+        if item.signal == signal:
+            break
+        at += item.signal.size
+    return y[at : at + signal.size]
+
+
+def _bit(flags: ca.SX, bit: int) -> ca.SX:
+    """1 where this bit of the sum is set."""
+    return ca.floor(flags / bit) - 2 * ca.floor(flags / (2 * bit))
+
+
+def _sent(age: int) -> Signal:
+    return Signal(f"v_sent_before{age}", "m/s, rad/s", f"velocity sent {age} samples ago", 2)

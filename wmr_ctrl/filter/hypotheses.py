@@ -1,0 +1,196 @@
+"""Assumptions of the command filter that a scenario's own base breaks: refused, unless trusted.
+
+What is stated in [filter] must hold what [base], the disturbances and the sensors do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.laws.law import Predicting
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
+from wmr_ctrl.world.phases import largest_friction, phases
+from wmr_ctrl.world.registry import EFFECTS
+from wmr_ctrl.world.speed_loop import has_loop
+
+UNITS = ("m/s", "rad/s")
+
+
+def check_velocity_base(scenario: Scenario, gains: Section, bound: Bound) -> None:
+    """Raise ScenarioError for what a base that takes velocities cannot have."""
+    if scenario.guard.enabled:
+        raise ScenarioError(
+            'guard.enabled: the guard limits wheel torques, and base.kind = "velocity" takes '
+            'velocities. Set guard.enabled = false and filter.kind = "clip" or "governor".'
+        )
+    if isinstance(gains, Predicting) and gains.delay > 0:
+        raise ScenarioError(
+            f"{type(gains).KEY}.delay = {gains.delay:g} s: the law predicts over torques that it "
+            'sent, and base.kind = "velocity" is sent velocities. Set it to 0.'
+        )
+    refuse_broken_hypotheses(scenario, bound)
+
+
+def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
+    """Sentences on what of the filter's theorem does not hold; empty where all does.
+
+    ``bound``: sum of the bounds of all effects that are present.
+    """
+    if scenario.filter.kind == "none":
+        return ()
+    sentences = [*_of_every_filter(scenario, bound)]
+    if scenario.filter.kind == "governor":
+        sentences += _of_the_governor(scenario, bound)
+    return tuple(sentences)
+
+
+def refuse_broken_hypotheses(scenario: Scenario, bound: Bound) -> None:
+    """Raise ScenarioError for the first of them, unless filter.trust says that it is meant."""
+    sentences = broken_hypotheses(scenario, bound)
+    if sentences and not scenario.filter.trust:
+        raise ScenarioError(
+            f'filter.kind = "{scenario.filter.kind}" promises nothing here. {sentences[0]} To run '
+            "it all the same, without promise, set filter.trust = true."
+        )
+
+
+def _of_every_filter(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated = scenario.filter
+    for drive in EFFECTS.present(scenario, EffectRole.DRIVE):
+        if drive.active(scenario):
+            yield (
+                f"{drive.title} acts behind the speed loop, whose speed may then pass its command. "
+                "Take it out of the scenario."
+            )
+    if stated.loop == "pi" and has_loop(scenario, "pi"):
+        yield from _of_pi_loops(scenario, bound)
+        return
+    if stated.loop != "first-order":
+        yield (
+            f'filter.loop = "{stated.loop}" is not the base of this run, whose base.loop = '
+            f'"{scenario.base.loop}". State the loop that the base has.'
+        )
+    if bound.overshoots:
+        yield (
+            f"{bound.overshoots} A filter for first-order loops is for speeds that never pass "
+            'their command. Take filter.loop = "pi" and state its intervals.'
+        )
+    if has_loop(scenario, "first-order"):
+        for axis, gain in enumerate(scenario.base.gain, 1):
+            if not _within(gain, (0.0, stated.gain[1])):
+                yield _outside(f"base.gain[{axis}]", gain, "1", "filter.gain", stated.gain)
+    for axis, push in enumerate(push_speeds(scenario, bound)):
+        if push > stated.d[axis] * (1 + ROUNDING):
+            yield (
+                f"The base may be pushed on by {push:.4g} {UNITS[axis]} (disturbances and errors "
+                f"of the command together), and filter.d[{axis + 1}] = {stated.d[axis]:g} "
+                f"{UNITS[axis]} is less. Raise it to that."
+            )
+
+
+def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated, base, robot = scenario.filter, scenario.base, scenario.robot
+    numbers = {
+        "mass": ("robot.m", robot.m), "inertia": ("robot.I", robot.I),
+        "kp": ("base.kp", base.kp), "ki": ("base.ki", base.ki),
+    }  # fmt: skip
+    for name, (key, value) in numbers.items():
+        if not _within(value, stated.interval(name)):
+            unit = {"kp": "N.s/m", "ki": "N/m", "mass": "kg", "inertia": "kg.m2"}[name]
+            yield _outside(key, value, unit, f"filter.{name}", stated.interval(name))
+    if any(change.m is not None or change.I is not None for change in scenario.changes):
+        yield (
+            "[[changes]] gives the robot another mass while it drives, and the peak gain is that "
+            "of loops that stay as they are. Leave mass and inertia as they are."
+        )
+    if math.isfinite(scenario.actuator.tau_max):
+        yield (
+            f"actuator.tau_max = {scenario.actuator.tau_max:g} N.m: behind a torque limit the "
+            "integral of the loop may wind up, and the speed then passes its command by more than "
+            "the peak gain says. Leave it out, if commands stay low enough for the motors."
+        )
+    pushes = bound.dbar[0] + largest_friction(scenario), bound.dbar[1]
+    for axis, (push, unit) in enumerate(zip(pushes, ("N", "N.m"), strict=True)):
+        if push > stated.push[axis] * (1 + ROUNDING):
+            yield (
+                f"The base may be pushed by {push:.4g} {unit} (disturbances and Coulomb friction "
+                f"together), and filter.push[{axis + 1}] = {stated.push[axis]:g} {unit} is less. "
+                "Raise it to that."
+            )
+    if any(bound.command):
+        yield (
+            "base.quantum rounds the command, which a filter for PI loops does not count. Set it "
+            "to 0."
+        )
+
+
+def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
+    stated, base = scenario.filter, scenario.base
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} The governor counts on a speed that begins to change at once, and "
+            'breaks on whatever it does not see. Take filter.kind = "clip".'
+        )
+    if has_loop(scenario, "first-order") and stated.tau is not None:
+        for axis in (0, 1):
+            tau, gain = base.tau[axis], base.gain[axis]
+            if not _within(tau, stated.tau):
+                yield _outside(f"base.tau[{axis + 1}]", tau, "s", "filter.tau", stated.tau)
+            if gain < stated.gain[0] * (1 - ROUNDING):
+                yield _outside(f"base.gain[{axis + 1}]", gain, "1", "filter.gain", stated.gain)
+    for late in bound.takeover:
+        if not _within(late, stated.delay):
+            yield _outside("A command's delay", late, "s", "filter.delay", stated.delay)
+    if bound.losses > stated.losses:
+        yield (
+            f"base.losses = {bound.losses} commands in a row may be lost, and filter.losses = "
+            f"{stated.losses} is less. Raise it to that."
+        )
+    if stated.odometry is None:
+        return
+    for axis, error in enumerate(bound.nbar):
+        if error > stated.odometry[axis] * (1 + ROUNDING):
+            yield (
+                f"The sensors' velocity is off by up to {error:.4g} {UNITS[axis]}, and "
+                f"filter.odometry[{axis + 1}] = {stated.odometry[axis]:g} {UNITS[axis]} is less. "
+                "Raise it to that."
+            )
+    if any((*bound.age, *bound.window)):
+        yield (
+            "The sensors' velocity is late or a mean over a while (sensor.velocity_window, "
+            "[encoder]), and a run gives it to the governor as that of the sample. Leave out "
+            "filter.odometry, which the governor does not need, or take an exact sensor."
+        )
+
+
+def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
+    """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
+
+    Those of a first-order loop, whose friction is made up for: d = tau f/M + K times the error.
+    """
+    if not has_loop(scenario, "first-order"):
+        return 0.0, 0.0
+    base, mass = scenario.base, min(phase.m for phase in phases(scenario))
+    inertia = min([scenario.robot.I, *(c.I for c in scenario.changes if c.I is not None)])
+    linear, angular = (
+        base.tau[axis] * bound.dbar[axis] / (mass, inertia)[axis]
+        + base.gain[axis] * bound.command[axis]
+        for axis in (0, 1)
+    )
+    return linear, angular
+
+
+def _within(value: float, ends: Pair) -> bool:
+    low, high = ends
+    return low * (1 - ROUNDING) <= value <= high * (1 + ROUNDING)
+
+
+def _outside(name: str, value: float, unit: str, key: str, ends: Pair) -> str:
+    return (
+        f"{name} = {value:g} {unit} is outside {key} = [{ends[0]:g}, {ends[1]:g}], which must hold "
+        "it. Widen the interval."
+    )

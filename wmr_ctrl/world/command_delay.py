@@ -1,0 +1,75 @@
+"""Delay of commands to a base that takes velocities: a constant time from sending to acting.
+
+Source: buses, radio and firmware.  The loop keeps the commands under way in its queue of plant
+steps, the same that carries torques to late drives.
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.section import Section
+from wmr_ctrl.fields.values import check_count
+from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.signals import COMMAND
+from wmr_ctrl.world.delay import in_periods, queued
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.history import MOST_REMEMBERED
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+class CommandDelay(Section, key="base"):
+    """Constant delay of the commanded velocity."""
+
+    delay: float = queued("delay of the commanded velocity")
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: the command that arrives [m/s, rad/s]."""
+    command, p = ports(COMMAND), Parameters(scenario)
+    late = p.take("base.delay")
+    return System(
+        "command_delay",
+        "delay of the command",
+        inputs=command,
+        params=p.ports,
+        outputs=tuple(Output(item.signal, item.sym) for item in command),
+        period=scenario.clock.plant,
+        transport=late,
+    )
+
+
+def check(scenario: Scenario) -> None:
+    """Not more commands are under way than a controller may keep, and torques are not late too."""
+    late, period = scenario.section(CommandDelay).delay, scenario.clock.control
+    check_count("base.delay", late, "clock.control", period, MOST_REMEMBERED)
+    if not takes_velocity(scenario):
+        return
+    drives = scenario.actuator
+    for name in ("delay", "unmodelled_delay", "jitter"):
+        if getattr(drives, name) > 0:
+            raise ScenarioError(
+                f"actuator.{name} = {getattr(drives, name):g} s delays torques, and the base "
+                'takes velocities (base.kind = "velocity"), whose speed loop makes the torques '
+                f"itself. Delay the command by base.delay, or set actuator.{name} = 0."
+            )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The delay itself."""
+    return Bound(delay=scenario.section(CommandDelay).delay)
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where commands to a base that takes velocities are late."""
+    return takes_velocity(scenario) and scenario.section(CommandDelay).delay > 0
+
+
+def command_delay_in_periods(scenario: Scenario) -> tuple[int, int]:
+    """The delay as whole control periods and the plant steps that are left."""
+    return in_periods(scenario.section(CommandDelay).delay, scenario)
+
+
+COMMAND_DELAY = Effect(
+    "command delay", EffectRole.COMMAND, CommandDelay, build, bound, acts=acts, rate=Rate.STEP,
+    shape=("base.delay",), check=check,
+)  # fmt: skip

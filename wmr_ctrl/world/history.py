@@ -1,0 +1,48 @@
+"""What Systems remember of the samples before: the last values of a quantity, and how many."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.model.system import Port, port, stack
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.symbolic import ca
+
+MOST_REMEMBERED = 500
+"""Samples that a sensor or an observer may remember: each is a state that is compiled."""
+
+
+@dataclass(frozen=True)
+class History:
+    """A quantity ``aged[j]`` samples ago for j = 0 to ``count``, the state for it and its update.
+
+    Before the first sample it was what it is then: the robot stood still.
+    """
+
+    aged: tuple[ca.SX, ...]
+    state: tuple[Port, ...]
+    update: ca.SX
+
+
+def history(signal: Signal, now: ca.SX, first: ca.SX, count: int) -> History:
+    """The last ``count`` values of ``now``; ``first`` is 1 at the first sample, else 0."""
+    name, unit, meaning, size = signal.name, signal.unit, signal.meaning, signal.size
+    ages = range(1, count + 1)
+    older = (Signal(f"{name}_{k}", unit, f"{meaning}, {k} samples ago", size) for k in ages)
+    state = tuple(port(item) for item in older)
+    aged = (now, *(ca.if_else(first, now, item.sym) for item in state))
+    return History(aged, state, stack(aged[:count]))
+
+
+def remembered(doc: str) -> float:
+    """Field of a section: how far back [s] a sensor looks, a multiple of clock.control."""
+    return quantity(
+        0.0,
+        unit="s",
+        doc=f"{doc}, a multiple of clock.control",
+        minimum=0,
+        usual=(0, 5),
+        multiple_of="clock.control",
+        most=MOST_REMEMBERED,
+    )

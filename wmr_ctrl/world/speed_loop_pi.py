@@ -1,0 +1,71 @@
+"""PI speed loop: F = kp (u - v) + f, f' = ki (u - v), on the true mass, inertia and friction.
+
+Source: the loop that most firmware runs, on each wheel.  Wheels that are alike make it one loop of
+v and one of omega, whose moment is l^2 times as much, kp and ki being those of both wheels together
+at the rim.  It overshoots: behind a step the speed passes its command.  Behind a torque limit f
+winds up; with ``antiwindup`` it rests while the wheels give another force than the loop wants and
+the error would drive it further that way.
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.dynamics import wheel_to_force
+from wmr_ctrl.model.system import System, port
+from wmr_ctrl.signals import Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
+
+INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
+
+
+class PiLoop(Section, key="base"):
+    """Gains of the PI loop: of both wheels together, at their rim."""
+
+    kp: float = quantity(150.0, unit="N.s/m", doc="gain of the PI loop, of both wheels", above=0)
+    ki: float = quantity(
+        300.0, unit="N/m", doc="integral gain of the PI loop, of both wheels", minimum=0
+    )
+    antiwindup: bool = quantity(
+        True, unit="1", doc="whether the integral rests while the wheels are at their limit"
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: commanded and true velocity to wheel torques [N m]."""
+    resting = scenario.section(PiLoop).antiwindup
+    return speed_loop(scenario, "PI speed loop", lambda servo: _drive(servo, resting))
+
+
+def _drive(servo: Servo, resting: bool) -> Drive:
+    integral, take = port(INTEGRAL), servo.p.take
+    half_track = take("robot.l")
+    error = ca.vertcat(1, half_track**2) * (servo.u - servo.v)
+    pull = take("base.ki") * error
+
+    def following(missing: ca.SX) -> ca.SX:
+        if not resting:
+            return integral.sym + servo.h * pull
+        held = wheel_to_force(take("robot.r"), half_track, missing) * pull < 0
+        return integral.sym + servo.h * ca.vertcat(
+            *(ca.if_else(held[i], 0, pull[i]) for i in (0, 1))
+        )
+
+    return Drive(take("base.kp") * error + integral.sym, (integral,), following)
+
+
+def bound(scenario: Scenario) -> Bound:
+    """No bound on its own: the speed passes its command."""
+    return Bound(overshoots='base.loop = "pi": behind a step the speed passes its command.')
+
+
+PI = Effect(
+    "pi-loop",
+    EffectRole.LOOP,
+    PiLoop,
+    build,
+    bound,
+    acts=lambda scenario: has_loop(scenario, "pi"),
+    rate=Rate.STEP,
+)
