@@ -140,6 +140,48 @@ def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
         assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
 
 
+OVERSHOOTING: Mapping[str, Any] = {
+    **VELOCITY,
+    "base": {"kind": "velocity", "loop": "pi"},
+    "robot.mu": 0.0,
+    "initial.pose": [-2.0, -2.0, -0.7],
+    "clock.duration": 12.0,
+    "filter": {
+        "kind": "clip",
+        "loop": "pi",
+        "mass": [45.0, 55.0],
+        "inertia": [5.0, 6.0],
+        "kp": [140.0, 160.0],
+        "ki": [280.0, 320.0],
+    },
+}
+
+
+def test_a_clip_by_the_peak_gain_keeps_the_limit_of_a_base_that_overshoots() -> None:
+    alone = wmr_ctrl.simulate(based({**OVERSHOOTING, "filter": {}}), "kanayama")
+    assert alone.monitor.max_abs_v[0] > 1.05
+    held = wmr_ctrl.simulate(based(OVERSHOOTING), "kanayama")
+    assert held.monitor.violations == 0
+    assert held["clip_active"].any()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("base.kp", 170.0, "outside filter.kp"),
+        ("robot.m", 60.0, "outside filter.mass"),
+        ("actuator.tau_max", 20.0, "wind up"),
+        ("disturbance.push", [3.0, 0.0], "filter.push[1]"),
+        ("robot.mu", 0.1, "filter.push[1]"),
+        ("base.loop", "first-order", "not the base of this run"),
+    ],
+)
+def test_a_pi_base_outside_the_stated_family_is_refused(key: str, value: Any, words: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        settle(based({**OVERSHOOTING, key: value}), "kanayama")
+    assert words in str(error.value)
+
+
 def test_usable_speed_is_the_closed_form_without_delay() -> None:
     scenario = based(GOVERNED)
     facts = filter_facts(settle(scenario, "kanayama"))

@@ -30,8 +30,8 @@ from wmr_ctrl.world.push import PUSH, Push
 from wmr_ctrl.world.resistance import RESISTANCE
 from wmr_ctrl.world.slope import SLOPE
 from wmr_ctrl.world.speed_loop import BaseKind
-from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER, FirstOrderLoop
-from wmr_ctrl.world.speed_loop_pi import PI, PiLoop
+from wmr_ctrl.world.speed_loop_first_order import FIRST_ORDER, FirstOrderGains
+from wmr_ctrl.world.speed_loop_pi import PI, PiLoopGains
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
@@ -74,7 +74,7 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
         return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 
-class Base(CommandDelay, PiLoop, FirstOrderLoop, BaseKind, key="base"):
+class Base(CommandDelay, PiLoopGains, FirstOrderGains, BaseKind, key="base"):
     """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
 
     Each wheel of the speed loop gives at most actuator.tau_max.

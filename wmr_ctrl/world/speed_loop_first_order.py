@@ -18,7 +18,7 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
 
 
-class FirstOrderLoop(Section, key="base"):
+class FirstOrderGains(Section, key="base"):
     """Time constants and gains of the first-order loop, per axis."""
 
     tau: tuple[float, float] = quantity(
@@ -54,7 +54,7 @@ def bound(scenario: Scenario) -> Bound:
 FIRST_ORDER = Effect(
     "first-order-loop",
     EffectRole.LOOP,
-    FirstOrderLoop,
+    FirstOrderGains,
     build,
     bound,
     acts=lambda scenario: has_loop(scenario, "first-order"),

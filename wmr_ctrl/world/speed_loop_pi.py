@@ -20,7 +20,7 @@ from wmr_ctrl.world.speed_loop import Drive, Servo, has_loop, speed_loop
 INTEGRAL = Signal("f_integral", "N, N.m", "integral force of the speed loop", 2)
 
 
-class PiLoop(Section, key="base"):
+class PiLoopGains(Section, key="base"):
     """Gains of the PI loop: of both wheels together, at their rim."""
 
     kp: float = quantity(150.0, unit="N.s/m", doc="gain of the PI loop, of both wheels", above=0)
@@ -34,7 +34,7 @@ class PiLoop(Section, key="base"):
 
 def build(scenario: Scenario) -> System:
     """System of the plant's rate: commanded and true velocity to wheel torques [N m]."""
-    resting = scenario.section(PiLoop).antiwindup
+    resting = scenario.section(PiLoopGains).antiwindup
     return speed_loop(scenario, "PI speed loop", lambda servo: _drive(servo, resting))
 
 
@@ -63,7 +63,7 @@ def bound(scenario: Scenario) -> Bound:
 PI = Effect(
     "pi-loop",
     EffectRole.LOOP,
-    PiLoop,
+    PiLoopGains,
     build,
     bound,
     acts=lambda scenario: has_loop(scenario, "pi"),
