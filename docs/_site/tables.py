@@ -132,6 +132,7 @@ GROUPS: Mapping[str, str] = {
     "Measured": "MEASURED_POSE MEASURED_VELOCITY",
     "Desired motion": "REFERENCE",
     "Torque and force": "TORQUE TORQUE_NOISE BODY_FORCE TAU_APPLIED FORCE",
+    "Commands to a base that takes velocities": "COMMAND ASKED SENT_BEFORE",
     "Error and diagnostics": "TRACKING_ERROR DIAGNOSTICS D_HAT",
     "Guard and monitor": "GUARD_DIAGNOSTICS",
     "Rigid body": "RIGID",
