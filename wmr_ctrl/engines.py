@@ -14,7 +14,7 @@ from wmr_ctrl.results import PLANTS, Run
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.sim.interpreted import run_interpreted
-from wmr_ctrl.sim.many import each_task, run_each, run_many
+from wmr_ctrl.sim.many import each_task, later, planned_tasks, run_each, tabulated
 from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run, settings_of
 
@@ -79,16 +79,17 @@ def table_of(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
-    """Figures of a run per seed on that plant; errors as `run_many` and `run_rigid_many` raise."""
+    """Figures of a run per seed on that plant; errors as `planned_tasks` and the makers raise."""
+    build, tabulate = partial(runnable_batch, law=law), tabulated
     if plant == "mujoco":
-        from wmr_ctrl.physics.run import run_rigid_many
+        from wmr_ctrl.physics.rigid import mujoco
+        from wmr_ctrl.physics.run import rigid_table
 
-        run, build = run_rigid_many, partial(runnable_plantless, law=law)
-    else:
-        run, build = run_many, partial(runnable_batch, law=law)
-    return run(
-        build, scenarios, seeds, starts=starts, figures=figures, jobs=jobs, progress=progress
-    )
+        mujoco()
+        build = partial(runnable_plantless, law=law)
+        tabulate = partial(rigid_table, build=build)
+    tasks = planned_tasks(build, scenarios, seeds, starts, progress)
+    return tabulate(tasks, figures, jobs, later(progress))
 
 
 def runnable_of(compiled: CompiledLoop, setup: Setup) -> RunnableLoop:

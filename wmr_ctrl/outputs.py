@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
 from inspect import signature
 from os import PathLike
 from pathlib import Path
@@ -19,6 +20,14 @@ if TYPE_CHECKING:
 
 SCENARIO = "paper-simulation"
 """The scenario where none is named."""
+
+
+_WRITERS = {
+    "ssp": ("wmr_ctrl.fmi.ssp", "export_ssp"),
+    "modelica": ("wmr_ctrl.modelica", "export_modelica"),
+    "simulink": ("wmr_ctrl.simulink", "export_simulink"),
+}
+"""Module and function that write an output; all others are FMUs."""
 
 
 def read_by(what: str) -> tuple[str, ...]:
@@ -42,21 +51,9 @@ def write_output(what: str, options: ExportOptions) -> list[Path]:
 
 
 def _writer(what: str) -> Callable[..., list[Path]]:
-    if what == "ssp":
-        from wmr_ctrl.fmi.ssp import export_ssp
-
-        return export_ssp
-    if what == "modelica":
-        from wmr_ctrl.modelica import export_modelica
-
-        return export_modelica
-    if what == "simulink":
-        from wmr_ctrl.simulink import export_simulink
-
-        return export_simulink
-    from wmr_ctrl.fmi.export import export_fmu
-
-    return partial(export_fmu, what)
+    module, name = _WRITERS.get(what, ("wmr_ctrl.fmi.export", "export_fmu"))
+    write: Callable[..., list[Path]] = vars(import_module(module))[name]
+    return write if what in _WRITERS else partial(write, what)
 
 
 def film_run(run: Run, path: str | PathLike[str], progress: PhaseProgress | None = None) -> None:

@@ -89,7 +89,7 @@ def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
 
     assert value("twice", build()) == 2.0
-    assert build().summary()["figures"] == {"twice": 2.0}
+    assert build().summary()["figures"]["twice"] == 2.0
 
 
 def test_a_figure_of_another_package_that_fails_is_named(monkeypatch):

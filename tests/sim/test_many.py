@@ -17,14 +17,17 @@ from wmr_ctrl.laws.context import LawContext
 from wmr_ctrl.laws.law import Law, Traits
 from wmr_ctrl.model.system import System
 from wmr_ctrl.results.frames import summary
-from wmr_ctrl.sim.many import RunTable, run_many
+from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.sim.many import planned_tasks, tabulated
+from wmr_ctrl.sim.memory import Task
 
 SHORT = {"clock.duration": 4.0, "changes": []}
 
 
-def many(overrides: list[dict[str, object]], seeds: list[int], **more: object) -> RunTable:
+def many(overrides: list[dict[str, object]], seeds: list[int], starts: object = None) -> RunTable:
     scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
-    return run_many(partial(compile_loop, law="mb"), scenarios, seeds, **more)
+    build = partial(compile_loop, law="mb")
+    return tabulated(planned_tasks(build, scenarios, seeds, starts, None))
 
 
 class BlindGains(Section, key="gains.blind"):
@@ -43,7 +46,7 @@ def test_a_torque_that_is_no_number_is_the_largest(monkeypatch: pytest.MonkeyPat
     entry = EntryPoint("blind", f"{__name__}:BLIND", "wmr_ctrl.laws")
     monkeypatch.setitem(LAWS.plugins, "blind", entry)
     scenario = scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0})
-    table = run_many(partial(compile_loop, law="blind"), [scenario], [0])
+    table = tabulated([Task(compile_loop(scenario, "blind"), 0)])
     run = simulate(scenario, "blind")
 
     assert table["outcome"].tolist() == [run.outcome] == ["non-finite"]

@@ -17,7 +17,7 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.system import values
 from wmr_ctrl.scenario import Scenario, load_scenario, override
-from wmr_ctrl.sim.many import run_many
+from wmr_ctrl.sim.many import later, planned_tasks, tabulated
 from wmr_ctrl.sim.runnable import RunnableLoop
 
 BASES = {
@@ -108,7 +108,8 @@ def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
         return runnable_of(build_batch(setup), setup)
 
     shares: list[float] = []
-    table = run_many(ready, scenarios, [0] * 20, progress=shares.append)
+    tasks = planned_tasks(ready, scenarios, [0] * 20, None, shares.append)
+    table = tabulated(tasks, progress=later(shares.append))
 
     assert len(made) == 1
     assert len(set(table["ise_total"])) == 20

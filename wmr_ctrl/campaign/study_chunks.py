@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from wmr_ctrl.campaign.plan import PlannedCase
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.results.figures import SHARES
 from wmr_ctrl.results.frames import library
-from wmr_ctrl.results.table import REFUSED, RunTable
+from wmr_ctrl.results.table import REFUSED
 from wmr_ctrl.sim.batch import cores
 from wmr_ctrl.sim.many import tabulated
 from wmr_ctrl.sim.memory import Task
@@ -80,24 +80,18 @@ def chunk_rows(chunk: StudyChunk, jobs: int | None) -> Columns:
     outcome = np.array([REFUSED] * len(loops), dtype="<U16")
     refusal = [loop.text if isinstance(loop, Refusal) else "" for loop in loops]
     if ready:
-        table = _table(ready, chunk.runs[0][0].plant, chunk.figures, jobs)
+        tabulate = tabulated
+        if chunk.runs[0][0].plant == "mujoco":
+            from wmr_ctrl.physics.run import rigid_table
+
+            tabulate = rigid_table
+        further = [name for name in chunk.figures if name not in SHARES]
+        table = tabulate([Task(loop, seed) for loop, seed in ready], further, jobs)
         columns = {"violated": table["violations"] > 0, **table}
         outcome[places] = table["outcome"]
         for name in chunk.figures:
             rows[name][places] = columns[name]
     return {"outcome": outcome, "refusal": np.array(refusal), **rows}
-
-
-def _table(
-    ready: Sequence[tuple[RunnableLoop, int]], plant: str, names: Sequence[str], jobs: int | None
-) -> RunTable:
-    """The table of loops and seeds on that plant, with the figures that are not shares of runs."""
-    further = [name for name in names if name not in SHARES]
-    if plant == "mujoco":
-        from wmr_ctrl.physics.run import rigid_table
-
-        return rigid_table(ready, further, jobs)
-    return tabulated([Task(loop, seed) for loop, seed in ready], further, jobs)
 
 
 @contextmanager

@@ -26,7 +26,8 @@ from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.results import Outcome
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import TRACKING_ERROR
-from wmr_ctrl.sim.many import run_many
+from wmr_ctrl.sim.many import tabulated
+from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop
 from wmr_ctrl.world.references import sample
 
@@ -143,13 +144,10 @@ def endings(
     """Run ``loop``, from `wmr_ctrl.api.compile_loop`, once from each start (5: pose and velocity).
 
     The same noise (seed 0) acts in all runs.  ``jobs``, ``progress`` and Ctrl-C as in
-    `wmr_ctrl.sim.many.run_many`.
+    `wmr_ctrl.sim.many.tabulated`.
     """
     rows = [tuple(map(float, start)) for start in starts]
-    table = run_many(
-        lambda _: loop, [loop.scenario], [0] * len(rows),
-        starts=rows, jobs=jobs, progress=progress,
-    )  # fmt: skip
+    table = tabulated([Task(loop, 0, row) for row in rows], (), jobs, progress)
     scenario = loop.scenario
     end = sample(scenario, np.array([scenario.clock.duration]))[0, :2]
     gaps = np.hypot(table["final_x"] - end[0], table["final_y"] - end[1])

@@ -19,7 +19,8 @@ from wmr_ctrl.results.table import RunTable, table_of_rows
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.signals import RIGID as RIGID_COLUMNS
 from wmr_ctrl.sim.coupled import Coupled
-from wmr_ctrl.sim.many import later, not_summed, planned_tasks
+from wmr_ctrl.sim.many import not_summed
+from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 T = TypeVar("T")
@@ -133,41 +134,26 @@ class Coupling:
 # -- figures of many runs ------------------------------------------------------------------------
 
 
-def run_rigid_many(
-    build: Callable[[Scenario], RunnableLoop],
-    scenarios: Sequence[Scenario],
-    seeds: Sequence[int],
-    *,
-    starts: Sequence[Sequence[float]] | None = None,
+def rigid_table(
+    tasks: Sequence[Task],
     figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
+    build: Callable[[Scenario], RunnableLoop] | None = None,
 ) -> RunTable:
-    """Figures of one run per seed, as `wmr_ctrl.sim.many.run_many` of the plane model.
+    """The table of some runs, each made once for all of its figures; as `sim.many.tabulated`.
 
-    ``build``: from a scenario to its loop without a plant; ``jobs``: processes.  Errors as in
-    `run_many` and `run_rigid`.
+    ``jobs``: processes; ``build``: from a scenario to its loop without a plant, for tasks with a
+    start of their own.  Errors as in `run_rigid`.
     """
-    mujoco()
-    tasks = planned_tasks(build, scenarios, seeds, starts, progress)
     pairs = []
     for task in tasks:
         loop, start = task.loop, task.start
-        if start is not None:
+        if build is not None and start is not None:
             changed = {"initial.pose": start[:3], "initial.velocity": start[3:]}
             loop = build(override(loop.scenario, changed))
         pairs.append((loop, task.seed))
-    return rigid_table(pairs, figures, jobs, later(progress))
-
-
-def rigid_table(
-    runs: Sequence[tuple[RunnableLoop, int]],
-    figures: Sequence[str] = (),
-    jobs: int | None = None,
-    progress: Progress | None = None,
-) -> RunTable:
-    """The table of some runs, each made once for all of its figures."""
-    rows = make_each(partial(rigid_row, further=not_summed(figures)), runs, jobs, progress)
+    rows = make_each(partial(rigid_row, further=not_summed(figures)), pairs, jobs, progress)
     return table_of_rows(rows)
 
 
@@ -185,7 +171,7 @@ def rigid_row(loop: RunnableLoop, seed: int, further: Sequence[str] = ()) -> dic
 def figures_from_run(run: Run, end: tuple[float, ...]) -> dict[str, float | None]:
     """Every number of `COLUMNS` of one run, and of its body; ``end`` is its last state, (5,).
 
-    They are those of `sim.many.run_many` but for the rounding of sums.
+    They are those of `sim.many.tabulated` but for the rounding of sums.
     """
     seen = run.monitor
     row = values_of(run, (*SUMMED, *(RIGID if seen.rigid else ())))

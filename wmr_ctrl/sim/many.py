@@ -21,35 +21,17 @@ from wmr_ctrl.sim.memory import Task
 from wmr_ctrl.sim.runnable import RunnableLoop, assemble_run
 
 
-def run_many(
-    build: Callable[[Scenario], RunnableLoop],
-    scenarios: Sequence[Scenario],
-    seeds: Sequence[int],
-    *,
-    starts: Sequence[Sequence[float]] | None = None,
-    figures: Sequence[str] = (),
-    jobs: int | None = None,
-    progress: Progress | None = None,
-) -> RunTable:
-    """Figures of one run per seed.
-
-    ``build`` gives the compiled loop of a scenario, once for each different one; ``scenarios`` and
-    ``starts`` (x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0; None: the scenario's) are
-    one a run, or one scenario for all; ``figures``: names of further figures of the catalogue, for
-    which all is run once more where they need a log.  Otherwise as `sim.batch.run_tasks`.
-    Raises ArgumentError if the numbers of them do not fit, or there is no run.
-    """
-    tasks = planned_tasks(build, scenarios, seeds, starts, progress)
-    return tabulated(tasks, figures, jobs, later(progress))
-
-
 def tabulated(
     tasks: Sequence[Task],
     figures: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
-    """The table of some runs; ``figures`` that need a log are taken from runs made once more."""
+    """The table of some runs, made as by `sim.batch.run_tasks`.
+
+    ``figures``: names of further figures of the catalogue; those that need a log are taken from
+    runs made once more.
+    """
     whole = not_summed(figures)
     seeds = np.array([task.seed for task in tasks])
     columns = {"seed": seeds, **run_tasks(tasks, jobs=jobs, progress=progress)}
@@ -68,7 +50,13 @@ def planned_tasks(
     starts: Sequence[Sequence[float]] | None,
     progress: Progress | None,
 ) -> list[Task]:
-    """A task a seed, of loops that are built once for each different scenario; as `run_many`."""
+    """A task a seed.
+
+    ``build`` gives the compiled loop of a scenario, once for each different one; ``scenarios`` and
+    ``starts`` (x, y [m], theta [rad], v1 [m/s], omega [rad/s] at t = 0; None: the scenario's) are
+    one a run, or one scenario for all.  Raises ArgumentError if the numbers of them do not fit, or
+    there is no run.
+    """
     count = len(seeds)
     if count == 0:
         raise ArgumentError("seeds is empty: name at least one.")
