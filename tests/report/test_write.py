@@ -164,7 +164,7 @@ def test_pictures_have_colours_for_light_and_dark(page):
 
 def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
     with_, without = (
-        [row[0] for row in scenario_table(campaign.table, name, changes=changes).rows]
+        [row[0] for row in scenario_table(campaign, name, changes=changes).rows]
         for name, changes in (("paper-simulation", True), ("paper-experiment", False))
     )
 
@@ -174,7 +174,7 @@ def test_nothing_is_told_of_before_and_after_where_nothing_changes(campaign):
 
 @pytest.mark.parametrize("short", [False, True])
 def test_the_distance_from_the_reference_is_told_first(campaign, written, short):
-    table = scenario_table(campaign.table, "paper-simulation", changes=True, short=short)
+    table = scenario_table(campaign, "paper-simulation", changes=True, short=short)
     first, second = (row[0] for row in table.rows[:2])
     header, rows = table_of(written.folder / "table.csv")
     names = ["position_rms_last_quarter [m]", "position_max [m]"]

@@ -27,7 +27,7 @@ from wmr_ctrl.report.drawing import (
 )
 from wmr_ctrl.report.style import LIMIT, MUTED, look
 from wmr_ctrl.results.table import REFUSED, RunTable
-from wmr_ctrl.results.windows import LATE
+from wmr_ctrl.results.windows import LATE, seconds
 
 
 def comparison_figures(rows: RunTable) -> tuple[Drawing, ...]:
@@ -93,8 +93,7 @@ def _draw_position(figure: Figure, rows: RunTable) -> None:
         axes.set(xscale="log", xlabel="RMS distance [mm]", xlim=(0.1, 5000.0))
         plain_ticks(axes, (1,))
         _name(axes, f"torque held for {base}")
-    over = f"{LATE[0]:g}–{LATE[1]:g} s"
-    heading(figure, f"Distance after the change of parameters, {over}", _kinds())
+    heading(figure, f"Distance after the change of parameters, {seconds(*LATE)}", _kinds())
 
 
 # -- ISE against a number of the scenario -----------------------------------------------------

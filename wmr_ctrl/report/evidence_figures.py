@@ -36,6 +36,7 @@ from wmr_ctrl.report.paper_figures import switch_time
 from wmr_ctrl.report.style import INK, LIMIT, MUTED, look, shown
 from wmr_ctrl.results import FloatArray, Run
 from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results.windows import LATE, named, seconds
 from wmr_ctrl.scenario import load_scenario
 
 Runs: TypeAlias = Mapping[tuple[str, str], Run]
@@ -66,7 +67,9 @@ def _draw_measure(figure: Figure, table: RunTable) -> None:
     padding = Padding(left=0.60, right=0.62, bottom=0.42, top=0.62)
     left, right = row_of_axes(figure, padding, (1, 1), 0.95)
     _panel_measure(left, table, "ise_total", "whole-run ISE [m² s + rad² s]")
-    _panel_measure(right, table, "e1_rms_70_80", "RMS of $e_1$ over 70–80 s [mm]", 1e3)
+    _panel_measure(
+        right, table, f"e1_rms_{named(LATE)}", f"RMS of $e_1$ over {seconds(*LATE)} [mm]", 1e3
+    )
     handles = [
         dot_handle("parameters change at 40 s"),
         dot_handle("the same seeds without the change", face="white"),

@@ -10,6 +10,7 @@ from pathlib import Path
 from jinja2 import Environment
 
 from wmr_ctrl.campaign import Campaign
+from wmr_ctrl.campaign.comparison import AWAY, E1, E1_BEFORE, FARTHEST
 from wmr_ctrl.campaign.paper import BARRIER_LAWS, STUDIES
 from wmr_ctrl.paper import CITATION
 from wmr_ctrl.proofs.ledger import load
@@ -22,6 +23,7 @@ from wmr_ctrl.report.style import page_environment, picture, shown
 from wmr_ctrl.report.tables import TextTable, scenario_table, stress_table, times_table
 from wmr_ctrl.results import atomic_text
 from wmr_ctrl.results.table import RunTable
+from wmr_ctrl.results.windows import BEFORE, LATE, seconds
 from wmr_ctrl.scenario import preset_titles
 
 _STRESS_CASES = {
@@ -112,6 +114,8 @@ def write_page(
 def report_environment() -> Environment:
     """The templates with the report's filters."""
     environment = page_environment()
+    environment.globals |= {"before": seconds(*BEFORE), "late": seconds(*LATE)}
+    environment.globals |= {"away": AWAY, "farthest": FARTHEST, "e1": E1, "e1_before": E1_BEFORE}
     environment.filters.update(
         shown=shown, thousandths=lambda value: shown(value and 1e3 * value, 2)
     )
@@ -126,8 +130,8 @@ def _tables(campaign: Campaign, timings: Mapping[str, float]) -> dict[str, TextT
         ("experiment", "paper-experiment"),
     ):
         changes = switch_time(campaign.runs[scenario, table.laws[0]]) is not None
-        tables[key] = scenario_table(table, scenario, changes=changes)
-        tables[f"{key}_short"] = scenario_table(table, scenario, changes=changes, short=True)
+        tables[key] = scenario_table(campaign, scenario, changes=changes)
+        tables[f"{key}_short"] = scenario_table(campaign, scenario, changes=changes, short=True)
     return {
         **tables,
         "stated": stress_table(table, _STATED_CASES, BARRIER_LAWS),

@@ -7,12 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from wmr_ctrl.campaign import Campaign
 from wmr_ctrl.paper import PAPER_TIMES
 from wmr_ctrl.report.claims import STAND_IN_LAW
 from wmr_ctrl.report.style import ABSENT, look, shown, unit_text
+from wmr_ctrl.results import Settings
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import RunTable, Spread
-from wmr_ctrl.results.windows import LATE, WINDOWS, named
+from wmr_ctrl.results.windows import LATE, WINDOWS, named, seconds, windows_of
 
 T = TypeVar("T")
 
@@ -92,51 +94,54 @@ class _Line:
         """Scale factor of the shown figure."""
         return 1e3 if FIGURES[self.figure].unit in _KILO else 1.0
 
-    @property
-    def name(self) -> str:
-        """The label with its unit."""
+    def name(self, settings: Settings) -> str:
+        """The label with the windows of a run in place, and its unit."""
+        windows, period = windows_of(settings), settings.control
+        spans = {name: seconds(period * a, period * b) for name, (a, b) in windows.items()}
+        label = self.label.format(**spans, split=windows["before"][1])
         unit = FIGURES[self.figure].unit
         shown_unit = _KILO.get(unit, unit_text(unit))
-        return f"{self.label} [{shown_unit}]" if shown_unit else self.label
+        return f"{label} [{shown_unit}]" if shown_unit else label
 
 
 _LINES = (
-    _Line("position_rms_last_quarter", "RMS distance, 60–80 s", short=True),
-    _Line("position_max", "largest distance, 60–80 s", short=True),
-    _Line("position_rms", "RMS distance, 0–80 s"),
+    _Line("position_rms_last_quarter", "RMS distance, {last_quarter}", short=True),
+    _Line("position_max", "largest distance, {last_quarter}", short=True),
+    _Line("position_rms", "RMS distance, {all}"),
     *(
         _Line(
             f"{figure}_rms_{named(span)}",
-            f"RMS {text}, {span[0]}–{span[1]} s",
+            f"RMS {text}, {seconds(*span)}",
             change=span != LATE,
             short=span == LATE and figure == "e1",
         )
         for figure, text in (("d", "distance"), ("e1", "e₁"), ("e2", "e₂"), ("e3", "e₃"))
         for span in WINDOWS
     ),
-    _Line("ise_total", "ISE, 0–80 s", short=True),
-    _Line("ise_before", "ISE, 0–40 s", change=True),
-    _Line("ise_after", "ISE, 40–80 s", change=True),
+    _Line("ise_total", "ISE, {all}", short=True),
+    _Line("ise_before", "ISE, {before}", change=True),
+    _Line("ise_after", "ISE, {after}", change=True),
     _Line("ise_position", "ISE without θ"),
     _Line("max_abs_v1", "largest |v₁|", better=False),
     _Line("max_abs_omega", "largest |ω|", better=False),
     _Line("violated", "seeds that broke a limit", short=True),
     _Line("tau_peak", "peak wheel torque", short=True),
-    _Line("tau_rms", "RMS wheel torque, 2–80 s"),
-    _Line("V1_rises", "rises of V₁ in the first 4000 samples", better=False),
+    _Line("tau_rms", "RMS wheel torque, {torque}"),
+    _Line("V1_rises", "rises of V₁ in the first {split} samples", better=False),
     _Line("W1_end", "‖W₁‖ at the end", better=False),
     _Line("W2_end", "‖W₂‖ at the end", better=False),
 )
 
 
 def scenario_table(
-    table: RunTable, scenario: str, *, changes: bool, short: bool = False
+    campaign: Campaign, scenario: str, *, changes: bool, short: bool = False
 ) -> TextTable:
     """Median and range of the chief figures of a scenario, a column per law.
 
     ``changes``: whether the robot's parameters change in it; without, nothing is told of a before
     and an after.  ``short``: the few figures that tell the laws apart.
     """
+    table, settings = campaign.table, campaign.runs[scenario, campaign.table.laws[0]].settings
     runs = {law: table.case(scenario, law) for law in table.laws}
 
     def cell(line: _Line, law: str) -> str:
@@ -150,7 +155,7 @@ def scenario_table(
         return middle if line.better else None
 
     lines = [line for line in _LINES if (changes or not line.change) and (line.short or not short)]
-    return table_by_law({line.name: line for line in lines}, table.laws, cell, value, "")
+    return table_by_law({line.name(settings): line for line in lines}, table.laws, cell, value, "")
 
 
 def _broken(runs: RunTable) -> str:

@@ -26,6 +26,11 @@ def named(span: Span) -> str:
     return f"{span[0]}_{span[1]}"
 
 
+def seconds(start: float, end: float) -> str:
+    """A window of time as readers write it."""
+    return f"{start:g}–{end:g} s"
+
+
 def window(run: Run, start: float, end: float | None = None) -> slice | None:
     """Rows k with ``start`` <= t_k < ``end`` [s], or None where the run does not cover them all.
 
