@@ -15,7 +15,11 @@ from typing import TYPE_CHECKING
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fields.plugins import loaded
 from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND, CommandDeadBand
 from wmr_ctrl.world.command_delay import COMMAND_DELAY, CommandDelay
+from wmr_ctrl.world.command_loss import COMMAND_LOSS, CommandLoss
+from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM, CommandQuantum
+from wmr_ctrl.world.command_ramp import COMMAND_RAMP, CommandRamp
 from wmr_ctrl.world.delay import DELAY, Delay
 from wmr_ctrl.world.effect import Effect, EffectRole
 from wmr_ctrl.world.encoder import ENCODER
@@ -35,6 +39,7 @@ from wmr_ctrl.world.speed_loop_pi import PI, PiLoopGains
 from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
 from wmr_ctrl.world.velocity_mean import VELOCITY_MEAN, VelocityMean
 from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
+from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT, WheelSpeedLimit
 from wmr_ctrl.world.wheels import WHEELS
 
 if TYPE_CHECKING:
@@ -43,7 +48,8 @@ if TYPE_CHECKING:
 OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
-    COMMAND_DELAY, FIRST_ORDER, PI,
+    COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
+    COMMAND_RAMP, FIRST_ORDER, PI,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -74,7 +80,10 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
         return self.lag == 0 and self.delay == 0 and self.unmodelled_delay == 0 and self.jitter == 0
 
 
-class Base(CommandDelay, PiLoopGains, FirstOrderGains, BaseKind, key="base"):
+class Base(
+    CommandRamp, WheelSpeedLimit, CommandDeadBand, CommandQuantum, CommandLoss, CommandDelay,
+    PiLoopGains, FirstOrderGains, BaseKind, key="base",
+):  # fmt: skip
     """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
 
     Each wheel of the speed loop gives at most actuator.tau_max.

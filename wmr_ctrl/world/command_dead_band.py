@@ -1,0 +1,54 @@
+"""Dead band of commands: what is smaller than it is taken for 0, each axis by itself.
+
+Source: firmware that does not let motors hum at rest.
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.signals import COMMAND
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+class CommandDeadBand(Section, key="base"):
+    """Size of the dead band."""
+
+    deadband: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m/s, rad/s", doc="smaller commands are taken for 0", minimum=0
+    )
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    command, p = ports(COMMAND), Parameters(scenario)
+    band = p.take("base.deadband")
+    return System(
+        "command_dead_band",
+        "dead band of the command",
+        inputs=command,
+        params=p.ports,
+        outputs=tuple(
+            Output(item.signal, ca.if_else(ca.fabs(item.sym) < band[i], 0, item.sym))
+            for i, item in enumerate(command)
+        ),
+        period=scenario.clock.plant,
+    )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A command that does not act as it was sent: the governor counts on the one that was sent."""
+    return Bound(hidden="base.deadband: small commands do not act.")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where there is a band."""
+    return takes_velocity(scenario) and any(scenario.section(CommandDeadBand).deadband)
+
+
+COMMAND_DEAD_BAND = Effect(
+    "command dead band", EffectRole.COMMAND, CommandDeadBand, build, bound, acts=acts,
+    rate=Rate.STEP,
+)  # fmt: skip

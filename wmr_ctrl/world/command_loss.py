@@ -1,0 +1,82 @@
+"""Lost commands, and the base's time-out: it keeps the last command it heard, and then stops.
+
+Source: radio and buses.  Each command is lost with an even chance, but never more than ``losses``
+in a row; a base that heard nothing for ``timeout`` takes 0 for its command until it hears again.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import UNIFORM, Output, Parameters, System, draw, port, ports, stack
+from wmr_ctrl.signals import COMMAND, STEP, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.jitter import whole
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+NUMBERS = Signal("command_loss", "1", "uniform numbers on [-1, 1) of a sample", 2)
+HEARD = Signal("v_heard", "m/s, rad/s", "last command that was not lost", 2)
+SILENT = Signal("command_silence", "1", "plant steps since the last command that was not lost")
+MISSED = Signal("commands_missed", "1", "commands lost in a row")
+
+
+class CommandLoss(Section, key="base"):
+    """Largest number of commands lost in a row, and the time-out."""
+
+    losses: int = quantity(0, unit="1", doc="most commands in a row that are lost", minimum=0)
+    timeout: float = quantity(
+        math.inf, unit="s", doc="silence after which the base stops; inf: it never does", above=0,
+        infinite=True, usual=(0, 10),
+    )  # fmt: skip
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    command, step, p = ports(COMMAND), port(STEP), Parameters(scenario)
+    heard, silent, missed = port(HEARD), port(SILENT), port(MISSED)
+    T, h, late, most, timeout = (
+        p.take(key)
+        for key in ("clock.control", "clock.plant", "base.delay", "base.losses", "base.timeout")
+    )
+    number = draw(NUMBERS, UNIFORM, most > 0, held=True)
+    since = step.sym - whole(late / h)
+    arrives = since - whole(T / h) * ca.floor(since / whole(T / h)) == 0
+    lost = ca.logic_and(number.port.sym[0] < 0, missed.sym < most)
+    comes = ca.logic_and(arrives, ca.logic_not(lost))
+    now = ca.if_else(comes, stack(item.sym for item in command), heard.sym)
+    silence = ca.if_else(comes, 0, silent.sym + 1)
+    missing = ca.if_else(comes, 0, missed.sym + ca.logic_and(arrives, lost))
+    acting = ca.if_else(silence * h > timeout, 0, now)
+    return System(
+        "command_loss",
+        "lost commands and time-out",
+        inputs=(*command, step),
+        state=(heard, silent, missed),
+        params=p.ports,
+        update=ca.vertcat(now, silence, missing),
+        outputs=tuple(Output(signal, acting[i]) for i, signal in enumerate(COMMAND)),
+        period=scenario.clock.plant,
+        draws=(number,),
+    )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """The losses; a stop in between is a command that was not sent."""
+    own, period = scenario.section(CommandLoss), scenario.clock.control
+    stops = own.losses > 0 and own.timeout < (own.losses + 1) * period
+    sentence = "base.timeout: the base stops before the next command that is not lost."
+    return Bound(losses=own.losses, hidden=sentence if stops else "")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where commands are lost, or the base stops between two of them."""
+    own = scenario.section(CommandLoss)
+    return takes_velocity(scenario) and (own.losses > 0 or own.timeout < scenario.clock.control)
+
+
+COMMAND_LOSS = Effect(
+    "command loss", EffectRole.COMMAND, CommandLoss, build, bound, acts=acts, rate=Rate.STEP,
+    shape=("clock.control", "clock.plant"),
+)  # fmt: skip

@@ -1,0 +1,57 @@
+"""Quantised commands: each axis is rounded to the nearest whole multiple of a step.
+
+Source: protocols that carry integers (mm/s), and drivers with few steps.
+"""
+
+from __future__ import annotations
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.signals import COMMAND
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+class CommandQuantum(Section, key="base"):
+    """Step of the command."""
+
+    quantum: tuple[float, float] = quantity(
+        (0.0, 0.0), unit="m/s, rad/s", doc="step to whose multiples commands are rounded, 0: none",
+        minimum=0,
+    )  # fmt: skip
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    command, p = ports(COMMAND), Parameters(scenario)
+    step = p.take("base.quantum")
+    outputs = []
+    for i, item in enumerate(command):
+        size = ca.if_else(step[i] > 0, step[i], 1)
+        rounded = size * ca.floor(item.sym / size + 0.5)
+        outputs.append(Output(item.signal, ca.if_else(step[i] > 0, rounded, item.sym)))
+    return System(
+        "command_quantum",
+        "quantised command",
+        inputs=command,
+        params=p.ports,
+        outputs=tuple(outputs),
+        period=scenario.clock.plant,
+    )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """Half a step: an error of the command, which its gain turns into a push."""
+    v, omega = scenario.section(CommandQuantum).quantum
+    return Bound(command=(v / 2, omega / 2))
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where there is a step."""
+    return takes_velocity(scenario) and any(scenario.section(CommandQuantum).quantum)
+
+
+COMMAND_QUANTUM = Effect(
+    "command quantum", EffectRole.COMMAND, CommandQuantum, build, bound, acts=acts, rate=Rate.STEP
+)

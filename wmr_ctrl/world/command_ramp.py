@@ -1,0 +1,75 @@
+"""Acceleration limit in the firmware: the command that acts nears the sent one at a bounded rate.
+
+Source: motor drivers and velocity smoothers.  Away from 0 each axis changes by at most ``accel``,
+towards 0 by at most ``decel``, and stops at 0 before it turns round within a plant step.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
+from wmr_ctrl.signals import COMMAND, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+RAMPED = Signal("v_ramped", "m/s, rad/s", "command behind the acceleration limit", 2)
+FREE = (math.inf, math.inf)
+
+
+class CommandRamp(Section, key="base"):
+    """Acceleration limits of the firmware."""
+
+    accel: tuple[float, float] = quantity(
+        FREE, unit="m/s2, rad/s2", doc="largest rate of the command away from 0", above=0,
+        infinite=True,
+    )  # fmt: skip
+    decel: tuple[float, float] = quantity(
+        FREE, unit="m/s2, rad/s2", doc="largest rate of the command towards 0", above=0,
+        infinite=True,
+    )  # fmt: skip
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    command, ramped, p = ports(COMMAND), port(RAMPED), Parameters(scenario)
+    h, accel, decel = (p.take(key) for key in ("clock.plant", "base.accel", "base.decel"))
+    wanted = stack(item.sym for item in command)
+    following = ca.vertcat(
+        *(moved(ramped.sym[i], wanted[i], h * accel[i], h * decel[i]) for i in (0, 1))
+    )
+    return System(
+        "command_ramp",
+        "acceleration limit of the firmware",
+        inputs=command,
+        state=(ramped,),
+        params=p.ports,
+        update=following,
+        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(COMMAND)),
+        period=scenario.clock.plant,
+    )
+
+
+def moved(now: ca.SX, wanted: ca.SX, grow: ca.SX, shrink: ca.SX) -> ca.SX:
+    """The command after a step in which its size may grow and shrink by so much."""
+    top = ca.if_else(now >= 0, now + grow, ca.fmin(now + shrink, 0))
+    bottom = ca.if_else(now <= 0, now - grow, ca.fmax(now - shrink, 0))
+    return ca.fmax(bottom, ca.fmin(top, wanted))
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A state that the governor does not know of; a ramp never passes its input."""
+    return Bound(hidden="base.accel: the base ramps its command.")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where one of the limits is finite."""
+    own = scenario.section(CommandRamp)
+    return takes_velocity(scenario) and any(map(math.isfinite, (*own.accel, *own.decel)))
+
+
+COMMAND_RAMP = Effect(
+    "command ramp", EffectRole.COMMAND, CommandRamp, build, bound, acts=acts, rate=Rate.STEP
+)

@@ -1,0 +1,62 @@
+"""Limit of the wheels' speeds in the firmware: it couples v and omega.
+
+Source: differential-drive drivers, which turn (v, omega) into wheel speeds v +- l omega over r and
+clip each at ``w_max``.  A fast turn loses speed and curvature at once.  |v| and |omega| never grow
+and never change their sign by it, since clipping is odd and monotone.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import Output, Parameters, System, ports
+from wmr_ctrl.signals import COMMAND
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+
+class WheelSpeedLimit(Section, key="base"):
+    """Largest speed of each wheel."""
+
+    w_max: float = quantity(
+        math.inf, unit="rad/s", doc="speed at which the firmware clips each wheel; inf: none",
+        above=0, infinite=True,
+    )  # fmt: skip
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    (v, omega), p = ports(COMMAND), Parameters(scenario)
+    half_track, rim = p.take("robot.l"), p.take("robot.r") * p.take("base.w_max")
+    right, left = (
+        ca.fmax(-rim, ca.fmin(rim, v.sym + side * half_track * omega.sym)) for side in (1, -1)
+    )
+    return System(
+        "wheel_speed_limit",
+        "limit of the wheels' speeds",
+        inputs=(v, omega),
+        params=p.ports,
+        outputs=(
+            Output(v.signal, (right + left) / 2),
+            Output(omega.signal, (right - left) / (2 * half_track)),
+        ),
+        period=scenario.clock.plant,
+    )
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A command that does not act as it was sent: the governor counts on the one that was sent."""
+    return Bound(hidden="base.w_max: the firmware clips the wheels' speeds.")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where the limit is finite."""
+    return takes_velocity(scenario) and math.isfinite(scenario.section(WheelSpeedLimit).w_max)
+
+
+WHEEL_SPEED_LIMIT = Effect(
+    "wheel speed limit", EffectRole.COMMAND, WheelSpeedLimit, build, bound, acts=acts,
+    rate=Rate.STEP,
+)  # fmt: skip
