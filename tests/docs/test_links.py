@@ -47,7 +47,7 @@ def test_internal_links_lead_to_files_and_headings(page):
 
 def test_a_broken_link_is_seen(tmp_path):
     page = Page(DOCS / "nowhere.md")
-    page.__dict__["text"] = "[a](none.md) [b](index.md#none) [c](index.md#tutorials) [d](index.md)"
+    page.__dict__["text"] = "[a](none.md) [b](index.md#none) [c](index.md#reference) [d](index.md)"
 
     assert broken(page) == ["none.md", "index.md#none"]
 
