@@ -34,9 +34,12 @@ ORDER = (
     {"api"},
     {"tuning"},
     {"__init__"},
-    {"cli"},
+    {"cli", "ros2"},
     {"__main__"},
 )
+ROS_MESSAGES = {
+    "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rcl_interfaces", "std_msgs", "std_srvs",
+}  # fmt: skip
 THIRD_PARTY = {
     "errors": set(),
     "signals": set(),
@@ -71,6 +74,7 @@ THIRD_PARTY = {
     "tuning": {"cma", "numpy"},
     "engines": set(),
     "outputs": set(),
+    "ros2": {"numpy", "rclpy", *ROS_MESSAGES},
     "__init__": set(),
     "__main__": set(),
 }

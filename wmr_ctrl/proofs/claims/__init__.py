@@ -37,6 +37,7 @@ THEMES = (
     ("guard_delay_sums", "The velocity guard behind a delay in rounded arithmetic"),
     ("guard_delay_rounding", "The velocity guard behind a delay in rounded arithmetic"),
     ("command_filter", "The command filter of bases that take velocities"),
+    ("gate", "The gate before a base"),
     ("filter_loops", "The command filter of bases that take velocities"),
     ("world", "Encoders and wheels"),
     ("effect_bounds", "Motors, ground and air"),

@@ -1,0 +1,176 @@
+"""Faults around the filter node, from outside over DDS; run by a Python that has rclpy.
+
+``python outside.py SCENARIO`` starts the node, plays base and planner, breaks one thing after the
+other and prints what was seen as JSON: per fault the largest command, when it began to fall and
+when it was zero [s after the fault], and what diagnostics said.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+
+LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+KEPT = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+RATE = 0.02
+
+
+class World:
+    """Planner and base of the node: what they send can be changed, what comes back is kept."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self.process = process
+        self.node = rclpy.create_node("outside")
+        self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
+        self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
+        self.stop = self.node.create_publisher(Bool, "/wmr_filter/stop", KEPT)
+        self.reset = self.node.create_client(Trigger, "/wmr_filter/reset")
+        self.node.create_subscription(TwistStamped, "cmd_vel", self._sent, SURE)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
+        self.seen: list[tuple[float, float, float]] = []
+        self.said: list[str] = []
+        self.speed = (0.0, 0.0)
+
+    def _sent(self, message: TwistStamped) -> None:
+        self.speed = message.twist.linear.x, message.twist.angular.z
+        self.seen.append((time.monotonic(), *self.speed))
+
+    def _told(self, message: DiagnosticArray) -> None:
+        self.said += [status.message for status in message.status]
+
+    def command(
+        self, v: float = 0.5, omega: float = 0.3, ago: float = 0.0, frame: str = ""
+    ) -> None:
+        message = TwistStamped()
+        message.header.stamp = self._stamp(ago)
+        message.header.frame_id = frame
+        message.twist.linear.x, message.twist.angular.z = v, omega
+        self.commands.publish(message)
+
+    def measure(
+        self, v: float | None = None, ago: float = 0.0, frame: str = "base_link", w: float = 1.0
+    ) -> None:
+        message = Odometry(child_frame_id=frame)
+        message.header.stamp = self._stamp(ago)
+        message.pose.pose.orientation.w = w
+        message.twist.twist.linear.x = self.speed[0] if v is None else v
+        message.twist.twist.angular.z = self.speed[1]
+        self.odometry.publish(message)
+
+    def _stamp(self, ago: float):
+        now = self.node.get_clock().now().nanoseconds - round(ago * 1e9)
+        return rclpy.time.Time(nanoseconds=now).to_msg()
+
+    def go(self, seconds: float, command=None, measure=None) -> None:
+        """Send both at their rate; None: as in a sound world, False: nothing."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if command is not False:
+                (command or self.command)()
+            if measure is not False:
+                (measure or self.measure)()
+            until = time.monotonic() + RATE
+            while time.monotonic() < until:
+                rclpy.spin_once(self.node, timeout_sec=max(0.0, until - time.monotonic()))
+
+    def drive(self) -> None:
+        """A sound world until the base drives."""
+        for _ in range(40):
+            self.go(0.25)
+            if self.speed[0] > 0.49:
+                return
+        raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
+
+    def fault(
+        self, seconds: float = 1.0, command=None, measure=None, first=None
+    ) -> dict[str, object]:
+        """What follows a fault: other messages, or what ``first`` does."""
+        self.drive()
+        start, count = time.monotonic(), len(self.seen)
+        self.said.clear()
+        if first:
+            first()
+        self.go(seconds, command, measure)
+        seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
+        falls = [t for t, v, _ in seen if v < 0.499]
+        zeros = [t for t, v, w in seen if v == w == 0]
+        return {
+            "largest": [max((abs(row[k]) for row in seen), default=0.0) for k in (1, 2)],
+            "falls": falls[0] if falls else None,
+            "zero": zeros[0] if zeros else None,
+            "messages": len(seen),
+            "curvature": [w / v for _, v, w in seen if v > 0.1][-1:],
+            "said": sorted(set(self.said)),
+        }
+
+    def call_reset(self) -> bool:
+        future = self.reset.call_async(Trigger.Request())
+        rclpy.spin_until_future_complete(self.node, future, timeout_sec=3.0)
+        return bool(future.result() and future.result().success)
+
+
+def main(scenario: str) -> None:
+    settings = ["-p", f"scenario:={scenario}", "-p", "odometry:=required"]
+    arguments = [sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *settings]
+    process = subprocess.Popen(arguments)
+    rclpy.init()
+    world, found = World(process), {}
+    nan = math.nan
+    try:
+        found["sound"] = world.fault(0.5)
+        found["command missing"] = world.fault(command=False)
+        found["command NaN"] = world.fault(command=lambda: world.command(nan))
+        found["command old"] = world.fault(command=lambda: world.command(ago=1.0))
+        found["command ahead"] = world.fault(command=lambda: world.command(ago=-1.0))
+        found["command in map"] = world.fault(command=lambda: world.command(frame="map"))
+        found["command wild"] = world.fault(command=lambda: world.command(5.0, 3.0))
+        found["odometry missing"] = world.fault(measure=False)
+        found["odometry NaN"] = world.fault(measure=lambda: world.measure(nan))
+        found["odometry no rotation"] = world.fault(measure=lambda: world.measure(w=0.0))
+        found["odometry of a laser"] = world.fault(
+            measure=lambda: world.measure(frame="laser")
+        )
+        found["odometry old"] = world.fault(measure=lambda: world.measure(ago=0.5))
+        found["base too fast"] = world.fault(measure=lambda: world.measure(1.4))
+        found["latched"] = {"messages": 0, "zero": world.speed == (0.0, 0.0)}
+        world.go(0.3)
+        found["latched"]["stays"] = world.speed == (0.0, 0.0)
+        found["latched"]["reset"] = world.call_reset()
+        found["stop"] = world.fault(0.6, first=lambda: world.stop.publish(Bool(data=True)))
+        world.stop.publish(Bool(data=False))
+        world.go(0.3)
+        found["stop"]["stays"] = world.speed == (0.0, 0.0)
+        found["stop"]["reset"] = world.call_reset()
+        rival = world.node.create_publisher(TwistStamped, "cmd_vel", SURE)
+        found["rival"] = world.fault(1.6)
+        world.node.destroy_publisher(rival)
+        world.drive()
+        world.seen.clear()
+        process.send_signal(signal.SIGINT)
+        world.go(1.5)
+        last = world.seen[-1][1:] if world.seen else None
+        found["interrupt"] = {"last": last, "code": process.wait(10)}
+    finally:
+        process.kill()
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,172 @@
+"""The node over real DDS, in an environment of its own made from wheels; elsewhere NOT RUN."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
+          "lifecycle-msgs", "std-srvs")  # fmt: skip
+SLACK = 0.15
+"""Time [s] that DDS and a busy machine may take, beside time-outs and ticks."""
+TICK = 0.02
+SCENARIO = """
+extends = "paper-simulation"
+[limits]
+v_u1 = [1.0, 2.0]
+v_u2 = [0.7, 1.4]
+[clock]
+control = 0.02
+[filter]
+kind = "clip"
+gain = [0.9, 1.1]
+d = [0.05, 0.05]
+"""
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        sys.platform != "linux" or platform.machine() != "x86_64", reason="NOT RUN: no wheels"
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory):
+    """A Python with ROS 2, which sees this environment's packages too.
+
+    The wheels restart every interpreter of their environment with libraries of their own, so
+    they are never installed into this one.
+    """
+    folder = tmp_path_factory.mktemp("ros")
+    venv.create(folder, with_pip=True)
+    python = folder / "bin" / "python"
+    wanted = [f"ros-jazzy-{name}" for name in WHEELS]
+    done = subprocess.run(
+        [python, "-m", "pip", "install", "-q", *wanted], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        pytest.skip(f"NOT RUN: the wheels of ROS 2 cannot be installed: {done.stderr[-300:]}")
+    (site,) = folder.glob("lib/python*/site-packages")
+    paths = [path for path in sys.path if path.endswith("site-packages")]
+    (site / "zz_here.pth").write_text("\n".join([*paths, str(ROOT)]), encoding="utf-8")
+    return python
+
+
+@pytest.fixture(scope="module")
+def environment():
+    """No other machine and no other test hears these nodes."""
+    local = {"ROS_DOMAIN_ID": str(1 + os.getpid() % 100)}
+    return {**os.environ, **local, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+@pytest.fixture(scope="module")
+def seen(ros, environment, tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenario") / "base.toml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    script = Path(__file__).with_name("outside.py")
+    done = subprocess.run(
+        [ros, script, path],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def test_a_sound_command_passes(seen):
+    assert seen["sound"]["largest"] == pytest.approx([0.5, 0.3])
+    assert seen["sound"]["falls"] is None
+
+
+@pytest.mark.parametrize("fault", ["missing", "NaN", "old", "ahead", "in map"])
+def test_without_a_command_that_counts_the_base_comes_to_rest(seen, fault):
+    found = seen[f"command {fault}"]
+
+    assert found["falls"] <= 0.25 + 2 * TICK + SLACK
+    assert found["zero"] <= 0.25 + 0.25 + 2 * TICK + SLACK  # 0.5 m/s at 2 m/s2
+    assert "no-command" in found["said"]
+    assert found["messages"] > 20  # zeros go on: silence is death
+
+
+@pytest.mark.parametrize("fault", ["missing", "NaN", "no rotation", "of a laser", "old"])
+def test_without_odometry_that_counts_the_base_comes_to_rest(seen, fault):
+    found = seen[f"odometry {fault}"]
+
+    assert found["falls"] <= 0.1 + 2 * TICK + SLACK
+    assert found["zero"] <= 0.1 + 0.25 + 2 * TICK + SLACK
+    assert "no-odometry" in found["said"]
+
+
+def test_a_wild_command_is_brought_inside_and_keeps_its_curvature(seen):
+    found = seen["command wild"]
+
+    assert found["largest"][0] == pytest.approx(0.95 / 1.1, rel=1e-6)
+    assert found["curvature"] == pytest.approx([0.6])
+
+
+def test_a_base_that_is_too_fast_is_stopped_until_a_reset(seen):
+    assert seen["base too fast"]["falls"] <= 2 * TICK + SLACK
+    assert "stopped, too-fast" in seen["base too fast"]["said"]
+    assert seen["latched"]["stays"]
+    assert seen["latched"]["reset"]
+
+
+def test_a_stop_is_zero_at_once(seen):
+    assert seen["stop"]["zero"] <= 2 * TICK + SLACK
+    assert seen["stop"]["stays"]
+    assert seen["stop"]["reset"]
+
+
+def test_a_second_publisher_is_told(seen):
+    assert any("other publishers" in text for text in seen["rival"]["said"])
+
+
+def test_who_is_interrupted_sends_a_last_zero(seen):
+    assert seen["interrupt"] == {"last": [0.0, 0.0], "code": 0}
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ([], "the parameter scenario is not set"),
+        (["-p", "scenario:=paper-simulation"], "no command filter"),
+        (["-p", "scenario:=none.toml"], "none.toml"),
+        (["-p", "scenario:={}", "-p", "odometry:=maybe"], "must be one of none, watched, required"),
+        (["-p", "scenario:={}", "-p", "command_timeout:=-1.0"], "must be positive"),
+    ],
+)
+def test_what_cannot_be_configured_is_a_sentence(ros, environment, tmp_path, settings, said):
+    path = tmp_path / "base.toml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    words = [word.format(path) for word in settings]
+    done = subprocess.run(
+        [ros, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *words],
+        env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_without_ros_a_sentence_says_so():
+    done = subprocess.run(
+        [sys.executable, "-m", "wmr_ctrl.ros2", "filter"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 2
+    assert "ROS 2 is not here" in done.stderr

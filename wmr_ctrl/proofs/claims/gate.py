@@ -1,0 +1,142 @@
+"""The gate before a base: what leaves it, whatever comes in, on the graph that is compiled."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+
+from wmr_ctrl.filter.channels import AXES, WAYS
+from wmr_ctrl.filter.clip import Clip
+from wmr_ctrl.filter.gate import (
+    COMMAND_AGE,
+    ELAPSED,
+    LAST,
+    LATCHED,
+    RESET,
+    STOP,
+    GateSettings,
+    gate_system,
+)
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal
+from wmr_ctrl.scenario import load_scenario
+from wmr_ctrl.signals import Signal
+
+STATED = {
+    "filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05],
+}  # fmt: skip
+SOUND = "0 < K_min <= K_max, 0 <= dbar < V; every input of any size"
+SETTINGS = GateSettings()
+claim = Claims(by=Z3(effort=60))
+
+
+class GateStep:
+    """Symbols of a step of the gate before a clip, and what leaves it."""
+
+    def __init__(self) -> None:
+        """Read the graph."""
+        scenario = load_scenario("paper-simulation", STATED)
+        self.system, self.period = gate_system(scenario, SETTINGS), scenario.clock.control
+        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        self.ports = {item.signal: item.sym for item in ports}
+        self.symbols = {
+            f"{item.signal.name}.{k + 1}": item.sym[k]
+            for item in ports
+            for k in range(item.signal.size)
+        }
+        clip = Clip(scenario)
+        known = {item.signal: item.sym for item in self.system.params}
+        own = ca.vertcat(*(item.sym for item in clip.p.ports))
+        same = ca.vertcat(*(known[item.signal] for item in clip.p.ports))
+        bounds = [
+            x
+            for c in clip.channels
+            for x in (c.bounds.V, c.bounds.dbar, c.bounds.K_min, c.bounds.K_max)
+        ]
+        *numbers, hi1, hi2 = ca.substitute([*bounds, *clip.limits], [own], [same])
+        self.limits, self.bounds = (hi1, hi2), [numbers[:4], numbers[4:]]
+
+    @cached_property
+    def sent(self) -> ca.SX:
+        """The command that leaves the gate."""
+        return self.system.outputs[0].expr
+
+    def __getitem__(self, signal: Signal) -> ca.SX:
+        """The symbol of a port."""
+        return self.ports[signal]
+
+    @property
+    def sound(self) -> tuple[Relation, ...]:
+        """Parameters that leave a command which is safe, and a step of one period."""
+        given = [equal(self[ELAPSED])]
+        for V, dbar, low, high in self.bounds:
+            given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]
+        return tuple(given)
+
+    def below(self, tops: list[ca.SX]) -> tuple[Relation, ...]:
+        """|sent_i| <= top_i for both axes."""
+        return tuple(at_least(tops[i], way * self.sent[i]) for i in AXES for way in WAYS)
+
+    def falling(self, mutation: Mutation) -> tuple[Relation, ...]:
+        """|sent_i| <= max(|last_i| - fall_i T, 0) for both axes."""
+        last = self[LAST]
+        step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.period for i in AXES]
+        return self.below([ca.fmax(ca.fabs(last[i]) - step[i], 0) for i in AXES])
+
+
+@claim("gate.inside", given=SOUND)
+def inside(mutation: Mutation) -> Statement:
+    """|sent_i| <= (V_i - dbar_i)/K_max_i.
+
+    Whatever comes in, in whatever order and however late, what leaves the gate is a command that
+    the clip may send, so that its theorem (filter.clip) covers the base.
+    """
+    g = GateStep()
+    return Statement(g.symbols, g.below([mutation(1, 0.99) * top for top in g.limits]), g.sound)
+
+
+@claim("gate.stop", given=f"{SOUND}; stop > 0")
+def stop(mutation: Mutation) -> Statement:
+    """sent_i = 0.
+
+    A stop is zeros at once, and not a ramp.
+    """
+    g = GateStep()
+    goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[LAST][i]) for i in AXES)
+    return Statement(g.symbols, goals, (*g.sound, above(g[STOP])))
+
+
+@claim("gate.stale", given=f"{SOUND}; age of the command > timeout")
+def stale(mutation: Mutation) -> Statement:
+    """|sent_i| <= max(|last_i| - fall_i T, 0).
+
+    Without a command that is recent the base is brought to rest.
+    """
+    g = GateStep()
+    old = above(g[COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
+    return Statement(g.symbols, g.falling(mutation), (*g.sound, old))
+
+
+@claim("gate.latched", given=f"{SOUND}; latched > 0, reset <= 0")
+def latched(mutation: Mutation) -> Statement:
+    """|sent_i| <= max(|last_i| - fall_i T, 0), and the step after is latched as well.
+
+    What was stopped stays stopped until a reset.
+    """
+    g = GateStep()
+    after = g.system.update[-3]
+    given = (*g.sound, above(g[LATCHED]), at_least(-g[RESET]))
+    return Statement(g.symbols, (*g.falling(mutation), equal(after, ca.SX(1))), given)
+
+
+@claim("gate.rise", given=SOUND)
+def rise(mutation: Mutation) -> Statement:
+    """|sent_i| <= |last_i| + rise_i T.
+
+    No command speeds the base up faster than is stated.
+    """
+    g = GateStep()
+    step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.period for i in AXES]
+    return Statement(g.symbols, g.below([ca.fabs(g[LAST][i]) + step[i] for i in AXES]), g.sound)

@@ -1,0 +1,30 @@
+"""``python -m wmr_ctrl.ros2 filter --ros-args -p scenario:=mine.toml``."""
+
+from __future__ import annotations
+
+import sys
+
+NODES = ("filter",)
+
+
+def main() -> int:
+    """Run the node that is named; 2 with a sentence where it cannot be."""
+    given = sys.argv[1:]
+    if not given or given[0] not in NODES:
+        sys.stderr.write(f"error: name a node: python -m wmr_ctrl.ros2 {' | '.join(NODES)}\n")
+        return 2
+    try:
+        import rclpy  # noqa: F401  # told before anything else is loaded
+    except ImportError:
+        sys.stderr.write(
+            "error: ROS 2 is not here (no module rclpy). Source a ROS 2 installation and use its "
+            "Python: python3 -m venv --system-site-packages, then pip install wmr_ctrl there.\n"
+        )
+        return 2
+    from wmr_ctrl.ros2.node import spin
+
+    return spin(given[1:])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
