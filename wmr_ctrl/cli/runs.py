@@ -74,8 +74,8 @@ def run(
 ) -> None:
     """Run one law on one scenario, and print how it went.
 
-    SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What theory says
-    against the run is printed on stderr before it. A run that breaks the velocity limit or
+    SCENARIO is the name of a preset (see `wmr-ctrl scenarios`) or a TOML file. What `wmr-ctrl
+    check` has against the run is named on stderr before it. A run that breaks the velocity limit or
     diverges, spins its wheels or falls over is a result like any other: the exit code is 0, and
     the outcome says so. A file that is named for a result is replaced, once the new one is whole.
     """
@@ -147,8 +147,11 @@ def _simulated(scenario: Scenario, law: str, seed: int, engine: str, plant: str)
         raise UnknownNameError("engine", engine, api.ENGINES)
     check_plant(plant)
     setup = settle(scenario, law)
-    for warning in (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ())):
-        say("warning" if warning.objects else "note", str(warning))
+    theory = (*warnings_for(setup), *(grip_warnings(setup) if plant == "mujoco" else ()))
+    for label, verb, objects in (("warning", "objects to", True), ("note", "has notes on", False)):
+        keys = dict.fromkeys(item.key for item in theory if item.objects is objects)
+        if keys:
+            say(label, f"`wmr-ctrl check` {verb} {', '.join(keys)}, and says why.")
     measured = engine != "native" or plant == "mujoco"
     with Progress(f"{law} on {scenario.name}", measured=measured) as progress:
         return api.simulate(scenario, law, seed=seed, engine=engine, plant=plant, progress=progress)
