@@ -144,9 +144,7 @@ def main(scenario: str) -> None:
         found["odometry missing"] = world.fault(measure=False)
         found["odometry NaN"] = world.fault(measure=lambda: world.measure(nan))
         found["odometry no rotation"] = world.fault(measure=lambda: world.measure(w=0.0))
-        found["odometry of a laser"] = world.fault(
-            measure=lambda: world.measure(frame="laser")
-        )
+        found["odometry of a laser"] = world.fault(measure=lambda: world.measure(frame="laser"))
         found["odometry old"] = world.fault(measure=lambda: world.measure(ago=0.5))
         found["base too fast"] = world.fault(measure=lambda: world.measure(1.4))
         found["latched"] = {"messages": 0, "zero": world.speed == (0.0, 0.0)}

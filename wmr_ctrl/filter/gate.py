@@ -15,12 +15,12 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.filter.channels import ASKED, AXES, FLAG_NAMES, LIMITED
+from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import AGE, ELAPSED, ODOMETRY
 from wmr_ctrl.model.system import Output, System, port
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import LARGEST, Signal
+from wmr_ctrl.signals import ASKED, LARGEST, Signal
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")
