@@ -31,6 +31,7 @@ if TYPE_CHECKING:  # said without the module typing, which costs more than all e
         write_page,
     )
     from wmr_ctrl.filter import command_filter
+    from wmr_ctrl.identification import identify
     from wmr_ctrl.tuning import tune
 
 __version__ = "0.1.0"
@@ -42,6 +43,7 @@ __all__ = [
     "compile_law",
     "cosimulate",
     "export_fmu",
+    "identify",
     "linearize",
     "load_run",
     "load_scenario",
@@ -60,7 +62,9 @@ def __getattr__(name: str) -> object:
     """Load a public name from where it is defined, once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = {"tune": "tuning", "command_filter": "filter"}.get(name, "api")
+    home = {"tune": "tuning", "command_filter": "filter", "identify": "identification"}.get(
+        name, "api"
+    )
     value = getattr(import_module(f"wmr_ctrl.{home}"), name)
     globals()[name] = value
     return value

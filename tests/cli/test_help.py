@@ -14,7 +14,7 @@ from wmr_ctrl.cli import root
 
 COMMANDS = (
     *("reproduce", "run", "show", "study", "compare", "scenarios", "laws", "check"),
-    "tune",
+    *("tune", "identify"),
     *("prove", "linearize", "page", "export", "cosim", "codegen", "bench"),
 )
 

@@ -24,6 +24,7 @@ GOOD: dict[str, dict[str, object]] = {
     "compile_law": {"law": LAW},
     "cosimulate": {"scenario": SCENARIO, "law": "no law"},
     "export_fmu": {"what": "guard", "out": "fmus"},
+    "identify": {"log": "no log"},
     "linearize": {"scenario": "no scenario", "law": LAW},
     "load_run": {"path": "run.npz"},
     "load_scenario": {"name_or_path": SCENARIO},

@@ -18,6 +18,7 @@ from wmr_ctrl.cli.console import BROKEN_PIPE, explain
 from wmr_ctrl.cli.cosim import cosim
 from wmr_ctrl.cli.evidence import bench, linearize, prove, reproduce
 from wmr_ctrl.cli.exports import codegen, export, page
+from wmr_ctrl.cli.identify import identify
 from wmr_ctrl.cli.lists import laws, scenarios
 from wmr_ctrl.cli.options import debug_option
 from wmr_ctrl.cli.runs import run, show_saved
@@ -114,7 +115,7 @@ def root(ctx: click.Context) -> None:
 
 
 for _command in (
-    *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune),
+    *(reproduce, run, show_saved, study, compare, scenarios, laws, check, tune, identify),
     *(prove, linearize, page, export, cosim, codegen, bench),
 ):
     root.add_command(_command)

@@ -1,0 +1,23 @@
+"""Logs of a plant of the tests' own, simulated once: four robots, 24 s each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.own_plant import Truth, log_of, simulate
+
+TRUTH = Truth(delay=0.036)
+KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
+POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x", "y", "theta")
+
+
+@pytest.fixture(scope="session")
+def driven():
+    return simulate(TRUTH, 4, 24.0, seed=0, step=2e-3)
+
+
+@pytest.fixture
+def posed(driven):
+    """Columns of a log with poses, as arrays that may be spoilt."""
+    return {key: np.array(value) for key, value in log_of(driven, 0, POSED).items()}

@@ -1,0 +1,96 @@
+"""``wmr-ctrl identify``: from a log to a scenario."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wmr_ctrl.cli.console import print_json, say, table, wrapped
+from wmr_ctrl.cli.options import check_output, debug_option, examples, json_option, set_option
+from wmr_ctrl.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from wmr_ctrl.identification import Identification
+
+
+@click.command(
+    short_help="Identify a robot from a log, with intervals.",
+    epilog=examples(
+        "wmr-ctrl identify run.npz --out mine.toml",
+        "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
+        "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
+    ),
+)
+@click.argument("log")
+@click.option("--out", metavar="FILE", help="Scenario with what was identified: .toml.")
+@click.option(
+    "--robot", metavar="S", help="Scenario with what is known: wheels, counts, limits, gains."
+)
+@set_option
+@json_option("Print parameters, bounds, remarks and score as one JSON document.")
+@debug_option
+def identify(
+    log: str,
+    out: str | None,
+    robot: str | None,
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
+
+    LOG is a CSV file or a saved run. Columns are named as those of our runs,
+    with units: t [s], wheel_counts[1] [1] (right), wheel_counts[2] [1] (left),
+    tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and omega_measured
+    [rad/s]. Each parameter is told, roughly told, or not told by the log. FILE
+    is a scenario for check, run, tune and codegen, with the numbers that a guard
+    may count on. A log that something is wrong with is refused in one paragraph
+    (exit code 2).
+    """
+    check_output(out, (".toml",), "--out")
+    from wmr_ctrl.identification import identify as identify_log
+    from wmr_ctrl.results import atomic_text
+    from wmr_ctrl.scenario import parse_assignments
+
+    with Progress(f"identify {log}") as progress:
+        result = identify_log(
+            log, known=robot, overrides=parse_assignments(assignments), progress=progress
+        )
+    if out:
+        with atomic_text(out) as file:
+            file.write(result.to_toml())
+        say("wrote", out)
+    if as_json:
+        print_json(result.to_json())
+    else:
+        click.echo(_text(result))
+
+
+def _text(result: Identification) -> str:
+    """Parameters, the guard's numbers and the score."""
+    from wmr_ctrl.identification.estimate import UNITS
+
+    rows = [
+        (name, f"{item.value:.5g}", f"{item.low:.4g} to {item.high:.4g}", UNITS[name], item.verdict,
+         "" if item.verdict == "told" else f"most of it from {item.seconds[0]:.3g} to "
+         f"{item.seconds[1]:.3g} s")
+        for name, item in result.parameters.items()
+    ]  # fmt: skip
+    head = ("", "value", "95 % interval", "unit", "", "")
+    lines = [table(rows, head), ""]
+    for name, value in result.bounds.to_json().items():
+        if isinstance(value, list):
+            lines.append(f"guard.{name} = [{value[0]:.4g}, {value[1]:.4g}]")
+    lines.append(wrapped(f"dbar: {result.bounds.sentence}.", hang="  "))
+    ahead, around = result.score.foretold
+    held = result.score.constant_velocity
+    lines.append(
+        wrapped(
+            f"the last third, foretold over 1 s each by a fit of the rest: {100 * ahead:.1f} % of "
+            f"v1's variance and {100 * around:.1f} % of omega's (by a constant velocity "
+            f"{100 * held[0]:.1f} and {100 * held[1]:.1f} %)",
+            hang="  ",
+        )
+    )
+    lines += [wrapped(f"- {text}", hang="  ") for text in result.remarks]
+    return "\n".join(lines)

@@ -1,0 +1,167 @@
+"""From a fit to what a guard may count on, and what it costs; and whether the log bears it out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from wmr_ctrl.control.controller import guard as guard_system
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.guard.bounds import pair_of
+from wmr_ctrl.guard.price import speed_price
+from wmr_ctrl.identification.fit import Fit
+from wmr_ctrl.identification.reading import BLOCKS, COUNTED, Samples
+from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.world.encoder import rounded_by
+
+CREEP = 0.01
+"""By how much the tread's creep may hide a command's delay [s]: m/(2 C), for 30 kg on tyres of
+1500 N s/m.  No log of wheels alone tells it, so it is added."""
+SIGMAS = 3.0
+NEWTON = 1.0
+WILKS_BLOCKS = 59
+"""Blocks of which the largest bounds 95 % of all, with 95 % confidence."""
+BLOCK_TIMES = 5.0
+"""Length of a block, in time constants of a coloured push: shorter ones are not independent."""
+
+
+@dataclass(frozen=True)
+class GuardBounds:
+    """Numbers for [guard] in SI units, per axis or from least to most, and where they come from.
+
+    ``largest`` is the largest |z| of both axes, ``q`` the rms force noise a control period; the
+    sentence is what may be said of dbar; ``wide``: the delay is known too badly for any guard.
+    """
+
+    M_min: tuple[float, float]
+    M_max: tuple[float, float]
+    dbar: tuple[float, float]
+    nbar: tuple[float, float]
+    delay: tuple[float, float]
+    lag: tuple[float, float]
+    q: tuple[float, float]
+    sentence: str
+    wide: bool = False
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        names = ("M_min", "M_max", "dbar", "nbar", "delay", "lag")
+        return {**{name: list(getattr(self, name)) for name in names}, "sentence": self.sentence}
+
+
+def guard_bounds(
+    white: Fit,
+    intervals: Mapping[str, tuple[float, float, float]],
+    scenario: Scenario,
+    colour: float | None,
+) -> GuardBounds:
+    """Numbers of a guard from the intervals (value, low, high) and the white fit's residuals.
+
+    dbar is q max(3, max |z|) per axis: q the rms force noise of the white fit, z the residuals in
+    standard deviations.  ``colour``: time constant of the coloured push [s], where there is one.
+    """
+    names, log = white.problem.filter.graph.names, white.problem.log
+    q = np.exp(white.theta[[names.index("q1"), names.index("q2")]])
+    counted = white.problem.counting()[0] == COUNTED
+    z = np.abs(white.last.sizes[counted])
+    dbar = q * np.maximum(SIGMAS, z.max(axis=0))
+    wider = student.ppf(1 - 0.05 / 4, BLOCKS - 1) / student.ppf(0.975, BLOCKS - 1)
+    low, high = [], []
+    for name in ("m", "I"):
+        value, least, most = intervals[name]
+        low.append(value * (least / value) ** wider)
+        high.append(value * (most / value) ** wider)
+    period, robot = scenario.clock.control, scenario.robot
+    if log.of_speed:
+        noise = np.exp(white.theta[[names.index("n1"), names.index("n2")]])
+        nbar = noise * np.maximum(SIGMAS, z.max(axis=0))
+    else:
+        counts = float(scenario.value("encoder.counts")[0])
+        nbar = np.array(rounded_by((robot.r, robot.l), counts, period))
+    early, latest = max(intervals["delay"][1], 0.0), intervals["delay"][2]
+    # The guard lets a delay vary by one control period at most.
+    wide = latest - early > period
+    late = (early, latest) if wide else (early, min(latest + CREEP, early + period))
+    return GuardBounds(
+        (float(low[0]), float(low[1])),
+        (float(high[0]), float(high[1])),
+        (float(dbar[0]), float(dbar[1])),
+        (float(nbar[0]), float(nbar[1])),
+        late,
+        (max(intervals["lag"][1], 0.0), intervals["lag"][2]),
+        (float(q[0]), float(q[1])),
+        tolerance_sentence(white, colour),
+        wide,
+    )
+
+
+def tolerance_sentence(white: Fit, colour: float | None) -> str:
+    """What may be said of dbar: a share of blocks of time, or only that it was the largest seen."""
+    log = white.problem.log
+    length = max(1.0, BLOCK_TIMES * (colour or 0.0))
+    count = int((log.t[-1] - log.t[0]) / length)
+    v, w = np.abs(white.last.mean[:, 2:4]).max(axis=0)
+    visited = f"at speeds up to {v:.2g} m/s and {w:.2g} rad/s, on this floor, with this load"
+    if count < WILKS_BLOCKS:
+        return (
+            f"largest seen in {count} blocks of {length:.2g} s, {visited}; {WILKS_BLOCKS} blocks "
+            "would say more"
+        )
+    share = 0.05 ** (1 / count)
+    return (
+        f"with 95 % confidence at most {100 * (1 - share):.2g} % of later blocks of {length:.2g} s "
+        f"exceed it, if such blocks are independent, {visited}"
+    )
+
+
+def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
+    """Usable speed of v1 with the guard's numbers, and what one more newton of dbar costs [m/s].
+
+    None where the guard refuses them.
+    """
+    try:
+        numbers = settle(scenario, None).guard
+    except ScenarioError:
+        return None
+    more = replace(numbers, dbar=(pair_of(numbers.dbar)[0] + NEWTON, pair_of(numbers.dbar)[1]))
+    now, then = (speed_price(scenario, item).usable[0] for item in (numbers, more))
+    return now, now - then
+
+
+def refuted(
+    scenario: Scenario, log: Samples, known: tuple[float, float]
+) -> tuple[float, float] | None:
+    """d_least over dbar, largest of each axis, of the guard's own monitor over a log.
+
+    Above 1 the numbers are refuted: no mass, delay, lag and push within them explains the motion.
+    None where the log has no even steps, which the monitor counts in.  ``known``: (r, l) [m].
+    """
+    T = scenario.clock.control
+    if len(log.first) > 1 or np.abs(np.diff(log.t) - T).max() > 0.05 * T or log.of_speed:
+        return None
+    wide = override(scenario, {
+        "guard.enabled": True, "guard.trust": True, "limits.v_u1": [1e4, 1e4], "guard.brake": None,
+        "limits.v_u2": [1e3, 1e3], "actuator.tau_max": math.inf,
+    })  # fmt: skip
+    system = guard_system(settle(wide, None))
+    r, half_track = known
+    speed = np.diff(log.seen, axis=0) / T
+    index = np.searchsorted(log.command_t, log.t[1:] + 1e-9, "right") - 1
+    tau = log.command[np.maximum(index, 0)]
+    asked = np.column_stack((tau.sum(axis=1) / r, half_track * (tau[:, 0] - tau[:, 1]) / r))
+    step = system.function("watch", [system.update, system.d])
+    state = np.array(system.x0)
+    p = [number for item in system.params for number in settle(wide, None).value(item.signal.name)]
+    names = [name for item in system.diagnostics for name in item.signal.elements]
+    at = [names.index("d_least[1]"), names.index("d_least[2]")]
+    whole = step.mapaccum("watched", len(speed))
+    _, watched = whole(np.vstack((asked.T, speed.T)), state, np.tile(p, (len(speed), 1)).T)
+    least = np.asarray(watched)[at].max(axis=1)
+    bound = np.array(pair_of(settle(wide, None).guard.dbar))
+    ratio = least / np.maximum(bound, 1e-12)
+    return float(ratio[0]), float(ratio[1])

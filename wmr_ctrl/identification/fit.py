@@ -1,0 +1,270 @@
+"""Maximum likelihood of a log: starts, Fisher scoring, intervals by leaving out blocks of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import t as student
+
+from wmr_ctrl.identification.graph import LOGARITHMIC
+from wmr_ctrl.identification.reading import (
+    BLOCKS,
+    COUNTED,
+    SKIPPED,
+    WATCHED,
+    CompiledFilter,
+    Events,
+    Floats,
+    PassResult,
+    Samples,
+    events_of,
+)
+
+SKIPPED_TIME = 0.3
+"""Time at the start of each stretch that does not count [s]: commands before are not known."""
+DELAY_MOST, LAG_LEAST, LAG_MOST = 0.6, 5e-4, 2.0
+PASSES = 40
+FLOOR = 2e-3
+"""Least relative half-width of an interval."""
+NEVER = -np.inf
+"""Logarithm of a noise that is not there."""
+
+
+@dataclass(frozen=True)
+class LogProblem:
+    """A log, the filter that it is read through, known numbers, and factors of the force noise.
+
+    ``boost`` (N,): up to each sample, 1 where the noise is as elsewhere.
+    """
+
+    log: Samples
+    filter: CompiledFilter
+    known: Floats
+    boost: Floats | None = None
+
+    def events(self, theta: Floats) -> Events:
+        """Events for these parameters' delay."""
+        kinds, blocks = self.counting()
+        delay = theta[self.filter.graph.names.index("delay")]
+        args = self.log, delay, self._starts(), self.filter.wide
+        return events_of(*args, self.boost, kinds, blocks)
+
+    def read(self, theta: Floats, slopes: bool = True) -> PassResult:
+        """A pass through the filter."""
+        parameters = np.concatenate((theta, self.known))
+        return self.filter(self.events(theta), parameters, self._covariance(), slopes)
+
+    def foretold(self, log: Samples, theta: Floats, start: Floats) -> Floats:
+        """Speeds (N, 2) that follow from means (F, state) at the start of each stretch alone."""
+        kinds = np.full(len(log.t), WATCHED, np.int32)
+        delay = theta[self.filter.graph.names.index("delay")]
+        events = events_of(log, delay, start, self.filter.wide, None, kinds)
+        parameters = np.concatenate((theta, self.known))
+        return self.filter(events, parameters, self._covariance(), slopes=False).mean[:, 2:4]
+
+    def counted(self) -> int:
+        """Number of measurements that count."""
+        return int((self.counting()[0] == COUNTED).sum())
+
+    def counting(self) -> tuple[np.ndarray, np.ndarray]:
+        """Kinds and blocks (N,) of the measurements."""
+        t, first = self.log.t, self.log.first
+        since = t - t[first][np.searchsorted(first, np.arange(len(t)), "right") - 1]
+        kinds = np.where(since > SKIPPED_TIME, COUNTED, SKIPPED).astype(np.int32)
+        span = max(t[-1] - t[0], 1e-9)
+        return kinds, np.minimum((t - t[0]) / span * BLOCKS, BLOCKS - 1).astype(np.int32)
+
+    def _starts(self) -> Floats:
+        log, first = self.log, self.log.first
+        start = np.zeros((len(first), self.filter.graph.state))
+        if log.of_speed:
+            start[:, 2:4] = log.seen[first]
+        else:
+            start[:, :2] = log.seen[first]
+            later = np.minimum(first + 5, len(log.t) - 1)
+            span = np.maximum(log.t[later] - log.t[first], 1e-6)
+            start[:, 2:4] = (log.seen[later] - log.seen[first]) / span[:, None]
+        sent = np.searchsorted(log.command_t, log.t[first], "right") - 1
+        start[:, 6:8] = log.command[np.maximum(sent, 0)]
+        return start
+
+    def _covariance(self) -> Floats:
+        """Of a stretch's start: what is seen to its variance, all else hardly known; packed."""
+        way = np.full(2, 1.0) if self.log.of_speed else self.log.variance
+        return packed(np.concatenate((way, [0.25, 1.0, 0.0, 0.0])))
+
+
+def packed(diagonal: Floats) -> Floats:
+    """A diagonal matrix as its upper triangle, row after row."""
+    size = len(diagonal)
+    rows, columns = np.triu_indices(size)
+    return np.where(rows == columns, diagonal[rows], 0.0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A maximum of the likelihood: parameters as searched (n,), which are free, the last pass.
+
+    ``least``: by place, half-widths that no interval goes below.
+    """
+
+    problem: LogProblem
+    theta: Floats
+    free: np.ndarray
+    last: PassResult
+    least: Mapping[int, float] = field(default_factory=dict)
+
+    @property
+    def nll(self) -> float:
+        """Minus the log of the likelihood, less a constant."""
+        return float(self.last.nll.sum())
+
+    def bic(self) -> float:
+        """The criterion of Schwarz."""
+        return 2 * self.nll + self.free.sum() * np.log(2 * self.problem.counted())
+
+    def information(self) -> Floats:
+        """Fisher information of the free parameters."""
+        return self.last.fisher.sum(axis=0)[np.ix_(self.free, self.free)]
+
+
+def scored(
+    problem: LogProblem,
+    theta: Floats,
+    free: np.ndarray,
+    passes: int = PASSES,
+    tell: Callable[[], None] = lambda: None,
+) -> Fit:
+    """Fisher scoring from ``theta``, damped until each step lowers minus the log-likelihood."""
+    names = problem.filter.graph.names
+    theta = bounded(theta, names)
+    result, damping = problem.read(theta), 1e-3
+    for _ in range(passes):
+        tell()
+        gradient = result.gradient.sum(axis=0)[free]
+        fisher = result.fisher.sum(axis=0)[np.ix_(free, free)]
+        scale = np.diag(fisher) + 1e-12
+        better = False
+        for _ in range(12):
+            step = -np.linalg.solve(fisher + damping * np.diag(scale), gradient)
+            step = np.clip(step, -1.5, 1.5) if np.abs(step).max() > 50 else step
+            trial = theta.copy()
+            trial[free] += step
+            trial = bounded(trial, names, theta)
+            after = problem.read(trial)
+            if np.isfinite(after.nll.sum()) and after.nll.sum() <= result.nll.sum():
+                better, damping = True, max(damping / 10, 1e-9)
+                break
+            damping = min(damping * 10, 1e12)
+        if not better:
+            break
+        gained = result.nll.sum() - after.nll.sum()
+        theta, result = trial, after
+        if gained < 1e-4:
+            break
+    return Fit(problem, theta, free, result)
+
+
+def bounded(theta: Floats, names: tuple[str, ...], before: Floats | None = None) -> Floats:
+    """Parameters within what can be meant, and no further from ``before`` than can be trusted."""
+    new = theta.copy()
+    for i, name in enumerate(names):
+        if before is not None and name in LOGARITHMIC and np.isfinite(before[i]):
+            new[i] = np.clip(new[i], before[i] - 1.5, before[i] + 1.5)
+        if name == "delay":
+            new[i] = np.clip(new[i], 0.0, DELAY_MOST)
+        if name == "lag":
+            new[i] = np.clip(new[i], LAG_LEAST, LAG_MOST)
+        if name == "time":
+            new[i] = np.clip(new[i], np.log(0.02), np.log(60.0))
+        if name in ("n1", "n2"):
+            new[i] = max(new[i], np.log(1e-7))
+        if name[0] in "qs" and np.isfinite(new[i]):
+            new[i] = np.clip(new[i], np.log(1e-7), np.log(1e6))
+    return new
+
+
+def standard_errors(fit: Fit) -> tuple[Floats, Floats]:
+    """Standard errors (n,) by the Fisher information, and by leaving out blocks of time.
+
+    Zero where a parameter is not free.  Source of the second: one Newton step for each block b that
+    is left out, theta_b = theta + (H - H_b)^-1 g_b.
+    """
+    free, whole = fit.free, fit.information()
+    tiny = 1e-10 * np.diag(np.diag(whole))
+    fisher, left = np.zeros(len(free)), np.zeros(len(free))
+    fisher[free] = np.sqrt(np.maximum(np.diag(np.linalg.inv(whole + tiny)), 0))
+    moved = []
+    for block in range(BLOCKS):
+        own = fit.last.fisher[block][np.ix_(free, free)]
+        if not own.any():
+            continue
+        gradient = fit.last.gradient[block][free]
+        moved.append(np.linalg.solve(whole + tiny - own + 1e-9 * np.diag(np.diag(whole)), gradient))
+    count = len(moved)
+    spread = np.array(moved) - np.mean(moved, axis=0)
+    left[free] = np.sqrt((count - 1) / count * (spread**2).sum(axis=0))
+    return fisher, left
+
+
+def half_widths(fit: Fit) -> Floats:
+    """Half-widths (n,) of 95 % intervals: the larger of both errors', and of the floor."""
+    fisher, left = standard_errors(fit)
+    half = np.maximum(student.ppf(0.975, BLOCKS - 1) * left, 1.96 * fisher)
+    for place, least in fit.least.items():
+        half[place] = max(half[place], least)
+    return half
+
+
+def first_guess(log: Samples) -> tuple[dict[str, float], float]:
+    """m, I, friction of motion and time from command to force [s], by regression.
+
+    Second differences of way and turn over 0.1 s weigh the force by a triangle; of the shifts of
+    the command the one that explains most is taken.
+    """
+    T = log.period
+    t = np.arange(log.t[0], log.t[-1], T)
+    way = np.column_stack([np.interp(t, log.t, log.seen[:, k]) for k in (0, 1)])
+    if log.of_speed:
+        way = np.cumsum(way, axis=0) * T
+    w = max(round(0.1 / T), 3)
+    rate = (way[2 * w :] - 2 * way[w:-w] + way[: -2 * w]) / (w * T) ** 2
+    speed = (way[2 * w :] - way[: -2 * w]) / (2 * w * T)
+    kernel = np.convolve(np.ones(w), np.ones(w)) / w**2
+    gap = np.searchsorted(log.t, t)
+    near = np.abs(log.t[np.minimum(gap, len(log.t) - 1)] - t) < 5 * T
+    best: tuple[float, float, Floats] | None = None
+    for shift in np.arange(0.0, 0.5, max(T, 0.01)):
+        index = np.maximum(np.searchsorted(log.command_t, t - shift + 1e-9, "right") - 1, 0)
+        force = np.column_stack(
+            [np.convolve(log.command[index, k], kernel, "same")[w:-w] for k in (0, 1)]
+        )
+        ok = near[w:-w]
+        solved, rest = [], 0.0
+        for axis in (0, 1):
+            x = np.column_stack((force[:, axis], np.tanh(speed[:, axis] / 0.02), speed[:, axis]))
+            solution, _, _, _ = np.linalg.lstsq(x[ok], rate[ok, axis], rcond=None)
+            error = rate[ok, axis] - x[ok] @ solution
+            rest += float(np.sum(error**2) / max(np.sum(rate[ok, axis] ** 2), 1e-12))
+            solved.append(solution)
+        if best is None or rest < best[0]:
+            best = rest, float(shift), np.array(solved)
+    assert best is not None
+    _, shift, fits = best
+    m, inertia = (1 / max(item, 1e-3) for item in fits[:, 0])
+    return {
+        "m": m,
+        "I": inertia,
+        "Fc": max(-fits[0, 1] * m, 0.0),
+        "Fv": max(-fits[0, 2] * m, 0.0),
+        "Mv": max(-fits[1, 2] * inertia, 0.0),
+        "c": 0.0,
+    }, shift
+
+
+def searched(values: dict[str, float], names: tuple[str, ...]) -> Floats:
+    """Parameters in the order and form of the search."""
+    with np.errstate(divide="ignore"):
+        return np.array([np.log(values[n]) if n in LOGARITHMIC else values[n] for n in names])

@@ -1,0 +1,225 @@
+"""Kernels of the filter through which a log is read: predict and correct, with derivatives.
+
+An extended Kalman filter on way and turn of the wheels. Its drift is the plant's own graph with the
+ground's resistance, Eqs. (1)-(6), stepped as the plant is stepped; the torque reaches it behind a
+delay and the drives' own lag. Every kernel carries the derivatives of mean and covariance by all
+parameters along (forward), so that one pass gives the likelihood, its gradient and the Fisher
+information.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.model.dynamics import plant, rk4_step
+from wmr_ctrl.model.system import Port, System, stack
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.signals import BODY_FORCE, PATH, TORQUE, VELOCITY
+from wmr_ctrl.world.lag import followed
+from wmr_ctrl.world.resistance import build as resistance
+from wmr_ctrl.world.resistance import load_of_wheel
+
+PIECE = ("right", "left", "h0", "h1", "boost")
+"""Inputs of a piece in which a command acts: torques [N m], length h0 + h1 delay [s], and the
+factor by which the force noise is larger there."""
+SEEN = ("first", "second", "variance1", "variance2", "of_speed")
+"""Inputs of a measurement: both axes' way and turn, or speeds (of_speed = 1), known variances."""
+
+
+@dataclass(frozen=True)
+class FilterGraph:
+    """Kernels ``predict`` and ``correct`` of one model, and the order of their vectors.
+
+    ``names``: parameters; ``known``: numbers that are not searched; ``state``: length of the mean;
+    ``noisy``: how many of it carry a covariance; ``outputs``: residuals of a measurement.
+    """
+
+    kernels: tuple[Kernel, Kernel]
+    names: tuple[str, ...]
+    known: tuple[str, ...]
+    state: int
+    noisy: int
+    outputs: int
+
+    @property
+    def primal(self) -> int:
+        """Length of mean and covariance together."""
+        return self.state + self.noisy * (self.noisy + 1) // 2
+
+
+TORQUE_NAMES = ("m", "I", "Fc", "Fv", "c", "Mv", "delay", "lag", "q1", "q2", "s1", "s2", "time",
+                "n1", "n2")  # fmt: skip
+"""Parameters of the torque base: see docs/identify.md.  m, I and what follows lag are searched as
+logarithms; q: rms white force a control period, s: rms of the coloured force and its time, n: rms
+of measured speeds."""
+LOGARITHMIC = frozenset({"m", "I", "q1", "q2", "s1", "s2", "time", "n1", "n2"})
+TORQUE_KNOWN = ("r", "l", "g", "v_s", "T")
+
+
+def ground(scenario: Scenario) -> System:
+    """The plant with the ground's resistance inside its rate, one continuous System."""
+    robot, drag = plant(scenario, rolling=(PATH,)), resistance(scenario)
+    p = {item.signal.name: item for item in (*drag.params, *robot.params)}
+    speed = ca.vertcat(*(_of(robot.state, item.name) for item in VELOCITY))
+    inner = stack(p[item.signal.name].sym for item in drag.params)
+    force = drag.function("drag", [drag.y])(speed, drag.x, inner)
+    pushed = ca.vertcat(*(_of(robot.inputs, item.name) for item in BODY_FORCE))
+    update = ca.substitute(robot.update, pushed, pushed + force)
+    ports = tuple(p.values())
+    return System(
+        "ground",
+        "wheeled robot on ground that resists",
+        inputs=robot.inputs,
+        state=robot.state,
+        params=ports,
+        update=update,
+    )
+
+
+def _of(ports: Sequence[Port], name: str) -> ca.SX:
+    return next(item.sym for item in ports if item.signal.name == name)
+
+
+def torque_graph(scenario: Scenario) -> FilterGraph:
+    """Filter of a base that takes torques."""
+    theta, known = ca.SX.sym("theta", len(TORQUE_NAMES)), ca.SX.sym("known", len(TORQUE_KNOWN))
+    a = {
+        name: ca.exp(theta[i]) if name in LOGARITHMIC else theta[i]
+        for i, name in enumerate(TORQUE_NAMES)
+    }
+    a |= {name: known[i] for i, name in enumerate(TORQUE_KNOWN)}
+    u, mean, cov = ca.SX.sym("u", len(PIECE)), ca.SX.sym("mean", 8), ca.SX.sym("cov", 21)
+    h = u[2] + u[3] * a["delay"]
+    acting = mean[6:8]
+    after = followed(u[:2], ca.exp(-h / a["lag"]), acting)
+    torque = u[:2] + a["lag"] * (acting - after) / h
+    moved, force = ca.SX.sym("moved", 4), ca.SX.sym("force", 2)
+    step = _stepped(scenario, a, torque, h, moved, force)
+    keep = ca.exp(-h / a["time"])
+    push = mean[4:6]
+    at = ca.vertcat(moved, force), ca.vertcat(mean[:4], push)
+    by = ca.substitute([step, ca.jacobian(step, moved), ca.jacobian(step, force)], [at[0]], [at[1]])
+    f = ca.blockcat([[by[1], by[2]], [ca.SX(2, 4), keep * ca.SX.eye(2)]])
+    white = ca.diag(ca.vertcat(a["q1"], a["q2"]) ** 2) * u[4] ** 2 * a["T"] / h
+    fresh = ca.vertcat(a["s1"], a["s2"]) ** 2 * (1 - keep**2)
+    noise = ca.blockcat([[by[2] @ white @ by[2].T, ca.SX(4, 2)], [ca.SX(2, 4), ca.diag(fresh)]])
+    p = _full(cov, 6)
+    following = ca.vertcat(by[0], keep * push, after, _packed(f @ p @ f.T + noise))
+    predict = _forward("predict", following, u, mean, cov, theta, known)
+    seen = ca.SX.sym("seen", len(SEEN))
+    h_way = ca.horzcat(ca.SX.eye(2), ca.SX(2, 4))
+    h_speed = ca.horzcat(ca.SX(2, 2), ca.SX.eye(2), ca.SX(2, 2))
+    rows = (1 - seen[4]) * h_way + seen[4] * h_speed
+    own = seen[4] * ca.vertcat(a["n1"], a["n2"]) ** 2
+    after_it, *sizes = _corrected(rows, ca.diag(seen[2:4] + own), seen[:2], mean, p)
+    residual = sizes[0], sizes[1]
+    correct = _forward("correct", after_it, seen, mean, cov, theta, known, residual)
+    return FilterGraph((predict, correct), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
+
+
+def _stepped(
+    scenario: Scenario, a: dict[str, ca.SX], torque: ca.SX, h: ca.SX, moved: ca.SX, force: ca.SX
+) -> ca.SX:
+    """(way, turn, v1, omega) after one Runge-Kutta step of the plant's graph."""
+    system = ground(scenario)
+    weight = a["m"] * a["g"]
+    numbers = {f"robot.{key}": a[key] for key in ("m", "I", "r", "l", "g", "v_s")}
+    numbers |= {
+        "robot.mu": a["Fc"] / weight,
+        "resistance.viscous": ca.vertcat(a["Fv"], a["Mv"]),
+        "resistance.rolling": ca.repmat(a["c"] / load_of_wheel(a["m"], a["g"]), 2),
+    }
+    state = {"theta": moved[1], "v1": moved[2], "omega": moved[3], PATH.name: moved[0]}
+    inputs = dict(zip((item.name for item in TORQUE), (torque[0], torque[1]), strict=True))
+    inputs |= dict(zip((item.name for item in BODY_FORCE), (force[0], force[1]), strict=True))
+    names = [item.signal.name for item in system.state]
+    u = stack(ca.SX(inputs.get(item.signal.name, 0)) for item in system.inputs)
+    x = stack(ca.SX(state.get(name, 0)) for name in names)
+    p = stack(numbers[item.signal.name] for item in system.params)
+    whole = ca.substitute(
+        rk4_step(system, h), ca.vertcat(system.u, system.x, system.p), ca.vertcat(u, x, p)
+    )
+    return ca.vertcat(*(whole[names.index(name)] for name in (PATH.name, "theta", "v1", "omega")))
+
+
+def _corrected(
+    rows: ca.SX, noise: ca.SX, seen: ca.SX, mean: ca.SX, p: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """State after a measurement, its residual and the lower root of the residual's covariance."""
+    count, outputs = p.shape[0], rows.shape[0]
+    residual = seen - rows @ mean[:count]
+    cross = p @ rows.T
+    s = rows @ cross + noise
+    root = ca.chol(s).T if outputs > 1 else ca.sqrt(s)
+    # p - cross s^-1 cross' = p - w w' with w = cross root^-T, and the gain is w root^-1.
+    w = ca.solve(root, cross.T).T if outputs > 1 else cross / root
+    whitened = ca.solve(root, residual) if outputs > 1 else residual / root
+    after = ca.vertcat(mean[:count] + w @ whitened, mean[count:])
+    return ca.vertcat(after, _packed(p - w @ w.T)), residual, root
+
+
+def _forward(
+    name: str,
+    after: ca.SX,
+    u: ca.SX,
+    mean: ca.SX,
+    cov: ca.SX,
+    theta: ca.SX,
+    known: ca.SX,
+    seen: tuple[ca.SX, ca.SX] | None = None,
+) -> Kernel:
+    """A kernel of a step, and of its derivative in one direction: lanes take one direction each.
+
+    For a measurement it gives, too: minus the log of the likelihood (less a constant), residuals,
+    by how many standard deviations they are off, the gradient in that direction, and a column
+    whose products with the other directions' are the Fisher information.
+    """
+    x, p = ca.vertcat(mean, cov), ca.vertcat(theta, known)
+    dx, dp = ca.SX.sym("dx", x.numel()), ca.SX.sym("dp", p.numel())
+
+    def along(value: ca.SX) -> ca.SX:
+        return ca.densify(ca.jtimes(value, ca.vertcat(x, p), ca.vertcat(dx, dp)))
+
+    inputs = {"u": u, "x": x, "dx": dx, "p": p, "dp": dp}
+    results = {"next": after, "dnext": along(after)}
+    meaning = "State after a piece, and its derivative."
+    if seen is not None:
+        meaning = "State after a measurement, its derivative, and what the likelihood takes of it."
+        results |= _likelihood(*seen, along)
+    return kernel(name, meaning, inputs, results)
+
+
+def _likelihood(residual: ca.SX, root: ca.SX, along: Callable[[ca.SX], ca.SX]) -> dict[str, ca.SX]:
+    """(nll, residual, z) and, in a direction, (gradient, column of the Fisher information)."""
+    s = root @ root.T
+    inverse = ca.inv(root)
+    white = inverse @ residual
+    nll = ca.dot(white, white) / 2 + ca.sum1(ca.log(ca.diag(root)))
+    a = inverse @ along(residual)
+    b = inverse @ ca.reshape(along(ca.vec(s)), *s.shape) @ inverse.T
+    off = [b[j, k] for j in range(s.shape[0]) for k in range(j)]
+    gradient = ca.dot(a, white) + (ca.trace(b) - ca.dot(white, b @ white)) / 2
+    column = ca.vertcat(a, ca.diag(b) / ca.sqrt(2), *off)
+    return {
+        "y": ca.vertcat(nll, residual, residual / ca.sqrt(ca.diag(s))),
+        "dy": ca.vertcat(gradient, column),
+    }
+
+
+def _full(packed: ca.SX, size: int) -> ca.SX:
+    """A symmetric matrix from its upper triangle, row after row."""
+    whole, place = ca.SX(size, size), 0
+    for i in range(size):
+        for j in range(i, size):
+            whole[i, j] = whole[j, i] = packed[place]
+            place += 1
+    return whole
+
+
+def _packed(whole: ca.SX) -> ca.SX:
+    size = whole.shape[0]
+    return ca.vertcat(*(whole[i, j] for i in range(size) for j in range(i, size)))

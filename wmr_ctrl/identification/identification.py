@@ -1,0 +1,323 @@
+"""`identify`: from a log to a scenario with intervals, or one paragraph on why it cannot be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import tomlkit
+
+from wmr_ctrl.api import scenario_of
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.identification import lint
+from wmr_ctrl.identification.bounds import GuardBounds, guard_bounds, usable_speeds
+from wmr_ctrl.identification.estimate import (
+    NOT_TOLD,
+    TOLD,
+    UNITS,
+    Estimate,
+    Score,
+    coloured_if_likelier,
+    distrusting_low_speeds,
+    free_of,
+    intervals_of,
+    mixtures,
+    plant_step,
+    score_of,
+    seconds_that_told,
+    sizes,
+    started,
+    verdict,
+)
+from wmr_ctrl.identification.fit import Fit, LogProblem, scored
+from wmr_ctrl.identification.graph import torque_graph
+from wmr_ctrl.identification.log import (
+    TORQUES,
+    Log,
+    LogError,
+    of_columns,
+    read_log,
+    seen_by,
+)
+from wmr_ctrl.identification.reading import CompiledFilter, Samples
+from wmr_ctrl.scenario import Scenario, override, to_toml
+from wmr_ctrl.world.encoder import COUNTS, Encoder
+
+Progress = Callable[[float], None]
+GAP = 5.0
+"""Steps without a row from which on a log is in two stretches."""
+USUAL_PASSES = 60
+"""Passes through the filter that a log usually takes, for the progress that is told."""
+ROBOT = ("robot.r", "robot.l")
+AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a log told of a robot.
+
+    ``parameters`` maps a name to (value, low, high, told, seconds), SI units; ``bounds`` are the
+    guard's numbers; ``score`` says how the held-out third was foretold; ``scenario`` runs as it is.
+    ``fit`` is the one that is reported, ``white`` the one whose residuals the bounds are made of.
+    """
+
+    name: str
+    parameters: Mapping[str, Estimate]
+    bounds: GuardBounds
+    remarks: tuple[str, ...]
+    score: Score
+    scenario: Scenario
+    fit: Fit
+    white: Fit
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {
+            "log": self.name,
+            "parameters": {name: item.to_json() for name, item in self.parameters.items()},
+            "bounds": self.bounds.to_json(),
+            "remarks": list(self.remarks),
+            "score": asdict(self.score),
+        }
+
+    def to_toml(self) -> str:
+        """The scenario, with the interval and verdict of each number beside it."""
+        document = tomlkit.parse(to_toml(self.scenario))
+        for key, names in PLACES.items():
+            table, field = key.split(".")
+            said = "; ".join(
+                f"{name} {item.low:.6g} to {item.high:.6g} {UNITS[name]}, {item.verdict}"
+                for name in names
+                if (item := self.parameters.get(name))
+            )
+            entry = document[table][field]
+            entry.comment(f"{entry.trivia.comment.lstrip('# ')}: {said}")
+        head = [
+            f"from the log {self.name} by wmr-ctrl identify; 95 % intervals stand beside values",
+            f"guard.dbar: {self.bounds.sentence}",
+            *self.remarks,
+        ]
+        return "".join(f"# {line}\n" for line in head) + "\n" + tomlkit.dumps(document)
+
+
+PLACES = {
+    "robot.m": ("m",), "robot.I": ("I",), "robot.mu": ("Fc",), "actuator.delay": ("delay",),
+    "actuator.lag": ("lag",), "resistance.rolling": ("c",), "resistance.viscous": ("Fv", "Mv"),
+}  # fmt: skip
+"""Keys of the scenario, and the parameters whose intervals stand beside them."""
+
+
+@checks_arguments
+def identify(
+    log: str | Path | Mapping[str, list[float]],
+    *,
+    known: str | Path | Scenario | None = None,
+    overrides: Mapping[str, object] | None = None,
+    progress: Progress | None = None,
+) -> Identification:
+    """Identify a robot from a log: a CSV file, a saved run, or columns by ``name [unit]``.
+
+    ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
+    ``overrides`` are put on it.  Raises LogError for a log that something is wrong with or that
+    tells nothing, ScenarioError, ArgumentError, ResultFileError, CompilerError.
+    """
+    raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log)
+    lint.check_log(raw)
+    scenario, sure = _believed(raw, known, overrides or {})
+    remarks = list(raw.remarks)
+    samples, scenario = _samples(raw, scenario, sure, remarks)
+    lint.check_motion(raw.name, samples, scenario.robot.l)
+    lint.check_torques(raw.name, samples, scenario.robot.l)
+    lint.check_poses(raw.name, raw, samples)
+    return _of_torques(raw.name, samples, scenario, remarks, progress or (lambda share: None))
+
+
+def _believed(
+    raw: Log, known: str | Path | Scenario | None, overrides: Mapping[str, object]
+) -> tuple[Scenario, set[str]]:
+    """The scenario with what is known, and which of the robot's sizes are."""
+    given = known if known is not None else raw.base
+    scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
+    return scenario, set(overrides) | (set() if given is None else {*ROBOT, "encoder.counts"})
+
+
+def _samples(
+    raw: Log, scenario: Scenario, sure: set[str], remarks: list[str]
+) -> tuple[Samples, Scenario]:
+    """Way and turn, or speeds, with torques; the wheels' sizes from poses where they are not known.
+
+    Raises LogError where something is missing.
+    """
+    if not raw.has(TORQUES):
+        raise LogError(
+            f"{raw.name}: no torques. It needs {' and '.join(TORQUES)} [N.m], as they were "
+            "commanded to the wheels."
+        )
+    source = seen_by(raw)
+    if source == COUNTS.name and not (
+        "encoder.counts" in sure and scenario.section(Encoder).counts
+    ):
+        raise LogError(
+            f"{raw.name} has encoder counts, and how many make a turn is not known. Give them, all "
+            "four edges counted, as in --set encoder.counts=4096."
+        )
+    missing = [key for key in ROBOT if key not in sure]
+    if missing:
+        scenario = _by_poses(raw, scenario, missing, remarks)
+    samples = motion_of(raw, scenario, source)
+    if source not in (COUNTS.name, "wheel_speed"):
+        remarks.append(f"the motion is read from {source}; encoder counts tell more.")
+    return samples, scenario
+
+
+def _by_poses(raw: Log, scenario: Scenario, missing: list[str], remarks: list[str]) -> Scenario:
+    trial = override(scenario, {"robot.r": 1.0, "robot.l": 1.0})
+    ratios = None
+    if seen_by(raw) in (COUNTS.name, "wheel_speed"):
+        ratios = lint.pose_ratios(raw, motion_of(raw, trial, seen_by(raw)))
+    if ratios is None:
+        raise LogError(
+            f"{raw.name}: {' and '.join(missing)} must be known, "
+            "and no poses tell. Give the wheels' radius and half the track, as in --set "
+            "robot.r=0.08 --set robot.l=0.2, or a scenario that has them: --robot known.toml."
+        )
+    r = ratios[0]
+    half_track = r / ratios[1]
+    remarks.append(f"r = {r:.4g} m and l = {half_track:.4g} m by poses against the wheels' turn.")
+    return override(scenario, {"robot.r": r, "robot.l": half_track})
+
+
+def motion_of(raw: Log, scenario: Scenario, source: str) -> Samples:
+    """Samples of a log whose motion is read from ``source``."""
+    r, half_track = scenario.robot.r, scenario.robot.l
+    sent, command = (
+        raw.pair(TORQUES) if raw.has(TORQUES) else raw.pair(("v_command", "omega_command"))
+    )
+    variance, of_speed = np.zeros(2), source != COUNTS.name
+    if source in (COUNTS.name, "wheel_speed"):
+        names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")
+        t, wheel = raw.pair(names)
+        if not of_speed:
+            count = 2 * math.pi / float(scenario.value("encoder.counts")[0])
+            wheel = wheel * count
+            one = (count * r) ** 2 / 12
+            variance = np.array([one / 2, one / (2 * half_track**2)])
+        seen = (
+            np.column_stack((wheel.sum(axis=1), (wheel[:, 0] - wheel[:, 1]) / half_track)) * r / 2
+        )
+    else:
+        t, seen = raw.pair((source, source.replace("v1", "omega")))
+    step = np.diff(t)
+    first = np.concatenate(([0], np.flatnonzero(step > GAP * np.median(step)) + 1))
+    return Samples(t, seen, variance, sent, command, first.astype(np.int64), of_speed)
+
+
+def _of_torques(
+    name: str, log: Samples, scenario: Scenario, remarks: list[str], progress: Progress
+) -> Identification:
+    passes = [0]
+
+    def tell() -> None:
+        passes[0] += 1
+        progress(min(0.95, passes[0] / USUAL_PASSES))
+
+    robot = scenario.robot
+    filter_ = CompiledFilter(torque_graph(scenario))
+    known = np.array([robot.r, robot.l, robot.g, robot.v_s, log.period])
+    problem = LogProblem(log, filter_, known)
+    white = scored(problem, started(problem, scenario, tell), free_of(problem, False), tell=tell)
+    fit, colour = coloured_if_likelier(white, tell)
+    fit, remarks = distrusting_low_speeds(fit, remarks, tell)
+    widths, estimates = intervals_of(fit, scenario), {}
+    speed = np.sqrt(np.mean(white.last.mean[:, 2:4] ** 2, axis=0))
+    values = {key: item[0] for key, item in widths.items()}
+    scale = sizes(values, speed, log.period)
+    names = filter_.graph.names
+    for key, (value, low, high) in widths.items():
+        seconds = seconds_that_told(fit, names.index(key))
+        estimates[key] = Estimate(value, low, high, verdict((high - low) / 2, scale[key]), seconds)
+    vague = {key for key, item in estimates.items() if item.verdict != TOLD}
+    remarks += list(mixtures(fit, vague))
+    if widths["Fv"][2] < 0:
+        remarks.append(
+            "friction falls with speed (Fv < 0), as stiction makes it: Coulomb friction and Fv are "
+            "not covered by their intervals."
+        )
+    if all(estimates[key].verdict == NOT_TOLD for key in ("m", "I")):
+        raise LogError(
+            f"{name}: the log tells neither mass nor inertia: {' '.join(remarks)} Drive with "
+            "changing speeds of both wheels, apart from each other."
+        )
+    bounds = guard_bounds(white, widths, _clocked(scenario, log), colour)
+    identified = _scenario(name, scenario, log, values, bounds, remarks)
+    score = score_of(white, tell)
+    price = usable_speeds(override(identified, {"guard.enabled": True}))
+    if price:
+        score = replace(score, usable_speed=price[0], one_newton_more=price[1])
+    progress(1.0)
+    return Identification(name, estimates, bounds, tuple(remarks), score, identified, fit, white)
+
+
+def _period(log: Samples) -> float:
+    return float(f"{log.period:.4g}")
+
+
+def _clocked(scenario: Scenario, log: Samples) -> Scenario:
+    T = _period(log)
+    count = max(1, round(scenario.clock.duration / T))
+    clock = replace(scenario.clock, control=T, plant=plant_step(T), duration=count * T)
+    bare = replace(
+        scenario,
+        clock=clock,
+        changes=(),
+        model=type(scenario.model)(),
+        actuator=replace(type(scenario.actuator)(), tau_max=scenario.actuator.tau_max),
+        effects={k: v for k, v in scenario.effects.items() if k not in AFFECTED},
+    )
+    return bare
+
+
+def _scenario(
+    name: str,
+    scenario: Scenario,
+    log: Samples,
+    values: Mapping[str, float],
+    bounds: GuardBounds,
+    remarks: list[str],
+) -> Scenario:
+    """The scenario of the robot, whose guard is on where its numbers can be met."""
+    base = _clocked(scenario, log)
+    r, half_track, step = base.robot.r, base.robot.l, base.clock.plant
+    weight = values["m"] * base.robot.g
+    std = max(bounds.q[0], bounds.q[1] / half_track) * r / math.sqrt(2)
+    most = min(bounds.dbar[0], bounds.dbar[1] / half_track) * r / 2
+    rolling = 2 * max(values["c"], 0.0) / weight
+    delay = max(round(values["delay"] / step), 0) * step
+    result = override(base, {
+        "title": f"identified from {name}",
+        "robot.m": values["m"], "robot.I": values["I"], "robot.mu": max(values["Fc"], 0.0) / weight,
+        "resistance.viscous": [max(values["Fv"], 0.0), max(values["Mv"], 0.0)],
+        "resistance.rolling": [rolling, rolling],
+        "actuator.delay": min(max(delay, 0.0), bounds.delay[1]), "actuator.lag": values["lag"],
+        "disturbance.std": std, "disturbance.truncate": most / std * (1 - 1e-9),
+        "guard.M_min": list(bounds.M_min), "guard.M_max": list(bounds.M_max),
+        "guard.dbar": list(bounds.dbar), "guard.nbar": list(bounds.nbar),
+        "guard.delay": None if bounds.wide else list(bounds.delay), "guard.lag": list(bounds.lag),
+    })  # fmt: skip
+    if bounds.wide:
+        low, high = bounds.delay
+        remarks.append(
+            f"the guard is off: the delay is known to lie between {1e3 * low:.3g} and "
+            f"{1e3 * high:.3g} ms alone, and a guard counts on a range of one control period, "
+            f"{1e3 * base.clock.control:.3g} ms, at most. A better drive tells it."
+        )
+        return result
+    try:
+        return scenario_of(result, guard=True)
+    except ScenarioError as error:
+        remarks.append(f"the guard is off: with these numbers it is refused. {error}")
+        return result

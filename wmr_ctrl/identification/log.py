@@ -1,0 +1,229 @@
+"""A log: columns by the names of our runs, in SI units, each on the clock that it came with."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError, WmrError
+from wmr_ctrl.results import load_run
+from wmr_ctrl.scenario import Scenario, loads_scenario
+from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, TIME, TORQUE, VELOCITY
+from wmr_ctrl.world.encoder import COUNTS
+
+Floats = NDArray[np.float64]
+MOST_BYTES = 2**31
+WHEEL_SPEED = ("wheel_speed[1]", "wheel_speed[2]")
+COMMAND = ("v_command", "omega_command")
+CURRENT = ("current_right", "current_left")
+TORQUES = tuple(item.name for item in TORQUE)
+SPEEDS = (
+    tuple(item.name for item in MEASURED_VELOCITY),
+    tuple(item.name for item in VELOCITY),
+)
+POSES = (tuple(item.name for item in MEASURED_POSE), tuple(item.name for item in POSE))
+KNOWN: Mapping[str, str] = {
+    TIME.name: "s",
+    **dict.fromkeys(COUNTS.elements, "1"),
+    **dict.fromkeys(WHEEL_SPEED, "rad/s"),
+    **dict.fromkeys(TORQUES, "N.m"),
+    **dict.fromkeys(CURRENT, "A"),
+    **{
+        name: unit
+        for pair in (*SPEEDS, COMMAND)
+        for name, unit in zip(pair, ("m/s", "rad/s"), strict=True)
+    },
+    **{name: unit for pose in POSES for name, unit in zip(pose, ("m", "m", "rad"), strict=True)},
+}
+"""Columns that are read, and the unit of each."""
+UNITS: Mapping[str, tuple[str, float]] = {
+    "ms": ("s", 1e-3), "us": ("s", 1e-6), "ns": ("s", 1e-9), "mm": ("m", 1e-3), "cm": ("m", 1e-2),
+    "deg": ("rad", math.pi / 180), "deg/s": ("rad/s", math.pi / 180),
+    "rpm": ("rad/s", math.pi / 30), "mm/s": ("m/s", 1e-3), "N.mm": ("N.m", 1e-3),
+    "mA": ("A", 1e-3), "counts": ("1", 1.0), "ticks": ("1", 1.0), "N m": ("N.m", 1.0),
+    "Nm": ("N.m", 1.0), "": ("", 1.0),
+}  # fmt: skip
+"""Units that a header may name instead, and what they are in ours."""
+_HEAD = re.compile(r"\s*([^\[\]]+(?:\[[12]\])?)\s*(?:\[([^\]]*)\])?\s*$")
+
+
+class LogError(WmrError, ValueError):
+    """A log that cannot be read, or that tells that something is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Log:
+    """Columns by name, each with its own times: a log may have several clocks' rates.
+
+    ``times`` and ``columns`` map a name to (N,) numbers; ``base`` is the scenario that a saved run
+    was made with.
+    """
+
+    name: str
+    times: Mapping[str, Floats]
+    columns: Mapping[str, Floats]
+    base: Scenario | None = None
+    remarks: tuple[str, ...] = ()
+    exact: frozenset[str] = field(default_factory=frozenset)
+
+    def has(self, names: Sequence[str]) -> bool:
+        """True if all of these columns are there."""
+        return all(name in self.columns for name in names)
+
+    def pair(self, names: Sequence[str]) -> tuple[Floats, Floats]:
+        """Times (N,) and values (N, len(names)) of columns that come together."""
+        return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
+
+
+def read_log(path: str | Path) -> Log:
+    """A log from a CSV file or a saved run.  Raises LogError or ResultFileError."""
+    place = Path(path)
+    suffix = place.suffix.lower()
+    if suffix in (".mcap", ".db3", ".bag") or place.is_dir():
+        raise LogError(
+            f"{str(path)!r} is a bag, which this release does not read. Write its topics to a CSV "
+            "file whose header names columns as docs/identify.md lists them."
+        )
+    if suffix in (".npz", ".parquet") or (suffix == ".csv" and _begins(place) == "#"):
+        return _of_run(place)
+    if suffix != ".csv":
+        raise LogError(
+            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, or a run saved as "
+            ".npz, .csv or .parquet."
+        )
+    header, table = _table(place)
+    return _of_table(place.name, header, table)
+
+
+def _begins(path: Path) -> str:
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return file.read(1)
+    except OSError as error:
+        raise LogError(
+            f"cannot read {str(path)!r}: {error.strerror}. Give the path of a log."
+        ) from None
+
+
+def _of_run(path: Path) -> Log:
+    run = load_run(path)
+    t = run.time
+    columns = {s.name: run[s.name] for s in run.elements if s.name in KNOWN and s.name != TIME.name}
+    base = loads_scenario(str(run.provenance["scenario_toml"]))
+    return Log(path.name, dict.fromkeys(columns, t), columns, base, (), frozenset(columns))
+
+
+def _table(path: Path) -> tuple[list[str], Floats]:
+    """Header and numbers (rows, columns) of a CSV file; an empty cell is NaN in column k + n."""
+    if path.stat().st_size > MOST_BYTES:
+        raise LogError(f"{str(path)!r} is larger than 2 GiB. Cut it into pieces.")
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            header = next(csv.reader([file.readline()]), [])
+            rest = file.tell()
+        try:
+            with path.open(encoding="utf-8") as file:
+                file.seek(rest)
+                table = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError:
+            table = _with_gaps(path, len(header))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise LogError(f"cannot read {str(path)!r} as CSV ({error}).") from None
+    if table.shape[0] == 0 or table.shape[1] not in (len(header), 2 * len(header)):
+        raise LogError(
+            f"{str(path)!r} has {table.shape[1]} numbers in a row under a header of {len(header)} "
+            "names, or no row at all. The first line names the columns, each with its unit, such "
+            "as tau_right [N.m]."
+        )
+    return header, table
+
+
+def _with_gaps(path: Path, width: int) -> Floats:
+    """Numbers, then for each whether its cell was empty."""
+    rows = []
+    with path.open(newline="", encoding="utf-8") as file:
+        reader = csv.reader(file)
+        next(reader)
+        for count, row in enumerate(reader, start=2):
+            if not row:
+                continue
+            if len(row) != width:
+                raise LogError(f"{str(path)!r}, line {count}: {len(row)} of {width} cells.")
+            try:
+                numbers = [float(cell) if cell.strip() else math.nan for cell in row]
+            except ValueError as error:
+                raise LogError(f"{str(path)!r}, line {count}: {error}.") from None
+            rows.append(numbers + [float(not cell.strip()) for cell in row])
+    return np.array(rows, dtype=float).reshape(-1, 2 * width)
+
+
+def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
+    names, scales = [], []
+    for text in header:
+        match = _HEAD.match(text)
+        column, unit = (match[1].strip(), (match[2] or "").strip()) if match else (text, "")
+        names.append(column)
+        if column not in KNOWN:
+            scales.append(1.0)
+            continue
+        base, factor = UNITS.get(unit, (unit, 1.0))
+        if base not in ("", KNOWN[column]):
+            raise LogError(
+                f"{name}: column {column} is in {unit!r}, which is no unit of it. It is read in "
+                f"{KNOWN[column]}."
+            )
+        scales.append(factor)
+    if TIME.name not in names:
+        raise LogError(
+            f"{name}: no column is named t. Name it t [s]; the others are {', '.join(KNOWN)}."
+        )
+    width = len(names)
+    empty = table[:, width:] > 0 if table.shape[1] > width else np.zeros((len(table), width), bool)
+    t = table[:, names.index(TIME.name)] * scales[names.index(TIME.name)]
+    times, columns = {}, {}
+    for k, column in enumerate(names):
+        there = ~empty[:, k]
+        if column in KNOWN and column != TIME.name and there.any():
+            if column in columns:
+                raise LogError(f"{name}: two columns are named {column}. Rename one.")
+            times[column], columns[column] = t[there], table[there, k] * scales[k]
+    for group in (COUNTS.elements, WHEEL_SPEED, TORQUES, CURRENT, COMMAND, *SPEEDS, *POSES):
+        own = [item for item in group if item in columns]
+        if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
+            raise LogError(
+                f"{name}: {', '.join(group)} belong together, in the same rows; there "
+                f"{'is' if len(own) == 1 else 'are'} {', '.join(own)}."
+            )
+    return Log(name, times, columns)
+
+
+def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
+    """A log from columns by header (``name`` or ``name [unit]``), all of one length."""
+    lengths = {len(values) for values in columns.values()}
+    if len(lengths) != 1:
+        raise ArgumentError("log: its columns must be of one length.")
+    table = np.column_stack([np.asarray(values, dtype=float) for values in columns.values()])
+    return _of_table(name, list(columns), table)
+
+
+def seen_by(log: Log) -> str:
+    """Name of what the motion is read from: counts before speeds, measured before true ones."""
+    if log.has(COUNTS.elements):
+        return COUNTS.name
+    if log.has(WHEEL_SPEED):
+        return "wheel_speed"
+    for pair in SPEEDS:
+        if log.has(pair):
+            return pair[0]
+    raise LogError(
+        f"{log.name}: no column tells the motion. It needs {' and '.join(COUNTS.elements)} "
+        f"(encoder counts), {' and '.join(WHEEL_SPEED)}, {' and '.join(SPEEDS[0])} or "
+        f"{' and '.join(SPEEDS[1])}; poses alone are not enough."
+    )
