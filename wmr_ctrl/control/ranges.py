@@ -12,6 +12,7 @@ from wmr_ctrl.model.kinematics import KinematicGains
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.scenario.scenario import sections
 from wmr_ctrl.signals import LARGEST
+from wmr_ctrl.world.speed_loop import takes_velocity
 
 SMALLEST = 1e-12
 """Stands for `above zero`, since FMI's ranges include their ends."""
@@ -43,8 +44,11 @@ def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
 
 
 def clock_of(scenario: Scenario) -> dict[str, Range]:
-    """Ranges of the clock where the drives have lag or delay: the controller counts its steps."""
-    if scenario.actuator.ideal:
+    """Ranges of the clock where the drives have lag or delay: the controller counts its steps.
+
+    So it does where it sends velocities, behind a filter or a delay.
+    """
+    if scenario.actuator.ideal and not takes_velocity(scenario):
         return {}
     return {f"clock.{key}": (getattr(scenario.clock, key),) * 2 for key in ("control", "plant")}
 

@@ -13,11 +13,12 @@ from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fields.section import number_of, quantities
 from wmr_ctrl.fmi.model import FmuModel
-from wmr_ctrl.fmi.variables import TIME, Role, Variable, output_rows, parameter_rows
+from wmr_ctrl.fmi.variables import TIME, Role, Variable, finite, output_rows, parameter_rows
 from wmr_ctrl.model.system import Output, Parameters, Port, port, stack
 from wmr_ctrl.scenario import Change, Scenario
 from wmr_ctrl.scenario.scenario import SECTIONS
 from wmr_ctrl.signals import LARGEST, POSE, VELOCITY, Signal
+from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.registry import EFFECTS
 
 START = {"initial.pose": POSE, "initial.velocity": VELOCITY}
@@ -41,7 +42,9 @@ def closed_loop_model(setup: Setup) -> FmuModel:
     ports = (*start.ports, *loop.parameters.ports)
     absent = _absent(setup, {port.signal.name for port in ports})
     ranges = dict(ranges_of(scenario, (port.signal.name for port in ports)))
-    ranges |= _drives(setup) | {p.signal.name: (p.value[0], p.value[0]) for p in absent}
+    ranges |= _drives(setup) | {
+        item.signal.name: (finite(min(item.value)), finite(max(item.value))) for item in absent
+    }
     seed = Variable(SEED.name, SEED.unit, SEED.meaning, Role.FIXED, 0.0, 0.0, MOST, integer=True)
     numbers = parameter_rows((*ports, *absent), ranges)
     parameters = [TIME, *numbers, seed, *_changes(scenario)]
@@ -73,11 +76,13 @@ def closed_loop_model(setup: Setup) -> FmuModel:
 def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
     """Numbers of effects that this loop does not have: parameters that cannot be changed.
 
-    Those with a table of their own are left out with it.
+    Those with a table of their own are left out with it, and so is a speed loop that is not there.
     """
+    loops = () if setup.takes_velocity else (EffectRole.COMMAND, EffectRole.LOOP)
     ports: dict[str, Port] = {}
     for effect in EFFECTS:
-        if effect in setup.effects or effect.section.KEY not in SECTIONS:
+        here = effect in setup.effects or effect.role in loops
+        if here or effect.section.KEY not in SECTIONS:
             continue
         section = setup.scenario.section(effect.section)
         for name, _ in quantities(effect.section):

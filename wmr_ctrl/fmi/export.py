@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from wmr_ctrl import __version__
+from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
@@ -101,6 +102,8 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
 
 def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
+    if what not in ("reference", "closed-loop"):
+        check_takes_torques(scenario, "parts of the loop are exported")
     match what:
         case "plant":
             return plant_model(scenario)
