@@ -49,7 +49,12 @@ def study(
     every run, the exit code is 1.
     """
     if words[0] in ("plot", "parquet") and len(words) == 2:
-        paths = (_plot if words[0] == "plot" else _columns)(words[1])
+        from wmr_ctrl.campaign.study_store import write_columns
+        from wmr_ctrl.report.study_figures import plot_study
+
+        draws = words[0] == "plot"
+        with Progress("drawing" if draws else "writing", measured=False):
+            paths = plot_study(words[1]) if draws else [write_columns(words[1])]
         if as_json:
             print_json([str(path) for path in paths])
         for path in paths:
@@ -75,20 +80,6 @@ def study(
         click.echo("\n".join((head, *(wrapped(f"- {text}", hang="  ") for text in refused))))
     if result.all_refused:
         raise click.exceptions.Exit(DIFFERENCE)
-
-
-def _plot(folder: str) -> list[Path]:
-    from wmr_ctrl.report.study_figures import plot_study
-
-    with Progress("drawing", measured=False):
-        return plot_study(folder)
-
-
-def _columns(folder: str) -> list[Path]:
-    from wmr_ctrl.campaign.study_store import write_columns
-
-    with Progress("writing", measured=False):
-        return [write_columns(folder)]
 
 
 WORSE = (

@@ -121,8 +121,8 @@ def _draw_period(figure: Figure, rows: RunTable) -> None:
     places = {
         f"{'with' if guard else 'without'} the guard": (periods(), guard) for guard in (False, True)
     }
-    _draw_lines(figure, rows, places, 0.45, "control period T [ms]")
-    heading(figure, "ISE against the control period", law_handles(rows.laws))
+    title = "ISE against the control period"
+    _draw_lines(figure, rows, places, 0.45, "control period T [ms]", title)
 
 
 def _draw_torque(figure: Figure, rows: RunTable) -> None:
@@ -131,9 +131,8 @@ def _draw_torque(figure: Figure, rows: RunTable) -> None:
         for base in rows.different("base")
         for guard in (False, True)
     }
-    _draw_lines(figure, rows, places, 0.42, "torque limit [N m]")
     title = "ISE against the torque limit, without and with the guard"
-    heading(figure, title, law_handles(rows.laws))
+    _draw_lines(figure, rows, places, 0.42, "torque limit [N m]", title)
 
 
 def _draw_lines(
@@ -142,19 +141,21 @@ def _draw_lines(
     places: dict[str, tuple[Points, bool]],
     gap: float,
     label: str,
+    title: str,
 ) -> None:
     """Axes by their title: points of the axis, and whether the guard is on."""
     padding = Padding(left=0.60, right=0.15, bottom=0.42, top=0.74)
     panels = row_of_axes(figure, padding, [1.0] * len(places), gap)
-    for axes, (title, (points, guard)) in zip(panels, places.items(), strict=True):
+    for axes, (name, (points, guard)) in zip(panels, places.items(), strict=True):
         for law in rows.laws:
             _line(axes, rows, points, law, guard)
-        _name(axes, title)
+        _name(axes, name)
         _ticks(axes, [x for x, _, _ in points], label)
         _mark_refused(axes, rows, points, guard)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, 0.3), max(high, 30.0))
     panels[0].set_ylabel("ISE [m² s + rad² s]")
+    heading(figure, title, law_handles(rows.laws))
 
 
 def _line(axes: Axes, rows: RunTable, points: Points, law: str, guard: bool) -> None:

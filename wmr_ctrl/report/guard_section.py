@@ -26,7 +26,7 @@ from wmr_ctrl.guard.bounds import net
 from wmr_ctrl.guard.price import speed_price, usable_speed
 from wmr_ctrl.report.style import ABSENT, look, shown
 from wmr_ctrl.report.tables import TextTable, table_by_law
-from wmr_ctrl.results import FloatArray, Outcome
+from wmr_ctrl.results import Outcome
 from wmr_ctrl.results.figures import FIGURES
 from wmr_ctrl.results.table import REFUSED, RunTable, median
 from wmr_ctrl.scenario import load_scenario
@@ -92,9 +92,10 @@ class GuardSection:
 
     def steered(self, base: str) -> list[tuple[str, float]]:
         """Laws behind which the guard acts always, and the share of samples in which it does."""
+        runs = {look(law).label: self._runs(base, BASE, law) for law in self.rows.laws}
         shares = (
-            (look(law).label, median(_clipped(self._runs(base, BASE, law)).tolist()))
-            for law in self.rows.laws
+            (label, median(np.fmax(rows["guard_share1"], rows["guard_share2"]).tolist()))
+            for label, rows in runs.items()
         )
         return [(label, share) for label, share in shares if share and share > ALWAYS]
 
@@ -248,11 +249,6 @@ def _grown(cells: Cells, least: float) -> Cells:
 def _made(rows: RunTable, guard: bool) -> RunTable:
     """Runs with the guard, or without it, that were not refused."""
     return rows.at((rows["guard"] == guard) & (rows["outcome"] != REFUSED))
-
-
-def _clipped(runs: RunTable) -> FloatArray:
-    """The larger share of samples of both axes in which the guard acted, by run."""
-    return np.fmax(runs["guard_share1"], runs["guard_share2"])
 
 
 def _fastest(runs: RunTable) -> float | None:

@@ -62,10 +62,6 @@ def _rigid(run: Run) -> dict[str, float | None] | None:
     return asdict(run.monitor.rigid) if run.monitor.rigid else None
 
 
-def _e_rms(run: Run) -> dict[str, tuple[float, float, float] | None]:
-    return {f"{start}-{end}": measures.e_rms(run, start, end) for start, end in WINDOWS}
-
-
 READINGS: Mapping[str, Callable[[Run], object]] = {
     "ise": measures.ise,
     "position_rms": measures.position_rms,
@@ -86,7 +82,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
     "dbar": attrgetter("settings.dbar"),
     "tau_peak": measures.tau_peak,
     "tau_rms": measures.tau_rms,
-    "e_rms": _e_rms,
+    "e_rms": lambda run: {f"{a}-{b}": measures.e_rms(run, a, b) for a, b in WINDOWS},
 }
 """Keys of ``run --json``: numbers, pairs and tables of them, of which `Figure` are the elements."""
 

@@ -199,10 +199,10 @@ def tune(
         weight=weight,
         hold=tuple(hold),
     )
-    target, start = check_writable(out), _start(plan)
+    target, start, text = check_writable(out), _start(plan), to_toml(chosen, comments=False)
     tell, tries, search = (
         progress or (lambda share: None),
-        Trials(target, _digest(plan)),
+        Trials(target, digest_of(text, law, plan.seeds, weight, plan.hold, MASSES)),
         Search(start),
     )
     while search.tried < plan.trials:
@@ -329,9 +329,3 @@ def _document(tuning: Tuning) -> str:
         f"{first:.4g} m before, {last:.4g} m after",
     ]  # fmt: skip
     return "".join(f"# {line}\n" for line in head) + "\n" + to_toml(tuning.scenario)
-
-
-def _digest(plan: TuningPlan) -> str:
-    """Hash of all that a search depends on, but for its length."""
-    text = to_toml(plan.scenario, comments=False)
-    return digest_of(text, plan.law, plan.seeds, plan.weight, plan.hold, MASSES)
