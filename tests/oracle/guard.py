@@ -54,7 +54,7 @@ class GuardedAxis:
 
     def can_be_kept(self, alpha: float, T: float, brake: float, delay: float) -> bool:
         """Whether the numbers make sense and braking outweighs the push wherever it has to."""
-        sound = self.M_min <= self.M_max and self.f_speed < self.u1 and alpha * T <= 1.0 + _SHRINK
+        sound = self.M_min <= self.M_max and self.f_speed < self.u1 and alpha * T <= 1.0
         seen = 2.0 * self.nbar <= self.aim
         push = self.dbar - self.f_min
         return sound and seen and self.cap(alpha, delay) >= push and brake >= push
@@ -89,7 +89,7 @@ class VelocityGuard:
         if math.isinf(self.phi):
             return first, second
         need = [max(axis.dbar - axis.f_min, 0.0) for axis in self.axes]
-        spare = max(self.phi - need[0] - need[1] / half, 0.0)
+        spare = max(self.phi * (1.0 - _SHRINK) - need[0] - need[1] / half, 0.0)
         share = self.settings.brake_share
         return (
             min(first, need[0] + share * spare),
@@ -99,7 +99,7 @@ class VelocityGuard:
     def _can_be_kept(self) -> bool:
         """Whether there is a safe force at every state, within the wheels' reach."""
         both = self.brakes[0] + self.brakes[1] / self.robot.l
-        within_reach = both <= self.phi * (1.0 + _SHRINK)
+        within_reach = both <= self.phi
         pairs = zip(self.axes, self.brakes, strict=True)
         return within_reach and all(
             a.can_be_kept(self.alpha, self.T, b, self.delay) for a, b in pairs

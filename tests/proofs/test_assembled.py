@@ -32,6 +32,12 @@ def rounded_down(_count):
     return 0.0
 
 
+def reached_about(both, phi, half_track):
+    """Brakes within the wheels' reach to a rounding."""
+    first, second = (b.braking for b in (both.axis(0), both.axis(1)))
+    return first + second / half_track <= phi * (1 + 2.0**-44)
+
+
 @pytest.mark.parametrize(
     ("key", "module", "name", "stand_in"),
     [
@@ -40,6 +46,9 @@ def rounded_down(_count):
         ("controller.linear-first-late", controller, "guarded", unsafe_anchor),
         ("guard.rotation-first-late", guard, "rounding", rounded_down),
         ("controller.linear-first", guard, "feasible", lambda _: 1),
+        ("keeps.guard.linear-first", controller, "guarded", bypassed),
+        ("keeps.guard.rotation-first", controller, "guarded", unsafe_anchor),
+        ("keeps.controller.linear-first", guard, "within_reach", reached_about),
     ],
 )
 def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, nextafter
 
 import casadi as ca
 
@@ -156,31 +157,43 @@ def _monitor(
 def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:
     """Conditions for drives to be no slower, no sooner and no more varied than is counted on.
 
-    Those with which the scenario's drives were settled, for numbers that may change at runtime.
+    Those with which the scenario's drives were settled, for numbers that may change at runtime.  A
+    sum or difference that was rounded when they were settled gets room for that: delays that other
+    effects add, the least where a delay varies.
     """
     stated, bound, drives = setup.guard, setup.bound, setup.scenario.actuator
     met, near = [], 1 + ROUNDING
     if stated.latest > 0:
-        jitter = p.take("actuator.jitter") if drives.jitter > 0 else ca.SX(0)
-        others = bound.takeover[0] - drives.delay
-        soonest = p.take("actuator.delay") + others
-        met.append(soonest + jitter <= _counted(setup, p, stated.latest) * near)
+        delay, jitter = p.take("actuator.delay"), ca.SX(0)
+        if drives.jitter > 0:
+            jitter = p.take("actuator.jitter")
+        others = bound.delay - (drives.delay + drives.jitter)
+        latest = _counted(setup, p, stated.latest) * (near if others else 1)
+        met.append(delay + jitter + others <= latest)
         if stated.jitter > 0:
-            met.append(soonest * near >= _counted(setup, p, stated.latest - stated.jitter))
+            met.append((delay + others) * near >= _counted(setup, p, pair_of(stated.delay)[0]))
     if drives.lag > 0:
-        lag, spread = p.take("actuator.lag"), ca.SX(0)
+        (fast, slow), lag, spread = pair_of(stated.lag), p.take("actuator.lag"), ca.SX(0)
         if drives.lag_spread > 0:
             spread = p.take("actuator.lag_spread")
-        met.append(lag * (1 + spread) <= _counted(setup, p, stated.slowest) * near)
-        if pair_of(stated.lag)[0] < stated.slowest:
-            step, least = p.take("clock.plant"), _counted(setup, p, pair_of(stated.lag)[0])
-            met.append(step * near >= least * (ca.exp(step / (lag * (1 - spread))) - 1))
+        met.append(lag * (1 + spread) <= _counted(setup, p, slow))
+        if fast < slow:
+            step = p.take("clock.plant")
+            growth = ca.exp(step / (lag * (1 - spread))) - 1
+            met.append(step >= _counted(setup, p, fast) * growth)
     return met
 
 
 def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
-    """A time [s] that the graph counts in control periods, at the clock's period of now."""
-    return p.take("clock.control") * (time / setup.scenario.clock.control)
+    """A time [s] that the graph counts in control periods, at the clock's period of now.
+
+    At the settled period it is no less than the time, as doubles compute it.
+    """
+    period = setup.scenario.clock.control
+    periods = time / period
+    if periods * period < time:
+        periods = nextafter(periods, inf)
+    return p.take("clock.control") * periods
 
 
 def _wheels(setup: Setup, p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:

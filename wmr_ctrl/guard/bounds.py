@@ -169,14 +169,17 @@ def pair_of(pair: Pair | None) -> Pair:
 
 
 def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> Pair:
-    """All that is allowed without torque limits, else dbar and a share of what is to spare."""
+    """All that is allowed without torque limits, else dbar and a share of what is to spare.
+
+    The wheels' reach is counted less ROUNDING of it: what is computed of the sum is within reach.
+    """
     caps = tuple(max(reach(scenario, guard, i) - net(guard, i), 0.0) for i in AXES)
     if math.isinf(tau_max):
         return caps[0], caps[1]
     half_track, share = scenario.robot.l, guard.brake_share
     first, second = max(net(guard, 0), 0.0), max(net(guard, 1), 0.0)
-    spare = full_thrust(scenario.robot.r, tau_max) - first - second / half_track
-    spare = max(spare, 0.0)
+    phi = full_thrust(scenario.robot.r, tau_max) * (1.0 - ROUNDING)
+    spare = max(phi - first - second / half_track, 0.0)
     return (
         min(caps[0], first + share * spare),
         min(caps[1], second + (1.0 - share) * spare * half_track),

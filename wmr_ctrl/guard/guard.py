@@ -29,7 +29,7 @@ from functools import reduce
 
 import casadi as ca
 
-from wmr_ctrl.guard.bounds import ROUNDING, rounding
+from wmr_ctrl.guard.bounds import rounding
 from wmr_ctrl.guard.delay import InFlight, largest_force
 from wmr_ctrl.guard.lateness import Counting
 from wmr_ctrl.model.system import Parameters
@@ -150,7 +150,7 @@ def feasible(b: Bounds) -> ca.SX:
         need <= b.M_min * b.alpha * (b.u1 - b.f_speed),
         2 * b.nbar <= b.u1,
         b.brake >= b.net,
-        b.alpha * b.period <= 1 + ROUNDING,
+        b.alpha * b.period <= 1,
         b.M_min <= b.M_max,
         b.f_speed < b.u1,
     ]
@@ -196,7 +196,7 @@ def possible(both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Sequence[ca
 def within_reach(both: Bounds, phi: ca.SX, half_track: ca.SX) -> ca.SX:
     """1 where the wheels can brake both axes at once, FB1 + FB2/l <= phi; else 0."""
     first, second = (b.braking for b in (both.axis(0), both.axis(1)))
-    return first + second / half_track <= phi * (1 + ROUNDING)
+    return first + second / half_track <= phi
 
 
 def linear_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | None = None) -> ca.SX:

@@ -9,7 +9,6 @@ from typing import TypeAlias
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import (
     AXES,
-    ROUNDING,
     UNITS,
     GuardNumbers,
     Pair,
@@ -71,11 +70,11 @@ def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
 
 def _check(scenario: Scenario, guard: GuardNumbers) -> None:
     period, alpha = scenario.clock.control, float(guard.alpha or 0.0)
-    if alpha * period > 1.0 + ROUNDING:
+    if alpha * period > 1.0:
         raise ScenarioError(
             f"guard.alpha = {alpha:g} 1/s is too fast: alpha T <= 1 is needed for a force that is "
-            f"held over T = clock.control = {period:g} s, not {alpha * period:.6g}. Lower it to "
-            f"{1.0 / period:g} 1/s, or leave it out."
+            f"held over T = clock.control = {period:g} s, not {_told_apart(alpha * period, 1)[0]}. "
+            f"Lower it to {1.0 / period:g} 1/s, or leave it out."
         )
     for i in AXES:
         _check_noise(scenario, guard, i)
@@ -210,7 +209,7 @@ def _pushed(guard: GuardNumbers, half_track: float) -> Pair:
 
 
 def _holds(force: float, tau_max: float, r: float) -> bool:
-    return force <= full_thrust(r, tau_max) * (1.0 + 1e-12)
+    return force <= full_thrust(r, tau_max)
 
 
 def _refuse_wheels(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, reduce
 from math import frexp
 
 import casadi as ca
@@ -181,6 +181,26 @@ class Statement:
         """Relation of each hypothesis to 0, the bounds of all roundings included."""
         roundings = len(self.graph.outputs) - len(self.goals) - len(self.given)
         return (*(r.kind for r in self.given), *[AT_LEAST] * roundings)
+
+
+def instance(proved: Statement, values: Mapping[str, ca.SX]) -> tuple[Relation, ...]:
+    """Each goal of a statement that is proved, for these ``values`` of its symbols.
+
+    It holds where all of the statement's hypotheses do for them; nothing is cut or computed in it.
+    """
+    given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
+    truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
+    met = reduce(ca.logic_and, [getattr(ca, truth[item.kind])(item.expr, 0) for item in given])
+    return tuple(when(met, goal) for goal in goals)
+
+
+def valued(
+    relations: Sequence[Relation], names: Mapping[str, ca.SX], values: Mapping[str, ca.SX]
+) -> tuple[Relation, ...]:
+    """The relations with ``values`` in the place of the symbols of these names."""
+    old, exprs = [names[name] for name in values], [item.expr for item in relations]
+    put = ca.substitute(exprs, old, [*values.values()])
+    return tuple(Relation(e, item.kind) for e, item in zip(put, relations, strict=True))
 
 
 def symbols(names: str, fixed: str = "") -> dict[str, ca.SX]:

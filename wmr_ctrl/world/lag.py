@@ -28,6 +28,8 @@ from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
 
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)
+ROUNDING = 2.0**-34
+"""More than expm1 and exp less 1 differ by, for a lag of up to 2^17 plant steps."""
 MANY = 500.0
 """Time constants in a step after which nothing is left."""
 
@@ -78,12 +80,14 @@ def bound(scenario: Scenario) -> Bound:
 
     The torque is held over a plant step h as it is at the step's end, which is sooner than a first
     order.  Where e = exp(-h/tau) of the smallest tau, a guard that counts on time constants from a
-    = h e/(1 - e) on counts at least what such a lag does (ledger: world.lag.stepped).
+    = h e/(1 - e) on counts at least what such a lag does (ledger: world.lag.stepped); less ROUNDING
+    of it, as a graph that compares h with a (1/e - 1) computes both.
     """
     lag, spread = scenario.section(Lag).lag, scenario.section(Lag).lag_spread
     if not spread:
         return Bound(lag=(lag, lag))
-    return Bound(lag=(stepped(lag * (1.0 - spread), scenario.clock.plant), lag * (1.0 + spread)))
+    least = stepped(lag * (1.0 - spread), scenario.clock.plant) * (1.0 - ROUNDING)
+    return Bound(lag=(least, lag * (1.0 + spread)))
 
 
 def stepped(lag: float, step: float) -> float:

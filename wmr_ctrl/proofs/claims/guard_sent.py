@@ -176,7 +176,7 @@ def late_tail(mutation: Mutation) -> Statement:
     return Statement(table, tuple(goals), (above(b.M_min), above(b.period)))
 
 
-def _added(a: GuardAxis) -> tuple[Relation, ...]:
+def added(a: GuardAxis) -> tuple[Relation, ...]:
     """Bounds on sums of commands that keep to ``largest``."""
     b, most = a.bounds, a.S / a.bounds.M_min
     if a.lateness < LATE:
@@ -218,7 +218,7 @@ def late_spare(mutation: Mutation) -> Statement:
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
-    given = (*a.stated, *a.moving, a.shared(), a.apart(), *_added(a))
+    given = (*a.stated, *a.moving, a.shared(), a.apart(), *added(a))
     return Statement(a.symbols, (goal,), given, a.cuts)
 
 
@@ -257,7 +257,7 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
 
     What is under way never takes the room that braking needs.
     """
-    given = (*a.stated, *a.moving, a.shared(), *_added(a))
+    given = (*a.stated, *a.moving, a.shared(), *added(a))
     return Statement(a.symbols, (a.enough(a.left, mutation(1, 0.99)),), given, a.cuts)
 
 
