@@ -14,7 +14,7 @@ import casadi as ca
 
 from wmr_ctrl.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_ctrl.proofs.statement import Relation, above, at_least, positive, symbols
+from wmr_ctrl.proofs.statement import Relation, above, at_least, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"
@@ -157,16 +157,11 @@ class GuardAxis:
         return way * self.force(self["asked"]) + self.net
 
     @property
-    def physical(self) -> tuple[Relation, ...]:
-        """Signs of the numbers."""
-        b, late = self.bounds, [self["delay"]] if self.lateness else []
-        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
-        return (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
-
-    @property
     def _signs(self) -> tuple[Relation, ...]:
-        b = self.bounds
-        return (*self.physical, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
+        b, late = self.bounds, [self["delay"]] if self.lateness else []
+        positive = [above(item) for item in (b.u1, b.period, b.M_min, b.alpha, *late)]
+        not_negative = [at_least(item) for item in (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed)]
+        return (*positive, *not_negative, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed))
 
     @property
     def _times(self) -> tuple[Relation, ...]:
@@ -304,38 +299,6 @@ class GuardAxis:
         lines = self.lines(way, self("room_", way), u1 - arrived)
         known = (*self.during(longer), at_least(arrived, self["f_speed"]), *lines)
         return (*self.sound(), brakes, *known, *limits)
-
-    @property
-    def begun(self) -> tuple[ca.SX, ca.SX]:
-        """Comparison bound where the new command takes over, ahead and back; at once or delayed."""
-        if self.lateness:
-            return self["arrived_ahead"], self["arrived_back"]
-        return ca.fmax(self["v"], self["f_speed"]), ca.fmax(-self["v"], self["f_speed"])
-
-    @property
-    def driven(self) -> tuple[Relation, ...]:
-        """Physical hypotheses of one sample that begins inside; at once or behind a delay."""
-        known = (*self.physical, *self.measured, *self.during())
-        if not self.lateness:
-            return (*known, *self.inside)
-        starts = [
-            relation
-            for way, start in zip((1, -1), self.begun, strict=True)
-            for relation in (
-                at_least(self["u1"], start),
-                at_least(self.reached(way), start),
-                at_least(start, self["f_speed"]),
-            )
-        ]
-        return (*known, *self.moving, *starts)
-
-    def stays(self, force: ca.SX) -> tuple[Relation, ...]:
-        """Either way it stays inside with this force."""
-        ends = (
-            start + self["t"] * ca.fmax(way * force + self.net, 0) / self["mass"]
-            for way, start in zip((1, -1), self.begun, strict=True)
-        )
-        return tuple(at_least(self["u1"], end) for end in ends)
 
     def beyond(self, way: int) -> ca.SX:
         """By how much v+ is too large where the new command takes over."""

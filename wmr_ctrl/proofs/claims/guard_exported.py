@@ -1,0 +1,295 @@
+"""The guard as it is exported: what its graphs are put together of, and that the flag is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import accumulate
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.guard.delay import InFlight, in_flight
+from wmr_ctrl.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
+from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.model.system import System
+from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
+from wmr_ctrl.proofs.claims.common import PRESET, scalars
+from wmr_ctrl.proofs.claims.guard import anchor, solver, upper
+from wmr_ctrl.proofs.claims.guard import feasible as not_empty
+from wmr_ctrl.proofs.claims.guard_axis import DELAYED, NUMBERS, GuardAxis
+from wmr_ctrl.proofs.claims.guard_sent import added, caps, room
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    every,
+    instance,
+    positive,
+    symbols,
+    valued,
+    when,
+)
+from wmr_ctrl.scenario import load_scenario
+
+PERIOD = 0.01
+INSIDE = "|v| <= u1"
+UNDER_WAY = (
+    "v+ and -v+, where the new command takes over, are at most u1 and what the guard counts, v + "
+    "ahead or -v + back, where ahead + back <= delay (largest + net)/M_min is what is under way "
+    "(guard.delay.command, guard.delay.queue, guard.delay.lemma)"
+)
+claim = Claims(by=solver)
+
+
+def _setup(kind: str, delay: int) -> Setup:
+    """A guarded loop with this map onto the wheels, behind a delay of so many periods."""
+    stated: dict[str, object] = {
+        "guard.enabled": True, "guard.map": kind, "clock.control": PERIOD,
+        "actuator.delay": PERIOD * delay,
+    }  # fmt: skip
+    return settle(load_scenario(PRESET, stated), "pid")
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """A graph that is exported, and the numbers of its two axes as the claims' axes have them."""
+
+    assemble: Callable[[Setup], System]
+    kind: str
+    delay: int
+
+    @cached_property
+    def system(self) -> System:
+        """The exported graph."""
+        return self.assemble(_setup(self.kind, self.delay))
+
+    @cached_property
+    def p(self) -> dict[str, ca.SX]:
+        """Inputs, state and parameters by name."""
+        ports = (*self.system.inputs, *self.system.state, *self.system.params)
+        return {port.signal.name: port.sym for port in ports}
+
+    @cached_property
+    def told(self) -> dict[str, ca.SX]:
+        """What it publishes beside the torques."""
+        return {output.signal.name: output.expr for output in self.system.diagnostics}
+
+    @property
+    def asked(self) -> ca.SX:
+        """The force that is asked for."""
+        return self.p["force"] if "force" in self.p else self.told["force"]
+
+    @property
+    def torque(self) -> ca.SX:
+        """The torques."""
+        return ca.vertcat(*(output.expr for output in self.system.outputs))
+
+    @property
+    def wheels(self) -> tuple[ca.SX, ca.SX]:
+        """Radius and half track."""
+        return self.p["robot.r"], self.p["robot.l"]
+
+    @property
+    def phi(self) -> ca.SX:
+        """The wheels' reach, 2 tau_max/r."""
+        return 2 * self.p["actuator.tau_max"] / self.wheels[0]
+
+    @property
+    def sent(self) -> list[ca.SX]:
+        """Torques under way, the last one first."""
+        return [self.p[f"tau_sent{k}"] for k in range(1, self.delay + 1)]
+
+    @cached_property
+    def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
+        """Of each axis the measured velocity, its bounds, and what is under way.
+
+        u1 is v_u1 less (1 + n) 2^-44 of it.
+        """
+        names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
+        p, T, found = self.p, self.p["clock.control"], []
+        late = {"delay": T * self.delay} if self.delay else {}
+        before = [(wheel_to_force(*self.wheels, tau), 1) for tau in self.sent]
+        for axis, y in enumerate((p["v1"], p["omega"])):
+            u1 = p["limits.v_u1"][axis] * (1 - (1 + self.delay) * 2.0**-44)
+            numbers = {name: p[f"guard.{name}"][axis] for name in names}
+            b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **late)
+            found.append((y, b, in_flight(before, axis, b) if before else None))
+        return tuple(found)
+
+    @property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Every scalar of the graph by name."""
+        return scalars((*self.system.inputs, *self.system.state, *self.system.params))
+
+    @property
+    def cuts(self) -> dict[str, ca.SX]:
+        """What a law asks for stands for any force."""
+        asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
+        return {name: self.asked[axis] for name, axis in asked.items()}
+
+
+_EXPORTED = [
+    {"name": name, "kind": kind, "late": late, "which": which, "delay": delay,
+     "assemble": assemble, **words}
+    for name, assemble in (("guard", guard), ("controller", asking_controller))
+    for kind in MAPS
+    for late, delay, which, words in (
+        ("", 0, "without delay", {"at": "", "inside": INSIDE}),
+        ("-late", 2, "behind a delay of two periods",
+         {"at": "delay.", "inside": UNDER_WAY}),
+    )
+]  # fmt: skip
+
+
+@claim(
+    "guard.assembled.{name}.{kind}{late}",
+    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
+    premises="guard.axes wheels.{kind}",
+    over=_EXPORTED,
+)
+def assembled(
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
+) -> Statement:
+    """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
+    axis with its own bounds and commands under way, which are the torques of before; feasible = 1
+    only where both axes' flags are, their brakes together are within reach and the drives' delay is
+    at most what is counted; {which}.
+
+    What is exported is put together of what the entries about the guard speak of.
+    """
+    e = Assembled(assemble, kind, delay)
+    r, half = e.wheels
+    force, safe = (
+        ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
+        for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
+    )
+    bounds = [b for _, b, _ in e.axes]
+    torque = force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe))
+    flags = [feasible(b) for b in bounds]
+    flags.append(bounds[0].braking + bounds[1].braking / half <= e.phi)
+    if delay:
+        flags.append(e.p["actuator.delay"] <= delay * e.p["clock.control"])
+    goals = [at_least(flag, e.told["feasible"]) for flag in flags]
+    goals += every(e.torque, mutation * torque)
+    ends = accumulate((port.sym.numel() for port in e.system.state), initial=0)
+    names = [port.signal.name for port in e.system.state]
+    later = dict(zip(names, ca.vertsplit(e.system.update, [*ends]), strict=True))
+    for age, now in enumerate((e.torque, *e.sent[:-1])[:delay], 1):
+        goals += every(later[f"tau_sent{age}"], now)
+    masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
+    given = positive(r, half, bounds[0].period, bounds[0].alpha, *masses)
+    return Statement(e.symbols, tuple(goals), given, e.cuts)
+
+
+def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
+    """Speed where the new command takes over or f_speed where that is more, ahead and back."""
+    if a.lateness:
+        return a["arrived_ahead"], a["arrived_back"]
+    return ca.fmax(a["v"], a["f_speed"]), ca.fmax(-a["v"], a["f_speed"])
+
+
+def physical(a: GuardAxis) -> tuple[Relation, ...]:
+    """Signs and a sample that begins inside, at once or behind a delay; nothing of the theorem."""
+    b, late = a.bounds, [a["delay"]] if a.lateness else []
+    not_negative = map(at_least, (b.dbar, b.nbar, b.brake, b.f_min, b.f_speed))
+    signs = (*positive(b.u1, b.period, b.M_min, b.alpha, *late), *not_negative)
+    known = (*signs, *a.measured, *a.during())
+    if not a.lateness:
+        return (*known, *a.inside)
+    limits: list[Relation] = []
+    for way, start in zip((1, -1), begun(a), strict=True):
+        limits += at_least(a["u1"], start), at_least(a.reached(way), start)
+        limits.append(at_least(start, a["f_speed"]))
+    return (*known, *a.moving, *limits, *added(a))
+
+
+def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
+    """Either way it stays inside with this force."""
+    for way, start in zip((1, -1), begun(a), strict=True):
+        yield at_least(a["u1"], start + a["t"] * ca.fmax(way * force + a.net, 0) / a["mass"])
+
+
+@claim(
+    "guard.{at}kept",
+    given="feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| "
+    "<= nbar, M_min <= M <= M_max; {inside}",
+    premises="{parts}",
+    over=[
+        {"at": "", "a": GuardAxis(), "where": "", "inside": INSIDE,
+         "parts": "guard.feasible guard.anchor guard.upper guard.lower"},
+        {"at": "delay.", "a": GuardAxis(DELAYED), "where": " where the new command takes over",
+         "inside": f"delay > 0; {UNDER_WAY}",
+         "parts": "guard.delay.caps guard.delay.room guard.delay.feasible guard.delay.anchor "
+         "guard.delay.upper guard.delay.lower"},
+    ],
+)  # fmt: skip
+def kept(mutation: Mutation, a: GuardAxis) -> Statement:
+    """lo <= hi, |clip(0, lo, hi)| <= brakes, and every force F from lo to hi keeps the limit either
+    way: v + t max(F + net, 0)/M <= u1 for t in [0, T], v the speed{where} or f_speed where that is
+    more.
+
+    The published flag alone, with what is physical, is enough for one axis.
+    """
+    # The premises, each of which says when it holds, with the force in the place of what is asked.
+    known = [not_empty(CLAIMED, a), anchor(CLAIMED, a)]
+    if a.lateness:
+        known += [caps(CLAIMED, a), room(CLAIMED, a)]
+    taken = [goal for item in known for goal in instance(item, {})]
+    for way, start in zip((1, -1), ("arrived_ahead", "arrived_back"), strict=True):
+        taken += instance(upper(CLAIMED, way, a), {"arrived": a[start], "asked": a["chosen"]})
+    safe, chosen = a.force(ca.SX(0)), a["chosen"]
+    within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
+    goals = (
+        at_least(a.hi, a.lo), at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe),
+        *(when(within, goal) for goal in stays(a, chosen)),
+    )  # fmt: skip
+    ahead, back = a.left
+    cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
+    given = (*physical(a), above(feasible(a.bounds)), *taken)
+    return Statement(a.symbols, goals, given, cuts)
+
+
+@claim(
+    "guard.assembled.keeps.{name}.{kind}{late}",
+    given="feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed "
+    ">= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; {inside}",
+    premises="guard.{at}kept",
+    over=_EXPORTED,
+)
+def keeps(
+    mutation: Mutation, assemble: Callable[[Setup], System], kind: str, delay: int
+) -> Statement:
+    """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
+    torques of the whole {name}, v the speed or f_speed where that is more; {kind}, {which}.
+
+    From the published flag to the motion in one step, on the graph that is exported: nothing but
+    feasible = 1 is asked of the guard's numbers.
+    """
+    e = Assembled(assemble, kind, delay)
+    r, half = e.wheels
+    force = wheel_to_force(r, half, e.torque)
+    goals: list[Relation] = []
+    given, cuts = [above(e.told["feasible"])], dict(e.cuts)
+    given += positive(r, half, e.p["actuator.tau_max"])
+    table = {**e.symbols, **symbols("t")}
+    for axis, (y, b, coming) in enumerate(e.axes):
+        a = GuardAxis(DELAYED) if coming else GuardAxis()
+        own = symbols("v mass arrived_ahead arrived_back")
+        table |= {f"{name} {axis + 1}": value for name, value in own.items()}
+        sums = {"ahead": coming.ahead, "back": coming.back} if coming else {}
+        names = (*NUMBERS.split(), *["delay"] * bool(coming))
+        values = {name: getattr(b, name) for name in names} | sums | own
+        values |= {"y": y, "t": table["t"], "chosen": force[axis]}
+        # The premise's own premises are no hypotheses of it.
+        known = physical(a)
+        alone = replace(kept(CLAIMED, a), given=(*known, above(feasible(a.bounds))))
+        given += [*valued(known, a.symbols, values), *instance(alone, values)]
+        goals += valued([*stays(a, mutation * a["chosen"])], a.symbols, values)
+        back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
+        parts = {"back": back, "hi": hi, "brakes": b.braking}
+        cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
+    return Statement(table, tuple(goals), tuple(given), cuts)
