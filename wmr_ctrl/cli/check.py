@@ -17,12 +17,14 @@ from wmr_ctrl.errors import CompilerError
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Stability, Warning
     from wmr_ctrl.control.setup import Setup
+    from wmr_ctrl.corridor import Corridor
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.toml_io import InheritedValue
 
     Warned = Mapping[str, Sequence[Warning]]
     Runs = Mapping[str, Run]
+    Tubes = Mapping[str, Corridor]
     Taken = Sequence[InheritedValue]
 
 NOT_LINEAR = "on a base that takes velocities, where stability is not worked out"
@@ -41,7 +43,7 @@ MOST_STEPS = 2_000_000
 )
 @guard_option
 @set_option
-@json_option("Print validity, longest stable periods, warnings and nominal runs as JSON.")
+@json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
 @debug_option
 def check(
     scenario: str,
@@ -53,11 +55,12 @@ def check(
     """Validate a scenario, and say what theory and one run of each law have against it.
 
     SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, and for
-    two million plant steps at most. The exit code is 0 if the scenario is valid, whatever the
-    warnings, and 2 if it is not.
+    two million plant steps at most; how far off its path it can be pushed is certified. The exit
+    code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
     """
     from wmr_ctrl.checks import grip_warnings, stability, warnings_for
     from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.corridor import find_corridor
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments
 
@@ -65,20 +68,22 @@ def check(
     taken = inherited(case, scenario, parse_assignments(assignments))
     names = chosen or tuple(LAWS)
     with Progress("what theory says") as progress:
-        warned, stable, first = {}, {}, settle(case, names[0])
+        warned, stable, tubes, first = {}, {}, {}, settle(case, names[0])
         for count, law in enumerate(names):
             progress(count / len(names))
             setup = settle(case, law)
             grip = (replace(item, objects=False) for item in grip_warnings(setup))
             warned[law] = (*warnings_for(setup), *grip)
+            tubes[law] = find_corridor(case, law)
             if not first.takes_velocity:
                 stable[law] = stability(case, law)
         runs = _runs(case, warned, progress)
     if as_json:
         limited = {"guard": guard_numbers(first), "filter": filter_numbers(first)}
-        print_json({**_document(case, warned, stable, runs, taken), **limited})
+        shown = {"corridor": {law: tube.figures for law, tube in tubes.items()}}
+        print_json({**_document(case, warned, stable, runs, taken), **limited, **shown})
     else:
-        lines = [*_head(case, first, taken), *_lines(case, warned, stable, runs)]
+        lines = *_head(case, first, taken), *_lines(case, warned, stable, runs, tubes)
         click.echo("\n".join(lines))
 
 
@@ -164,9 +169,8 @@ def _merged(warned: Warned) -> Iterator[dict[str, str | None]]:
     for warning in shared:
         yield {"key": warning.key, "law": None, "text": str(warning)}
     for law, warnings in warned.items():
-        for warning in warnings:
-            if warning not in shared:
-                yield {"key": warning.key, "law": law, "text": str(warning)}
+        for warning in (item for item in warnings if item not in shared):
+            yield {"key": warning.key, "law": law, "text": str(warning)}
 
 
 def _shared(warned: Warned) -> list[Warning]:
@@ -192,9 +196,9 @@ def _head(scenario: Scenario, setup: Setup, taken: Taken) -> list[str]:
 
 
 def _lines(
-    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs
+    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, tubes: Tubes
 ) -> list[str]:
-    """Objections of theory and of one run to each law."""
+    """Objections of theory and of one run to each law, and its corridor."""
     from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
     from wmr_ctrl.results import OBJECTED
 
@@ -214,7 +218,8 @@ def _lines(
         periods = _stable(stable[law], scenario.clock.control) if law in stable else NOT_LINEAR
         said = wrapped(f"{law}, {periods}{rest}")
         lines += ["", said, *(map(_item, texts) if texts else ["  - no objection"])]
-        lines += [_item(_sight(runs[law]))] if law in runs else []
+        sights = [_sight(runs[law])] if law in runs else []
+        lines += map(_item, (*sights, tubes[law].sentence))
     return lines
 
 

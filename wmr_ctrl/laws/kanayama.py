@@ -19,17 +19,22 @@ Choose it to have something plain and good to compare with, or behind the guard.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
-from wmr_ctrl.laws.law import Law, Predicting, Traits
+from wmr_ctrl.laws.law import Inside, Law, Predicting, Traits
 from wmr_ctrl.laws.observer import STARTED, Observer
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.model.system import System, port
 from wmr_ctrl.signals import ASKED, SENT_BEFORE, Signal
 
 COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
+
+Limiting = Callable[[str, ca.SX, ca.SX], ca.SX]
+"""Limits values (2,) to a size (2,) that is called by a name."""
 
 
 class KanayamaGains(Predicting, key="gains.kanayama"):
@@ -54,10 +59,26 @@ class KanayamaGains(Predicting, key="gains.kanayama"):
 
 def build(context: LawContext) -> System:
     """F = M1 a + F1(v + T a) + observer, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
+    return _around(context, _cut_named)
+
+
+def inside(context: LawContext) -> Inside:
+    """The law whose command is cut nowhere."""
+    within: dict[str, tuple[ca.SX, ca.SX]] = {}
+
+    def whole(name: str, values: ca.SX, most: ca.SX) -> ca.SX:
+        within[name] = values, most
+        return values
+
+    return Inside(_around(context, whole), within)
+
+
+def _around(context: LawContext, limited: Limiting) -> System:
+    """The law around what cuts its command, (2,) at a size (2,), which is named."""
     observer = Observer(context, context.gain("wo"), context.friction_at)
     last = port(COMMAND)
     then, sent = ahead(context, observer.force)
-    command = _commanded(then, ca.if_else(observer.started > 0, last.sym, then.v))
+    command = _commanded(then, ca.if_else(observer.started > 0, last.sym, then.v), limited)
     pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
     a = then.v_d_dot + pull * (command - then.v)
     asked = context.mass * a + context.friction_at(then.v + context.period * a)
@@ -77,7 +98,7 @@ def build_command(context: LawContext) -> System:
     start = ca.if_else(started.sym > 0, before.sym, context.v)
     return context.system(
         "kinematic tracking with limited commands (kanayama)",
-        _commanded(context, start),
+        _commanded(context, start, _cut_named),
         (started,),
         ca.SX(1),
         further_inputs=(before,),
@@ -85,9 +106,10 @@ def build_command(context: LawContext) -> System:
     )
 
 
-def _commanded(context: LawContext, start: ca.SX) -> ca.SX:
+def _commanded(context: LawContext, start: ca.SX, limited: Limiting) -> ca.SX:
     top, most = context.gain("share") * context.u1, context.gain("a_max") * context.period
-    return start + _cut(_cut(wanted_velocity(context), top) - start, most)
+    wanted = limited("the command", wanted_velocity(context), top)
+    return start + limited("the command's change", wanted - start, most)
 
 
 def wanted_velocity(context: LawContext) -> ca.SX:
@@ -97,11 +119,23 @@ def wanted_velocity(context: LawContext) -> ca.SX:
     return ca.vertcat(v1_d * ca.cos(e3) + kx * e1, v2_d + v1_d * (ky * e2 + kt * ca.sin(e3)))
 
 
-def _cut(values: ca.SX, most: ca.SX) -> ca.SX:
+def cut(values: ca.SX, most: ca.SX) -> ca.SX:
+    """Values (2,) within -most and most."""
     return ca.vertcat(*(ca.fmax(-most[i], ca.fmin(most[i], values[i])) for i in AXES))
+
+
+def _cut_named(_: str, values: ca.SX, most: ca.SX) -> ca.SX:
+    return cut(values, most)
 
 
 TRAITS = Traits(model=True, observer=True)
 LAW = Law(
-    "kanayama", KanayamaGains, build, TRAITS, __doc__, ("k", "rate", "wo", "a_max"), build_command
+    "kanayama",
+    KanayamaGains,
+    build,
+    TRAITS,
+    __doc__,
+    ("k", "rate", "wo", "a_max"),
+    build_command,
+    inside,
 )

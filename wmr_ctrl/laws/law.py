@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,8 @@ from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.model.system import System
 
 if TYPE_CHECKING:
+    import casadi as ca
+
     from wmr_ctrl.laws.context import LawContext
 
 BARRIERS = ("paper", "smooth")
@@ -37,6 +39,18 @@ class Traits:
 
 
 @dataclass(frozen=True)
+class Inside:
+    """A law's System where none of its limits cuts, and what that takes.
+
+    ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
+    not exceed on either axis for the law to be this System.
+    """
+
+    system: System
+    within: Mapping[str, tuple[ca.SX, ca.SX]]
+
+
+@dataclass(frozen=True)
 class Law:
     """A control law: name, gains, graph, traits and what its file says.
 
@@ -44,6 +58,7 @@ class Law:
     names those of its gains that a search may move, all positive.  ``command(context)``, where
     there is one, gives the law of a base that takes velocities, whose output is the velocity
     `ASKED`; a law without drives such a base by the force it asks for (`control/velocity.py`).
+    ``inside(context)`` is the law away from its limits, for those that have a corridor.
     """
 
     name: str
@@ -53,6 +68,7 @@ class Law:
     doc: str | None
     tuned: tuple[str, ...] = ()
     command: Callable[[LawContext], System] | None = None
+    inside: Callable[[LawContext], Inside] | None = None
 
     @property
     def title(self) -> str:

@@ -25,6 +25,7 @@ behind the guard.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import log1p
 
@@ -33,7 +34,7 @@ import casadi as ca
 from wmr_ctrl.barrier.proximal import resolvent, transported
 from wmr_ctrl.fields.section import quantity
 from wmr_ctrl.laws.context import AXES, LawContext
-from wmr_ctrl.laws.law import BarrierChoice, Law, Predicting, TorqueLimited, Traits
+from wmr_ctrl.laws.law import BarrierChoice, Inside, Law, Predicting, TorqueLimited, Traits
 from wmr_ctrl.laws.observer import Observer
 from wmr_ctrl.laws.prediction import ahead
 from wmr_ctrl.model.system import System
@@ -91,9 +92,29 @@ def guide(period: float, delay: float, speed: float, predicted: bool = False) ->
 
 def build(context: LawContext) -> System:
     """F = M1 (v+ - v)/T + F1(v+) + observer, with the step v+ above."""
+    return _around(context, next_velocity)
+
+
+def inside(context: LawContext) -> Inside:
+    """The law below v_u2: v* = v + c_m - c (ledger: transport.plain), v+ = E v* + (1-E) c+."""
+    within: dict[str, tuple[ca.SX, ca.SX]] = {}
+
+    def step(then: LawContext) -> ca.SX:
+        followed, target = targets(then)
+        carried = carried_plainly(then.v, then.v_c0, followed)
+        after = mixture(carried, target, _shares(then))
+        sizes = {"v": then.v, "v_c0": then.v_c0, "c_m": followed, "v*": carried, "v+": after}
+        within.update((name, (size, then.u2)) for name, size in sizes.items())
+        return after
+
+    return Inside(_around(context, step), within)
+
+
+def _around(context: LawContext, step_of: Callable[[LawContext], ca.SX]) -> System:
+    """The law around a step to v+."""
     observer = Observer(context, context.gain("wo"), context.friction_at)
     then, sent = ahead(context, observer.force)
-    step = next_velocity(then)
+    step = step_of(then)
     asked = context.mass * (step - then.v) / context.period + context.friction_at(step)
     return context.system(
         "sampled-data barrier law (prox)",
@@ -107,20 +128,26 @@ def build(context: LawContext) -> System:
 
 def next_velocity(context: LawContext) -> ca.SX:
     """v+ (2,) [m/s, rad/s]: where the law wants the velocity after one period."""
-    halves = -0.5 * context.gain("rho") * context.period
+    old, new = _shares(context)
     followed, target = targets(context)
     return ca.vertcat(
         *(
             prox_step(
                 context.v[i],
                 (context.v_c0[i], followed[i], target[i]),
-                (ca.exp(halves[i]), -ca.expm1(halves[i])),
+                (old[i], new[i]),
                 (context.u1[i], context.u2[i]),
                 context.smooth,
             )
             for i in AXES
         )
     )
+
+
+def _shares(context: LawContext) -> tuple[ca.SX, ca.SX]:
+    """E and 1 - E, (2,) each."""
+    halves = -0.5 * context.gain("rho") * context.period
+    return ca.exp(halves), -ca.expm1(halves)
 
 
 def targets(context: LawContext) -> tuple[ca.SX, ca.SX]:
@@ -144,10 +171,15 @@ def prox_step(
     return resolvent(mixture(carried, target, shares), shares[1], *limits, smooth)
 
 
+def carried_plainly(v: ca.SX, c: ca.SX, followed: ca.SX) -> ca.SX:
+    """v* below v_u2: v, carried as far as the target goes from c to c_m."""
+    return v + (followed - c)
+
+
 def mixture(v: ca.SX, target: ca.SX, shares: tuple[ca.SX, ca.SX]) -> ca.SX:
     """E v* + (1-E) c+."""
     return shares[0] * v + shares[1] * target
 
 
 TRAITS = Traits(auxiliary=True, barrier=True, model=True, observer=True)
-LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"))
+LAW = Law("prox", ProxGains, build, TRAITS, __doc__, tuned=("rho", "wo"), inside=inside)

@@ -50,6 +50,7 @@ THEMES = (
     ("composition:prediction_claim", "Prediction over a delay"),
     ("newton", "The decay of a whole period"),
     ("smooth", "The smooth barrier"),
+    ("corridor", "The certified corridor"),
     ("composition", "How the parts are put together"),
 )
 """(file, or file and name of its claims; title)."""

@@ -1,0 +1,141 @@
+"""The certified corridor against an adversary and against random runs.
+
+``python -m benchmarks.corridor [--runs 20000] [--out docs/corridor.md]``.  Each case is a preset
+with changes.  The adversary (`tests.corridor.adversary`) drives a loop that shares no code with the
+certificate, by the worst signs for 8 directions at the bound and a fifth beyond it.  Random runs
+are native ones from a start on the path, with pushes drawn uniformly from within the bound.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.parts import renew
+from tests.corridor.adversary import farthest
+from wmr_ctrl.api import scenario_of, simulate_many
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.references import sample
+
+NAME = "corridor"
+"""Of the part of the page that this writes."""
+EXACT = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
+NARROW = 1e-3
+"""Truncation, in standard deviations, that makes a Gaussian a uniform number to one part in 1e6."""
+LASTS = 10.0
+"""Length of a random run [s]."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row: a preset with changes, a law, and the control samples that an attack takes."""
+
+    words: str
+    preset: str
+    law: str
+    samples: int
+    changed: Mapping[str, object]
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario, without changes on the way."""
+        return scenario_of(self.preset, {"changes": [], **self.changed})
+
+
+def _slow(period: float, wheel: float) -> dict[str, object]:
+    return {**EXACT, "clock.control": period, "disturbance.std": wheel / 3}
+
+
+HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
+BETTER = {"gains.prox": {"rho": [42.9, 21.74], "wo": 10.0}}
+CASES = (
+    Case("safe-simulation, prox, 10 ms", "safe-simulation", "prox", 500, {}),
+    Case("the same, wo = 10", "safe-simulation", "prox", 500, BETTER),
+    Case("the same, 65 kg where 50 are believed", "safe-simulation", "prox", 500, HEAVY),
+    Case("safe-simulation, prox, 20 ms", "safe-simulation", "prox", 250, {"clock.control": 0.02}),
+    Case("safe-simulation, kanayama, 10 ms", "safe-simulation", "kanayama", 700, {}),
+    Case("safe-experiment, exact pose, 50 ms, 1 N m", "safe-experiment", "prox", 150,
+         _slow(0.05, 1.0)),
+    Case("safe-experiment, exact pose, 100 ms, 1 N m", "safe-experiment", "prox", 100,
+         _slow(0.1, 1.0)),
+)  # fmt: skip
+
+
+def on_the_path(scenario: Scenario) -> list[float]:
+    """Pose and velocity (5) of the reference at t = 0."""
+    row: list[float] = sample(scenario, [0.0])[0, :5].tolist()
+    return row
+
+
+def random_runs(case: Case, runs: int) -> float:
+    """Largest distance [m] from the place on the path in the last quarter of random runs."""
+    noise = case.scenario.disturbance
+    uniform = {
+        "disturbance.std": noise.std * noise.truncate / NARROW,
+        "disturbance.truncate": NARROW,
+        "clock.duration": LASTS,
+        "metrics.rms_from": 0.0,
+        "metrics.split": LASTS / 2,
+    }
+    start = on_the_path(case.scenario)
+    table = simulate_many(
+        case.scenario, case.law, range(runs), uniform, starts=[start] * runs,
+    )  # fmt: skip
+    return float(table["position_max"].max())
+
+
+def row(case: Case, runs: int) -> str:
+    """One line of the table, in millimetres."""
+    scenario = case.scenario
+    size = scenario.disturbance.std * scenario.disturbance.truncate
+    tube = find_corridor(scenario, case.law)
+    first, beyond = (
+        farthest(scenario, case.law, case.samples, size, times).position for times in (1.0, 1.2)
+    )
+    random = random_runs(case, runs)
+    certified, ratio = "none", "-"
+    if tube.position is not None:
+        certified, ratio = f"{1e3 * tube.position:.2f}", f"{tube.position / first:.2f}"
+        if max(first, random) > tube.position:
+            raise SystemExit(f"{case.words}: a run left the corridor")
+    else:
+        ratio = f"closes up to {size * (tube.closes or math.nan):.2g} N m"
+    left = "yes" if tube.position is not None and beyond > tube.position else "no"
+    return (
+        f"| {case.words} | {certified} | {1e3 * first:.2f} | {ratio} | {1e3 * beyond:.2f} | "
+        f"{left} | {1e3 * random:.2f} |"
+    )
+
+
+def table(runs: int) -> str:
+    """The whole table, and what was run for it."""
+    rows = []
+    for case in CASES:
+        rows.append(row(case, runs))
+        print(rows[-1], flush=True)
+    head = "| case (mm) | certified | adversary | ratio | a fifth beyond | leaves | random |"
+    return "\n".join([
+        head, "|---|---|---|---|---|---|---|", *rows, "",
+        f"The adversary took {16 * len(CASES)} runs, random pushes {runs * len(CASES)} of "
+        f"{LASTS:g} s, whose last quarter is looked at; none left its corridor but those a fifth "
+        "beyond the bound, where it says so.",
+    ])  # fmt: skip
+
+
+def main() -> None:
+    """Print the table, or put it into a page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=20_000, help="random runs of each case")
+    parser.add_argument("--out", type=Path, help="page whose part is renewed")
+    given = parser.parse_args()
+    text = table(given.runs)
+    if given.out:
+        renew(given.out, NAME, text)
+
+
+if __name__ == "__main__":
+    main()

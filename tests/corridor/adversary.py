@@ -1,0 +1,83 @@
+"""An adversary of the tests' own: worst pushes and pose errors, on the loop of `tests.oracle`.
+
+The loop's answer to one push is measured, not derived, and the worst sequence for a direction and
+a time is that of its signs, read backwards.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tests.oracle.auxiliary import tracking_error
+from tests.oracle.loop import _Loop
+from wmr_ctrl.control.setup import settle
+
+TINY = 1e-4
+DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
+
+
+@dataclass(frozen=True)
+class Excursion:
+    """Errors e at all plant steps (N, 3), largest wheel torque, whether a guard changed a force."""
+
+    e: np.ndarray
+    torque: float
+    clipped: bool
+
+    @property
+    def position(self) -> float:
+        """Largest distance from the place on the path [m]."""
+        return float(np.hypot(self.e[:, 0], self.e[:, 1]).max())
+
+
+class Attacked(_Loop):
+    """The oracle's loop from a start on the path, with given pushes and errors of the position."""
+
+    def __init__(self, scenario, law, push, pose=None):
+        setup = settle(scenario, law)
+        clock = replace(scenario.clock, duration=len(push) * scenario.clock.control)
+        scenario = replace(scenario, clock=clock, changes=())
+        super().__init__(scenario, law, vars(setup.gains), vars(setup.kinematics), 0)
+        self.noise, start = push, self.reference(0.0)
+        self.state = (start.x, start.y, start.theta, start.v1, start.v2)
+        if pose is not None:
+            self.sensor.pose_error = pose
+        self.errors = []
+
+    def _plant_step(self, n, torque, noise):
+        acting = super()._plant_step(n, torque, noise)
+        target = self.reference((n + 1) * self.clock.plant)
+        self.errors.append(tracking_error(target, self.state[:3]))
+        return acting
+
+
+def attack(scenario, law, push, pose=None):
+    """The Excursion under wheel torques ``push`` (N, 2) and position errors ``pose`` (N, 2)."""
+    loop = Attacked(scenario, law, push, pose)
+    loop.run(None)
+    columns = loop.log.columns()
+    torque = max(np.abs(columns[name]).max() for name in ("tau_right", "tau_left"))
+    return Excursion(np.array(loop.errors), float(torque), bool(np.any(columns["clip_active"])))
+
+
+def worst_pushes(scenario, law, samples, size):
+    """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way."""
+    steps = scenario.clock.substeps
+    rest = attack(scenario, law, np.zeros((samples, 2))).e[steps - 1 :: steps]
+    answers = []
+    for wheel in (0, 1):
+        push = np.zeros((samples, 2))
+        push[0, wheel] = TINY
+        answers.append(attack(scenario, law, push).e[steps - 1 :: steps] - rest)
+    for ahead, left in DIRECTIONS:
+        signs = [np.sign(ahead * e[::-1, 0] + left * e[::-1, 1]) for e in answers]
+        yield size * np.stack(signs, axis=1)
+
+
+def farthest(scenario, law, samples, size, times=1.0):
+    """The largest of these excursions, pushes being so many times as large as is allowed."""
+    pushes = worst_pushes(scenario, law, samples, size)
+    return max((attack(scenario, law, times * p) for p in pushes), key=lambda x: x.position)

@@ -1,0 +1,114 @@
+"""The corridor against an adversary on the tests' own loop, and what it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import wmr_ctrl.corridor as room
+from tests.corridor.adversary import attack, farthest, worst_pushes
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor import find_corridor
+from wmr_ctrl.corridor.certificate import Certifier
+from wmr_ctrl.scenario import load_scenario, override
+
+EXACT_POSE = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
+SLOW = {**EXACT_POSE, "disturbance.std": 1 / 3}
+CASES = {
+    "prox, 10 ms": ("safe-simulation", "prox", {}, 300, 1.3),
+    "kanayama, 10 ms": ("safe-simulation", "kanayama", {}, 400, 1.3),
+    "prox, 20 ms": ("safe-simulation", "prox", {"clock.control": 0.02}, 150, 1.3),
+    "prox, 100 ms": ("safe-experiment", "prox", SLOW, 60, 1.5),
+}
+"""Preset, law, changes, samples that an attack takes, and how tight the corridor is at least."""
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_no_adversary_leaves_the_corridor_and_some_come_near(case):
+    preset, law, changes, samples, loose = CASES[case]
+    scenario = override(load_scenario(preset), changes)
+    size = scenario.disturbance.std * scenario.disturbance.truncate
+
+    tube = find_corridor(scenario, law)
+    reached = farthest(scenario, law, samples, size)
+
+    assert tube.position / loose <= reached.position <= tube.position
+    assert reached.position == pytest.approx(tube.linear, rel=0.03)
+    assert np.abs(reached.e[:, 2]).max() <= tube.heading
+    assert not reached.clipped
+    assert reached.torque < settle(scenario, law).tau_max
+
+
+def test_a_push_beyond_its_bound_by_a_fifth_leaves_it():
+    scenario = load_scenario("safe-simulation")
+    tube = find_corridor(scenario, "prox")
+
+    assert farthest(scenario, "prox", 300, 3.0, times=1.2).position > tube.position
+
+
+def test_every_peak_holds_for_every_error_at_every_plant_step():
+    """Not the distance alone: each component of the box, under pushes for any direction."""
+    scenario = load_scenario("safe-simulation")
+    certifier = Certifier(settle(scenario, "prox"))
+    box = certifier.tube(certifier.inputs).peaks.fast[:3]
+    each = [np.abs(attack(scenario, "prox", p).e).max(axis=0)
+            for p in worst_pushes(scenario, "prox", 300, 3.0)]  # fmt: skip
+
+    assert (np.max(each, axis=0) <= box).all()
+    assert (np.max(each, axis=0)[:2] >= 0.75 * box[:2]).all()
+
+
+def test_errors_of_the_position_are_counted():
+    scenario = override(load_scenario("safe-simulation"), {"sensor.pose_noise": 1e-3})
+    tube, samples, rng = find_corridor(scenario, "prox"), 200, np.random.default_rng(1)
+    exact = override(scenario, {"sensor.pose_noise": 0.0})
+    pushes = list(worst_pushes(exact, "prox", samples, 3.0))
+    offsets = 1e-3 * rng.choice([-1.0, 1.0], size=(len(pushes), samples, 2))
+    cases = zip(pushes, offsets, strict=True)
+    reached = [attack(scenario, "prox", *case).position for case in cases]
+
+    assert tube.position > find_corridor(exact, "prox").position + 1e-3
+    assert max(reached) <= tube.position
+
+
+REFUSED = {
+    "disturbance.truncate = inf": ("paper-simulation", {}, "prox"),
+    "dead reckoning": ("safe-experiment", {}, "prox"),
+    "circles and lines alone": ("safe-simulation", {"reference.kind": "lemniscate"}, "prox"),
+    "away from their limits": ("safe-simulation", {}, "mb"),
+    "the effect encoder": ("robot-10ms", {}, "prox"),
+    "counts late commands": ("safe-simulation", {"actuator.delay": 0.005}, "prox"),
+    "unstable": ("safe-simulation", {"clock.control": 0.1, "guard.enabled": False}, "prox"),
+    "acts by the heading": ("safe-simulation", {"slope.angle": 0.01}, "prox"),
+    "may grow as large": ("safe-experiment", EXACT_POSE, "prox"),
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_is_not_covered_is_refused_by_name(words):
+    preset, changes, law = REFUSED[words]
+
+    tube = find_corridor(override(load_scenario(preset), changes), law)
+
+    assert tube.position is None
+    assert words in tube.refused
+    assert words in tube.sentence
+
+
+def test_where_none_closes_it_says_for_which_share_one_would():
+    scenario = override(load_scenario("safe-experiment"), EXACT_POSE)
+    closes = find_corridor(scenario, "prox").closes
+
+    with_less = override(scenario, {"disturbance.std": 0.9 * closes})
+    with_more = override(scenario, {"disturbance.std": 1.1 * closes})
+
+    assert find_corridor(with_less, "prox").position is not None
+    assert find_corridor(with_more, "prox").position is None
+
+
+def test_without_ball_arithmetic_it_is_not_checked(monkeypatch):
+    monkeypatch.setattr(room, "find_spec", lambda name: None)
+    room._of.cache_clear()
+
+    assert "NOT_CHECKED" in find_corridor(load_scenario("safe-simulation"), "prox").sentence
+    room._of.cache_clear()

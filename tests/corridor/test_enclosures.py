@@ -1,0 +1,75 @@
+"""What the certificate rests on: balls that hold graphs, gains that hold responses."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import casadi as ca
+import numpy as np
+import pytest
+from flint import arb
+
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.corridor.enclosure import Enclosure, OpenBoxError
+from wmr_ctrl.corridor.gains import loop_gains
+from wmr_ctrl.corridor.inputs import conditions
+from wmr_ctrl.corridor.loop import Curve, SampledLoop
+from wmr_ctrl.scenario import load_scenario
+
+V_D = np.array([0.2, 0.1])
+
+
+@pytest.fixture(scope="module", params=["prox", "kanayama"])
+def loop(request):
+    setup = settle(load_scenario("safe-simulation"), request.param)
+    return SampledLoop(setup, V_D, partial(conditions, setup))
+
+
+def values(curve: Curve, point: np.ndarray) -> np.ndarray:
+    """The curve's graph in doubles."""
+    return np.array([float(x.mid()) for x in curve._value([arb(x) for x in point])])
+
+
+@pytest.mark.parametrize("name", ["law", "step"])
+def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
+    curve, rng = getattr(loop, name), np.random.default_rng(2)
+    size = np.full(len(curve.at), 0.02)
+    bound = curve.remainders(np.outer(size, size)).sum(axis=(1, 2))
+    slopes = np.array([[float(x.mid()) for x in row] for row in curve.slopes()])
+    corners = rng.choice([-1.0, 1.0], size=(200, len(size))) * size
+
+    left = [np.abs(values(curve, curve.at + d) - values(curve, curve.at) - slopes @ d)
+            for d in corners]  # fmt: skip
+
+    assert (np.max(left, axis=0) <= bound + 1e-11).all()
+    assert np.max(left) > 0
+
+
+def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
+    gains = loop_gains(loop)
+
+    assert gains.damping < 1e-3
+    for part in (gains.fast, gains.state, gains.law):
+        assert (part.by >= 0).all()
+        assert np.isfinite(part.by).all()
+
+
+def test_a_condition_that_goes_both_ways_is_not_guessed():
+    x = ca.SX.sym("x")
+    graph = Enclosure("a corner", [x], ca.if_else(x > 0, x, -2 * x))
+
+    assert graph([arb(3)])[0] == 3
+    assert graph([arb(-3)])[0] == 6
+    with pytest.raises(OpenBoxError, match="a corner"):
+        graph([arb(0, 1)])
+
+
+def test_a_graph_in_balls_holds_its_values():
+    x, y, rng = ca.SX.sym("x"), ca.SX.sym("y"), np.random.default_rng(3)
+    expr = ca.vertcat(ca.tanh(x) * ca.exp(-y), ca.sin(x + y) / (2 + ca.cos(x)), ca.sqrt(1 + x * x))
+    graph, plain = Enclosure("some", [x, y], expr), ca.Function("f", [x, y], [expr])
+    box = graph([arb(0.3, 0.2)], [arb(-0.1, 0.3)])
+
+    for a, b in rng.uniform(-1, 1, size=(50, 2)):
+        exact = plain(0.3 + 0.199 * a, -0.1 + 0.299 * b).full().ravel()
+        assert all(ball.contains(arb(value)) for ball, value in zip(box, exact, strict=True))

@@ -1,0 +1,289 @@
+"""Peak gains of the sampled loop, enclosed: how far bounded inputs can push any linear output.
+
+The matrix A of a sample has a ball for each entry, and its powers are taken in as many bits as the
+growth of |A|^k asks for, so that no coordinates need to be block in which the loop is diagonal.
+With q = ||A^K|| < 1 in a weighed norm, which is computed, all that comes after K samples is at most
+q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding added.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, cos, log, log2, pi, sin
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+from numpy.typing import NDArray
+
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.corridor.loop import UP, SampledLoop
+
+BallArray: TypeAlias = NDArray[np.object_]
+"""Balls in an array, whose products are enclosures."""
+LEFT, FAINTEST = 1e-6, 0.1
+"""Size of A^K at which the sums end, and the largest with which they may end."""
+MOST_SAMPLES, MOST_BITS = 12_000, 30_000
+SPARE_BITS = 320
+EXACT, NOTHING = 2.0**-53, 1e-60
+"""A ball's double is off by this share and this much at most, which is checked."""
+LARGEST, FLOOR = 1e9, 1e-20
+"""Largest double of a matrix; what NOTHING comes to in 1e7 products of three of them at most."""
+ROUNDING = 1e-13
+"""Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
+DIRECTIONS = 16
+PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]
+
+
+class SlowLoopError(ArithmeticError):
+    """The loop does not come to rest within the samples and bits that are spent."""
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Largest rows for inputs of size 1 in every sample, whatever their signs.
+
+    ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
+    errors of e3, v1 and omega as measured.
+    ``steps``: by what a plant step leaves, in every one.  ``start``: by the first state, ever.
+    """
+
+    by: Floats
+    steps: Floats
+    start: Floats
+
+
+@dataclass(frozen=True)
+class LoopGains:
+    """Gains of the fast state at all plant steps, of the state at samples, of the law's outputs.
+
+    Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
+    difference of its first with ``ratios`` times its second.  ``damping`` is q, over ``samples``.
+    """
+
+    fast: Gains
+    state: Gains
+    law: Gains
+    ratios: Floats
+    damping: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of outputs: of the state, directly of each input, and of plant steps of the sample."""
+
+    picked: Floats
+    state: Floats
+    push: Floats
+    law: Floats
+    measured: Floats
+    steps: Floats
+
+
+class _Sample:
+    """Matrices of one sample in balls, in the precision that is set.
+
+    The state is fast state, commands sent, memory, what acts; the law's outputs its command, next
+    memory, what acts, and the conditions' values.
+    """
+
+    def __init__(self, loop: SampledLoop) -> None:
+        """x' = free x + outputs l + push d with l = law x; the same for the fast state within."""
+        nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
+        self.n = n = nz + nq + nm + na
+        slopes, step = (np.array(curve.slopes(), dtype=object) for curve in (loop.law, loop.step))
+        self.law = _balls(len(slopes), n)
+        order = [
+            *range(ROBOT),
+            *range(nz + nq, nz + nq + nm),
+            *range(nz, nz + nq),
+            *range(n - na, n),
+        ]
+        self.law[:, order] = slopes
+        self.seen = slopes[:, :ROBOT]
+        self.step = step[:, :nz]
+        behind, rest = divmod(loop.late, loop.steps)
+        ages = [np.hstack([_balls(COMMAND, n), _eye(COMMAND)])]
+        for age in range(loop.queue):
+            at = nz + COMMAND * age
+            ages.append(np.hstack([_balls(COMMAND, at), _eye(COMMAND), _balls(COMMAND, n - at)]))
+        now = np.hstack([_eye(nz), _balls(nz, n - nz + COMMAND)])
+        pushed, self.fast, self.pushed = _balls(nz, COMMAND), [], []
+        for s in range(loop.steps):
+            self.fast.append(now)
+            self.pushed.append(pushed)
+            now = self.step @ now + step[:, nz : nz + COMMAND] @ ages[behind + (s < rest)]
+            pushed = self.step @ pushed + step[:, nz + COMMAND :]
+        sent = [row for age in ages[: loop.queue] for row in age]
+        rows = np.vstack([now, *sent, _balls(nm + na, n + COMMAND)])
+        self.push = np.vstack([pushed, _balls(n - nz, COMMAND)])
+        self.outputs = _balls(n, len(slopes))
+        self.outputs[:, :COMMAND] = rows[:, n:]
+        self.outputs[nz + nq :, COMMAND : COMMAND + nm + na] = _eye(nm + na)
+        self.A = rows[:, :n] + self.outputs @ self.law
+
+    def rows_within(self, s: int, picked: Floats) -> _Rows:
+        """Rows of the fast state after ``s`` plant steps of a sample."""
+        command = self.fast[s][:, self.n :]
+        whole = self.fast[s][:, : self.n] + command @ self.law[:COMMAND]
+        law = np.zeros((len(picked), len(self.law)))
+        law[:, :COMMAND] = _sizes(picked, _doubles(command))
+        steps, power = np.zeros((len(picked), len(self.step))), _eye(len(self.step))
+        for _ in range(s):
+            steps, power = steps + _sizes(picked, _doubles(power)), self.step @ power
+        push, seen = self.pushed[s], command @ self.seen[:COMMAND]
+        return _Rows(
+            picked, _doubles(whole), _sizes(picked, _doubles(push)), law,
+            _sizes(picked, _doubles(seen)), steps,
+        )  # fmt: skip
+
+
+def loop_gains(loop: SampledLoop) -> LoopGains:
+    """All gains of a loop; SlowLoopError where it is unstable or too slow to be enclosed."""
+    with ctx.workprec(SPARE_BITS):
+        rough = _doubles(_Sample(loop).A)
+    samples, growth = _samples(rough)
+    bits = SPARE_BITS + ceil(samples * log2(max(growth, 1.0)))
+    if bits > MOST_BITS:
+        raise SlowLoopError(f"its matrix would take {bits} bits")
+    with ctx.workprec(bits):
+        return _summed(_Sample(loop), loop, samples)
+
+
+def _samples(a: Floats) -> tuple[int, float]:
+    """Samples until A^K is small, and the growth of |A|^k: estimates, nothing rests on them."""
+    damping, growth = (float(np.abs(np.linalg.eigvals(m)).max()) for m in (a, np.abs(a)))
+    samples = ceil(log(LEFT) / log(damping)) + 2 * len(a) if 0 < damping < 1 else MOST_SAMPLES + 1
+    if samples > MOST_SAMPLES:
+        raise SlowLoopError(f"its largest pole is {damping:.4g}")
+    return samples, growth
+
+
+def _summed(sample: _Sample, loop: SampledLoop, samples: int) -> LoopGains:
+    n, nz = sample.n, len(loop.names)
+    A, power, powers = arb_mat(sample.A.tolist()), arb_mat(_eye(n).tolist()), []
+    for _ in range(samples):
+        powers.append(_doubles(np.array(power.tolist(), dtype=object)))
+        power = A * power
+    inputs = np.hstack([sample.push, sample.outputs, sample.outputs @ sample.seen])
+    every = np.hstack([np.eye(n), _doubles(inputs)])
+    course = np.array(powers) @ every
+    scale = np.abs(course[:, :, n : n + COMMAND]).sum(axis=(0, 2))
+    scale = scale + 1e-9 * scale.max()
+    left = np.abs(_doubles(np.array(power.tolist(), dtype=object)))
+    damping = float((left @ scale / scale).max()) * UP
+    if damping > FAINTEST:
+        raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
+    ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
+    picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
+    sums = _Sums(course, np.abs(np.array(powers)).sum(axis=0), np.abs(every), scale, damping, n)
+    apart = sum(
+        (np.abs(_doubles(item - _eye(nz))) for item in _powers(sample.step, loop.steps)),
+        start=np.zeros((nz, nz)),
+    )
+    sums.steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
+    within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
+    shown = _doubles(sample.law)
+    count = len(shown)
+    none = {"push": blank[:, :COMMAND], "measured": np.zeros((n, ROBOT)), "steps": blank[:, :nz]}
+    state = _Rows(np.eye(n), np.eye(n), law=np.zeros((n, count)), **none)
+    law = _Rows(
+        np.eye(count), shown, np.zeros((count, COMMAND)), np.eye(count),
+        np.abs(_doubles(sample.seen)) * UP, np.zeros((count, nz)),
+    )  # fmt: skip
+    return LoopGains(_largest(within), sums.gains(state), sums.gains(law), ratios, damping, samples)
+
+
+@dataclass
+class _Sums:
+    """The loop's course from each input's unit, (samples, n, inputs), and sums over it."""
+
+    course: Floats
+    powers: Floats
+    inputs: Floats
+    scale: Floats
+    damping: float
+    n: int
+    steps: Floats = None  # type: ignore[assignment]
+
+    def gains(self, rows: _Rows) -> Gains:
+        """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct."""
+        size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
+        seen = np.abs(rows.picked @ rows.state @ self.course)
+        slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
+        reach = size @ self.scale
+        norms = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
+        tail = np.outer(reach, norms.sum(axis=0)) * self.damping / (1 - self.damping)
+        later = np.outer(reach, norms.max(axis=0)) * self.damping
+        direct = np.hstack([rows.push, rows.law, rows.measured])
+        disc = [-ROBOT, 1 - ROBOT]
+        for part in (seen, direct):
+            part[..., disc[0]] = np.hypot(part[..., disc[0]], part[..., disc[1]])
+        for part in (slack, tail):
+            part[..., disc[0]] += part[..., disc[1]]
+        for part in (seen, slack, tail, direct):
+            part[..., disc[1]] = 0.0
+        every = (seen.sum(axis=0) + slack + tail) * UP
+        start = np.maximum(seen[:, :, :n].max(axis=0) + slack[:, :n], later[:, :n]) * UP
+        steps = (every[:, :n] @ self.steps + rows.steps) * UP
+        return Gains((every[:, n:] + direct) * UP, steps, start)
+
+
+def _fast_rows(nz: int, ratios: Floats) -> Floats:
+    """Elements of the fast state, directions of (e1, e2), sums and differences of pairs."""
+    turns = [k * pi / DIRECTIONS for k in range(DIRECTIONS)]
+    rows = [*np.eye(nz), *(_row(nz, (0, cos(t)), (1, sin(t))) for t in turns)]
+    for (a, b), ratio in zip(PAIRS, ratios, strict=True):
+        rows += [_row(nz, (a, 1.0), (b, sign * ratio)) for sign in (1, -1)]
+    return np.array(rows)
+
+
+def _row(size: int, *entries: tuple[int, float]) -> Floats:
+    row = np.zeros(size)
+    for place, value in entries:
+        row[place] = value
+    return row
+
+
+def _largest(each: list[Gains]) -> Gains:
+    by, steps, start = (
+        np.max([getattr(item, name) for item in each], axis=0) for name in ("by", "steps", "start")
+    )
+    return Gains(by, steps, start)
+
+
+def _powers(matrix: BallArray, count: int) -> list[BallArray]:
+    """The first powers of a matrix, from the 0th on."""
+    listed = [_eye(len(matrix))]
+    while len(listed) < count:
+        listed.append(matrix @ listed[-1])
+    return listed
+
+
+def _sizes(picked: Floats, block: Floats) -> Floats:
+    return np.abs(picked @ block) + ROUNDING * np.abs(picked) @ np.abs(block)
+
+
+def _balls(rows: int, columns: int) -> BallArray:
+    block = np.empty((rows, columns), dtype=object)
+    block[...] = arb(0)
+    return block
+
+
+def _eye(size: int) -> BallArray:
+    block = _balls(size, size)
+    for k in range(size):
+        block[k, k] = arb(1)
+    return block
+
+
+def _doubles(balls: BallArray) -> Floats:
+    """Midpoints; SlowLoopError where a ball is wider than what sums allow for."""
+    flat = balls.ravel()
+    middle = np.array([float(item.mid()) for item in flat])
+    wide = np.array([float(item.rad()) for item in flat])
+    tight = wide <= EXACT * np.abs(middle) + NOTHING
+    if not (tight & (np.abs(middle) < LARGEST)).all():
+        raise SlowLoopError("its matrix takes more bits than were estimated")
+    return middle.reshape(balls.shape)

@@ -1,0 +1,145 @@
+"""Bounded inputs of the loop, and what must not be reached: from the scenario's effects and guard.
+
+What has no bound here, or no place in the loop that is certified, is refused by name.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.checks.world import Floats
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.loop import AXES, Condition
+from wmr_ctrl.guard.bounds import aim, net, pair_of
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.world.delay import DELAY
+from wmr_ctrl.world.effect import Effect, EffectRole, Rate
+from wmr_ctrl.world.lag import LAG, Lag
+from wmr_ctrl.world.pose_sensor import POSE_SENSOR, PoseSensor
+from wmr_ctrl.world.references.kind import reference
+from wmr_ctrl.world.torque_noise import TORQUE_NOISE_EFFECT, TorqueNoise
+from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
+
+
+class NoCorridorError(ArithmeticError):
+    """Why there is no certificate, as a clause."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Sizes that are never exceeded.
+
+    ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: distance of the measured
+    position from the true one [m]; ``velocity``: error of each measured velocity (2).
+    """
+
+    push: Floats
+    pose: float
+    velocity: Floats
+
+    def scaled(self, share: float) -> Inputs:
+        """All of them, so many times as large."""
+        return Inputs(share * self.push, share * self.pose, share * self.velocity)
+
+    @property
+    def any(self) -> bool:
+        """True where anything disturbs."""
+        return bool(self.push.any() or self.pose or self.velocity.any())
+
+
+def bounded_inputs(setup: Setup) -> Inputs:
+    """The inputs of a setup; NoCorridorError for what has no bound or no place here."""
+    scenario = setup.scenario
+    push, acting = np.zeros(2), [item for item in setup.effects if item.active(scenario)]
+    for effect in acting:
+        if effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.SAMPLE:
+            push = push + _push(effect, setup)
+        elif effect not in (VELOCITY_NOISE, POSE_SENSOR, DELAY, LAG) and not _in_the_step(effect):
+            raise NoCorridorError(f"the loop with the effect {effect.title} is not covered")
+    if scenario.section(Lag).lag_spread > 0:
+        raise NoCorridorError("actuator.lag_spread > 0: a lag that varies is not covered")
+    if len(surroundings(scenario).headings) > 1:
+        raise NoCorridorError("what acts by the heading, such as a slope, is not covered")
+    sensor, period = scenario.section(PoseSensor), scenario.clock.control
+    if sensor.pose_period > period * (1 + 1e-9) or sensor.correction < 1 or sensor.pose_dropout > 0:
+        raise NoCorridorError(
+            "[sensor]: poses that are rare, lost or corrected in part, with dead reckoning in "
+            "between, are not covered"
+        )
+    pose = math.sqrt(2.0) * sensor.pose_noise * (1 + 1e-15)
+    return Inputs(push, pose, np.array(scenario.section(VelocityNoise).velocity_noise))
+
+
+def _in_the_step(effect: Effect) -> bool:
+    """True for what is part of a plant step's graph: a disturbance at its rate."""
+    return effect.role is EffectRole.DISTURBANCE and effect.rate is Rate.STEP
+
+
+def _push(effect: Effect, setup: Setup) -> Floats:
+    """Largest torque of an effect on each wheel (2) [N m]."""
+    scenario, robot = setup.scenario, setup.scenario.robot
+    if effect is TORQUE_NOISE_EFFECT:
+        noise = scenario.section(TorqueNoise)
+        if math.isinf(noise.truncate):
+            raise NoCorridorError("disturbance.truncate = inf: the push has no bound")
+        return np.full(2, noise.std * noise.truncate)
+    bound = effect.bounded(scenario)
+    if bound is None or bound.void:
+        why = "no bound is known of it" if bound is None else bound.void.rstrip(".")
+        raise NoCorridorError(f"the effect {effect.title}: {why}")
+    wheel = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), ca.SX(ca.DM(bound.dbar)))
+    return np.full(2, float(ca.evalf(wheel[0]))) * (1 + 1e-15)
+
+
+def steady_motion(setup: Setup) -> Floats:
+    """Desired velocity (2) of a circle or a line; NoCorridorError for a path that changes it."""
+    system = reference(setup.scenario)
+    v_d, rates = (ca.vertcat(*(item.expr for item in part))
+                  for part in (system.outputs[3:5], system.outputs[5:]))  # fmt: skip
+    changing = ca.vertcat(system.u, system.x)
+    if ca.depends_on(v_d, changing) or not rates.is_zero():
+        raise NoCorridorError(
+            "the desired velocity changes along the path: circles and lines alone are covered"
+        )
+    return np.asarray(system.function("v_d", [v_d])([0.0] * system.u.numel(), system.x0, system.p0)
+                      ).ravel()  # fmt: skip
+
+
+def conditions(setup: Setup, force: ca.SX, v: ca.SX) -> list[Condition]:
+    """Sizes with which neither the wheels' limit nor the guard changes an asked ``force`` (2)."""
+    return [*_within_torque(setup, force), *_within_guard(setup, force, v)]
+
+
+def _within_torque(setup: Setup, force: ca.SX) -> Iterator[Condition]:
+    robot = setup.scenario.robot
+    torque = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force)
+    if math.isfinite(setup.tau_max):
+        for i, side in enumerate(("right", "left")):
+            yield Condition(f"the torque of the {side} wheel", torque[i], ca.SX(setup.tau_max))
+
+
+def _within_guard(setup: Setup, force: ca.SX, v: ca.SX) -> Iterator[Condition]:
+    """The guard's own ceiling and floor, see `guard.ceiling` (ledger: corridor.guard)."""
+    scenario, guard = setup.scenario, setup.guard
+    if not scenario.guard.enabled:
+        return
+    if any(item.most or item.mixed for item in guard.lateness(scenario.clock)):
+        raise NoCorridorError(
+            "the guard counts late commands or velocities, and whether it acts then is not covered"
+        )
+    masses, errors = pair_of(guard.M_min), pair_of(guard.nbar)
+    for i, axis in enumerate(AXES):
+        slope, top, left = masses[i] * (guard.alpha or 0.0), aim(scenario, guard, i), net(guard, i)
+        sizes = {
+            f"the guard's ceiling ({axis})": (force[i] + slope * v[i], top - errors[i]),
+            f"the guard's largest force ({axis})": (force[i], top - guard.f_speed[i]),
+            f"the guard's safe point ({axis})": (slope * v[i], top - errors[i]),
+        }
+        for name, (value, room) in sizes.items():
+            yield Condition(name, value, ca.SX(slope * room - left))

@@ -1,0 +1,196 @@
+"""The sampled loop around its reference as two graphs: the law a sample, the robot a plant step.
+
+Both are the graphs that loops are compiled from (`wmr_ctrl.checks.world`, a law's ``inside``), in
+error coordinates, each with its slopes and second derivatives in balls.  In them
+
+    command, memory  = law(e, v, memory, commands sent)        at a sample
+    e, v, drives     = step(e, v, drives, command, push)       at every plant step
+
+and both are their values on the reference, a linear part, and a remainder of second order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+from flint import arb
+
+from wmr_ctrl.checks.loop import Loop
+from wmr_ctrl.checks.surroundings import surroundings
+from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
+from wmr_ctrl.control.applied import followed, remembered
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.corridor.enclosure import Balls, Enclosure, upper
+from wmr_ctrl.laws.context import LawContext
+from wmr_ctrl.model.dynamics import force_to_wheel
+from wmr_ctrl.model.system import System, port, stack
+from wmr_ctrl.scenario import Robot
+from wmr_ctrl.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
+from wmr_ctrl.world.delay import delay_in_periods
+
+AXES = ("linear", "angular")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Something of which |value| <= most keeps the loop's graphs what they are."""
+
+    name: str
+    value: ca.SX
+    most: ca.SX
+
+
+Asked = Callable[[ca.SX, ca.SX], list[Condition]]
+"""Conditions on the force that the law asks for (2) and the velocity that is measured (2)."""
+
+
+UP = 1.0 + 1e-11
+"""Sums of up to 2e4 doubles that are not negative, in whatever order, err by less."""
+
+
+class Curve:
+    """A graph near a point: its values there, its slopes, and second derivatives over a box."""
+
+    def __init__(self, name: str, by: ca.SX, output: ca.SX, at: Floats) -> None:
+        """Differentiate ``output`` by ``by`` near ``at``."""
+        self.at, self.size = at, output.numel()
+        slope = ca.jacobian(output, by)
+        self._value = Enclosure(name, [by], ca.densify(output))
+        self._slope = Enclosure(f"the slope of {name}", [by], slope)
+        bent = ca.jacobian(slope.nz[:], by)
+        self._bend = Enclosure(f"the bend of {name}", [by], bent)
+        first = self._slope.pattern
+        self.bends = [(first[k][0], first[k][1], j) for k, j in self._bend.pattern]
+
+    def value(self) -> Balls:
+        """Values at the point."""
+        return self._value([arb(x) for x in self.at])
+
+    def slopes(self) -> list[list[arb]]:
+        """Jacobian at the point, in the precision that is set."""
+        rows = [[arb(0)] * len(self.at) for _ in range(self.size)]
+        point = [arb(x) for x in self.at]
+        for (i, j), value in zip(self._slope.pattern, self._slope(point), strict=True):
+            rows[i][j] = value
+        return rows
+
+    def remainders(self, products: Floats) -> Floats:
+        """Sizes (outputs, n, n) of what the linear part leaves of each output, by pairs of inputs.
+
+        ``products`` (n, n): the largest products of two inputs' deviations from the point, squares
+        of the box's sizes on the diagonal.  OpenBoxError where the box crosses a condition.
+        """
+        peaks = np.sqrt(np.diag(products)) * UP
+        box = [arb(x, r) for x, r in zip(self.at.tolist(), peaks.tolist(), strict=True)]
+        sizes = np.zeros((self.size, *products.shape))
+        for place, bend in zip(self.bends, self._bend(box), strict=True):
+            sizes[place] = 0.5 * upper(bend) * products[place[1:]] * UP
+        return sizes
+
+
+class SampledLoop:
+    """A law's loop on the reference.
+
+    ``law``: of (e, v, memory, sent, acting) its command, next memory, what acts, and conditions'
+    values; ``step``: of the fast state, command and push the fast state a plant step later.
+    ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
+    """
+
+    def __init__(self, setup: Setup, v_d: Floats, asked: Asked) -> None:
+        """Compose the graphs; ``asked``: conditions on the asked force and measured velocity."""
+        scenario, clock, robot = setup.scenario, setup.scenario.clock, setup.scenario.robot
+        self.setup, self.steps = setup, clock.substeps
+        self._asked = asked
+        inner = replace(setup, law=replace(setup.control_law, build=self._inside))
+        loop, around = Loop(inner), surroundings(scenario)
+        point = loop.on_reference(tuple(map(float, v_d)))
+        world = around.worlds(clock.control)[0][1]
+        self.names = world.names
+        torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
+        fast = np.concatenate((point.s, *(
+            torque if item.signal.unit == TORQUE[0].unit else item.value for item in world.fast[5:]
+        )))  # fmt: skip
+        z, u, push = (ca.SX.sym(name, n) for name, n in (("z", len(fast)), ("u", 2), ("d", 2)))
+        held = ca.vertcat(
+            force_to_wheel(*_wheels(robot), u), push, ca.SX.zeros(world.held - 2 * COMMAND)
+        )
+        numbers = ca.DM(around.numbers(world, clock.control, clock.plant, None))
+        after = world.step(
+            0, z, z[2], held, numbers, ca.DM(v_d)
+        )  # seen by the robot: its theta = 0
+        at = np.concatenate((fast, point.force, np.zeros(COMMAND)))
+        self.step = Curve("the robot", ca.vertcat(z, u, push), after, at)
+        drives = scenario.actuator
+        late = drives.delay + drives.unmodelled_delay
+        self.late = int(np.floor(late / clock.plant + 0.5))
+        self._compose_law(loop, point.memory, point.force)
+
+    def _inside(self, context: LawContext) -> System:
+        """The law away from its limits, with the conditions' values and sizes as further memory."""
+        inside = self.setup.control_law.inside
+        assert inside is not None
+        law = inside(context)
+        self.conditions = self._asked(law.system.outputs[0].expr, context.v) + [
+            Condition(f"{name} ({axis})", value[i], most[i])
+            for name, (value, most) in law.within.items()
+            for i, axis in enumerate(AXES)
+        ]
+        values = stack(item.value for item in self.conditions)
+        most = stack(ca.SX(item.most) for item in self.conditions)
+        seen = port(Signal("conditions", "1", "values and sizes of conditions", 2 * most.numel()))
+        update = ca.vertcat(law.system.update, values, most)
+        return replace(law.system, state=(*law.system.state, seen), update=update)
+
+    def _compose_law(self, loop: Loop, memory: Floats, rest: Floats) -> None:
+        setup, scenario, core = self.setup, self.setup.scenario, loop.core
+        period = scenario.clock.control
+        self.count = len(self.conditions)
+        self.memory = len(memory) - 2 * self.count
+        whole, part = delay_in_periods(scenario)
+        asked = [item.signal for item in remembered(core)]
+        ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
+        reach = whole + (part > 0) + 1 if TAU_APPLIED in asked else 0
+        behind, left = divmod(self.late, self.steps)
+        self.queue = max(reach, setup.predicted, behind + (left > 0))
+        lag = scenario.actuator.lag
+        self.acting = COMMAND if lag > 0 and TAU_APPLIED in asked else 0
+        s, own = ca.SX.sym("s", ROBOT), ca.SX.sym("memory", self.memory)
+        sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
+        queue = ca.vertsplit(sent, COMMAND) if self.queue else []
+        forces, end = [], acting
+        for signal in asked:
+            if signal == TAU_APPLIED:
+                decay = np.exp(-scenario.clock.plant / lag) if lag else 0.0
+                late = whole, part, self.steps
+                start = acting if self.acting else ca.SX.zeros(COMMAND)
+                value, last = followed(queue, late, start, ca.SX(decay))
+                end = last if self.acting else acting
+            else:
+                value = queue[ages[signal] - 1]
+            forces.append(value)
+        given = ca.vertcat(own, ca.SX.zeros(2 * self.count))
+        v_d = ca.DM(self.step.at[3:ROBOT])
+        numbers = ca.DM(loop.parameters(period))
+        force, following = loop.act(s, v_d, ca.DM.zeros(2), given, ca.vertcat(*forces), numbers)
+        by = ca.vertcat(s, own, sent, acting)
+        sizes = following[self.memory + self.count :]
+        values = following[: self.memory + self.count]
+        output = ca.vertcat(force, values[: self.memory], end, values[self.memory :])
+        at = np.concatenate((
+            self.step.at[:ROBOT], memory[: self.memory], np.tile(rest, self.queue),
+            rest[: self.acting],
+        ))  # fmt: skip
+        self.remains = np.concatenate((rest, memory[: self.memory], rest[: self.acting]))
+        self.law = Curve("the law", by, output, at)
+        self.most = Curve("the limits", by, sizes, at).value()
+
+
+def _wheels(robot: Robot) -> tuple[ca.SX, ca.SX]:
+    return ca.SX(robot.r), ca.SX(robot.l)
+
+
+def _numbers(value: ca.SX) -> Floats:
+    return np.asarray(ca.evalf(value), dtype=float).ravel()

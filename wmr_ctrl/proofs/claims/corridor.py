@@ -1,0 +1,117 @@
+"""What the certified corridor takes for granted of laws, guard and wheels off their limits.
+
+Each condition that is checked for a scenario leaves the graph as `wmr_ctrl.corridor` reads it.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from wmr_ctrl.guard.guard import MAPS, Bounds, guarded
+from wmr_ctrl.laws.kanayama import cut
+from wmr_ctrl.laws.prox import carried_plainly, mixture
+from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.guard_axis import NUMBERS
+from wmr_ctrl.proofs.claims.prox import FORMS, Step
+from wmr_ctrl.proofs.methods.spec import Z3
+from wmr_ctrl.proofs.statement import Statement, above, at_least, equal, symbols
+
+claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "corridor.prox{key}",
+    given="0 < v_u2 < v_u1, 0 < E < 1; v* = v + c_m - c",
+    premises="transport.plain{key} prox.linear{key}",
+    over=FORMS,
+)
+def prox(mutation: Mutation, smooth: bool) -> Statement:
+    """|v+| <= v_u2 implies that the law's step is the one that its corridor counts on ({words}).
+
+    Away from the limits the step is a mixture of where the velocity is carried and the target.
+    """
+    s = Step(smooth)
+    t, carried = s.inputs, s.free["carried"]
+    plainly = carried_plainly(t["v"], t["c"], t["followed"])
+    after = mixture(plainly, t["target"], s.shares)
+    given = (
+        equal(carried, plainly), above(1e100, t["u2"]),
+        *(at_least(t["u2"], way * after) for way in (1, -1)),
+    )  # fmt: skip
+    return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
+
+
+@claim("corridor.kanayama", given="every limit >= 0")
+def kanayama(mutation: Mutation) -> Statement:
+    """|value| <= limit on both axes implies that the cut leaves the value.
+
+    Within its limits the command is not cut.
+    """
+    t = symbols("a b A B", "A B")
+    values, most = ca.vertcat(t["a"], t["b"]), ca.vertcat(t["A"], t["B"])
+    left = cut(values, most)
+    within = (at_least(mutation(1, 2) * most[i], ca.fabs(values[i])) for i in (0, 1))
+    plain = (at_least(t["A"]), at_least(t["B"]))
+    return Statement(t, tuple(equal(left[i], values[i]) for i in (0, 1)), (*plain, *within))
+
+
+@claim("corridor.guard", given="no late command; M_min alpha > 0, brake >= 0, dbar >= f_min")
+def guard(mutation: Mutation) -> Statement:
+    """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
+    imply that the guard leaves F, and that its safe point is 0.
+
+    On these conditions the law drives as if there were no guard.
+    """
+    t = symbols(f"{NUMBERS} y force", NUMBERS)
+    bounds = Bounds(**{name: t[name] for name in NUMBERS.split()})
+    slope, net = t["M_min"] * t["alpha"], bounds.net
+    near, far = (slope * (t["u1"] - t[name]) - net for name in ("nbar", "f_speed"))
+    sizes = ((t["force"] + slope * t["y"], near), (slope * t["y"], near), (t["force"], far))
+    held = guarded(ca.vertcat(t["force"], 0), ca.vertcat(t["y"], 0), bounds)
+    given = (
+        *(above(t[name]) for name in ("M_min", "M_max", "alpha", "period", "u1")),
+        *(at_least(t[name]) for name in ("nbar", "f_speed", "brake")), at_least(net),
+        *(at_least(most, mutation(1, 0.5) * ca.fabs(size)) for size, most in sizes),
+    )  # fmt: skip
+    return Statement(t, (equal(held.force[0], t["force"]), equal(held.safe[0])), given)
+
+
+@claim(
+    "corridor.wheels-{key}",
+    given="r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard",
+    over=({"key": "linear-first"}, {"key": "rotation-first"}),
+)
+def wheels(mutation: Mutation, key: str) -> Statement:
+    """Torques within tau_max on both wheels imply that the map ({key}) leaves the force.
+
+    On this condition the wheels' limit does not act.
+    """
+    t = symbols("force moment r half tau", "r half tau")
+    force = ca.vertcat(t["force"], t["moment"])
+    torque = force_to_wheel(t["r"], t["half"], force)
+    phi = full_thrust(t["r"], t["tau"])
+    mapped = MAPS[key](force, phi, t["half"], ca.SX.zeros(2))
+    given = (
+        *(above(t[name]) for name in ("r", "half", "tau")),
+        *(at_least(mutation(1, 2) * t["tau"], ca.fabs(torque[i])) for i in (0, 1)),
+    )
+    return Statement(t, tuple(equal(mapped[i], force[i]) for i in (0, 1)), given)
+
+
+@claim("corridor.product", given="ratio > 0")
+def product(mutation: Mutation) -> Statement:
+    """|a + ratio b| <= P and |a - ratio b| <= Q imply 4 ratio |a b| <= max(P^2, Q^2).
+
+    The largest product of two errors follows from how large sums of them get.
+    """
+    t = symbols("a b P Q ratio", "P Q ratio")
+    sums = (t["a"] + t["ratio"] * t["b"], t["a"] - t["ratio"] * t["b"])
+    given = (
+        above(t["ratio"]),
+        at_least(t["P"], ca.fabs(sums[0])),
+        at_least(t["Q"], ca.fabs(sums[1])),
+    )
+    largest = ca.fmax(t["P"] * t["P"], t["Q"] * t["Q"])
+    size = mutation(4, 5) * t["ratio"] * ca.fabs(t["a"] * t["b"])
+    return Statement(t, (at_least(largest, size),), given)
