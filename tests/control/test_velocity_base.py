@@ -140,6 +140,23 @@ def test_the_filter_keeps_the_limit_that_a_law_alone_breaks() -> None:
         assert (held["v_command"] <= held["v_asked"][:, 0] + 1e-12).all()
 
 
+def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then() -> None:
+    """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
+    base = {"kind": "velocity", "tau": [0.2, 0.2], "gain": [1.1, 1.1]}
+    reach = -0.001 / math.expm1(-0.001 / 0.2)
+    d = [reach * 10.0 / 50.0, reach * 1.0 / 5.4]
+    far = {**GOVERNED, "base": base, "initial.pose": [-4.0, -4.0, -0.7]}
+    far |= {"disturbance.push": [10.0, 1.0], "gains.kanayama.share": 1.0}
+    for kind in ("clip", "governor"):
+        held = {**GOVERNED["filter"], "kind": kind, "d": d}
+        run = wmr_ctrl.simulate(based({**far, "filter": held}), "kanayama")
+        assert run.monitor.violations == 0
+        assert run.monitor.max_abs_v[0] == pytest.approx(1.0, abs=1e-4)
+    less = {**GOVERNED["filter"], "d": [0.999 * d[0], d[1]]}
+    with pytest.raises(ScenarioError, match=r"filter\.d\[1\]"):
+        settle(based({**far, "filter": less}), "kanayama")
+
+
 OVERSHOOTING: Mapping[str, Any] = {
     **VELOCITY,
     "base": {"kind": "velocity", "loop": "pi"},

@@ -170,14 +170,15 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
 def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
     """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
 
-    Those of a first-order loop, whose friction is made up for: d = tau f/M + K times the error.
+    Those of a first-order loop, whose friction is made up for: d = s f/M + K times the error, with
+    s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
     """
     if not has_loop(scenario, "first-order"):
         return 0.0, 0.0
-    base, mass = scenario.base, min(phase.m for phase in phases(scenario))
+    base, h, mass = scenario.base, scenario.clock.plant, min(phase.m for phase in phases(scenario))
     inertia = min([scenario.robot.I, *(c.I for c in scenario.changes if c.I is not None)])
     linear, angular = (
-        base.tau[axis] * bound.dbar[axis] / (mass, inertia)[axis]
+        -h / math.expm1(-h / base.tau[axis]) * bound.dbar[axis] / (mass, inertia)[axis]
         + base.gain[axis] * bound.command[axis]
         for axis in (0, 1)
     )

@@ -6,7 +6,7 @@ friction; held over a plant step h, its force takes the speed to where a first o
     F = M (K u - v)/s + F1(v),      s = h/(1 - exp(-h/tau)),
 
 but for the change of the friction within the step, which pulls against every change of the speed.
-A push f ends at the speed d = tau f/M.
+A push f ends at the speed d = s f/M.
 """
 
 from __future__ import annotations
