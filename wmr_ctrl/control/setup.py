@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.fields.section import Section, build, number_of, numbers_in
-from wmr_ctrl.filter.clip import derived_numbers
+from wmr_ctrl.filter.filter import derived_numbers
 from wmr_ctrl.filter.hypotheses import check_velocity_base
 from wmr_ctrl.guard.bounds import GuardNumbers, assumptions, derived_guard
 from wmr_ctrl.guard.contradictions import (

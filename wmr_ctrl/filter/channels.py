@@ -31,6 +31,7 @@ TINY = 1e-30
 """Room of a limit that is used up [m/s], so that no share is 0/0."""
 
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
+DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
 FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
 
 LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND = 1, 2, 4, 8, 16, 32

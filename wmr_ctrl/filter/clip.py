@@ -11,6 +11,7 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.filter.channels import (
+    DELTA,
     FLAGS,
     SENT,
     UNSOUND,
@@ -29,19 +30,6 @@ from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.signals import ASKED, Signal
 
 PEAK_GAIN = Signal("filter.peak_gain", "1", "largest speed that commands of at most 1 lead to", 2)
-DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
-
-
-def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
-    """Parameters of a clip that no field states, by name: peak gains and what pushes lead to."""
-    settings = scenario.filter
-    if settings.kind != "clip" or settings.loop == "first-order":
-        return {}
-    peaks = peak_gains(scenario)
-    return {
-        PEAK_GAIN.name: (PEAK_GAIN, tuple(item.gain for item in peaks)),
-        DELTA.name: (DELTA, tuple(item.push for item in peaks)),
-    }
 
 
 class Clip:
@@ -54,7 +42,9 @@ class Clip:
             self.p = Parameters(scenario)
             numbers = stated(self.p)
         else:
-            N, delta = (port(*item) for item in derived_numbers(scenario).values())
+            peaks = peak_gains(scenario)
+            N = port(PEAK_GAIN, [item.gain for item in peaks])
+            delta = port(DELTA, [item.push for item in peaks])
             self.p = Parameters(scenario, (N, delta))
             numbers = N.sym, N.sym, delta.sym
         self.channels: list[Channel] = channels_of(scenario, self.p, numbers, ca.SX(0))

@@ -6,19 +6,23 @@ both axes scaled by one factor, so that the path keeps its curvature, or each by
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.arguments import checks_arguments
+from wmr_ctrl.fields.section import quantities
+from wmr_ctrl.filter.band import BandGovernor
 from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, ROUNDING
 from wmr_ctrl.filter.clip import Clip
 from wmr_ctrl.filter.governor_step import Governor
 from wmr_ctrl.filter.peak_gain import peak_gains
 from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Scenario, load_scenario
+from wmr_ctrl.scenario.command_filter import Filter
+from wmr_ctrl.signals import Signal
 
 
 def check_filter(scenario: Scenario) -> None:
@@ -26,8 +30,8 @@ def check_filter(scenario: Scenario) -> None:
     settings, limits = scenario.filter, scenario.limits.v_u1
     if settings.kind == "none":
         raise ScenarioError(
-            'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip" '
-            'or "governor".'
+            'filter.kind = "none": this scenario has no command filter. Set filter.kind = "clip", '
+            '"governor" or "band".'
         )
     linear = settings.loop != "first-order"
     reached = [item.push for item in peak_gains(scenario)] if linear else settings.d
@@ -50,14 +54,36 @@ def check_filter(scenario: Scenario) -> None:
         )
 
 
+BUILDERS: Mapping[str, type[Clip] | type[Governor] | type[BandGovernor]] = {
+    "clip": Clip,
+    "governor": Governor,
+    "band": BandGovernor,
+}
+
+
+def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, ...]]]:
+    """Parameters of a linear loop's filter that no field states, by name.
+
+    Peak gains, what pushes lead to, tables of step responses.
+    """
+    if scenario.filter.kind == "none" or scenario.filter.loop == "first-order":
+        return {}
+    stated = {f"filter.{name}" for name, _ in quantities(Filter)}
+    own = (item for item in filter_system(scenario).params if item.signal.name not in stated)
+    return {
+        item.signal.name: (item.signal, item.value)
+        for item in own
+        if item.signal.name.startswith("filter.")
+    }
+
+
 def filter_system(scenario: Scenario) -> System:
     """The command filter of a scenario; inputs and outputs as in `CommandFilter.step`.
 
     Raises ScenarioError where the filter is not set, or cannot be met.
     """
     check_filter(scenario)
-    built = Governor(scenario) if scenario.filter.kind == "governor" else Clip(scenario)
-    return built.system
+    return BUILDERS[scenario.filter.kind](scenario).system
 
 
 @dataclass(frozen=True)

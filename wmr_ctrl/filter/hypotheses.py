@@ -45,6 +45,8 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
     sentences = [*_of_every_filter(scenario, bound)]
     if scenario.filter.kind == "governor":
         sentences += _of_the_governor(scenario, bound)
+    if scenario.filter.kind == "band":
+        sentences += _of_the_band(bound)
     return tuple(sentences)
 
 
@@ -125,6 +127,21 @@ def _of_pi_loops(scenario: Scenario, bound: Bound) -> Iterator[str]:
         yield (
             "base.quantum rounds the command, which a filter for PI loops does not count. Set it "
             "to 0."
+        )
+
+
+def _of_the_band(bound: Bound) -> Iterator[str]:
+    """What comes between the band's commands and the loop whose step responses it knows."""
+    if bound.hidden:
+        yield (
+            f"{bound.hidden} The band counts on every command reaching the loop as it was sent. "
+            'Take filter.kind = "clip".'
+        )
+    soonest, latest = bound.takeover
+    if bound.losses or soonest != latest:
+        yield (
+            "Commands may be lost, or late by times that vary, and the band counts on each taking "
+            'over one period after the one before it. Take filter.kind = "clip".'
         )
 
 

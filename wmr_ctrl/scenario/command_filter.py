@@ -6,7 +6,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.scenario.sections import check_intervals
 
-FILTERS = ("none", "clip", "governor")
+FILTERS = ("none", "clip", "governor", "band")
 LOOPS = ("first-order", "second-order", "pi")
 CHANNELS = ("body", "wheels")
 SCALES = ("curvature", "axes", "turn", "drive")
@@ -71,6 +71,9 @@ class Filter(Section, key="filter"):
     damping: tuple[float, float] | None = quantity(
         None, unit="1", doc="bounds of a second-order loop's damping ratio", above=0, size=2
     )
+    frequency: tuple[float, float] | None = quantity(
+        None, unit="rad/s", doc="bounds of a second-order loop's natural frequency", above=0, size=2
+    )
     mass: tuple[float, float] | None = quantity(
         None, unit="kg", doc="bounds of the mass that PI loops drive", above=0, size=2
     )
@@ -95,9 +98,22 @@ class Filter(Section, key="filter"):
 
     def relate(self) -> None:
         """Intervals are the right way round, and a filter has what it counts on."""
-        named = ("tau", "gain", "delay", "damping", "mass", "inertia", "kp", "ki", "friction")
+        named = (
+            "tau",
+            "gain",
+            "delay",
+            "damping",
+            "frequency",
+            "mass",
+            "inertia",
+            "kp",
+            "ki",
+            "friction",
+        )
         check_intervals(self, dict.fromkeys(named, "it"))
         self._relate_loop()
+        if self.kind == "band":
+            self._relate_band()
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega each by itself, which wheels do not '
@@ -133,7 +149,7 @@ class Filter(Section, key="filter"):
             raise ScenarioError(
                 f'filter.kind = "governor" does not hold for filter.loop = "{self.loop}": it '
                 "counts on a speed that begins to fall at once, and a loop with a state of its own "
-                'does not. Take filter.kind = "clip".'
+                'does not. Take filter.kind = "clip" or "band".'
             )
         if self.loop == "pi" and (any(self.d) or self.gain != (1.0, 1.0)):
             raise ScenarioError(
@@ -145,4 +161,33 @@ class Filter(Section, key="filter"):
                 'filter.loop = "pi" moves v and omega by different masses, so that a wheel\'s '
                 "speed does not follow that wheel's command by itself: leave out filter.channels "
                 "and filter.wheel_speed."
+            )
+
+    def _relate_band(self) -> None:
+        """Raise ScenarioError for what the band does not count with: it knows its own commands."""
+        if self.loop == "first-order":
+            raise ScenarioError(
+                'filter.kind = "band" is for loops that overshoot: state filter.loop = "pi" or '
+                '"second-order" with its numbers, or take filter.kind = "governor".'
+            )
+        if self.loop == "second-order" and self.frequency is None:
+            raise ScenarioError(
+                "filter.frequency is missing: the band counts on bounds of the natural frequency. "
+                'Give frequency = [low, high] [rad/s], or take filter.kind = "clip".'
+            )
+        late = {
+            "losses": self.losses, "jitter": self.jitter, "hold": self.hold,
+            "delay": self.delay[1] - self.delay[0],
+        }  # fmt: skip
+        for name, size in late.items():
+            if size > 0:
+                raise ScenarioError(
+                    f'filter.{name}: filter.kind = "band" counts on every command taking over one '
+                    "period after the one before it, and knows of no others. A delay that is "
+                    'constant is free. Take filter.kind = "clip", which holds for all of them.'
+                )
+        if self.odometry is not None or self.channels == "wheels" or self.wheel_speed:
+            raise ScenarioError(
+                'filter.kind = "band" limits v and omega from its own commands: leave out '
+                "filter.odometry, filter.channels and filter.wheel_speed."
             )

@@ -40,6 +40,7 @@ THEMES = (
     ("command_filter", "The command filter of bases that take velocities"),
     ("gate", "The gate before a base"),
     ("filter_loops", "The command filter of bases that take velocities"),
+    ("filter_band", "The command filter of bases that take velocities"),
     ("world", "Encoders and wheels"),
     ("effect_bounds", "Motors, ground and air"),
     ("resolvent", "The barrier's proximal map"),

@@ -1,0 +1,151 @@
+"""The band: its tables against step responses, and its limit against bases within and beyond."""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.signal import lti, step
+
+from tests.filter.linear_base import LinearBase, _held, pi_base, second_order_base
+from tests.filter.test_peak_gain import LOOP, WIDE, scenario
+from wmr_ctrl import command_filter
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.filter.band import MOST_COMMANDS, PIECES
+from wmr_ctrl.filter.filter import CommandFilter
+from wmr_ctrl.filter.step_response import band, pi_cells, second_order_cells
+
+T = 0.05
+PARTS = 5
+SWUNG = {"loop": "second-order", "frequency": (3.0, 5.0), "damping": (0.4, 1.4),
+         "gain": (0.8, 1.1), "push": (0.0, 0.0)}  # fmt: skip
+CORNERS = [pi_base(*numbers) for numbers in itertools.product(*WIDE.values())]
+
+
+@cache
+def banded(loop: str = "pi", push: float = 0.0) -> CommandFilter:
+    stated = SWUNG | {"d": (push, 0.0)} if loop == "second-order" else {"push": (push, 0.0)}
+    return command_filter(scenario(kind="band", **stated))
+
+
+def speeds(base: LinearBase, limit: CommandFilter, asked: np.ndarray, d: float) -> np.ndarray:
+    """Speeds at PARTS instants a period; the push changes its way with the asked command."""
+    limit.start()
+    A, B = _held(base.A, np.c_[base.b, base.e], T / PARTS)
+    x, found = np.zeros(2), []
+    for r in asked:
+        u = limit.step((r, 0.0)).command[0]
+        for _ in range(PARTS):
+            x = A @ x + B @ np.array([u, d * np.sign(r)])
+            found.append(x[0])
+    return np.array(found)
+
+
+def demands(base: LinearBase, seed: int) -> list[np.ndarray]:
+    """Commands that press on, swing, act at random, and are the worst for the base itself."""
+    rng = np.random.default_rng(seed)
+    worst = np.sign(base.impulse(base.b, (np.arange(120) + 0.5) * T))[::-1]
+    swings = np.repeat(rng.choice([-9.0, 0.0, 9.0], 12), rng.integers(3, 25, 12))[:120]
+    return [np.full(120, 9.0), 9 * worst, np.r_[np.full(60, 9.0), 9 * worst[60:]], swings,
+            rng.uniform(-3, 3, 120)]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", range(0, 16, 3))
+def test_no_corner_of_the_family_passes_the_limit(number):
+    base = CORNERS[number]
+    worst = [abs(speeds(base, banded(), r, 0.0)).max() for r in demands(base, number)]
+    assert 0.99 < max(worst) <= 1.0
+
+
+def test_nor_with_the_push_that_is_stated():
+    base = pi_base(50, 135, 270, 0)
+    worst = [abs(speeds(base, banded(push=10.0), r, 10.0)).max() for r in demands(base, 1)]
+    assert 0.85 < max(worst) <= 1.0
+
+
+def test_nor_second_order_loops_of_any_gain():
+    for w0, z, K in itertools.product((3.0, 5.0), (0.4, 1.4), (0.8, 1.1)):
+        base = second_order_base(w0, z, K)
+        worst = [abs(speeds(base, banded("second-order"), r, 0.0)).max() for r in demands(base, 2)]
+        assert max(worst) <= 1.0
+        assert K < 1 or max(worst) > 0.9
+
+
+@pytest.mark.parametrize(
+    "beyond",
+    [pi_base(71, 130, 330, 0), pi_base(65, 128, 345, 0), second_order_base(4.0, 0.36, 1.1)],
+)
+def test_bases_beyond_the_family_pass_the_limit(beyond):
+    limit = banded("second-order" if beyond.A[0, 0] == 0 else "pi")
+    assert max(abs(speeds(beyond, limit, r, 0.0)).max() for r in demands(beyond, 3)) > 1.0
+
+
+def test_it_leaves_nearly_the_whole_limit_at_rest():
+    clip, whole = command_filter(scenario(push=(0.0, 0.0))), banded()
+    whole.start()
+    for _ in range(200):
+        sent = whole.step((9.0, 0.0)).command[0]
+    assert sent > 0.999
+    assert clip.step((9.0, 0.0)).command[0] < 0.56
+
+
+def test_a_stop_is_never_held_back():
+    rng, limit = np.random.default_rng(5), banded()
+    limit.start()
+    for _ in range(300):
+        asked = tuple(rng.choice([-9.0, 0.0, 9.0], 2))
+        sent = limit.step(asked).command
+        assert all(s == 0 for s, r in zip(sent, asked, strict=True) if r == 0)
+    assert limit.step((0.0, 0.0)).command == (0.0, 0.0)
+
+
+def test_it_is_odd():
+    asked = np.random.default_rng(6).uniform(-4, 4, (60, 2))
+    sent = []
+    for way in (1, -1):
+        banded().start()
+        sent.append([banded().step(tuple(way * r)).command for r in asked])
+    assert np.array_equal(np.array(sent[0]), -np.array(sent[1]))
+
+
+@pytest.mark.parametrize(
+    ("cells", "members"),
+    [
+        (pi_cells(LOOP), [([kp, ki], [M, kp + c, ki]) for M, kp, ki, c in
+                          itertools.product((50, 57, 65), (135, 165), (270, 330), (0, 7, 20))]),
+        (second_order_cells((3.0, 5.0), (0.4, 1.4)), [([w * w], [1, 2 * z * w, w * w]) for w, z in
+                                   itertools.product((3, 3.7, 5), (0.4, 0.8, 1.0, 1.4))]),
+    ],
+)  # fmt: skip
+def test_tables_hold_every_step_response_and_little_more(cells, members):
+    known = band(cells, T, PIECES, MOST_COMMANDS)
+    t = np.arange(4 * len(known.low) + 1) * T / PIECES / 4
+    all_of = np.array([step(lti(*member), T=t)[1] for member in members])
+    pieces = np.stack([all_of[:, k : k + len(t) - 1 : 4] for k in range(5)])
+    assert (pieces.max(axis=(0, 1)) <= known.high + 1e-9).all()
+    assert (pieces.min(axis=(0, 1)) >= known.low - 1e-9).all()
+    assert (known.high - pieces.max(axis=(0, 1))).max() < 0.05
+    fine = np.arange(2 * len(t)) * t[1]
+    behind = np.array([step(lti(*m), T=fine)[1] for m in members])[:, len(t) - 1 :]
+    later = fine[len(t) - 1 :] - t[-1]
+    assert (abs(behind - 1) <= known.left * np.exp(-known.rate * later) + 1e-9).all()
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"loop": "first-order"}, "for loops that overshoot"),
+        ({"losses": 1}, "filter.losses: .*knows of no others"),
+        ({"jitter": 0.01}, "filter.jitter"),
+        ({"hold": 0.5}, "filter.hold"),
+        ({"delay": (0.0, 0.02)}, "filter.delay"),
+        ({"odometry": (0.1, 0.1)}, "from its own commands"),
+        ({"loop": "second-order", "damping": (0.5, 1.0)}, "filter.frequency is missing"),
+        ({"kp": (135.0, 3000.0), "friction": (0.0, 0.0)}, "may still be"),
+    ],
+)
+def test_what_it_does_not_count_with_is_refused_by_name(stated, words):
+    with pytest.raises(ScenarioError, match=words):
+        command_filter(scenario(**({"kind": "band"} | stated)))

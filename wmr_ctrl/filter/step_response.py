@@ -1,0 +1,154 @@
+"""Bounds of the step responses of a whole family of linear loops, rounded outward.
+
+A loop that reaches its command at rest has the step response S = 1 - e, and e the transform
+
+    E(s) = (s + gamma)/(s^2 + a s + b)        PI loop: a = (kp + c)/M, b = ki/M, gamma = c/M
+                                        second order: a = gamma = 2 z w0, b = w0^2
+    e(t) = exp(-a t/2) (cos(w t) + (gamma - a/2) sin(w t)/w),    w^2 = b - a^2/4 of any sign
+
+The family is covered by cells of (a, b), or of (w0, z), on each of which e and e' are enclosed at
+the ends of pieces of time.  Within a piece e is as near to its ends as e'' lets it be: e'' = -a e'
+- b e, and e'^2 + b e^2 never grows.  Behind the last piece exp(lambda t) e is held by a like sum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.filter.enclosure import Floats, Span, cosine, exp, root, sine_over, square
+from wmr_ctrl.filter.peak_gain import PiLoop
+
+GRID = 64
+"""Cells along each side of the family."""
+CHUNK = 128
+SWINGS = 3.2
+"""Length of the tables, over the slowest time constant: what is left behind is some per cent."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Parts of a family: intervals of a, b and gamma; ``b`` - a^2/4 is ``w2``."""
+
+    a: Span
+    b: Span
+    gamma: Span
+    w2: Span
+
+    def __getitem__(self, part: slice) -> Cells:
+        """Some of the cells, as a column."""
+        return Cells(*(Span(item.lo[part, None], item.hi[part, None])
+                       for item in (self.a, self.b, self.gamma, self.w2)))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Band:
+    """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them."""
+
+    low: Floats
+    high: Floats
+    left: float
+    rate: float
+
+
+def pi_cells(loop: PiLoop) -> Cells:
+    """Cells of (a, b) that some loop of the family may lie in, with all its gamma there."""
+    M, kp, ki, c = (Span.of(*pair) for pair in (loop.M, loop.kp, loop.ki, loop.c))
+    held = kp + c
+    a, b = _grid(_quotient(held, M), _quotient(ki, M))
+    # Those whose mass is in its interval: M = (kp + c)/a = ki/b.
+    by_a, by_b = _quotient(held, a), _quotient(ki, b)
+    light = np.maximum(np.maximum(by_a.lo, by_b.lo), M.lo)
+    heavy = np.minimum(np.minimum(by_a.hi, by_b.hi), M.hi)
+    some = light <= heavy
+    a, b = (Span(item.lo[some], item.hi[some]) for item in (a, b))
+    light, heavy = light[some], heavy[some]
+    # gamma = c/M = a - kp/M.  As M grows the one falls and the other rises: their least is largest
+    # where they meet, and never above the larger of both beside it.
+    meet = [(c.hi + kp.lo) / a.hi, (c.lo + kp.hi) / a.lo]
+    least, most = (_beside(x, light, heavy) for x in reversed(meet))
+    high = np.minimum((Span.of(c.hi) / most).hi, (Span.of(a.hi) - Span.of(kp.lo) / most).hi)
+    low = np.maximum((Span.of(c.lo) / least).lo, (Span.of(a.lo) - Span.of(kp.hi) / least).lo)
+    gamma = Span(np.maximum(low, 0.0), np.maximum(high, 0.0))
+    return Cells(a, b, gamma, b - 0.25 * square(a))
+
+
+def _beside(place: Floats, low: Floats, high: Floats) -> Span:
+    """A place within bounds as an interval that is wider than its rounding."""
+    inside = np.clip(place, low, high)
+    return Span(inside * (1 - 2.0**-50), inside * (1 + 2.0**-50))
+
+
+def _quotient(x: Span, y: Span) -> Span:
+    """Range of x/y, both positive and independent."""
+    return Span((Span.of(x.lo) / Span.of(y.hi)).lo, (Span.of(x.hi) / Span.of(y.lo)).hi)
+
+
+def second_order_cells(frequency: tuple[float, float], damping: tuple[float, float]) -> Cells:
+    """Cells of (w0, z)."""
+    w0, z = _grid(Span.of(*frequency), Span.of(*damping))
+    a, b = 2 * z * w0, square(w0)
+    return Cells(a, b, a, b * (1 - square(z)))
+
+
+def _grid(first: Span, second: Span) -> tuple[Span, Span]:
+    """Cells of two numbers."""
+    x, y = (np.linspace(item.lo, item.hi, GRID + 1) for item in (first, second))
+    i, j = (item.ravel() for item in np.meshgrid(range(GRID), range(GRID)))
+    return Span(x[i], x[i + 1]), Span(y[j], y[j + 1])
+
+
+def deviation(cells: Cells, t: Span) -> tuple[Span, Span]:
+    """e and e' at times t (a row)."""
+    faded, x = exp(-0.5 * cells.a * t), cells.w2 * square(t)
+    turning, swinging = cosine(x), t * sine_over(x)
+    e = faded * (turning + (cells.gamma - 0.5 * cells.a) * swinging)
+    phi, rate = faded * swinging, faded * (turning - 0.5 * cells.a * swinging)
+    return e, -((cells.a - cells.gamma) * rate) - cells.b * phi
+
+
+def band(cells: Cells, T: float, pieces: int, most: int) -> Band:
+    """Bounds of the family's step responses; ``pieces`` a period, ``most`` periods at most."""
+    rate = _slowest(cells)
+    periods = int(np.clip(np.ceil(SWINGS / (rate * T)), 4, most))
+    times = np.arange(periods * pieces + 1) * (T / pieces)
+    low, high = np.full(len(times) - 1, np.inf), np.full(len(times) - 1, -np.inf)
+    left = 0.0
+    for start in range(0, len(cells.a.lo), CHUNK):
+        part = cells[start : start + CHUNK]
+        e, speed = deviation(part, Span(_down(times)[None], _up(times)[None]))
+        energy = square(speed) + part.b * square(e)
+        bent = (part.a + root(part.b)) * root(energy) * ((T / pieces) ** 2 * (1 + 1e-12) / 8)
+        upper = _up(np.maximum(e.hi[:, :-1], e.hi[:, 1:]) + bent.hi[:, :-1])
+        lower = _down(np.minimum(e.lo[:, :-1], e.lo[:, 1:]) - bent.hi[:, :-1])
+        low = np.minimum(low, _down(1 - np.max(upper, axis=0)))
+        high = np.maximum(high, _up(1 - np.min(lower, axis=0)))
+        left = max(left, _left(part, e, speed, rate))
+    return Band(np.maximum(low, 0.0), high, left, rate)
+
+
+def _slowest(cells: Cells) -> float:
+    """A rate at which every member's step response fades, with a tenth to spare."""
+    half = 0.5 * cells.a.lo
+    under = np.sqrt(np.maximum(half**2 - cells.b.lo, 0.0))
+    return 0.9 * float(np.min(half - under))
+
+
+def _left(cells: Cells, e: Span, speed: Span, rate: float) -> float:
+    """Largest |e| exp(rate (t - end)) from the last time on, ``end``."""
+    last = [Span(item.lo[:, -1:], item.hi[:, -1:]) for item in (e, speed)]
+    stiff = cells.b - rate * cells.a + rate * rate
+    if not (np.all(stiff.lo > 0) and np.all(cells.a.lo > 2 * rate)):
+        return float(np.inf)
+    moved = last[1] + rate * last[0]
+    return float(root(square(last[0]) + square(moved) / stiff).hi.max())
+
+
+def _down(values: NDArray[np.floating]) -> Floats:
+    return np.nextafter(np.asarray(values, dtype=float), -np.inf)
+
+
+def _up(values: NDArray[np.floating]) -> Floats:
+    return np.nextafter(np.asarray(values, dtype=float), np.inf)
