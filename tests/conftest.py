@@ -73,9 +73,22 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Apart |
     return Apart(config, log) if config.getoption("dist") == "loadscope" else None
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is slow, and put first what takes longest."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The option for tests with very many cases."""
+    parser.addoption(
+        "--every-case",
+        action="store_true",
+        help="with -m '': all cases of the tests in tests/many_cases.txt, not each so manieth",
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark what is slow, thin out what has very many cases, and put first what takes longest."""
     mark_slow(items)
+    if not (config.getoption("every_case") or any("::" in word for word in config.args)):
+        left_out = set(cases_left_out(items))
+        config.hook.pytest_deselected(items=[item for item in items if item in left_out])
+        items[:] = [item for item in items if item not in left_out]
     items.sort(key=lambda item: -seconds(item.nodeid))
 
 
@@ -90,6 +103,23 @@ def mark_slow(items: Iterable[pytest.Item]) -> None:
         kept = [item for item in cases if case_of(item) in shown[function]]
         for item in set(cases).difference(kept):
             item.add_marker(pytest.mark.slow)
+
+
+def cases_left_out(items: Iterable[pytest.Item]) -> Iterator[pytest.Item]:
+    """Slow cases of the functions in many_cases.txt but for the first of each so many."""
+    steps, slow = many_cases(), defaultdict(list)
+    for item in items:
+        function = item.nodeid.partition("[")[0]
+        if function in steps and item.get_closest_marker("slow"):
+            slow[function].append(item)
+    for function, cases in slow.items():
+        yield from (item for place, item in enumerate(cases) if place % steps[function])
+
+
+def many_cases() -> Mapping[str, int]:
+    """Of each test function in many_cases.txt, of how many slow cases one is run."""
+    rows = map(str.split, lines_of(Path(__file__).with_name("many_cases.txt")))
+    return {function: int(step) for step, function in rows}
 
 
 def case_of(item: pytest.Item) -> str:

@@ -6,7 +6,16 @@ import ast
 import statistics
 from pathlib import Path
 
-from tests.architecture.tree import Function, Module, functions, length, modules, offenders, public
+from tests.architecture.tree import (
+    Function,
+    Module,
+    functions,
+    length,
+    modules,
+    nodes_of,
+    offenders,
+    public,
+)
 
 LONGEST_FUNCTION = 60
 LONGEST_FILE = 350
@@ -105,7 +114,7 @@ def mentions_any(annotation: ast.expr | None) -> bool:
 
 def test_no_path_of_modules_is_changed():
     def changed(module: Module) -> list[str]:
-        nodes = [node for node in ast.walk(module.tree) if isinstance(node, ast.Attribute)]
+        nodes = [node for node in nodes_of(module.tree) if isinstance(node, ast.Attribute)]
         return [text for node in nodes if (text := ast.unparse(node)) == "sys.path"]
 
     assert offenders(changed) == {}
@@ -121,7 +130,7 @@ def test_library_code_prints_nothing_and_holds_no_debugger():
 
 def calls(module: Module) -> set[str]:
     """Names of the functions and methods that a module calls."""
-    nodes = [node.func for node in ast.walk(module.tree) if isinstance(node, ast.Call)]
+    nodes = [node.func for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
     names = {node.id for node in nodes if isinstance(node, ast.Name)}
     return names | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
 

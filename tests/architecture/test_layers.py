@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Mapping
 
-from tests.architecture.tree import ROOT, Module, layer_of, modules, offenders
+from tests.architecture.tree import ROOT, Module, layer_of, modules, nodes_of, offenders
 
 EVERYWHERE = {"errors", "signals", "symbolic", "compiled", "late_bound"}
 """Open to all; they import nothing of ours but each other."""
@@ -181,7 +181,7 @@ def test_the_report_runs_nothing():
     def runs(module: Module) -> set[str]:
         if module.layer != "report":
             return set()
-        named = {node.id for node in ast.walk(module.tree) if isinstance(node, ast.Name)}
+        named = {node.id for node in nodes_of(module.tree) if isinstance(node, ast.Name)}
         return (layers_used(module) & running) | (named & jobs)
 
     assert offenders(runs) == {}

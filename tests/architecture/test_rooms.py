@@ -5,7 +5,14 @@ from __future__ import annotations
 import ast
 from collections import defaultdict
 
-from tests.architecture.tree import Module, functions, modules, names_of_modules, offenders
+from tests.architecture.tree import (
+    Module,
+    functions,
+    modules,
+    names_of_modules,
+    nodes_of,
+    offenders,
+)
 
 SHORT = 30
 """Lines of code below which a file with a single user should live with that user."""
@@ -35,7 +42,7 @@ def lines_of_code(module: Module) -> int:
     """Lines that are neither empty, comments, texts by themselves nor imports."""
     rest = {
         line
-        for node in ast.walk(module.tree)
+        for node in nodes_of(module.tree)
         if isinstance(node, ast.Import | ast.ImportFrom)
         or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
         for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
@@ -85,7 +92,7 @@ def test_reasons_for_short_files_are_about_files_that_are_there():
 def test_a_class_name_stands_for_one_class():
     places = defaultdict(list)
     for module in modules():
-        for node in ast.walk(module.tree):
+        for node in nodes_of(module.tree):
             if isinstance(node, ast.ClassDef):
                 places[node.name].append(module.name)
     doubles = {name: where for name, where in places.items() if len(where) > 1}
@@ -104,7 +111,7 @@ def test_values_are_named_by_nouns():
 
 def named(tree: ast.Module) -> set[str]:
     """Names of variables, parameters and fields."""
-    nodes = list(ast.walk(tree))
+    nodes = nodes_of(tree)
     values = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     fields = {
         n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)
@@ -118,7 +125,7 @@ def test_nothing_is_asked_for_names_that_it_may_not_have():
 
 def sniffed(module: Module) -> list[str]:
     """Calls of hasattr, and of getattr with a text."""
-    calls = [node for node in ast.walk(module.tree) if isinstance(node, ast.Call)]
+    calls = [node for node in nodes_of(module.tree) if isinstance(node, ast.Call)]
     return [
         ast.unparse(call)
         for call in calls

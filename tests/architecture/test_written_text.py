@@ -9,7 +9,7 @@ import subprocess
 import pytest
 
 from tests.architecture.tree import ROOT, project_files, text_files
-from tests.conftest import shown_cases
+from tests.conftest import many_cases, shown_cases
 from tests.longest_first import function_of, long_ones
 
 MACHINE_PATH = re.compile(r"(?<![\w.$}/-])/(?:home|root|work|tmp|Users|mnt|scratch)/[\w.]")
@@ -74,7 +74,7 @@ def test_the_pattern_tells_machine_paths_from_others(text, told):
 
 
 def test_lists_of_tests_name_tests_that_are_there():
-    for function in (*shown_cases(), *long_ones()):
+    for function in (*shown_cases(), *many_cases(), *long_ones()):
         path, _, name = function.partition("::")
         assert (f"def {name}(" if name else "def test_") in (ROOT / path).read_text(
             encoding="utf-8"

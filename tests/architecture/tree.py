@@ -40,7 +40,7 @@ class Module:
         With ``typing`` also what only annotations need, under ``if TYPE_CHECKING:``.
         """
         unused = set() if typing else for_typing(self.tree)
-        for node in ast.walk(self.tree):
+        for node in nodes_of(self.tree):
             if node in unused:
                 continue
             if isinstance(node, ast.Import):
@@ -80,9 +80,16 @@ def offenders(check: Callable[[Module], Iterable[str]]) -> dict[str, list[str]]:
     return {name: wrong for name, wrong in faults.items() if wrong}
 
 
+@cache
+def nodes_of(tree: ast.Module) -> tuple[ast.AST, ...]:
+    """All nodes of a syntax tree: many tests walk the same ones."""
+    return tuple(ast.walk(tree))
+
+
+@cache
 def for_typing(tree: ast.Module) -> set[ast.AST]:
     """What stands under ``if TYPE_CHECKING:`` and never runs."""
-    guards = (node for node in ast.walk(tree) if isinstance(node, ast.If))
+    guards = (node for node in nodes_of(tree) if isinstance(node, ast.If))
     asked = (node for node in guards if ast.unparse(node.test).endswith("TYPE_CHECKING"))
     return {inner for node in asked for line in node.body for inner in ast.walk(line)}
 
@@ -94,7 +101,7 @@ def layer_of(name: str) -> str:
 
 def functions(tree: ast.Module) -> Iterator[Function]:
     """Every function and method, nested ones too."""
-    return (node for node in ast.walk(tree) if isinstance(node, Function))
+    return (node for node in nodes_of(tree) if isinstance(node, Function))
 
 
 def public(tree: ast.Module) -> Iterator[Function | ast.ClassDef]:
