@@ -23,7 +23,8 @@ BallArray: TypeAlias = NDArray[np.object_]
 """Balls in an array, whose products are enclosures."""
 LEFT, FAINTEST = 1e-6, 0.1
 """Size of A^K at which the sums end, and the largest with which they may end."""
-MOST_SAMPLES, MOST_BITS = 12_000, 30_000
+MOST_SAMPLES, MOST_BITS, MOST_STEPS = 12_000, 30_000, 100_000
+"""Of samples, bits, and plant steps within those samples: some 4 s of CPU."""
 SPARE_BITS = 320
 EXACT, NOTHING = 2.0**-53, 1e-60
 """A ball's double is off by this share and this much at most, which is checked."""
@@ -144,6 +145,8 @@ def loop_gains(loop: SampledLoop) -> LoopGains:
     with ctx.workprec(SPARE_BITS):
         rough = _doubles(_Sample(loop).A)
     samples, growth = _samples(rough)
+    if samples * loop.steps > MOST_STEPS:
+        raise SlowLoopError(f"it takes {samples} samples to come to rest")
     bits = SPARE_BITS + ceil(samples * log2(max(growth, 1.0)))
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
