@@ -1,22 +1,20 @@
-"""From a fit to what a guard may count on, and what it costs; and whether the log bears it out."""
+"""From a fit to what a guard may count on, and what that costs."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import t as student
 
-from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.guard.bounds import pair_of
 from wmr_ctrl.guard.price import speed_price
 from wmr_ctrl.identification.fit import Fit
-from wmr_ctrl.identification.reading import BLOCKS, COUNTED, Samples
-from wmr_ctrl.scenario import Scenario, override
+from wmr_ctrl.identification.reading import BLOCKS, COUNTED
+from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.encoder import rounded_by
 
 CREEP = 0.01
@@ -131,37 +129,3 @@ def usable_speeds(scenario: Scenario) -> tuple[float, float] | None:
     more = replace(numbers, dbar=(pair_of(numbers.dbar)[0] + NEWTON, pair_of(numbers.dbar)[1]))
     now, then = (speed_price(scenario, item).usable[0] for item in (numbers, more))
     return now, now - then
-
-
-def refuted(
-    scenario: Scenario, log: Samples, known: tuple[float, float]
-) -> tuple[float, float] | None:
-    """d_least over dbar, largest of each axis, of the guard's own monitor over a log.
-
-    Above 1 the numbers are refuted: no mass, delay, lag and push within them explains the motion.
-    None where the log has no even steps, which the monitor counts in.  ``known``: (r, l) [m].
-    """
-    T = scenario.clock.control
-    if len(log.first) > 1 or np.abs(np.diff(log.t) - T).max() > 0.05 * T or log.of_speed:
-        return None
-    wide = override(scenario, {
-        "guard.enabled": True, "guard.trust": True, "limits.v_u1": [1e4, 1e4], "guard.brake": None,
-        "limits.v_u2": [1e3, 1e3], "actuator.tau_max": math.inf,
-    })  # fmt: skip
-    system = guard_system(settle(wide, None))
-    r, half_track = known
-    speed = np.diff(log.seen, axis=0) / T
-    index = np.searchsorted(log.command_t, log.t[1:] + 1e-9, "right") - 1
-    tau = log.command[np.maximum(index, 0)]
-    asked = np.column_stack((tau.sum(axis=1) / r, half_track * (tau[:, 0] - tau[:, 1]) / r))
-    step = system.function("watch", [system.update, system.d])
-    state = np.array(system.x0)
-    p = [number for item in system.params for number in settle(wide, None).value(item.signal.name)]
-    names = [name for item in system.diagnostics for name in item.signal.elements]
-    at = [names.index("d_least[1]"), names.index("d_least[2]")]
-    whole = step.mapaccum("watched", len(speed))
-    _, watched = whole(np.vstack((asked.T, speed.T)), state, np.tile(p, (len(speed), 1)).T)
-    least = np.asarray(watched)[at].max(axis=1)
-    bound = np.array(pair_of(settle(wide, None).guard.dbar))
-    ratio = least / np.maximum(bound, 1e-12)
-    return float(ratio[0]), float(ratio[1])

@@ -95,8 +95,8 @@ class Score:
     """How the held-out third was foretold: shares of both speeds' variance, by the fit and by
     constant velocities; [s] from where on it was held out.
 
-    ``usable_speed`` of a guard with the bounds, what one newton more of dbar costs [m/s], and
-    ``monitor``: the largest d_least over dbar of each axis; None where there is no such number.
+    ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
+    where the guard refuses them.
     """
 
     foretold: tuple[float, float]
@@ -104,7 +104,6 @@ class Score:
     held_out_from: float
     usable_speed: float | None = None
     one_newton_more: float | None = None
-    monitor: tuple[float, float] | None = None
 
 
 def verdict(half: float, size: float) -> str:
