@@ -8,6 +8,7 @@ import pytest
 
 from wmr_ctrl.control import controller
 from wmr_ctrl.guard import guard
+from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
@@ -58,3 +59,10 @@ def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module,
 
     monkeypatch.setattr(module, name, stand_in)
     assert method.decide(claim.statement(CLAIMED)).verdict in (REFUTED, OPEN)
+
+
+def test_a_late_monitor_that_tells_ten_times_the_push_is_refuted():
+    (claim,) = (item for item in all_claims() if item.id == "guard.monitor-late")
+    with altered("wmr_ctrl.guard.monitor:LateMotion.least_push", lambda push: 10 * push):
+        method = replace(claim.method, effort=1, seconds=1)
+        assert method.decide(claim.statement(CLAIMED)).verdict == REFUTED
