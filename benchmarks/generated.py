@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.api import compile_loop
-from wmr_ctrl.codegen.build import build_law, build_watched_loop
+from wmr_ctrl.codegen.build import build_law, build_loop
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.setup import Setup as Settled
@@ -44,7 +44,7 @@ def settled(law: str, control: float = 1e-2) -> Settled:
 @cache
 def compiled(law: str, control: float = 1e-2) -> CompiledLoop:
     """The compiled loop of a law."""
-    return build_watched_loop(settled(law, control))
+    return build_loop(settled(law, control), watched=True)
 
 
 @cache
@@ -103,7 +103,7 @@ EXACT: Mapping[str, object] = {
 def robot(changes: Mapping[str, object]) -> Candidate:
     """80 s of the guarded NN loop of robot-10ms with some changes; a step is one control sample."""
     setup = settle(load_scenario("robot-10ms", changes), "nn")
-    loop = runnable_of(build_watched_loop(setup), setup)
+    loop = runnable_of(build_loop(setup, watched=True), setup)
     return Candidate(laid_out([Task(loop, 0)], []).run, setup.scenario.clock.samples)
 
 

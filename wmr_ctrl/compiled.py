@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from wmr_ctrl.signals import Signal
@@ -55,6 +56,6 @@ class CompiledLoop:
     delay_steps: int
 
 
-def elements(signals: Signals) -> tuple[str, ...]:
+def elements(signals: Iterable[Signal]) -> tuple[str, ...]:
     """Names of all elements of some signals, in order."""
     return tuple(name for signal in signals for name in signal.elements)

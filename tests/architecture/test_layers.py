@@ -58,7 +58,7 @@ THIRD_PARTY = {
     "filter": {"casadi", "numpy"},
     "control": {"casadi"},
     "codegen": {"casadi", "filelock", "jinja2", "numpy", "platformdirs"},
-    "checks": {"casadi", "numpy"},
+    "checks": {"casadi", "numpy", "scipy"},
     "sim": {"numpy"},
     "proofs": {"casadi", "flint", "z3"},
     "linear": {"casadi", "control", "matplotlib", "numpy", "scipy"},

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.codegen.build import Program, build_watched_loop, program_of
+from wmr_ctrl.codegen.build import Program, build_loop, program_of
 from wmr_ctrl.compiled import CompiledLoop, elements
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.engines import runnable_of
@@ -79,7 +79,7 @@ class Case:
 def case(law: str, name: str) -> Case:
     """One of CASES."""
     setup = settle(load_scenario("paper-simulation", CASES[name]), law)
-    return Case(name, setup, build_watched_loop(setup))
+    return Case(name, setup, build_loop(setup, watched=True))
 
 
 @functools.cache

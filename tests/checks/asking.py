@@ -1,9 +1,11 @@
-"""Warnings of a setup by their key, without the checks that never tell it."""
+"""Warnings of a setup by their key, without the checks that never tell it; a loop's matrix."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from wmr_ctrl.checks import CHECKS, Warning
-from wmr_ctrl.checks.loop import loop_of
+from wmr_ctrl.checks.loop import Loop, loop_of
 from wmr_ctrl.checks.sample_time import sample_time
 from wmr_ctrl.control.setup import Setup
 
@@ -16,3 +18,8 @@ def told_of(setup: Setup, key: str = "") -> list[Warning]:
     asked = [c for c in CHECKS if key in ("", *STABILITY) or c is not sample_time]
     found = (warning for check in asked for warning in check(loop_of(setup)))
     return [warning for warning in found if key in ("", warning.key)]
+
+
+def closed(loop: Loop, v_d: np.ndarray, period: float, theta: float = 0.0, **known) -> np.ndarray:
+    """Matrix of the loop from one sample to the next, on the reference at v_d (2)."""
+    return loop.closed(loop.on_reference(v_d, theta), period, **known)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks.radius import operating_points, radius
 from wmr_ctrl.checks.sample_time import largest_period, stable_periods
@@ -78,14 +79,14 @@ def test_stable_periods_need_not_reach_down_to_zero(told, loop):
 def _worst(at, period):
     """Largest spectral radius over the points of the reference."""
     points = operating_points(at.scenario)
-    return max(radius(at.closed(v_d, period)) for v_d in points)
+    return max(radius(closed(at, v_d, period)) for v_d in points)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.07])
 def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
     """The matrix moves error and velocity as forces do that each arrive when they are due."""
     late, period = loop("mb", {"clock.control": 0.02, "actuator.delay": delay}), 0.02
-    matrix = late.closed(CIRCLE, period)
+    matrix = closed(late, CIRCLE, period)
     gain = late.linear(late.on_reference(tuple(CIRCLE)), period).d
     rates, push, _, _ = late.around.rates(Motion((0.0, 0.0, 0.0), tuple(CIRCLE), tuple(CIRCLE)))
     tick = 0.01
@@ -105,6 +106,6 @@ def test_a_law_without_memory_is_followed_force_by_force(loop, delay):
 def test_the_peer_stands_half_a_period_and_not_a_whole_one(loop):
     for delay, stable in ((0.05, True), (0.1, False)):
         changed = {"clock.control": 0.1, "actuator.delay": delay}
-        assert (radius(loop("kanayama", changed).closed(CIRCLE, 0.1)) < 1) == stable
+        assert (radius(closed(loop("kanayama", changed), CIRCLE, 0.1)) < 1) == stable
         run = simulate("paper-simulation-nominal", "kanayama", overrides=changed)
         assert ("oscillates" not in [item.key for item in run.remarks]) == stable

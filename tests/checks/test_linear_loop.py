@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.checks.asking import closed
 from wmr_ctrl.api import compile_loop, simulate
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.radius import largest_radius, radius, stretches_of
@@ -69,7 +70,7 @@ def by_matrices(scenario: Scenario, start: np.ndarray, every: int = 1) -> np.nda
     """The same from its first row on, by the linear loop."""
     loop = Loop(settle(scenario, "mb"))
     v_d = sample(scenario, np.array([0.0]))[0][3:5]
-    first, pose, none = (loop.closed(v_d, T, sample=k) for k in (0, every, every + 1))
+    first, pose, none = (closed(loop, v_d, T, sample=k) for k in (0, every, every + 1))
     x, rows = np.concatenate((start, np.zeros(len(pose) - 5))), []
     for k in range(SAMPLES):
         rows.append(x[:5])
@@ -129,7 +130,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
     scenario = still(EFFECTS[effects] | on)
     early, later = (finals(scenario, law, samples) for samples in (5, 6))
     theirs = np.linalg.eigvals(later @ np.linalg.pinv(early, rcond=1e-7))
-    ours = np.linalg.eigvals(Loop(settle(scenario, law)).closed(V_D, T))
+    ours = np.linalg.eigvals(closed(Loop(settle(scenario, law)), V_D, T))
 
     for value in ours[np.abs(ours) > 0.5]:
         assert np.abs(theirs - value).min() < 1e-4
@@ -139,7 +140,7 @@ def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, eff
 @pytest.mark.parametrize("law", ["mb", "prox"])
 def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> None:
     loop = Loop(settle(still(effects), law))
-    here, there = (loop.closed(V_D, T, theta=theta) for theta in (0.0, 2.0))
+    here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
 
     assert len(loop.around.headings) == 1
     assert there == pytest.approx(here, abs=1e-9)
@@ -147,7 +148,7 @@ def test_on_a_circle_the_matrix_is_the_same_at_every_instant(law, effects) -> No
 
 def test_on_a_slope_it_is_not() -> None:
     loop = Loop(settle(still({"slope.angle": 0.1}), "pid"))
-    here, there = (loop.closed(V_D, T, theta=theta) for theta in (0.0, 2.0))
+    here, there = (closed(loop, V_D, T, theta=theta) for theta in (0.0, 2.0))
 
     assert len(loop.around.headings) > 1
     assert np.abs(there - here).max() > 1e-4
@@ -157,14 +158,14 @@ def test_where_the_way_is_counted_from_is_no_state() -> None:
     """Encoders and means know the way; as much more of it is neither stable nor unstable."""
     for effects in ("window", "window and age", "encoder"):
         loop = Loop(settle(still(EFFECTS[effects]), "mb"))
-        values = np.linalg.eigvals(loop.closed(V_D, T))
+        values = np.linalg.eigvals(closed(loop, V_D, T))
 
         assert np.abs(values - 1).min() > 1e-4
-        assert radius(loop.closed(V_D, T)) < 1
+        assert radius(closed(loop, V_D, T)) < 1
 
 
 def test_sideways_is_neutral_while_the_reference_stands() -> None:
-    matrix = Loop(settle(still({}), "mb")).closed(np.zeros(2), T)
+    matrix = closed(Loop(settle(still({}), "mb")), np.zeros(2), T)
 
     assert matrix[:5, 1] == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
 
@@ -174,9 +175,9 @@ def test_over_a_period_of_the_reference_it_is_the_product_of_all_samples() -> No
     scenario = still({"reference.kind": "lemniscate", "clock.control": period})
     loop, cycle = Loop(settle(scenario, "kanayama")), scenario.reference.cycle
     whole, count = 0.0, round(cycle / period)
-    total = np.eye(len(loop.closed(V_D, period)))
+    total = np.eye(len(closed(loop, V_D, period)))
     for row in sample(scenario, (np.arange(count) + 0.5) * cycle / count):
-        total = loop.closed(row[3:5], period) @ total
+        total = closed(loop, row[3:5], period) @ total
         size = np.linalg.norm(total)
         total, whole = total / size, whole + np.log(size)
     expected = np.exp((np.log(radius(total)) + whole) / count)

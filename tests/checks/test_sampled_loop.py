@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import largest_stable_period
 from wmr_ctrl.checks.loop import Loop
@@ -34,13 +35,13 @@ def test_largest_stable_periods_are_the_audited_ones(loop, law, overrides, known
 
 @pytest.mark.parametrize(("period", "radius"), [(0.06, 0.99691), (0.07, 1.3366), (0.1, 2.530)])
 def test_spectral_radii_of_the_model_based_loop(loop, period, radius):
-    eigenvalues = np.linalg.eigvals(loop("mb").closed(CIRCLE, period))
+    eigenvalues = np.linalg.eigvals(closed(loop("mb"), CIRCLE, period))
 
     assert np.abs(eigenvalues).max() == pytest.approx(radius, rel=2e-4)
 
 
 def test_fast_sampling_shows_the_poles_of_kinematics_and_velocity_loop(loop):
-    eigenvalues = np.linalg.eigvals(loop("mb").closed(CIRCLE, 1e-4))
+    eigenvalues = np.linalg.eigvals(closed(loop("mb"), CIRCLE, 1e-4))
     poles = np.sort(np.log(eigenvalues.astype(complex)).real / 1e-4)
 
     assert poles == pytest.approx([-28.8, -9.999, -7.5, -3.94934, -0.05166], rel=5e-3)
@@ -52,7 +53,7 @@ def test_limit_separates_stable_from_unstable_matrices(loop, law):
     limit = largest_period(at)
 
     def radius(period):
-        return np.abs(np.linalg.eigvals(at.closed(CIRCLE, period))).max()
+        return np.abs(np.linalg.eigvals(closed(at, CIRCLE, period))).max()
 
     assert 0.02 < limit < 1
     assert radius(0.999 * limit) < 1 < radius(1.001 * limit)
@@ -83,10 +84,10 @@ def test_small_lag_shortens_the_stable_period_of_a_law_without_feed_forward(loop
 
 
 def test_adaptive_laws_keep_their_estimates_out_of_the_loop(loop):
-    sizes = {law: loop(law).closed(CIRCLE, 0.01).shape[0] for law in ("smc", "mb", "nn")}
+    sizes = {law: closed(loop(law), CIRCLE, 0.01).shape[0] for law in ("smc", "mb", "nn")}
 
     assert sizes == {"smc": 5, "mb": 5, "nn": 5}
-    assert loop("pid").closed(CIRCLE, 0.01).shape == (8, 8)
+    assert closed(loop("pid"), CIRCLE, 0.01).shape == (8, 8)
 
 
 @pytest.mark.parametrize(("declared", "states"), [(True, 5), (False, 9)])
@@ -95,7 +96,7 @@ def test_a_law_states_itself_what_its_memory_is(loop, declared, states):
     traits = replace(setup.law.traits, estimates=declared)
     stated = replace(setup, law=replace(setup.law, traits=traits))
 
-    assert Loop(stated).closed(CIRCLE, 0.01).shape == (states, states)
+    assert closed(Loop(stated), CIRCLE, 0.01).shape == (states, states)
 
 
 def test_constant_references_have_one_operating_point():

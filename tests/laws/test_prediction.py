@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests import oracle
+from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.checks import warnings_for
 from wmr_ctrl.checks.loop import Loop
@@ -41,7 +42,7 @@ def late(law: str, share: float, stated: float | None = None, **changed: object)
 
 
 def radius(scenario: Scenario, law: str) -> float:
-    matrix = Loop(settle(scenario, law)).closed(np.array((0.2, 0.1)), T)
+    matrix = closed(Loop(settle(scenario, law)), np.array((0.2, 0.1)), T)
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.checks.asking import closed
 from wmr_ctrl.api import simulate
 from wmr_ctrl.barrier.paper import f, lyapunov, minimiser
 from wmr_ctrl.barrier.proximal import resolvent
@@ -176,7 +177,7 @@ def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(
             "gains.prox.wo": start.wo,
         }  # fmt: skip
         loop = Loop(settle(load_scenario("paper-simulation", changed), "prox"))
-        matrix = loop.closed(np.array((0.2, 0.1)), period)
+        matrix = closed(loop, np.array((0.2, 0.1)), period)
         assert np.abs(np.linalg.eigvals(matrix)).max() < 1, ratio
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.linear import best_gain, noise_ise
-from wmr_ctrl.linear.pose_gain import estimate_variance, rule_of_thumb
+from wmr_ctrl.linear.pose_gain import pose_variance
 from wmr_ctrl.scenario import load_scenario, override
 
 
@@ -22,13 +22,12 @@ def test_variance_of_the_estimate_is_that_of_its_recursion(experiment, gain):
     for _ in range(round(12 / gain)):
         b = (1 - gain) * b + gain * rng.uniform(-0.05, 0.05, b.size)
 
-    assert np.var(b) == pytest.approx(estimate_variance(experiment, gain), rel=0.05)
+    assert np.var(b) == pytest.approx(gain / (2 - gain) * pose_variance(experiment), rel=0.05)
 
 
 def test_best_gain_is_near_the_rule_of_thumb(experiment):
     """800 poses: the rule 1/sqrt(N) is for a loop without memory of its own."""
-    assert rule_of_thumb(experiment) == pytest.approx(1 / np.sqrt(800))
-    best, rule = best_gain(experiment, "mb"), rule_of_thumb(experiment)
+    best, rule = best_gain(experiment, "mb"), 1 / np.sqrt(800)
 
     assert rule < best < 3 * rule
     assert noise_ise(experiment, "mb", best) < noise_ise(experiment, "mb", 0.2)

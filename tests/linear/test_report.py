@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from wmr_ctrl.cli import root
 from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.linear import report_linear
-from wmr_ctrl.linear.loop import constant_speed
+from wmr_ctrl.linear.state_space import constant_speed
 from wmr_ctrl.scenario import Scenario, load_scenario
 from wmr_ctrl.world.references import Lemniscate
 

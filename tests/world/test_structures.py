@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 
 from tests.world.toys import CLOTHOID
-from wmr_ctrl.codegen.build import build_batch, build_watched_loop
+from wmr_ctrl.codegen.build import build_batch, build_loop
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.engines import runnable_of
 from wmr_ctrl.laws.registry import NAMES
@@ -74,7 +74,8 @@ def bits(tasks: list[Task]) -> list[list[bytes]]:
 def test_lanes_are_single_runs(number):
     law, changes = structure(number)
     setup = settle(load_scenario("paper-simulation", changes), law)
-    alone, lanes = (runnable_of(build(setup), setup) for build in (build_watched_loop, build_batch))
+    built = build_loop(setup, watched=True), build_batch(setup)
+    alone, lanes = (runnable_of(item, setup) for item in built)
     wanted = [bits([Task(alone, seed)])[0] for seed in range(8)]
     for item in usable(lanes.compiled.library):
         shown = bits([Task(lanes, seed, vectors=item.name) for seed in range(item.lanes)])

@@ -133,26 +133,6 @@ class Loop:
 
     def closed(
         self,
-        v_d: Floats,
-        period: float,
-        *,
-        drives: DriveTimes | None = None,
-        robot: Robot | None = None,
-        sample: int | None = None,
-        theta: float = 0.0,
-    ) -> Floats:
-        """Matrix of the loop from one ``sample`` to the next, on the reference at v_d (2).
-
-        The state: that of `Surroundings.plant`, error and velocity (5) first, then the law's
-        memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
-        The sample is one in which a pose comes, unless it is given; ``theta`` [rad] counts where
-        something acts by it.
-        """
-        at = replace(self.on_reference(tuple(map(float, v_d))), theta=theta)
-        return self.closed_at(at, period, drives=drives, robot=robot, sample=sample)
-
-    def closed_at(
-        self,
         at: Point,
         period: float,
         *,
@@ -161,7 +141,13 @@ class Loop:
         sample: int | None = None,
         learning: bool = False,
     ) -> Floats:
-        """The same near any point, estimates and weights moving where the law is ``learning``."""
+        """Matrix of the loop from one ``sample`` to the next, near a point.
+
+        The state: that of `Surroundings.plant`, error and velocity (5) first, then the law's
+        memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+        The sample is one in which a pose comes, unless it is given; estimates and weights move
+        where the law is ``learning``.
+        """
         law = self.linear(at, period, drives=drives, learning=learning)
         plant = self.around.plant(at.motion, period, drives=drives, robot=robot, sample=sample)
         upper = plant.moved + plant.forced @ law.d @ plant.measured, plant.forced @ law.c
@@ -204,18 +190,20 @@ class Loop:
             behind.sent,
         )  # fmt: skip
 
-    def on_reference(self, v_d: tuple[float, ...]) -> Point:
+    def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
         """The law on the reference at v_d (2): its start's memory, or what one sample there leaves.
 
-        The forces that it knows of are those that friction takes, as it believes.
+        The forces that it knows of are those that friction takes, as it believes.  ``theta`` [rad]
+        counts where something acts by it.
         """
-        if v_d not in self._points:
-            bot, speed = self.scenario.believed, np.array(v_d)
+        key = tuple(map(float, v_d))
+        if key not in self._points:
+            bot, speed = self.scenario.believed, np.array(key)
             force = drag(bot, Phase(0.0, bot.m, bot.mu), speed)[:, 0]
             memory = np.array(self.core.x0)
             there = Point(np.zeros(3), speed, speed, np.zeros(2), memory, force)
-            self._points[v_d] = replace(self.after_a_sample(there), force=force)
-        return self._points[v_d]
+            self._points[key] = replace(self.after_a_sample(there), force=force)
+        return replace(self._points[key], theta=theta)
 
     @cached_property
     def _points(self) -> dict[tuple[float, ...], Point]:
@@ -257,12 +245,8 @@ class Loop:
         The robot is at the origin along +Y, and the reference where that gives e.  The forces are
         those that the law remembers.
         """
-        s, v_d, rate, core = (
-            ca.SX.sym("s", ROBOT),
-            ca.SX.sym("v_d", 2),
-            ca.SX.sym("r", 2),
-            self.core,
-        )
+        s, v_d, rate = ca.SX.sym("s", ROBOT), ca.SX.sym("v_d", 2), ca.SX.sym("r", 2)
+        core = self.core
         pose_d, robot = error_rotation(ca.SX(0)).T @ s[:3], self.scenario.robot
         known = dict(zip(INPUTS, ca.vertsplit(ca.vertcat(pose_d, v_d, rate, s[3:])), strict=True))
         names = [item.signal.name for item in remembered(core)]

@@ -13,7 +13,6 @@ import numpy as np
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.radius import operating_points
 from wmr_ctrl.checks.warning import SPEEDS, Warning
-from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.laws.nn import NetworkGains, corner_basis
 
 
@@ -103,7 +102,9 @@ def learning_limit(loop: Loop, axis: int, size: float) -> float:
 
 def largest_square(loop: Loop, eta: float) -> float:
     """Largest |S|^2 over the reference, at Z = (0, 0, 1, 1, v_d): A/(v - v_c1) is 1 there."""
-    return max(_square(loop, v_d, eta) for v_d in operating_points(loop.scenario))
+    points = operating_points(loop.scenario)
+    each = (np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d)) for v_d in points)
+    return max(float(_square_of()(z, eta, loop.setup.own(NetworkGains).node)) for z in each)
 
 
 def square_bound(loop: Loop, axis: int) -> float:
@@ -112,11 +113,6 @@ def square_bound(loop: Loop, axis: int) -> float:
     if n.a >= n.kinematic or n.gamma == 0:
         return math.inf
     return n.a * n.a * n.kinematic / (n.kinematic - n.a) * n.mass / n.gamma
-
-
-def _square(loop: Loop, v_d: Floats, eta: float) -> float:
-    z = np.concatenate(((0.0, 0.0, 1.0, 1.0), v_d))
-    return float(_square_of()(z, eta, loop.setup.own(NetworkGains).node))
 
 
 @cache

@@ -80,7 +80,10 @@ def preconditions(loop: Loop) -> Iterator[Warning]:
     if loop.traits.auxiliary and slowest <= STANDSTILL:
         yield _not_moving(loop, slowest)
     yield from _too_fast(loop, fastest)
-    yield from _turning_too_fast(loop, turning)
+    end = "the robot may not turn that fast and falls behind, or leaves the limit"
+    if loop.has_barrier:
+        end = "the angle e3 falls behind and can wind up by whole turns"
+    yield from _beyond(loop, 1, f"|v2_d| of the reference reaches {turning:.4g}", turning, end)
     k2 = loop.setup.kinematics.k[1]
     if loop.traits.auxiliary and k2 < 1:
         proof = f"proof of Theorem {loop.traits.theorem}" if loop.traits.theorem else "proof"
@@ -106,13 +109,6 @@ def _too_fast(loop: Loop, fastest: float) -> Iterator[Warning]:
         lag = 1 / (limit - fastest) / loop.setup.kinematics.k[0]
         end = f"the barrier leaves the robot about {lag:.2g} m behind on a straight line"
     yield from _beyond(loop, 0, f"v1_d of the reference reaches {fastest:.4g}", fastest, end)
-
-
-def _turning_too_fast(loop: Loop, turning: float) -> Iterator[Warning]:
-    end = "the robot may not turn that fast and falls behind, or leaves the limit"
-    if loop.has_barrier:
-        end = "the angle e3 falls behind and can wind up by whole turns"
-    yield from _beyond(loop, 1, f"|v2_d| of the reference reaches {turning:.4g}", turning, end)
 
 
 def _beyond(loop: Loop, axis: int, what: str, value: float, end: str) -> Iterator[Warning]:

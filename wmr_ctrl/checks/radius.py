@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -43,7 +42,7 @@ def largest_radius(
     stretches = stretches_of(loop.scenario)
 
     def of(v_d: Floats, theta: float) -> Floats:
-        at = replace(loop.on_reference(tuple(map(float, v_d))), theta=theta)
+        at = loop.on_reference(v_d, theta)
         return from_pose_to_pose(loop, at, period, drives=drives, robot=robot)
 
     def at(theta: float) -> float:
@@ -70,7 +69,7 @@ def from_pose_to_pose(
     Scaled back where it grows beyond doubles: hundreds of powers of ten on, the one pose in between
     makes no difference.
     """
-    closed = partial(loop.closed_at, at, period, drives=drives, robot=robot, learning=learning)
+    closed = partial(loop.closed, at, period, drives=drives, robot=robot, learning=learning)
     samples, pose = loop.around.samples_a_pose(period), closed()
     if samples == 1:
         return pose

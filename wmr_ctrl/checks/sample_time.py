@@ -78,21 +78,17 @@ def _linear(loop: Loop) -> Iterator[Warning]:
         )
     elif period >= limit:
         choice = f"{low:.3g} to {limit:.3g} s" if low else f"{SAFE * limit:.2g} s or less"
+        delay = loop.around.drives.delay
+        total = f" (period and delay together {limit + delay:.4g} s)" if delay else ""
         yield Warning(
             PERIOD,
             f"clock.control = {period:g} s is above {limit:.4g} s, the longest period for which "
-            f"{loop.law} is stable around the reference with {late}these gains{_delayed(loop)}: "
+            f"{loop.law} is stable around the reference with {late}these gains{total}: "
             f"choose {choice}, or lower the gains{gains_that_fit(loop)}.",
             f"{loop.equations}, linearised and sampled",
         )
     else:
         yield from _mass(loop)
-
-
-def _delayed(loop: Loop) -> str:
-    """The sum of period and delay that a limit of the period stands for."""
-    delay = loop.around.drives.delay
-    return f" (period and delay together {largest_period(loop) + delay:.4g} s)" if delay else ""
 
 
 def _mass(loop: Loop) -> Iterator[Warning]:

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import casadi as ca
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from wmr_ctrl.checks.world import COMMAND, HELD, POSE, ROBOT, SPEED, Floats, World, names_of
@@ -157,16 +158,15 @@ class Assembly:
         each = [(weight, self._of(world, sample)) for weight, world in self.worlds]
         seen = sum(weight * slopes[:shown, :size] for weight, slopes in each)
         sides = [weight * slopes[:shown, size:] for weight, slopes in each]
-        memory = block_diag(*(slopes[shown:, size:] for _, slopes in each))
+        memory = scipy.linalg.block_diag(*(slopes[shown:, size:] for _, slopes in each))
         after = np.vstack([slopes[shown:, :size] for _, slopes in each])
         return np.block([[seen, np.hstack(sides)], [after, memory]])
 
     def _of(self, world: World, sample: int) -> Floats:
         T, numbers, memory = self.period, self.numbers(world, self.step), world.start.copy()
         for k, back in ((0, 2 * T), (1, T)) if world.nonlinear else ():
-            memory = (
-                world.shown(k, self._fast(back), memory, numbers).full().ravel()[ROBOT + HELD :]
-            )
+            shown = world.shown(k, self._fast(back), memory, numbers)
+            memory = shown.full().ravel()[ROBOT + HELD :]
         at = 0
         natural = {POSE: self._fast(T)[:3], SPEED: np.array(self.motion.v)}
         for item in world.slow:
@@ -218,10 +218,8 @@ class Assembly:
         free, torque, push = np.split(slopes[used], [len(names), len(names) + COMMAND], axis=1)
         named = tuple(names[i] for i in used[ROBOT:])
         forced, pushed = (item @ self.wheels for item in (torque, push[:, :COMMAND]))
-        for item in (forced, pushed):
-            item[np.abs(item) < np.finfo(float).eps * np.abs(item).max()] = (
-                0.0  # B1 times its inverse
-            )
+        for item in (forced, pushed):  # B1 times its inverse
+            item[np.abs(item) < np.finfo(float).eps * np.abs(item).max()] = 0.0
         return free[:, used], forced, pushed, named
 
     def _reduced(self, plant: SampledPlant, steady: list[Floats], slow: slice) -> SampledPlant:
@@ -247,15 +245,6 @@ class Assembly:
             plant.moved[np.ix_(i, i)], plant.forced[i], plant.pushed[i], plant.measured[:, i],
             tuple(every[k] for k in i[ROBOT:]),
         )  # fmt: skip
-
-
-def block_diag(*blocks: Floats) -> Floats:
-    """Matrices one behind the other along the diagonal."""
-    rows, columns = (np.cumsum([0, *(item.shape[i] for item in blocks)]) for i in (0, 1))
-    whole = np.zeros((rows[-1], columns[-1]))
-    for item, row, column in zip(blocks, rows, columns, strict=False):
-        whole[row : row + item.shape[0], column : column + item.shape[1]] = item
-    return whole
 
 
 def _without_origin(plant: SampledPlant, way: int, memory: slice) -> SampledPlant:

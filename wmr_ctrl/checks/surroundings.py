@@ -26,10 +26,8 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.model.graph import rounds
-from wmr_ctrl.model.system import System
 from wmr_ctrl.scenario import Model, Robot, Scenario, override
 from wmr_ctrl.signals import SAMPLE, STEP, TIME
-from wmr_ctrl.world.effect import Effect
 from wmr_ctrl.world.phases import Phase, drag
 from wmr_ctrl.world.pose_delay import PoseDelay
 from wmr_ctrl.world.pose_sensor import PoseSensor, samples_a_pose
@@ -75,8 +73,11 @@ class Surroundings:
         self.scenario, self._worlds = scenario, dict[tuple[object, ...], World]()
         present = [item for item in EFFECTS.present(scenario) if "clock.control" in item.shape]
         self._foreign = any(item not in OURS for item in present)
-        self._counted = {key: (scenario.value(key)[0], _shows_late(item, scenario))
-                         for item in present for key in item.shape
+        bounds = ((item, item.bounded(scenario)) for item in present)
+        shown = ((item, bound is not None and any((*bound.age, *bound.window)))
+                 for item, bound in bounds)  # fmt: skip
+        self._counted = {key: (scenario.value(key)[0], late)
+                         for item, late in shown for key in item.shape
                          if not key.startswith(("clock.", "actuator."))}  # fmt: skip
         # Graphs have the robot as parameters: scenarios that believe in the same robot share them.
         alike = replace(scenario, robot=scenario.believed, model=Model())
@@ -85,7 +86,12 @@ class Surroundings:
         late = actuator.delay + actuator.unmodelled_delay + actuator.jitter
         self.drives = DriveTimes(late, actuator.delay, actuator.lag)
         self._lag = actuator.lag * (1 + actuator.lag_spread)
-        self._plant = lru_cache(maxsize=1024)(self._built_plant)
+        # Kept for the next law, which is tried at the same periods, delays and masses.
+        self._plant = lru_cache(maxsize=1024)(
+            lambda motion, period, delay, robot, sample: self._assembly(
+                motion, period, robot
+            ).plant(delay, sample)
+        )
 
     def worlds(self, period: float) -> list[tuple[float, World]]:
         """Its graphs at a control period [s], with weights that sum to 1."""
@@ -139,12 +145,6 @@ class Surroundings:
         late = self.drives if drives is None else drives
         return self._plant(motion, period, late.delay, robot, sample)
 
-    def _built_plant(
-        self, motion: Motion, period: float, delay: float, robot: Robot | None, sample: int | None
-    ) -> SampledPlant:
-        """Kept for the next law, which is tried at the same periods, delays and masses."""
-        return self._assembly(motion, period, robot).plant(delay, sample)
-
     def rates(self, motion: Motion) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
         """Slopes of the rates of robot and drives without delay: by their state, force, push.
 
@@ -197,18 +197,16 @@ class Surroundings:
         return KnownDrives(rows[:, :n], rows[:, n:], known[:, :n], COMMAND * queue)
 
     def _assembly(self, motion: Motion, period: float, robot: Robot | None = None) -> Assembly:
+        own = self.scenario.robot if robot is None else robot
+        steady: Floats = (
+            wheels(own) @ drag(own, Phase(0.0, own.m, own.mu), np.array(motion.v))[:, 0]
+        )
         return Assembly(
             self.worlds(period), motion, period, self.samples_a_pose(period),
             self.scenario.clock.plant,
             lambda world, step: self.numbers(world, period, step, robot),
-            wheels(self.scenario.robot), self.steady_torque(motion.v, robot),
+            wheels(self.scenario.robot), steady,
         )  # fmt: skip
-
-    def steady_torque(self, v: tuple[float, ...], robot: Robot | None = None) -> Floats:
-        """Torques (2) [N m] that keep the robot at a velocity."""
-        own = self.scenario.robot if robot is None else robot
-        torque: Floats = wheels(own) @ drag(own, Phase(0.0, own.m, own.mu), np.array(v))[:, 0]
-        return torque
 
 
 def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Scenario:
@@ -223,14 +221,11 @@ def _still(scenario: Scenario, period: float, times: Mapping[str, float]) -> Sce
     return override(scenario, changed)
 
 
-def _shows_late(effect: Effect, scenario: Scenario) -> bool:
-    """True if it delays or averages a velocity."""
-    bound = effect.bounded(scenario)
-    return bound is not None and any((*bound.age, *bound.window))
-
-
 def _counts(key: str, ratio: float, late: bool) -> list[tuple[float, int]]:
-    """Whole numbers of samples that stand for a ``ratio`` of them, with weights."""
+    """Whole numbers of samples that stand for a ``ratio`` of them, with weights.
+
+    ``late``: an effect that delays or averages a velocity.
+    """
     if key.endswith("window") and ratio > 0:
         ratio = max(ratio, 1.0)
     if not late or ratio > MANY or abs(ratio - round(ratio)) < GRID * max(ratio, 1.0):
@@ -294,15 +289,13 @@ def lost_poses(scenario: Scenario) -> str:
 
 def rounded_effects(scenario: Scenario) -> str:
     """Words on effects that round, which has no derivative; empty if none."""
-    named = " and ".join(f"[{item.section.KEY}]" for item in EFFECTS.present(scenario)
-                         if _rounds(item.system(scenario)))  # fmt: skip
-    return f"as if there were no rounding in {named}" if named else ""
-
-
-def _rounds(system: System) -> bool:
-    clocks = (TIME, SAMPLE, STEP)
-    seen = (item.sym for item in system.inputs if item.signal not in clocks)
-    return rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x))
+    rounding = []
+    for item in EFFECTS.present(scenario):
+        system = item.system(scenario)
+        seen = (p.sym for p in system.inputs if p.signal not in (TIME, SAMPLE, STEP))
+        if rounds(ca.vertcat(system.update, system.y), ca.vertcat(*seen, system.x)):
+            rounding.append(f"[{item.section.KEY}]")
+    return f"as if there were no rounding in {' and '.join(rounding)}" if rounding else ""
 
 
 def rare_poses(scenario: Scenario) -> str:

@@ -17,7 +17,7 @@ from wmr_ctrl.checks.warning import Warning, gains_that_fit
 from wmr_ctrl.checks.world import Floats
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
+from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.scenario import Robot, Scenario
 from wmr_ctrl.signals import PLANT_STATE, REFERENCE
 from wmr_ctrl.world.grip import grip
@@ -37,21 +37,16 @@ of the error has in it what does not change from sample to sample, such as a wor
 
 def largest_force(robot: Robot, most: float) -> Floats:
     """Thrust and moment (2) [N, N m], each alone, of wheels that give ``most`` [N m]."""
-    r, l, torques = ca.SX(robot.r), ca.SX(robot.l), (ca.SX([most, most]), ca.SX([most, -most]))
-    forces = (ca.evalf(wheel_to_force(r, l, torque)) for torque in torques)
-    return np.array([float(force[axis]) for axis, force in enumerate(forces)])
+    thrust = full_thrust(robot.r, most)
+    return np.array((thrust, robot.l * thrust))
 
 
 def first_torques(setup: Setup) -> tuple[float, float]:
     """Torques (right, left) [N m] that a law commands at t = 0, without noise."""
     scenario, system = setup.scenario, controller(setup)
-    names = (*REFERENCE, *PLANT_STATE)
-    numbers = (
-        *sample(scenario, np.zeros(1))[0],
-        *scenario.initial.pose,
-        *scenario.initial.velocity,
-    )
-    known = dict(zip((item.name for item in names), numbers, strict=True))
+    names = (item.name for item in (*REFERENCE, *PLANT_STATE))
+    desired, start = sample(scenario, np.zeros(1))[0], scenario.initial
+    known = dict(zip(names, (*desired, *start.pose, *start.velocity), strict=True))
     given = [known.get(name, 0.0) for item in system.inputs for name in item.signal.elements]
     torque = system.function("first", [system.y])(given, system.x0, system.p0)
     right, left = np.asarray(torque).ravel().tolist()
@@ -87,7 +82,7 @@ def weak_drives(loop: Loop) -> Iterator[Warning]:
 
 def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
     """Grip warnings for a law on a scenario with the tyres of [body]; none in the plane."""
-    tyres, warnings = grip(setup.scenario), list[Warning]()
+    tyres, sentences = grip(setup.scenario), list[str]()
     first, steady = max(map(abs, first_torques(setup))), reference_torque(setup.scenario)
     if first > tyres.spin:
         end = "on a rigid body they slide, and fling it when they bite again"
@@ -101,25 +96,16 @@ def grip_warnings(setup: Setup) -> tuple[Warning, ...]:
             else "At limits.v_u1 no torque is sure of its grip: lower the limits or state better "
             "tyres."
         )
-        warnings.append(
-            Warning(
-                KEY,
-                f"At its first sample {setup.name} asks a wheel for {first:.3g} N m; the wheels of "
-                f"[body] spin from {tyres.spin:.3g} N m on, {end}. {remedy}",
-                GRIP,
-            )
+        sentences.append(
+            f"At its first sample {setup.name} asks a wheel for {first:.3g} N m; the wheels of "
+            f"[body] spin from {tyres.spin:.3g} N m on, {end}. {remedy}"
         )
     if steady > tyres.keep:
-        warnings.append(
-            Warning(
-                KEY,
-                f"The reference asks a wheel for up to {steady:.3g} N m, and the tyres of [body] "
-                f"are sure of {tyres.keep:.3g} N m at limits.v_u1. Ask for a slower or smoother "
-                "reference.",
-                GRIP,
-            )
+        sentences.append(
+            f"The reference asks a wheel for up to {steady:.3g} N m, and the tyres of [body] are "
+            f"sure of {tyres.keep:.3g} N m at limits.v_u1. Ask for a slower or smoother reference."
         )
-    return tuple(warnings)
+    return tuple(Warning(KEY, sentence, GRIP) for sentence in sentences)
 
 
 def noise_gain(loop: Loop) -> Iterator[Warning]:
@@ -149,7 +135,7 @@ def _change_by_noise(loop: Loop) -> float:
     speeds = sample(scenario, np.linspace(0.0, scenario.clock.duration, INSTANTS))[:, 3:5]
     bound = np.array(scenario.limits.v_u2)
     fastest = np.clip(speeds[np.abs(speeds[:, 0]).argmax()], -bound, bound)
-    gain = loop.linear(loop.on_reference(tuple(fastest)), scenario.clock.control).d
+    gain = loop.linear(loop.on_reference(fastest), scenario.clock.control).d
     r, half_track = ca.SX(robot.r), ca.SX(robot.l)
     wheels = [force_to_wheel(r, half_track, ca.SX(ca.DM(column))) for column in gain.T]
     torque = np.asarray(ca.evalf(ca.horzcat(*wheels)))

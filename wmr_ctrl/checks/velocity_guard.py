@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from wmr_ctrl.checks.loop import Loop
 from wmr_ctrl.checks.warning import SPEEDS, UNITS, Warning
+from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.guard.contradictions import contradictions
 from wmr_ctrl.guard.price import SpeedPrice, early_speed, speed_price
 from wmr_ctrl.world.phases import largest_friction
@@ -105,12 +106,12 @@ def violent_alpha(loop: Loop) -> Iterator[Warning]:
     if not loop.guarded:
         return
     guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup
-    (alpha,), nbar, mass = (numbers.value(f"guard.{name}") for name in ("alpha", "nbar", "M_min"))
+    (alpha,), nbar = numbers.value("guard.alpha"), numbers.value("guard.nbar")
     arms = (robot.r / 2, robot.r / (2 * robot.l))
     usual = largest_friction(loop.scenario) * arms[0]
     bound = usual if math.isinf(numbers.tau_max) else SHAKEN * numbers.tau_max
     for axis, (speed, unit) in enumerate(zip(SPEEDS, UNITS, strict=True)):
-        swing = 4 * nbar[axis] * mass[axis] * alpha * arms[axis]
+        swing = 4 * nbar[axis] * mass_range(numbers.guard, axis)[0] * alpha * arms[axis]
         if nbar[axis] and swing > bound > 0:
             calm = alpha * bound / swing
             origin = "" if guard.alpha is not None else " (1/T unless it is stated)"

@@ -80,7 +80,9 @@ def filter_lines(setup: Setup) -> Iterator[str]:
 
 
 def _masses(known: Mapping[str, SourcedNumber]) -> str:
-    low, high = known["M_min"], known["M_max"]
+    from wmr_ctrl.guard.bounds import MASS_KEYS
+
+    low, high = (known[key.removeprefix("guard.")] for key in MASS_KEYS)
     texts = [
         f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"
         for i, (name, unit) in enumerate((("M", "kg"), ("I", "kg m2")))

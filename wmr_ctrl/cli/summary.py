@@ -61,12 +61,12 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
 def _counted(run: Run) -> Iterator[str]:
     """The guard's assumptions in a sentence."""
     known = run.settings
-    if not run.guard or known.M_min is None or known.M_max is None or known.nbar is None:
+    if not run.guard or known.masses is None or known.nbar is None:
         return
     units = (("M", "kg"), ("I", "kg m2"))
     masses = [
         f"{name} {low:.4g} to {high:.4g} {unit}"
-        for (name, unit), low, high in zip(units, known.M_min, known.M_max, strict=True)
+        for (name, unit), low, high in zip(units, *known.masses, strict=True)
     ]
     dbar = "" if known.dbar is None else f"dbar {_force(known.dbar)}; "
     rest = f"{dbar}nbar {speeds(known.nbar)}; alpha {_number(known.alpha, '1/s')}"

@@ -60,13 +60,9 @@ def plant_block(scenario: Scenario) -> Block:
     p = Parameters(scenario, system.params)
     following = rk4_step(system, p.take("clock.plant"))
     stepped = replace(system, params=p.ports)
-    step = kernel(
-        "rk4",
-        "State after one Runge-Kutta step, inputs held.",
-        {"u": stepped.u, "x": stepped.x, "p": stepped.p},
-        {"next": following},
-    )
-    return _block(stepped, (step,))
+    given = {"u": stepped.u, "x": stepped.x, "p": stepped.p}
+    meaning = "State after one Runge-Kutta step, inputs held."
+    return _block(stepped, (kernel("rk4", meaning, given, {"next": following}),))
 
 
 def law_block(setup: Setup) -> Block:
@@ -92,23 +88,17 @@ def reference_block(scenario: Scenario) -> Block:
 def results_of(system: System) -> tuple[Output, ...]:
     """Outputs that are no continuous states themselves, then the diagnostics."""
     states = {} if system.period else {item.signal.name: item.sym for item in system.state}
-
-    def is_state(item: Output) -> bool:
-        sym = states.get(item.signal.name)
-        return sym is not None and bool(ca.is_equal(ca.SX(item.expr), sym))
-
-    return (*(item for item in system.outputs if not is_state(item)), *system.diagnostics)
+    pairs = ((item, states.get(item.signal.name)) for item in system.outputs)
+    own = (item for item, sym in pairs if sym is None or not ca.is_equal(ca.SX(item.expr), sym))
+    return (*own, *system.diagnostics)
 
 
 def _block(system: System, more: tuple[Kernel, ...] = ()) -> Block:
     results = results_of(system)
     own = stack(item.expr for item in results[: len(results) - len(system.diagnostics)])
-    evaluate = kernel(
-        "evaluate",
-        f"Results of the {system.title}.",
-        {"u": system.u, "x": system.x, "p": system.p},
-        {"next": system.update, "y": own, "d": system.d},
-    )
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    shown = {"next": system.update, "y": own, "d": system.d}
+    evaluate = kernel("evaluate", f"Results of the {system.title}.", given, shown)
     z, y = ca.vertcat(system.u, system.p, system.x), stack(item.expr for item in results)
     w = y if system.period else ca.vertcat(system.update, y)
     whole = ca.Function("evaluate", [z], [ca.vertcat(system.update, y)], ["z"], ["w"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from wmr_ctrl.codegen.branches import branched
 from wmr_ctrl.codegen.dialect import TRUTHS, Dialect
@@ -19,7 +19,7 @@ from wmr_ctrl.codegen.items import (
     Slice,
     statements,
 )
-from wmr_ctrl.codegen.reroll import fused, reroll
+from wmr_ctrl.codegen.reroll import Place, fused, reroll
 from wmr_ctrl.model.graph import SELECT, Graph
 
 _STEP = "    "
@@ -42,11 +42,7 @@ class _Writer:
     """Writes the items of one function."""
 
     def __init__(
-        self,
-        graph: Graph,
-        dialect: Dialect,
-        items: Sequence[Item],
-        places: dict[int, tuple[str, int]],
+        self, graph: Graph, dialect: Dialect, items: Sequence[Item], places: Mapping[int, Place]
     ) -> None:
         self.graph, self.dialect, self.items, self.places = graph, dialect, items, places
         self.grouped = {
@@ -74,16 +70,18 @@ class _Writer:
         found: list[str] = []
         for item in items:
             if isinstance(item, Operation):
-                found.append(indent + self._assignment(item.node))
+                k = item.node
+                declared = "" if k in self.places else f"const {self._type(k)} "
+                found.append(f"{indent}{declared}{self._name(k)} = {self._expression(k)};")
             elif isinstance(item, ResultStore):
                 target = f"{item.store.vector}[{item.store.index}]"
                 found.append(f"{indent}{target} = {self._real(item.store.node)};")
             elif isinstance(item, IfElse):
-                found.extend(self._block(item, indent))
+                write = self._lane_block if self.dialect.lanes else self._branch
+                found.extend(write(item, indent))
             elif isinstance(item, PackedStore):
-                found.append(
-                    f"{indent}{self._four(item.target, map(self._expression, item.defines))}"
-                )
+                four = self._four(item.target, map(self._expression, item.defines))
+                found.append(indent + four)
             elif isinstance(item, SinCos):
                 sine, cosine = map(self._name, item.defines)
                 found.append(f"{indent}{self.dialect.real} {sine}, {cosine};")
@@ -111,11 +109,6 @@ class _Writer:
     def _four(self, target: Slice, given: Iterable[str]) -> str:
         at = f"{target.array} + {target.start}" if target.start else target.array
         return f"wmr_four({at}, {', '.join(given)});"
-
-    def _assignment(self, number: int) -> str:
-        if number in self.places:
-            return f"{self._name(number)} = {self._expression(number)};"
-        return f"const {self._type(number)} {self._name(number)} = {self._expression(number)};"
 
     def _expression(self, number: int) -> str:
         node = self.graph.nodes[number]
@@ -170,9 +163,6 @@ class _Writer:
                 return loop if loop in self.fused else None
         return None
 
-    def _block(self, block: IfElse, indent: str) -> list[str]:
-        return (self._lane_block if self.dialect.lanes else self._branch)(block, indent)
-
     def _branch(self, block: IfElse, indent: str) -> list[str]:
         found = [f"{indent}{self._type(k)} {self._name(k)};" for k in block.defines]
         found.append(f"{indent}if ({self._truth(block.condition)}) {{")
@@ -195,9 +185,10 @@ class _Writer:
     def _lane_block(self, block: IfElse, indent: str) -> list[str]:
         """Each side where any lane wants it; the second is put in by lane."""
         condition, inner = self._truth(block.condition), indent + _STEP
-        found = [
-            f"{indent}{self._type(k)} {self._name(k)} = {self._nothing(k)};" for k in block.defines
-        ]
+        zero, found = self.dialect.number(0.0), list[str]()
+        for k in block.defines:
+            nothing = self.dialect.as_truth(zero) if self.graph.is_logical(k) else zero
+            found.append(f"{indent}{self._type(k)} {self._name(k)} = {nothing};")
         found.append(f"{indent}if (wmr_some({condition})) {{")
         found += self._arm(block.then, block.defines, 1, inner)
         found.append(f"{indent}}}")
@@ -209,10 +200,6 @@ class _Writer:
             chosen = self.dialect.choice(*given, truths=truths)
             found.append(f"{inner}{self._name(k)} = {chosen};")
         return [*found, f"{indent}}}"]
-
-    def _nothing(self, number: int) -> str:
-        zero = self.dialect.number(0.0)
-        return self.dialect.as_truth(zero) if self.graph.is_logical(number) else zero
 
 
 def _shifted(start: int) -> str:

@@ -69,24 +69,19 @@ class _Branch:
 
     def contracted(self) -> list[Item]:
         """The scope with choices and cones replaced by one block."""
-        gone = {*self.choices, *self.then, *self.other}
-        return [*(item for item in self.scope.items if item not in gone), self._block()]
-
-    def _block(self) -> IfElse:
         defines = tuple(item.node for item in self.choices)
-        arms = [computed(self.graph, self._arms(side)) for side in (1, 2)]
+        operands = [self.graph.nodes[number].operands for number in defines]
+        arms = [computed(self.graph, [pair[side] for pair in operands]) for side in (1, 2)]
         inner = [
-            branched(self.graph, cone, arm, worth=self.worth)
+            tuple(branched(self.graph, cone, arm, worth=self.worth))
             for cone, arm in zip((self.then, self.other), arms, strict=True)
         ]
         parts = [*self.then, *self.other]
         made = {number for item in parts for number in item.defines}
         reads = frozenset({self.condition}).union(*arms, *(item.reads for item in parts)) - made
-        cost = _cost(parts) + len(defines)
-        return IfElse(defines, reads, cost, self.condition, tuple(inner[0]), tuple(inner[1]))
-
-    def _arms(self, side: int) -> list[int]:
-        return [self.graph.nodes[item.node].operands[side] for item in self.choices]
+        block = IfElse(defines, reads, _cost(parts) + len(defines), self.condition, *inner)
+        gone = {*self.choices, *parts}
+        return [*(item for item in self.scope.items if item not in gone), block]
 
     def _independent_choices(self) -> list[Operation]:
         """Choices on the condition none of which depends on another."""
@@ -105,12 +100,14 @@ class _Branch:
     def _cone(self, side: int) -> list[Item]:
         """Items that nothing needs but this side of the choices, in order.
 
+        The search begins with what choices read on this side only, once for each choice.
         An item is one of them with the last of its readers.
         """
         scope, left = self.scope, dict[Item, int]()
         inside: list[Item] = []
         choices = set(self.choices)
-        waiting = self._read_on_one_side(side)
+        read = (self.graph.nodes[item.node].operands for item in self.choices)
+        waiting = [pair[side] for pair in read if pair.count(pair[side]) == 1]
         while waiting:
             item = scope.maker.get(waiting.pop())
             if item is None or item in choices or item in scope.kept:
@@ -120,11 +117,6 @@ class _Branch:
                 inside.append(item)
                 waiting.extend(item.reads)
         return sorted(inside, key=scope.position.__getitem__)
-
-    def _read_on_one_side(self, side: int) -> list[int]:
-        """Operands of choices on this side only, one for each choice."""
-        read = (self.graph.nodes[item.node].operands for item in self.choices)
-        return [operands[side] for operands in read if operands.count(operands[side]) == 1]
 
 
 def _cost(items: Iterable[Item]) -> int:

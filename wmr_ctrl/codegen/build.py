@@ -32,12 +32,12 @@ from wmr_ctrl.codegen.kernels import (
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import Unit, build_library, build_units, find_toolchain
-from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout
+from wmr_ctrl.compiled import CompiledLoop, LawLayout, LoopLayout, elements
 from wmr_ctrl.control.loop import WINDOW, Graphs, LoopGraphs, PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.control.structure import structure_of
 from wmr_ctrl.errors import CompilerError
-from wmr_ctrl.model.system import System, values
+from wmr_ctrl.model.system import values
 from wmr_ctrl.signals import PLANT_STATE, Signal
 
 LOOP = ("library.c", "loop.c", "loop.h", "noise.c", "noise.h", "arithmetic.h", "export.h")
@@ -66,21 +66,14 @@ def vector_sets() -> tuple[Instructions, ...]:
     return (*(X86 if platform.machine().lower() in ("x86_64", "amd64") else ()), BASELINE)
 
 
-def build_loop(setup: Setup) -> CompiledLoop:
+def build_loop(setup: Setup, *, watched: bool = False) -> CompiledLoop:
     """Compile the closed loop of a setup for one robot, or find it in the cache.
 
-    Its runs have a log: `build_watched_loop` makes those that have none, too, and takes longer.
+    Its runs have a log; with ``watched`` there are those that have none, too, which takes longer.
     Raises CompilerError without a working compiler.
     """
     program = program_of(setup)
-    text = program.generated
-    return filled(program, setup, _for_this_processor(unity(text)), digest(text))
-
-
-def build_watched_loop(setup: Setup) -> CompiledLoop:
-    """The same for runs with a log and for runs without."""
-    program = program_of(setup)
-    text = program.generated_watched
+    text = program.generated_watched if watched else program.generated
     return filled(program, setup, _for_this_processor(unity(text)), digest(text))
 
 
@@ -117,7 +110,12 @@ class Program:
         """Compose the graphs of a setup of this structure, or all of them but the plant."""
         self.loop = LoopGraphs(setup, external_plant=external_plant)
         self.structure = hashlib.sha256(repr(structure).encode()).hexdigest()[:16]
-        self.layout = layout_of(self.loop)
+        loop = self.loop
+        self.layout = LoopLayout(
+            loop.controller.title, loop.columns,
+            tuple(item.signal for item in (*loop.fast, *loop.slow)),
+            tuple(item.signal for item in loop.parameters.ports), FINDINGS, WINDOW,
+        )  # fmt: skip
 
     @cached_property
     def generated(self) -> dict[str, str]:
@@ -173,54 +171,25 @@ def program_of(setup: Setup, *, external_plant: bool = False) -> Program:
 
 def filled(program: Program, setup: Setup, library: Path, hashed: str) -> CompiledLoop:
     """The program with the numbers of a setup."""
-    law = law_layout(setup, program.loop.controller)
-    texts = (str(library), hashed, program.structure)
-    return _numbered(texts, program.layout, law, setup, program.loop)
+    own = program.loop.controller
+    ports = own.inputs, own.state, own.params
+    inputs, state, parameters = (tuple(item.signal for item in part) for part in ports)
+    numbers = tuple(values(own.state)), numbers_of(setup, parameters)
+    law, texts = LawLayout(inputs, state, parameters, *numbers), (str(library), hashed)
+    return _numbered((*texts, program.structure), program.layout, law, setup, program.loop)
 
 
 def _numbered(
-    texts: tuple[str, str, str],
-    layout: LoopLayout,
-    law: LawLayout,
-    setup: Setup,
-    loop: Graphs,
+    texts: tuple[str, str, str], layout: LoopLayout, law: LawLayout, setup: Setup, loop: Graphs
 ) -> CompiledLoop:
-    """A library, its hash and its structure's, with a setup's numbers in the layout's order."""
-    first = numbers_of(setup, layout.parameters)
-    phases = phases_of(setup, layout.parameters, first)
-    return CompiledLoop(
-        *texts,
-        layout,
-        law,
-        tuple(row for _, row in phases),
-        tuple(step for step, _ in phases),
-        start_of(setup, loop.x0),
-        delay_steps_of(loop, first),
-    )
+    """A library, its hash and its structure's, with a setup's numbers in the layout's order.
 
-
-def layout_of(loop: LoopGraphs) -> LoopLayout:
-    """Vector layout of a loop."""
-    return LoopLayout(
-        loop.controller.title,
-        loop.columns,
-        tuple(item.signal for item in (*loop.fast, *loop.slow)),
-        tuple(item.signal for item in loop.parameters.ports),
-        FINDINGS,
-        WINDOW,
-    )
-
-
-def law_layout(setup: Setup, system: System) -> LawLayout:
-    """Vector layout of the controller by itself, with a setup's numbers."""
-    parameters = tuple(item.signal for item in system.params)
-    return LawLayout(
-        tuple(item.signal for item in system.inputs),
-        tuple(item.signal for item in system.state),
-        parameters,
-        tuple(values(system.state)),
-        numbers_of(setup, parameters),
-    )
+    The state at t = 0 has the scenario's pose and velocity, then the graphs' own values.
+    """
+    first, initial = numbers_of(setup, layout.parameters), setup.scenario.initial
+    steps, rows = zip(*phases_of(setup, layout.parameters, first), strict=True)
+    start = (*initial.pose, *initial.velocity, *loop.x0[len(PLANT_STATE) :])
+    return CompiledLoop(*texts, layout, law, rows, steps, start, delay_steps_of(loop, first))
 
 
 def build_outside(setup: Setup, loop: PlantlessGraphs) -> CompiledLoop:
@@ -243,32 +212,25 @@ def numbers_of(setup: Setup, parameters: tuple[Signal, ...]) -> tuple[float, ...
 
 def delay_steps_of(loop: Graphs, parameters: tuple[float, ...]) -> int:
     """Plant steps for which a command is under way, for the values of a loop's parameters."""
-    number = loop.delay_steps(parameters)
-    return round(float(number))
-
-
-def start_of(setup: Setup, own: list[float]) -> tuple[float, ...]:
-    """The whole state at t = 0: the scenario's pose and velocity, then the graphs' own values."""
-    initial = setup.scenario.initial
-    return (*initial.pose, *initial.velocity, *own[len(PLANT_STATE) :])
+    return round(float(loop.delay_steps(parameters)))
 
 
 def phases_of(
     setup: Setup, parameters: tuple[Signal, ...], first: tuple[float, ...]
 ) -> list[tuple[int, tuple[float, ...]]]:
     """(first plant step, parameter values) of each phase: the start, then every Change."""
-    names = [name for item in parameters for name in item.elements]
+    names = elements(parameters)
     row, phases = list(first), [(0, first)]
     for change in setup.scenario.changes:
         for key, value in change.values().items():
             if f"robot.{key}" in names:
                 row[names.index(f"robot.{key}")] = value
-        phases.append((_first_step_at(change.t, setup.scenario.clock.plant), tuple(row)))
+        phases.append((first_step_at(change.t, setup.scenario.clock.plant), tuple(row)))
     return phases
 
 
-def _first_step_at(time: float, step: float) -> int:
-    """Index of the first plant step that starts at or after ``time``."""
+def first_step_at(time: float, step: float) -> int:
+    """Index of the first plant step [s] that starts at or after ``time`` [s]."""
     index = round(time / step)
     return index if abs(index * step - time) <= 1e-9 * max(1.0, time) else int(-(-time // step))
 

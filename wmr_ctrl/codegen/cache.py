@@ -104,15 +104,8 @@ def cached_text(key: str, write: Callable[[], str]) -> str:
 
 def content_key(sources: Sources, key: Sequence[str] = ()) -> str:
     """SHA-256 (hex) over file names and texts, ``key`` and the platform, free of ambiguity."""
-    bits = str(8 * struct.calcsize("P"))
-    parts: list[str | bytes] = [
-        _LAYOUT,
-        sys.platform,
-        platform.machine(),
-        bits,
-        str(len(key)),
-        *key,
-    ]
+    machine = (sys.platform, platform.machine(), str(8 * struct.calcsize("P")))
+    parts: list[str | bytes] = [_LAYOUT, *machine, str(len(key)), *key]
     for name in sorted(sources):
         parts += [name, sources[name]]
     digest = hashlib.sha256()
@@ -172,17 +165,16 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
         entry.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{entry.name}-", dir=entry.parent))
         folder.chmod(0o755)  # mkdtemp's 0700 would shut others out of a shared WMR_CTRL_CACHE
-        _write(folder, sources)
+        for name, text in sources.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(_as_bytes(text))
         library = compile_in(folder)
         if not is_complete(library):
             raise OSError(f"the compiler wrote only a part of {library.name}")
         keep_others_out(library)
-        inside = library.relative_to(folder)
-        stamp = {
-            "library": inside.as_posix(),
-            "size": library.stat().st_size,
-            "sha256": _sha256(library),
-        }
+        inside, size = library.relative_to(folder), library.stat().st_size
+        stamp = {"library": inside.as_posix(), "size": size, "sha256": _sha256(library)}
         (folder / _STAMP).write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
         _publish(folder, entry)
         return entry / inside
@@ -193,13 +185,6 @@ def _build(entry: Path, sources: Sources, compile_in: Callable[[Path], Path]) ->
     finally:
         if folder is not None:
             shutil.rmtree(folder, ignore_errors=True)
-
-
-def _write(folder: Path, sources: Sources) -> None:
-    for name, text in sources.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(_as_bytes(text))
 
 
 def _publish(folder: Path, entry: Path) -> None:

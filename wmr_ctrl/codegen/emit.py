@@ -17,17 +17,8 @@ import casadi as ca
 
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
-from wmr_ctrl.model.graph import (
-    CHANGING,
-    PARAMETERS,
-    STEADY,
-    Graph,
-    Node,
-    Store,
-    kinds,
-    read,
-    without_unused,
-)
+from wmr_ctrl.model import graph as graphs
+from wmr_ctrl.model.graph import PARAMETERS, Graph, Node, Store
 
 QUALIFIERS = """\
 #ifndef WMR_KERNEL
@@ -68,7 +59,7 @@ class Kernel:
     @cached_property
     def graph(self) -> Graph:
         """Values in single assignment."""
-        return read(self.function, self.inputs, self.outputs)
+        return graphs.read(self.function, self.inputs, self.outputs)
 
     @property
     def operations(self) -> int:
@@ -155,28 +146,27 @@ def split(graph: Graph) -> tuple[Graph, Graph]:
     the whole does, in the same bits.
     """
     wanted = _wanted(graph)
+    nodes = list(graph.nodes)
     before = [Store(PREPARED, index, number) for index, number in enumerate(wanted)]
     places = {number: (PREPARED, index) for index, number in enumerate(wanted)}
     read = [
         Node(ca.OP_INPUT, place=places[number]) if number in places else node
-        for number, node in enumerate(graph.nodes)
+        for number, node in enumerate(nodes)
     ]
-    return (
-        without_unused(list(graph.nodes), before),
-        without_unused(read, list(graph.stores)),
-    )
+    after = graphs.without_unused(read, list(graph.stores))
+    return graphs.without_unused(nodes, before), after
 
 
 def _wanted(graph: Graph) -> list[int]:
     """Slow steady values that something changing, or a result, reads."""
-    kind, slow = kinds(graph.nodes), list[bool]()
+    kind, slow = graphs.kinds(graph.nodes), list[bool]()
     for number, node in enumerate(graph.nodes):
         slow.append(graph.cost(number) > 1 or any(slow[k] for k in node.operands))
-    readers = [node for number, node in enumerate(graph.nodes) if kind[number] == CHANGING]
+    readers = [node for number, node in enumerate(graph.nodes) if kind[number] == graphs.CHANGING]
     read = {number for node in readers for number in node.operands}
     read |= {store.node for store in graph.stores}
     return sorted(
         number
         for number in read
-        if kind[number] == STEADY and slow[number] and not graph.is_logical(number)
+        if kind[number] == graphs.STEADY and slow[number] and not graph.is_logical(number)
     )

@@ -37,13 +37,10 @@ def logged_kernels(loop: LoopGraphs) -> tuple[Kernel, Kernel, Kernel]:
     """Those of runs with a log."""
     left = {"next": loop.next_slow, "held": loop.held, "row": loop.row}
     moved, after = _stepped(loop), {"next": loop.next_fast}
-    return (
-        _clock(loop),
-        kernel(
-            "sample_logged", "A control sample with its log.", _sampled(loop), left, prepared=True
-        ),
-        kernel("step", "The fast state after a plant step.", moved, after, prepared=True),
-    )
+    named = "sample_logged", "A control sample with its log."
+    logged = kernel(*named, _sampled(loop), left, prepared=True)
+    step = kernel("step", "The fast state after a plant step.", moved, after, prepared=True)
+    return _clock(loop), logged, step
 
 
 def outside_kernels(loop: PlantlessGraphs) -> tuple[Kernel, ...]:
@@ -69,32 +66,19 @@ def _acting(loop: Graphs) -> Kernel:
 
 
 def _sampled(loop: Graphs) -> dict[str, ca.SX]:
-    return {
-        "k": loop.sample.clock.sym,
-        "x": loop.x,
-        "p": loop.p,
-        "w": loop.draws(Rate.SAMPLE),
-    }
+    k, w = loop.sample.clock.sym, loop.draws(Rate.SAMPLE)
+    return {"k": k, "x": loop.x, "p": loop.p, "w": w}
 
 
 def _stepped(loop: Graphs) -> dict[str, ca.SX]:
-    return {
-        "i": loop.step.clock.sym,
-        "u": loop.u.sym,
-        "x": stack(item.sym for item in loop.fast),
-        "p": loop.p,
-        "w": loop.draws(Rate.STEP),
-    }
+    i, x = loop.step.clock.sym, stack(item.sym for item in loop.fast)
+    return {"i": i, "u": loop.u.sym, "x": x, "p": loop.p, "w": loop.draws(Rate.STEP)}
 
 
 def controller_kernel(system: System, name: str = "controller") -> Kernel:
     """One sample of the controller by itself, under a name."""
-    return kernel(
-        name,
-        f"One sample: {system.title}.",
-        {"u": system.u, "x": system.x, "p": system.p},
-        {"next": system.update, "y": system.y},
-    )
+    given, left = {"u": system.u, "x": system.x, "p": system.p}, {"next": system.update}
+    return kernel(name, f"One sample: {system.title}.", given, {**left, "y": system.y})
 
 
 def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:

@@ -12,17 +12,11 @@ from typing import Any
 import casadi as ca
 import jinja2
 
+from wmr_ctrl.codegen import single_precision
 from wmr_ctrl.codegen.dialect import HEADER
 from wmr_ctrl.codegen.emit import QUALIFIERS, Kernel
 from wmr_ctrl.codegen.kernels import controller_kernel
 from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.codegen.single_precision import (
-    LARGEST_SINGLE,
-    MARGIN,
-    PERIODS,
-    package_dialect,
-    with_margin,
-)
 from wmr_ctrl.codegen.source import cached_definition
 from wmr_ctrl.codegen.vectors import SAMPLES, TOLERANCES, vectors_of
 from wmr_ctrl.control.controller import controller
@@ -90,7 +84,7 @@ def package_files(
         setup = settle(scenario, law)
         system = packaged(setup) if counting else controller(setup)
     if float32 and (scenario.guard.enabled or law == FILTER):
-        system = with_margin(system)
+        system = single_precision.with_margin(system)
     context = _context(law, scenario, system, step_kernel(system), float32)
     engine = text_engine(_TEMPLATES)
     names = {name.format(law=law): name.format(law="law") for name in FILES}
@@ -116,15 +110,14 @@ def packaged(setup: Setup) -> System:
     old = stack(item.sym for item in core.inputs if item.signal in made)
     new = stack(made[item.signal] for item in core.inputs if item.signal in made)
     exprs = ca.substitute([core.update, *(item.expr for item in core.outputs)], [old], [new])
+    signals = (item.signal for item in core.outputs)
     return replace(
         core,
         inputs=(*(i for i in core.inputs if i.signal not in made), *front.inputs),
         state=(*core.state, *front.state),
         params=(*core.params, *(i for i in front.params if i.signal.name not in known)),
         update=ca.vertcat(exprs[0], update),
-        outputs=tuple(
-            Output(item.signal, expr) for item, expr in zip(core.outputs, exprs[1:], strict=True)
-        ),
+        outputs=tuple(map(Output, signals, exprs[1:])),
         diagnostics=(),
     )
 
@@ -148,7 +141,9 @@ def write_package(
 def _context(
     law: str, scenario: Scenario, system: System, step: Kernel, float32: bool
 ) -> Mapping[str, Any]:
-    dialect, guarded = package_dialect(float32), scenario.guard.enabled
+    dialect, guarded = single_precision.package_dialect(float32), scenario.guard.enabled
+    largest = single_precision.LARGEST_SINGLE if float32 else LARGEST
+    periods = single_precision.PERIODS.get((law, guarded), ())
     vectors = vectors_of(system, scenario.limits, float32=float32)
     text = cached_definition(step, dialect)
     outputs = [Field(c_name(o.signal), o.signal.size, o.signal.unit, o.signal.meaning, ())
@@ -157,7 +152,7 @@ def _context(
         "law": law, "LAW": law.upper(), "title": system.title, "scenario": scenario.name,
         "period": scenario.clock.control, "float32": float32,
         "real": "float" if float32 else "double", "limit": f"{'FLT' if float32 else 'DBL'}_MAX",
-        "largest": LARGEST_SINGLE if float32 else LARGEST, "digits": 9 if float32 else 17,
+        "largest": largest, "digits": 9 if float32 else 17,
         "inputs": _fields(system.inputs), "state": _fields(system.state),
         "parameters": _fields(system.params), "outputs": outputs,
         "counts": {"inputs": system.u.numel(), "state": system.x.numel(),
@@ -165,8 +160,8 @@ def _context(
         "qualifiers": QUALIFIERS, "kernel": text, "calls": library_calls(text, float32),
         "operations": step.operations,
         "number": dialect.number, "vectors": vectors, "samples": SAMPLES,
-        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": MARGIN,
-        "periods": [f"{1e3 * period:g} ms" for period in PERIODS.get((law, guarded), ())],
+        "tolerance": TOLERANCES[float32], "guarded": guarded, "margin": single_precision.MARGIN,
+        "periods": [f"{1e3 * period:g} ms" for period in periods],
         "footprint": known_footprint(law, float32, guarded, step.operations),
         "library": f"wmr_{law}", "robot": _robot(scenario), "filters": law == FILTER,
         "governs": len(system.inputs) > 1,
@@ -198,10 +193,8 @@ def library_calls(kernel: str, float32: bool) -> list[str]:
 
 
 def _fields(ports: Iterable[Port]) -> list[Field]:
-    return [
-        Field(c_name(p.signal), p.signal.size, p.signal.unit, p.signal.meaning, p.value)
-        for p in ports
-    ]
+    named = ((p.signal, p.value) for p in ports)
+    return [Field(c_name(s), s.size, s.unit, s.meaning, values) for s, values in named]
 
 
 def c_name(signal: Signal) -> str:

@@ -176,20 +176,11 @@ class _Rerolling:
             array, start = first
             beside = all(place == (array, start + j) for j, place in enumerate(places))
             return Slice(array, start) if beside else None
-        if any(place is not None for place in places) or not self._movable(wanted):
-            return None
-        return self._array_of(wanted)
-
-    def _movable(self, wanted: list[int]) -> bool:
-        nodes = [self.graph.nodes[number] for number in wanted]
         depths = {self.depth.get(number) for number in wanted}
-        return (
-            set(wanted) <= self.lines
-            and len(set(wanted)) == len(wanted)
-            and len(depths) == 1
-            and {node.op for node in nodes} <= _LOOPED
-            and len({node.op for node in nodes}) == 1
-        )
+        kinds = {self.graph.nodes[number].op for number in wanted}
+        alone = not any(places) and set(wanted) <= self.lines and len(set(wanted)) == len(wanted)
+        alike = len(depths) == 1 and len(kinds) == 1 and kinds <= _LOOPED
+        return self._array_of(wanted) if alone and alike else None
 
     def _array_of(self, wanted: list[int]) -> Slice | None:
         """A new array of these values: loops where they are long enough, else single lines."""
@@ -233,30 +224,22 @@ def _depths(items: Iterable[Item]) -> dict[int, int]:
 def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> list[Item]:
     """Results that copy a stretch of an array, as loops; the others as they were."""
     runs: list[list[ResultStore]] = []
+    following: tuple[Place, Place] | None = None  # place and result that would go on a run
     for item in results:
-        if not (runs and _follows(runs[-1][-1], item, local)):
+        store, place = item.store, local.get(item.store.node)
+        if place is None or (place, (store.vector, store.index)) != following:
             runs.append([])
         runs[-1].append(item)
+        following = place and ((place[0], place[1] + 1), (store.vector, store.index + 1))
     found: list[Item] = []
     for run in runs:
-        found.extend([_copy(run, local)] if len(run) >= SHORTEST_PART else run)
+        if len(run) < SHORTEST_PART:
+            found.extend(run)
+            continue
+        first, reads = run[0].store, frozenset().union(*(item.reads for item in run))
+        target, source = Slice(first.vector, first.index), Slice(*local[first.node])
+        found.append(ArrayLoop((), reads, 0, target, len(run), None, (source,)))
     return found
-
-
-def _follows(last: ResultStore, item: ResultStore, local: dict[int, Place]) -> bool:
-    before, place = last.store, local.get(last.store.node)
-    return (
-        place is not None
-        and local.get(item.store.node) == (place[0], place[1] + 1)
-        and (item.store.vector, item.store.index) == (before.vector, before.index + 1)
-    )
-
-
-def _copy(run: list[ResultStore], local: dict[int, Place]) -> ArrayLoop:
-    first = run[0].store
-    reads = frozenset().union(*(item.reads for item in run))
-    source = Slice(*local[first.node])
-    return ArrayLoop((), reads, 0, Slice(first.vector, first.index), len(run), None, (source,))
 
 
 def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from wmr_ctrl.codegen.dialect import SCALAR, Dialect
-from wmr_ctrl.model.system import Port, System
+from wmr_ctrl.model.system import System
 
 MARGIN = 2.0**-15
 """The guard's limits are lowered by this share of theirs: 512 times the rounding of a float, as
@@ -36,13 +36,9 @@ precision did; the tests of the boards repeat it."""
 
 def with_margin(system: System) -> System:
     """The same law with its limits' values lowered by MARGIN."""
-    return replace(system, params=tuple(_lowered(item) for item in system.params))
-
-
-def _lowered(item: Port) -> Port:
-    if item.signal.name != LIMIT:
-        return item
-    return replace(item, value=tuple(number * (1 - MARGIN) for number in item.value))
+    shares = ((item, 1 - MARGIN if item.signal.name == LIMIT else 1.0) for item in system.params)
+    lowered = (replace(item, value=tuple(share * x for x in item.value)) for item, share in shares)
+    return replace(system, params=tuple(lowered))
 
 
 LARGEST_CONSTANT = 1e18
@@ -66,14 +62,14 @@ class SingleDialect(Dialect):
 
 
 def package_dialect(float32: bool) -> Dialect:
-    """The dialect of a package in double or single precision."""
+    """The dialect of a package in double or single precision.
+
+    The latter has the C library's functions and literals of float: ``expf(`` for ``wmr_exp(``.
+    """
     if not float32:
         return replace(SCALAR, real="wmr_real", exp_batch=0, packs_stores=False)
-    patterns = {op: _single(text) for op, text in SCALAR.patterns.items()}
+    patterns = {}
+    for op, pattern in SCALAR.patterns.items():
+        called = _CALL.sub(lambda call: f"{_NAMES.get(call[1], call[1])}f(", pattern)
+        patterns[op] = re.sub(r"\b(\d\.\d)\b", r"\1f", called)
     return SingleDialect("", "wmr_real", "int", MappingProxyType(patterns), lanes=False)
-
-
-def _single(pattern: str) -> str:
-    """A pattern with the C library's functions and literals of float: ``wmr_exp(`` as ``expf(``."""
-    called = _CALL.sub(lambda call: f"{_NAMES.get(call[1], call[1])}f(", pattern)
-    return re.sub(r"\b(\d\.\d)\b", r"\1f", called)

@@ -128,11 +128,8 @@ def build_units(
             path.unlink()
         return library
 
-    told = [
-        part
-        for unit in (*units, last)
-        for part in (unit.name, unit.source, str(len(unit.flags)), *unit.flags)
-    ]
+    told = [part for unit in (*units, last)
+            for part in (unit.name, unit.source, str(len(unit.flags)), *unit.flags)]  # fmt: skip
     return build_cached(sources, compile_in, key=(*toolchain.key, name, *told))
 
 
@@ -194,8 +191,12 @@ def _find(named: str, path: str | None, cache: Path) -> Toolchain:
     """Look for a compiler; the arguments are all that the outcome depends on."""
     if named:
         return _named(named)
+    found = [(name,) for name in (shutil.which(name, path=path) for name in _ON_PATH) if name]
+    commands: list[tuple[str, ...]] = [*found]
+    if zig_command():
+        commands.append((*zig_command(), "cc"))
     reasons = []
-    for command in _candidates(path):
+    for command in commands:
         try:
             return _working(command)
         except CacheError:
@@ -222,12 +223,6 @@ def _named(text: str) -> Toolchain:
             f"the C compiler named in the environment variable {VARIABLE} ({text!r}) does not "
             f"work: {error} {_INSTALL}"
         ) from error
-
-
-def _candidates(path: str | None) -> list[tuple[str, ...]]:
-    found = [shutil.which(name, path=path) for name in _ON_PATH]
-    commands: list[tuple[str, ...]] = [(name,) for name in found if name]
-    return [*commands, (*zig_command(), "cc")] if zig_command() else commands
 
 
 def zig_command() -> tuple[str, ...]:

@@ -65,15 +65,6 @@ def parallel(model: FmuModel) -> FmuModel:
     return replace(model, variables=tuple(rows))
 
 
-def start_of_inputs(scenario: Scenario) -> dict[str, float]:
-    """Start values of pose, velocity and reference inputs: those of t = 0."""
-    desired = sample(scenario, np.zeros(1))[0].tolist()
-    names = [signal.name for signal in (*REFERENCE, *POSE, *VELOCITY)]
-    return dict(
-        zip(names, (*desired, *scenario.initial.pose, *scenario.initial.velocity), strict=True)
-    )
-
-
 def _model(
     what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()
 ) -> FmuModel:
@@ -82,10 +73,8 @@ def _model(
     rows = tuple(row for section in sections.values() for row in section)
     at = {row.name: i for i, row in enumerate(rows)}
     layout = _layout(sections, system)
-    if system.period:
-        layout["AT_PERIOD"] = at["clock.control"]
-    else:
-        layout["AT_STEP"] = at["clock.plant"]
+    name, key = ("AT_PERIOD", "clock.control") if system.period else ("AT_STEP", "clock.plant")
+    layout[name] = at[key]
     if PARALLEL.name in at:
         layout["AT_PARALLEL"] = at[PARALLEL.name]
     first, known = layout["W"], layout["Z"]
@@ -104,11 +93,8 @@ def _model(
         block.kernels,
         block.derivatives,
         layout,
-        {},
-        dependencies,
-        bool(layout["HAS_ME"]),
-        scenario.clock.control,
-        block.graph,
+        dependencies=dependencies,
+        graph=block.graph,
     )
 
 
@@ -125,9 +111,13 @@ def _sections(
     taken = {port.signal.name for port in (*system.inputs, *system.params)} | shown
     states = list(state_rows(system.state, published, taken, discrete=discrete))
     timed = _follows_time(system)
+    # Pose, velocity and reference inputs start as they are at t = 0.
+    given = (signal.name for signal in (*REFERENCE, *POSE, *VELOCITY))
+    desired, start = sample(scenario, np.zeros(1))[0].tolist(), scenario.initial
+    starts = dict(zip(given, (*desired, *start.pose, *start.velocity), strict=True))
     return {
         "time": [TIME],
-        "U": [] if timed else list(input_rows(system.inputs, start_of_inputs(scenario))),
+        "U": [] if timed else list(input_rows(system.inputs, starts)),
         "P": list(parameter_rows(system.params, ranges, tunable)),
         "X": states,
         "rates": [] if discrete else list(rate_rows(states)),

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from wmr_ctrl.codegen.build import delay_steps_of, numbers_of
-from wmr_ctrl.codegen.emit import Kernel, kernel
+from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.codegen.kernels import FINDINGS, loop_constants, loop_kernels
+from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.loop import LoopGraphs
 from wmr_ctrl.control.ranges import SMALLEST, Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
@@ -55,6 +56,8 @@ def closed_loop_model(setup: Setup) -> FmuModel:
     rows = (*parameters, *outputs)
     columns = set(loop.columns)
     reached = [item for item in loop.plant.outputs if item.signal in columns]
+    # Columns of the log that the plant shows of a state, be a sample taken there or not.
+    shown = {"x": loop.plant.x}, {"y": stack(item.expr for item in reached)}
     return FmuModel(
         "closed-loop",
         f"Closed loop: {setup.control_law.title}",
@@ -62,14 +65,10 @@ def closed_loop_model(setup: Setup) -> FmuModel:
         scenario,
         rows,
         loop_constants(loop),
-        (*loop_kernels(loop), _reached_kernel(loop, reached)),
+        (*loop_kernels(loop), kernel("reached", "What the plant shows of a state.", *shown)),
         (),
         _layout(rows, len(parameters), setup, loop, reached),
         _tables(rows, loop, scenario, reached),
-        None,
-        False,
-        scenario.clock.control,
-        "",
     )
 
 
@@ -91,13 +90,6 @@ def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
                 signal, value = number_of(section, name, key)
                 ports[key] = port(signal, value)
     return tuple(item for key, item in ports.items() if key not in known)
-
-
-def _reached_kernel(loop: LoopGraphs, reached: Iterable[Output]) -> Kernel:
-    """Columns of the log that the plant shows of a state, be a sample taken there or not."""
-    shown = stack(item.expr for item in reached)
-    x = stack(item.sym for item in loop.plant.state)
-    return kernel("reached", "What the plant shows of a state.", {"x": x}, {"y": shown})
 
 
 def _drives(setup: Setup) -> dict[str, Range]:
@@ -152,7 +144,7 @@ def _layout(
         "HAS_ME": 0,
         "CHANGES": len(setup.scenario.changes),
         "DELAY_MAX": delay_steps_of(loop, numbers_of(setup, signals)),
-        "REACHED": len(_elements(item.signal for item in reached)),
+        "REACHED": len(elements(item.signal for item in reached)),
         "AT_SEED": at["seed"],
         "AT_PERIOD": at["clock.control"],
         "AT_STEP": at["clock.plant"],
@@ -164,8 +156,8 @@ def _tables(
 ) -> dict[str, Sequence[Sequence[float]]]:
     """Tables by name: rows that numbers are read from and shown in, 0 where there is none."""
     at = {row.name: i for i, row in enumerate(rows)}
-    names = _elements(port.signal for port in loop.parameters.ports)
-    state = _elements(port.signal for port in loop.plant.state)
+    names = elements(port.signal for port in loop.parameters.ports)
+    state = elements(port.signal for port in loop.plant.state)
     at_rest = [0] * (len(loop.x0) - len(state))
     starts = {
         signal.name: at[f"{key}[{i}]"]
@@ -182,11 +174,7 @@ def _tables(
         "CHANGE_TIME_ROWS": [[*times, 0]],
         "START": [loop.x0],
         "START_ROWS": [[*(starts.get(name, 0) for name in state), *at_rest]],
-        "COLUMN_ROWS": [[at.get(name, 0) for name in _elements(loop.columns)]],
-        "REACHED_ROWS": [[at[name] for name in _elements(o.signal for o in reached)]],
+        "COLUMN_ROWS": [[at.get(name, 0) for name in elements(loop.columns)]],
+        "REACHED_ROWS": [[at[name] for name in elements(o.signal for o in reached)]],
         "FOUND_ROWS": [[at.get(FOUND.get(name, ""), 0) for name in FINDINGS]],
     }
-
-
-def _elements(signals: Iterable[Signal]) -> list[str]:
-    return [name for signal in signals for name in signal.elements]

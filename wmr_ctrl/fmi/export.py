@@ -17,15 +17,7 @@ from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
 from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
-from wmr_ctrl.fmi.extra import (
-    EXTRA,
-    GRAPH,
-    NOTE,
-    RESULT,
-    plain_code,
-    reference_result,
-    references,
-)
+from wmr_ctrl.fmi.extra import EXTRA, GRAPH, NOTE, RESULT, plain_code, reference_result, references
 from wmr_ctrl.fmi.files import write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.sources import sources_of

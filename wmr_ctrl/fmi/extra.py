@@ -77,17 +77,11 @@ def _variables(causality: str, signals: Iterable[Signal]) -> Iterator[dict[str, 
 def references(model: FmuModel, tool: str) -> dict[str, str]:
     """The manifest of FMI-LS-REF, and what it speaks of besides result, scenario and graph."""
     starts = _starts_of(model)
-    shown = {
-        "seconds": f"{_seconds(model):g}",
-        "step": f"{model.step:g}",
-        "starts": starts,
-        "graph": model.graph,
-    }
+    times = {"seconds": f"{_seconds(model):g}", "step": f"{model.scenario.clock.control:g}"}
+    shown = {**times, "starts": starts, "graph": model.graph}
     files = {REFERENCES: render("fmi-ls-manifest.xml", m=shown)}
     if starts:
-        listed = [
-            {"name": name, "value": repr(value), "unit": ""} for name, value in starts.items()
-        ]
+        listed = [{"name": key, "value": repr(value), "unit": ""} for key, value in starts.items()]
         values = {"name": "reference", "tool": tool, "units": [], "parameters": listed}
         files[STARTS] = render("parameters.ssv", m=values)
     return files
@@ -107,13 +101,14 @@ def reference_result(model: FmuModel, files: Mapping[str, bytes]) -> bytes:
     from fmpy import simulate_fmu
 
     names = [v.name for v in model.variables if (v.output or v.role is Role.INPUT) and not v.array]
+    step = model.scenario.clock.control
     with tempfile.TemporaryDirectory() as folder:
         path = write_archive(Path(folder) / "model.fmu", files)
         result = simulate_fmu(
             str(path),
             stop_time=_seconds(model),
-            output_interval=model.step,
-            step_size=model.step,
+            output_interval=step,
+            step_size=step,
             start_values=_starts_of(model),
             output=names,
             fmi_type="CoSimulation",

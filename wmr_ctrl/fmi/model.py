@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from wmr_ctrl.codegen.emit import Kernel
 from wmr_ctrl.fmi.variables import Variable
+from wmr_ctrl.guard.bounds import MASS_KEYS
 from wmr_ctrl.scenario import Scenario
 
 KINDS = {"continuous": "WMR_CONTINUOUS", "sampled": "WMR_SAMPLED", "loop": "WMR_LOOP"}
@@ -38,11 +39,9 @@ class FmuModel:
     kernels: tuple[Kernel, ...]
     derivatives: tuple[Kernel, ...]
     layout: Mapping[str, int]
-    tables: Mapping[str, Sequence[Sequence[float]]]
-    dependencies: Mapping[int, Sequence[tuple[int, bool]]] | None
-    model_exchange: bool
-    step: float
-    graph: str
+    tables: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
+    dependencies: Mapping[int, Sequence[tuple[int, bool]]] | None = None
+    graph: str = ""
 
     @property
     def identifier(self) -> str:
@@ -54,7 +53,7 @@ class FmuModel:
         return next(i for i, item in enumerate(self.variables) if item.name == name)
 
 
-ORDERS = {("limits.v_u2", "limits.v_u1"): True, ("guard.M_min", "guard.M_max"): False}
+ORDERS = {("limits.v_u2", "limits.v_u1"): True, MASS_KEYS: False}
 """Parameters of which the first must be below the second in each element, or (False) not above."""
 
 

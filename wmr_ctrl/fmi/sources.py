@@ -18,18 +18,9 @@ from wmr_ctrl.fmi.model import KINDS, RUNTIME, FmuModel, orders
 from wmr_ctrl.fmi.variables import Variable
 
 COMMON = (
-    "instance.c",
-    "instance.h",
-    "kind.h",
-    "calls.h",
-    "variables.h",
-    "values.c",
-    "values.h",
-    "snapshot.c",
-    "snapshot.h",
-    "derivatives.c",
-    "derivatives.h",
-)
+    "instance.c", "instance.h", "kind.h", "calls.h", "variables.h", "values.c", "values.h",
+    "snapshot.c", "snapshot.h", "derivatives.c", "derivatives.h",
+)  # fmt: skip
 NAMESPACE = uuid.UUID("a2f3b9a0-6d0c-5b58-9a53-0d5f5c3f8f5e")
 
 
@@ -60,12 +51,8 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
     ]
     files |= {path.name: path.read_text(encoding="utf-8") for path in paths}
     pairs = orders(model)
-    files["model.c"] = render(
-        "model.c",
-        identifier=model.identifier,
-        variables=_rows(model, arrays and version == 3),
-        orders=pairs,
-    )
+    rows = _rows(model, arrays and version == 3)
+    files["model.c"] = render("model.c", identifier=model.identifier, variables=rows, orders=pairs)
     if model.tables:
         tables = [_table(name, rows) for name, rows in model.tables.items()]
         files["loop_tables.h"] = render("loop_tables.h", tables=tables)
@@ -111,9 +98,5 @@ def _table(name: str, rows: Sequence[Sequence[float]]) -> dict[str, str]:
         shape, body = f"[{len(rows)}][{len(rows[0])}]", f"{{{', '.join(bodies)}}}"
     else:
         shape, body = "[]", bodies[0]
-    return {
-        "type": "double" if name == "START" else "int",
-        "name": name,
-        "shape": shape,
-        "body": body,
-    }
+    kind = "double" if name == "START" else "int"
+    return {"type": kind, "name": name, "shape": shape, "body": body}

@@ -7,7 +7,7 @@ says of names and units becomes a linear transformation of a connection.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -173,9 +173,8 @@ def _theirs(name: str, path: str | Path, maps: Mapping[str, PartMap], setup: Set
         )
     part, unit = maps[name], FmuFile(path, name).unit
     inputs = input_rows(part, unit, name)
-    outputs = (controller_outputs if name == "controller" else plant_outputs)(
-        part, unit, setup.scenario.robot
-    )
+    ours = controller_outputs if name == "controller" else plant_outputs
+    outputs = ours(part, unit, setup.scenario.robot)
     for row in (*inputs, *outputs):
         if len(row.terms) != 1:
             raise ArgumentError(
@@ -194,46 +193,38 @@ def _port(name: str, kind: str, unit: str = "") -> dict[str, str]:
 
 def _structure(parts: dict[str, Component], scenario: Scenario, flat: bool) -> str:
     connections = list(_connections(parts))
-    outside = _outside(parts, connections)
     ports = {name: part.ports for name, part in parts.items()}
     if flat:
         connections = [line for line in connections if len(line["ends"]) == len(INNER)]
-        outside = []
         ports = {name: _wired(name, part, connections) for name, part in parts.items()}
-    units = [port["unit"] for port in (*chain(*ports.values()), *outside)]
-    return render(
-        "SystemStructure.ssd",
-        m={
-            "tool": TOOL,
-            "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
-            "step": repr(scenario.clock.control),
-            "stop": repr(scenario.clock.duration),
-            "ports": outside,
-            "parts": [
-                {
-                    "name": name,
-                    "source": f"resources/{part.identifier}.fmu",
-                    "parameters": f"resources/{name}.ssv",
-                    "ports": ports[name],
-                }
-                for name, part in parts.items()
-            ],
-            "connections": connections,
-            "units": _units([unit for unit in units if unit]),
-        },
-    )
-
-
-def _outside(
-    parts: dict[str, Component], connections: list[dict[str, Any]]
-) -> list[dict[str, str]]:
-    """Connectors of the whole system: inputs that a connection uses, outputs that a part gives."""
     used = {value for line in connections for _, value in line["ends"]}
     given = {row.target for part in parts.values() for row in part.outputs}
-    return [
+    outside = [  # inputs that a connection uses, outputs that a part gives
         *(_port(name, "input", unit) for name, unit in DISTURBANCE.items() if name in used),
         *(_port(name, "output", unit) for name, unit in SHOWN.items() if name in given),
     ]
+    outside = [] if flat else outside
+    units = [port["unit"] for port in (*chain(*ports.values()), *outside)]
+    listed = [
+        {
+            "name": name,
+            "source": f"resources/{part.identifier}.fmu",
+            "parameters": f"resources/{name}.ssv",
+            "ports": ports[name],
+        }
+        for name, part in parts.items()
+    ]
+    shown = {
+        "tool": TOOL,
+        "title": f"{scenario.title or scenario.name}; {_NOT_IN}",
+        "step": repr(scenario.clock.control),
+        "stop": repr(scenario.clock.duration),
+        "ports": outside,
+        "parts": listed,
+        "connections": connections,
+        "units": _units(units),
+    }
+    return render("SystemStructure.ssd", m=shown)
 
 
 def _wired(name: str, part: Component, connections: list[dict[str, Any]]) -> list[dict[str, str]]:
@@ -285,12 +276,11 @@ def _line(ends: list[tuple[str, str]], factor: float, offset: float) -> dict[str
 
 
 def _parameters(part: Component) -> str:
-    units = _units([item["unit"] for item in part.parameters if item["unit"]])
-    return render(
-        "parameters.ssv",
-        m={"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters},
-    )
+    units = _units(item["unit"] for item in part.parameters)
+    shown = {"name": SET, "tool": TOOL, "units": units, "parameters": part.parameters}
+    return render("parameters.ssv", m=shown)
 
 
-def _units(names: list[str]) -> list[dict[str, Any]]:
-    return [{"name": unit.name, "base": list(unit.exponents.items())} for unit in units_of(names)]
+def _units(names: Iterable[str]) -> list[dict[str, Any]]:
+    known = units_of(filter(None, names))
+    return [{"name": unit.name, "base": list(unit.exponents.items())} for unit in known]

@@ -86,10 +86,7 @@ def build_for(
     Raises CompilerError where none could be built.
     """
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as workers:
-        jobs = {
-            target.name: workers.submit(compile_for, target, sources, identifier)
-            for target in targets
-        }
+        jobs = {t.name: workers.submit(compile_for, t, sources, identifier) for t in targets}
     errors = {name: job.exception() for name, job in jobs.items()}
     failed: dict[str, str] = {}
     for name, error in errors.items():
@@ -121,11 +118,8 @@ def compile_for(target: Target, sources: Sources, identifier: str) -> Path:
         library = folder / f"{identifier}{target.suffix}"
         return compile_library(chain, [folder / LIGHT, *objects], library, include=[folder])
 
-    return build_cached(
-        sources.files,
-        compile_in,
-        key=(*chain.key, identifier, *(str(o.parent.name) for o in objects)),
-    )
+    parts = (o.parent.name for o in objects)
+    return build_cached(sources.files, compile_in, key=(*chain.key, identifier, *parts))
 
 
 def _object(chain: Toolchain, sources: Sources, unit: str) -> Path:

@@ -85,10 +85,8 @@ def parameter_rows(
 def input_rows(ports: Iterable[Port], starts: Mapping[str, float]) -> Iterator[Variable]:
     """Rows of inputs, which no value beyond LARGEST enters; start values by the elements' names."""
     for port in ports:
-        values = (
-            starts.get(name, value)
-            for name, value in zip(port.signal.elements, port.value, strict=True)
-        )
+        pairs = zip(port.signal.elements, port.value, strict=True)
+        values = (starts.get(name, value) for name, value in pairs)
         yield from _rows(port.signal, Role.INPUT, values, low=-LARGEST, high=LARGEST)
 
 
@@ -97,20 +95,19 @@ def state_rows(
 ) -> Iterator[Variable]:
     """Rows of states: outputs where the System publishes them under their own names."""
     for port in ports:
-        name, shown = port.signal.name, port.signal.name in outputs
-        signal = (
-            replace(port.signal, name=f"state.{name}") if name in taken - outputs else port.signal
-        )
+        signal, name, shown = port.signal, port.signal.name, port.signal.name in outputs
+        if name in taken - outputs:
+            signal = replace(signal, name=f"state.{name}")
         yield from _rows(signal, Role.START, port.value, output=shown, discrete=discrete)
 
 
 def rate_rows(states: Iterable[Variable]) -> Iterator[Variable]:
     """Rows of the states' rates, der(x)."""
     for state in states:
-        unit = f"{state.unit}/s" if "/" not in state.unit else f"{state.unit.split('/')[0]}/s2"
-        yield Variable(
-            f"der({state.name})", unit, f"rate of {state.name}", Role.CALCULATED, rate_of=state.name
-        )
+        name, unit = state.name, state.unit
+        rate = f"{unit}/s" if "/" not in unit else f"{unit.split('/')[0]}/s2"
+        meaning = f"rate of {name}"
+        yield Variable(f"der({name})", rate, meaning, Role.CALCULATED, rate_of=name)
 
 
 def output_rows(
@@ -118,10 +115,8 @@ def output_rows(
 ) -> Iterator[Variable]:
     """Rows of calculated outputs."""
     for signal in signals:
-        zeros = (0.0,) * signal.size
-        yield from _rows(
-            signal, Role.CALCULATED, zeros, output=True, discrete=discrete, integer=integer
-        )
+        marks = {"output": True, "discrete": discrete, "integer": integer}
+        yield from _rows(signal, Role.CALCULATED, (0.0,) * signal.size, **marks)
 
 
 def _rows(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from wmr_ctrl.errors import ArgumentError
@@ -42,26 +43,12 @@ def description(
 ) -> str:
     """Text of modelDescription.xml for FMI 2 or 3; ``note``: what it says after the title."""
     arrays = arrays and version == 3
-    common = _common(model, sources, tool, note)
-    if version == 2:
-        listed = [_fmi2_variable(model, i, v) for i, v in enumerate(model.variables)]
-        return render(
-            "fmi2.xml",
-            m={
-                **common,
-                "variables": listed,
-                "structure": _structure(model, version, arrays),
-            },
-        )
     rows = [(i, v) for i, v in enumerate(model.variables) if row_size(v, arrays)]
-    return render(
-        "fmi3.xml",
-        m={
-            **common,
-            "structure": _structure(model, version, arrays),
-            "variables": [_fmi3_variable(model, i, v, arrays) for i, v in rows],
-        },
-    )
+    variable = _fmi2_variable if version == 2 else partial(_fmi3_variable, arrays=arrays)
+    shown = _common(model, sources, tool, note)
+    shown["structure"] = _structure(model, version, arrays)
+    shown["variables"] = [variable(model, i, v) for i, v in rows]
+    return render(f"fmi{version}.xml", m=shown)
 
 
 def build_description(model: FmuModel, sources: Sources) -> str:
@@ -94,18 +81,9 @@ def documentation(model: FmuModel, tool: str) -> str:
         }
         for v in model.variables
     ]
-    return render(
-        "index.html",
-        m={
-            "identifier": model.identifier,
-            "title": model.title,
-            "tool": tool,
-            "scenario": model.scenario.name,
-            "kind": model.kind,
-            "law": model.what in LAWS,
-            "documented": rows,
-        },
-    )
+    named = {"identifier": model.identifier, "title": model.title, "tool": tool}
+    kinds = {"scenario": model.scenario.name, "kind": model.kind, "law": model.what in LAWS}
+    return render("index.html", m={**named, **kinds, "documented": rows})
 
 
 def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str, Any]:
@@ -120,10 +98,10 @@ def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str
         "units": sources.units,
         "unit_definitions": [_unit(unit) for unit in _units(model.variables)],
         "duration": repr(clock.duration),
-        "step": repr(model.step),
+        "step": repr(clock.control),
         "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
         "derivatives": bool(model.graph),
-        "model_exchange": model.model_exchange,
+        "model_exchange": bool(model.layout["HAS_ME"]),
     }
 
 
@@ -197,18 +175,14 @@ def _fmi2_variable(model: FmuModel, row: int, v: Variable) -> dict[str, Any]:
 def _fmi3_variable(model: FmuModel, row: int, v: Variable, arrays: bool) -> dict[str, Any]:
     size = row_size(v, arrays)
     whole = bool(arrays and v.array)
-    starts = [
-        start for start in map(_start, model.variables[row : row + size]) if start is not None
-    ]
+    starts = filter(None, map(_start, model.variables[row : row + size]))
     meaning = v.meaning.partition(", element")[0] if whole else v.meaning
     attributes = _head(v, row, v.array if whole else v.name, meaning) + _typed(model, v)
     attributes += [("derivative", str(model.row(v.rate_of)))] if v.rate_of else []
-    attributes += [("start", " ".join(starts))] if starts else []
-    return {
-        "type": "Int64" if v.integer else "Float64",
-        "attributes": attributes,
-        "dimensions": [size] if whole else [],
-    }
+    start = " ".join(starts)
+    attributes += [("start", start)] if start else []
+    kind, dimensions = "Int64" if v.integer else "Float64", [size] if whole else []
+    return {"type": kind, "attributes": attributes, "dimensions": dimensions}
 
 
 SECTIONS = {
@@ -225,22 +199,17 @@ def _structure(model: FmuModel, version: int, arrays: bool) -> list[dict[str, An
     outputs depend on inputs and, in continuous models, on states.
     """
     rows = list(enumerate(model.variables))
-    contents = (
-        [_unknown(model, i, version, arrays, at_start=False) for i, v in rows if v.output],
-        [_unknown(model, i, version, arrays, at_start=False) for i, v in rows if v.rate_of],
-        [
-            _unknown(model, i, version, arrays, at_start=True)
-            for i, v in rows
-            if v.role is Role.CALCULATED
-        ],
-    )
-    sections = zip(SECTIONS[version], contents, strict=True)
-    return [{"name": name, "unknowns": unknowns} for name, unknowns in sections if unknowns]
+    outputs, rates = ([i for i, v in rows if v.output], [i for i, v in rows if v.rate_of])
+    results = [i for i, v in rows if v.role is Role.CALCULATED]
+    listed = zip(SECTIONS[version], (outputs, rates, results), (False, False, True), strict=True)
+    return [
+        {"name": name, "unknowns": [_unknown(model, i, version, arrays, at_start) for i in chosen]}
+        for name, chosen, at_start in listed
+        if chosen
+    ]
 
 
-def _unknown(
-    model: FmuModel, row: int, version: int, arrays: bool, *, at_start: bool
-) -> Attributes:
+def _unknown(model: FmuModel, row: int, version: int, arrays: bool, at_start: bool) -> Attributes:
     """A variable and its dependencies; FMI 2 counts variables from 1, FMI 3 names references."""
     key, base = ("index", 1) if version == 2 else ("valueReference", 0)
     on: list[tuple[int, bool]] = []

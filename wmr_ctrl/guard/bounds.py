@@ -23,6 +23,8 @@ ROUNDING = 2.0**-44
 Every command under way adds another ROUNDING (see `rounding`).
 """
 
+MASS_KEYS = ("guard.M_min", "guard.M_max")
+"""Keys of the smallest and the largest mass and inertia that a guard counts on."""
 UNITS, AXES = ("N", "N m"), (0, 1)
 LATENESS = ("delay", "lag", "age", "window")
 """Fields of GuardNumbers on late velocities and drives."""
@@ -127,6 +129,11 @@ def _sum(a: Pair, b: Pair) -> Pair:
     return a[0] + b[0], a[1] + b[1]
 
 
+def mass_range(guard: Guard, axis: int) -> Pair:
+    """Smallest and largest mass or inertia of one axis [kg or kg m2]."""
+    return pair_of(guard.M_min)[axis], pair_of(guard.M_max)[axis]
+
+
 def net(guard: Guard, axis: int) -> float:
     """dbar less f_min of one axis [N or N m]."""
     return pair_of(guard.dbar)[axis] - guard.f_min[axis]
@@ -154,7 +161,7 @@ def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
     With jitter at most M_min (v_u1 - 2 nbar)/mixed, too.
     """
     alpha, mixed = float(guard.alpha or 0.0), mixed_time(scenario, guard, axis)
-    u1, mass = aim(scenario, guard, axis), pair_of(guard.M_min)[axis]
+    u1, mass = aim(scenario, guard, axis), mass_range(guard, axis)[0]
     slowed = 1.0 + alpha * lateness_time(scenario, guard, axis)
     braking = mass * alpha * (u1 - guard.f_speed[axis]) / slowed
     if not mixed:

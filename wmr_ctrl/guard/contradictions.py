@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from wmr_ctrl.errors import ScenarioError
-from wmr_ctrl.guard.bounds import AXES, UNITS, GuardNumbers, Pair, pair_of
+from wmr_ctrl.guard.bounds import AXES, MASS_KEYS, UNITS, GuardNumbers, Pair, mass_range, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.lag import stepped
@@ -118,7 +118,7 @@ def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iter
 
 
 def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iterator[Contradiction]:
-    low, high, spread = pair_of(guard.M_min)[i], pair_of(guard.M_max)[i], bound.mass[i]
+    (low, high), spread = mass_range(guard, i), bound.mass[i]
     name, unit = ("m", "I")[i], MASS_UNITS[i]
     changed = [(item.t, item.values()[name]) for item in scenario.changes if name in item.values()]
     for t, mass in [(0.0, scenario.value(f"robot.{name}")[0]), *changed]:
@@ -126,10 +126,10 @@ def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iter
         if light or mass + spread > high * (1 + ROUNDING):
             since = f" from t = {t:g} s on" if t else ""
             yield Contradiction(
-                "guard.M_min" if light else "guard.M_max",
+                MASS_KEYS[0 if light else 1],
                 f"The robot's {('mass', 'inertia')[i]} {mass:.6g} {unit}{since} lies outside what "
                 f"the guard counts on, {low:.4g} to {high:.4g} {unit}. State "
-                "guard.M_min and guard.M_max around it for a guarantee.",
+                f"{' and '.join(MASS_KEYS)} around it for a guarantee.",
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, net, pair_of
+from wmr_ctrl.guard.bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import largest_friction
 from wmr_ctrl.world.references.kind import reference_bounds
@@ -44,9 +44,10 @@ def speed_price(scenario: Scenario, guard: GuardNumbers) -> SpeedPrice:
 def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M_min [m/s,
-    rad/s]; negative where the guard would not let the robot move at all, which is also where the
-    same with the whole window is above v_u1 - f_speed, the measured speed left out.
+    v_u1 - nbar - (friction + dbar - f_min) (1/alpha + age + window/2 + delay + lag)/M [m/s, rad/s]
+    with M the smallest mass or inertia; negative where the guard would not let the robot move at
+    all, which is also where the same with the whole window is above v_u1 - f_speed, the measured
+    speed left out.
     """
     first, second = (_usable(scenario, guard, friction[i], i) for i in AXES)
     return first, second
@@ -55,16 +56,16 @@ def usable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pai
 def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int) -> float:
     late, force = guard.lateness(scenario.clock)[i], friction + net(guard, i)
     u1, nbar, period = scenario.limits.v_u1[i], pair_of(guard.nbar)[i], scenario.clock.control
-    first = 1.0 / float(guard.alpha or 0.0)
-    mean = u1 - nbar - force * (first + period * late.usual) / pair_of(guard.M_min)[i]
-    rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / pair_of(guard.M_min)[i]
+    first, least = 1.0 / float(guard.alpha or 0.0), mass_range(guard, i)[0]
+    mean = u1 - nbar - force * (first + period * late.usual) / least
+    rest = u1 - guard.f_speed[i] - force * (first + period * late.most) / least
     return mean if rest >= 0 else min(mean, rest)
 
 
 def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) -> Pair:
     """No guard can admit larger steady speeds; arguments as in `usable_speed`.
 
-    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M_min: the friction that a steady
+    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady
     force has overcome may go and the push come right after what a sample sees of the velocity, and
     the command of that sample acts until T + delay after it.
     """
@@ -73,7 +74,7 @@ def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) ->
         - pair_of(guard.nbar)[i]
         - (friction[i] + net(guard, i))
         * (scenario.clock.control + guard.age[i] + guard.latest)
-        / pair_of(guard.M_min)[i]
+        / mass_range(guard, i)[0]
         for i in AXES
     )
     return first, second
@@ -82,8 +83,8 @@ def unbeatable_speed(scenario: Scenario, guard: GuardNumbers, friction: Pair) ->
 def early_speed(guard: GuardNumbers) -> Pair:
     """Speed that a push can add before the first command acts, or behind a lag after it.
 
-    (delay + lag) (dbar - f_min)/M_min [m/s, rad/s].
+    (delay + lag) (dbar - f_min)/M [m/s, rad/s], M the smallest mass or inertia.
     """
     time = guard.latest + guard.slowest
-    first, second = (time * max(net(guard, i), 0.0) / pair_of(guard.M_min)[i] for i in AXES)
+    first, second = (time * max(net(guard, i), 0.0) / mass_range(guard, i)[0] for i in AXES)
     return first, second

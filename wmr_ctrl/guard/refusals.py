@@ -15,6 +15,7 @@ from wmr_ctrl.guard.bounds import (
     aim,
     derived_guard,
     lateness_time,
+    mass_range,
     mixed_time,
     net,
     pair_of,
@@ -101,7 +102,7 @@ def _check_push(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
     need, have = 2.0 * net(guard, i), reach(scenario, guard, i)
     if need <= have:
         return
-    low, alpha = pair_of(guard.M_min)[i], float(guard.alpha or 0.0)
+    low, alpha = mass_range(guard, i)[0], float(guard.alpha or 0.0)
     late = lateness_time(scenario, guard, i)
     room = scenario.limits.v_u1[i] - guard.f_speed[i]
     said, divided = _lateness_words(guard, i, late, alpha)
@@ -138,7 +139,7 @@ def _lateness_words(guard: GuardNumbers, i: int, late: float, alpha: float) -> t
 
 def _check_mixed(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
     mixed = mixed_time(scenario, guard, i)
-    u1, nbar, low = aim(scenario, guard, i), pair_of(guard.nbar)[i], pair_of(guard.M_min)[i]
+    u1, nbar, low = aim(scenario, guard, i), pair_of(guard.nbar)[i], mass_range(guard, i)[0]
     need, have = 2.0 * net(guard, i) * mixed, low * (u1 - 2.0 * nbar)
     if need > have:
         lag, jitter = pair_of(guard.lag), f"jitter of {guard.jitter:g} s"

@@ -9,12 +9,6 @@ from wmr_ctrl.linear.kinematic import kinematic_loop as kinematic_loop
 from wmr_ctrl.linear.kinematic import kinematic_poles as kinematic_poles
 from wmr_ctrl.linear.kinematic import kinematics_at as kinematics_at
 from wmr_ctrl.linear.linearise import linearise as linearise
-from wmr_ctrl.linear.loop import TimeInvariant as TimeInvariant
-from wmr_ctrl.linear.loop import TimeVarying as TimeVarying
-from wmr_ctrl.linear.loop import along_reference as along_reference
-from wmr_ctrl.linear.loop import closed_loop as closed_loop
-from wmr_ctrl.linear.loop import law_at as law_at
-from wmr_ctrl.linear.loop import plant_at as plant_at
 from wmr_ctrl.linear.margins import Margins as Margins
 from wmr_ctrl.linear.margins import margins_at as margins_at
 from wmr_ctrl.linear.margins import open_loop as open_loop
@@ -48,6 +42,12 @@ from wmr_ctrl.linear.sampled import learning_periods as learning_periods
 from wmr_ctrl.linear.sampled import one_step_period as one_step_period
 from wmr_ctrl.linear.sampled import regressor_square as regressor_square
 from wmr_ctrl.linear.sampled import spectral_radius as spectral_radius
+from wmr_ctrl.linear.state_space import TimeInvariant as TimeInvariant
+from wmr_ctrl.linear.state_space import TimeVarying as TimeVarying
+from wmr_ctrl.linear.state_space import along_reference as along_reference
+from wmr_ctrl.linear.state_space import closed_loop as closed_loop
+from wmr_ctrl.linear.state_space import law_at as law_at
+from wmr_ctrl.linear.state_space import plant_at as plant_at
 from wmr_ctrl.linear.stepper import linear_gain as linear_gain
 from wmr_ctrl.linear.stepper import loop_pair as loop_pair
 from wmr_ctrl.linear.stepper import reach as reach

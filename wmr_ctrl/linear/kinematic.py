@@ -41,22 +41,11 @@ def kinematic_loop(scenario: Scenario, saturated: bool = False) -> System:
     v = auxiliary_velocity(e.sym, v_d.sym, ca.SX(ca.DM(kinematic_gains(scenario).k)))
     if saturated:
         limits = scenario.limits
-        v = ca.vertcat(
-            *(
-                stable_minimiser(v[i], ca.SX(limits.v_u1[i]), ca.SX(limits.v_u2[i]))
-                for i in range(2)
-            )
-        )
-    rate = error_rate(e.sym, v, v_d.sym)
-    outputs = (Output(TRACKING_ERROR, e.sym),)
-    return System(
-        "kinematics",
-        "kinematic loop",
-        inputs=(v_d,),
-        state=(e,),
-        update=rate,
-        outputs=outputs,
-    )
+        u1, u2 = (ca.SX(ca.DM(limit)) for limit in (limits.v_u1, limits.v_u2))
+        v = ca.vertcat(*(stable_minimiser(v[i], u1[i], u2[i]) for i in range(2)))
+    rate, outputs = error_rate(e.sym, v, v_d.sym), (Output(TRACKING_ERROR, e.sym),)
+    name, title = "kinematics", "kinematic loop"
+    return System(name, title, inputs=(v_d,), state=(e,), update=rate, outputs=outputs)
 
 
 def kinematics_at(

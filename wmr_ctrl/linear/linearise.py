@@ -5,12 +5,13 @@ Beside it the names of what is linearised, and numerical helpers that the other 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import casadi as ca
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.model.system import System
 from wmr_ctrl.signals import FORCE, TRACKING_ERROR, VELOCITY, Signal
@@ -47,6 +48,18 @@ def is_stable(poles: ArrayLike, sampled: bool = False) -> bool:
     values = np.asarray(poles, dtype=complex)
     inside = np.abs(values) <= 1 + MARGINAL if sampled else values.real <= MARGINAL
     return bool(inside.all())
+
+
+def lowest(of: Callable[[Floats], Floats], grid: Floats, xatol: float) -> tuple[float, float]:
+    """Place and value of the smallest ``of`` (N) -> (N) on a ``grid`` (N), then near its best."""
+    values = np.asarray(of(grid))
+    best = int(values.argmin())
+    near = minimize_scalar(
+        lambda x: float(np.squeeze(of(x))), method="bounded", options={"xatol": xatol},
+        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]),
+    )  # fmt: skip
+    place, least = (near.x, near.fun) if near.fun < values[best] else (grid[best], values[best])
+    return float(place), float(least)
 
 
 def linearise(

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
-from itertools import pairwise
+from dataclasses import asdict, dataclass, fields, replace
+from itertools import pairwise, product
 from typing import Any
 
 import control as ct
@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 
 from wmr_ctrl.checks.sample_time import largest_stable_period
 from wmr_ctrl.linear.linearise import FORCES, STATES, Floats, is_stable
-from wmr_ctrl.linear.loop import late, law_at, plant_at, with_inputs
 from wmr_ctrl.linear.point import Point, on_reference, unguarded
+from wmr_ctrl.linear.state_space import late, law_at, plant_at, with_inputs
 from wmr_ctrl.scenario import Model, Scenario
 
 LOWEST, POINTS = 1e-3, 1000
@@ -87,7 +87,7 @@ def margins_at(
     alpha, disk_gain, disk_phase = disk(loop)
     up, down = limits.gains[limits.gains > 1], limits.gains[limits.gains < 1]
     return Margins(
-        _finite(up.min(initial=math.inf)), _largest(down),
+        _finite(up.min(initial=math.inf)), _finite(down.max(initial=-math.inf)),
         _finite(np.abs(limits.phases).min(initial=math.inf)),
         _finite(limits.delays.min(initial=math.inf)),
         _finite(alpha), _finite(10 ** (disk_gain / 20)), _finite(disk_phase),
@@ -115,15 +115,13 @@ def worst(given: list[Margins | None]) -> Margins | None:
     """The smallest margin of each kind over the axes; None if one axis is unstable."""
     if any(item is None for item in given):
         return None
-    rows = [item.as_dict() for item in given if item is not None]
-    return Margins(**{key: _extreme(key, [row[key] for row in rows]) for key in rows[0]})
-
-
-def _extreme(key: str, values: list[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    if not known:
-        return None
-    return max(known) if key == "gain_down" else min(known)
+    margins = {}
+    for item in fields(Margins):
+        smaller = max if item.name == "gain_down" else min
+        known = (getattr(one, item.name) for one in given)
+        values = (value for value in known if value is not None)
+        margins[item.name] = smaller(values, default=None)
+    return Margins(**margins)
 
 
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
@@ -137,10 +135,6 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _largest(values: Floats) -> float | None:
-    return float(values.max()) if len(values) else None
-
-
 @dataclass(frozen=True)
 class Crossings:
     """Gain factors [ratio], phases [degrees] and delays [s] that bring the loop to its limit."""
@@ -152,12 +146,17 @@ class Crossings:
 
 def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
     """All crossings of a single loop L within the range of ``frequencies`` [rad/s]."""
-    response = _response(loop)
+
+    def response(w: float | Floats) -> Any:
+        return np.squeeze(loop(np.exp(1j * w * loop.dt) if loop.dt else 1j * w))[()]
+
     values = np.asarray(response(frequencies))
     unit = _roots(lambda w: math.log(abs(response(w))), frequencies, np.log(np.abs(values)))
     real = _roots(lambda w: response(w).imag, frequencies, values.imag)
     ahead = np.array([np.angle(-response(w)) for w in unit])
-    axis = np.array([response(w).real for w in real] + _at_nyquist(loop))
+    # A sampled loop is real at z = -1, where its response ends.
+    nyquist = [complex(np.squeeze(loop(-1.0 + 0j))).real] if loop.dt else []
+    axis = np.array([response(w).real for w in real] + nyquist)
     return Crossings(
         -1 / axis[axis < 0],
         np.degrees(ahead),
@@ -165,23 +164,10 @@ def crossings(loop: ct.StateSpace, frequencies: Floats) -> Crossings:
     )
 
 
-def _response(loop: ct.StateSpace) -> Callable[[float | Floats], Any]:
-    def at(w: float | Floats) -> Any:
-        points = np.exp(1j * w * loop.dt) if loop.dt else 1j * w
-        return np.squeeze(loop(points))[()]
-
-    return at
-
-
 def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[float]:
     signs = np.signbit(values)
     pairs = [pair for k, pair in enumerate(pairwise(grid)) if signs[k] != signs[k + 1]]
     return [float(brentq(of, low, high, rtol=1e-12)) for low, high in pairs]
-
-
-def _at_nyquist(loop: ct.StateSpace) -> list[float]:
-    """A sampled loop is real at z = -1, where its response ends."""
-    return [complex(np.squeeze(loop(-1.0 + 0j))).real] if loop.dt else []
 
 
 FACTORS = (0.5, 1.5)
@@ -208,15 +194,12 @@ def model_errors(scenario: Scenario, law: str, t: float = 0.0) -> list[ModelErro
 
     Of the continuous loop, or of the sampled one where drives or sensors are late.
     """
-    return [_one(scenario, law, t, key, factor) for key in PARAMETERS for factor in FACTORS]
-
-
-def _one(scenario: Scenario, law: str, t: float, parameter: str, factor: float) -> ModelError:
-    other = with_robot(unguarded(scenario), **{parameter: factor})
-    period = scenario.clock.control if late(scenario) else None
-    point = on_reference(other, law, t)
-    smallest = worst([margins_at(other, law, axis, point, period) for axis in (0, 1)])
-    limit = largest_stable_period(other, law)
-    if smallest is None:
-        return ModelError(parameter, factor, False, None, None, limit)
-    return ModelError(parameter, factor, True, smallest.phase, smallest.disk, limit)
+    period, errors = scenario.clock.control if late(scenario) else None, []
+    for parameter, factor in product(PARAMETERS, FACTORS):
+        other = with_robot(unguarded(scenario), **{parameter: factor})
+        point = on_reference(other, law, t)
+        smallest = worst([margins_at(other, law, axis, point, period) for axis in (0, 1)])
+        figures = (smallest.phase, smallest.disk) if smallest else (None, None)
+        limit = largest_stable_period(other, law)
+        errors.append(ModelError(parameter, factor, smallest is not None, *figures, limit))
+    return errors

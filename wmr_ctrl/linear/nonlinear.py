@@ -6,9 +6,8 @@ exactly what the compiled code computes.  All signals have their names from the 
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 
 import casadi as ca
 import control as ct
@@ -19,7 +18,7 @@ from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.linear.linearise import Floats, column, element_names
-from wmr_ctrl.linear.loop import is_learning
+from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import System, stack
 from wmr_ctrl.scenario import Scenario
@@ -65,7 +64,8 @@ def law_nlsys(
     check_takes_torques(scenario, "loops of python-control are made")
     block = controller(settle(scenario, law))
     if not is_learning(memory):
-        block = holding(block, [item.signal.name for item in block.state])
+        params = (*block.params, *block.state)
+        block = replace(block, state=(), params=params, update=stack(()))
     return to_nlsys(block if sampled else continuous_reading(block))
 
 
@@ -111,27 +111,7 @@ def _over_period(scenario: Scenario) -> System:
     state = moving.x
     for _ in range(clock.substeps):
         state = step(moving.u, state, moving.p)
-    return System(
-        moving.name,
-        moving.title,
-        inputs=moving.inputs,
-        state=moving.state,
-        params=moving.params,
-        update=state,
-        outputs=moving.outputs,
-        period=clock.control,
-    )
-
-
-def holding(system: System, held: Container[str]) -> System:
-    """The System with the memory of the ports named in ``held`` kept at its present value."""
-    moving = tuple(item for item in system.state if item.signal.name not in held)
-    fixed = tuple(item for item in system.state if item.signal.name in held)
-    ends = np.cumsum([0, *(item.signal.size for item in system.state)])
-    names = (item.signal.name for item in system.state)
-    rows = {name: system.update[a:b] for name, (a, b) in zip(names, pairwise(ends), strict=True)}
-    update = stack(rows[item.signal.name] for item in moving)
-    return replace(system, state=moving, params=(*system.params, *fixed), update=update)
+    return replace(moving, update=state, period=clock.control)
 
 
 def continuous_reading(system: System) -> System:

@@ -166,15 +166,13 @@ def _pull(report: LinearReport, panels: Panels) -> None:
     for axis, panel in enumerate(panels[0]):
         u1 = report.scenario.limits.v_u1[axis]
         v = np.linspace(-u1, u1, 800)[1:-1]
-        panel.plot(
-            v, pull_curve(report.scenario, report.law, axis, float(asked[axis]), v), color=INK
-        )
+        pull = pull_curve(report.scenario, report.law, axis, float(asked[axis]), v)
+        panel.plot(v, pull, color=INK)
         panel.axhline(0, color=MUTED, lw=0.8)
         for side in (-u1, u1):
             panel.axvline(side, color=LIMIT, lw=0.8)
-        panel.set(
-            xlabel=("v1 [m/s]", "omega [rad/s]")[axis], ylabel=("force [N]", "moment [N m]")[axis]
-        )
+        panel.set_xlabel(("v1 [m/s]", "omega [rad/s]")[axis])
+        panel.set_ylabel(("force [N]", "moment [N m]")[axis])
         panel.set_title(f"{report.law}: pull at v_c0 = {asked[axis]:.3g}")
         _finish(panel, legend=False)
 

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.linear.linearise import FORCES, Floats
-from wmr_ctrl.linear.loop import law_at, plant_at
 from wmr_ctrl.linear.point import on_reference
+from wmr_ctrl.linear.state_space import law_at, plant_at
 from wmr_ctrl.scenario import Scenario
 
 
@@ -26,15 +26,11 @@ def pose_variance(scenario: Scenario) -> float:
     return scenario.sensor.pose_noise**2 / 3
 
 
-def estimate_variance(scenario: Scenario, gain: float) -> float:
-    """Steady variance of the estimate's error per direction, g/(2 - g) of the pose's [m^2]."""
-    return gain / (2 - gain) * pose_variance(scenario)
-
-
 def noise_ise(scenario: Scenario, law: str, gain: float) -> float:
     """Expected part of the position ISE [m^2 s] that pose errors make over the run, linearly."""
     step, show = _matrices(scenario, law)
-    every, clock = _pose_every(scenario), scenario.clock
+    clock = scenario.clock
+    every = max(1, round(scenario.sensor.pose_period / clock.control))
     move, weight = _between_poses(step, show, every)
     covariance, total = np.zeros_like(step), 0.0
     covariance[-2:, -2:] = pose_variance(scenario) * np.eye(2)
@@ -64,11 +60,6 @@ def best_gain(scenario: Scenario, law: str) -> float:
     return float(math.exp(best.x))
 
 
-def rule_of_thumb(scenario: Scenario) -> float:
-    """1/sqrt(number of poses in the run): small g, a loop much faster than the estimate."""
-    return 1 / math.sqrt(scenario.clock.samples / _pose_every(scenario))
-
-
 def _matrices(scenario: Scenario, law: str) -> tuple[Floats, Floats]:
     """Over one sample: (plant, memory, b) to the same, and to the position error (e1, e2).
 
@@ -83,7 +74,8 @@ def _matrices(scenario: Scenario, law: str) -> tuple[Floats, Floats]:
     force = acting.D @ seen + acting.C @ memory
     moved = np.hstack((plant.A, np.zeros((n, m + 2)))) + push @ force
     remembered = acting.A @ memory + acting.B @ seen
-    turned = np.hstack((np.zeros((2, n + m)), _turn(-point.v_d[1] * period)))
+    c, s = math.cos(-point.v_d[1] * period), math.sin(-point.v_d[1] * period)
+    turned = np.hstack((np.zeros((2, n + m)), [[c, -s], [s, c]]))
     show = np.hstack((plant.C[:2], np.zeros((2, m + 2))))
     return np.vstack((moved, remembered, turned)), show
 
@@ -95,12 +87,3 @@ def _corrected(covariance: Floats, gain: float, variance: float) -> Floats:
     after = keep @ covariance @ keep.T
     after[-2:, -2:] += gain**2 * variance * np.eye(2)
     return after
-
-
-def _pose_every(scenario: Scenario) -> int:
-    return max(1, round(scenario.sensor.pose_period / scenario.clock.control))
-
-
-def _turn(angle: float) -> Floats:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s], [s, c]])

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import control as ct
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.loop import closed_loop
+from wmr_ctrl.linear.linearise import Floats, lowest
 from wmr_ctrl.linear.point import Point, law_loop
+from wmr_ctrl.linear.state_space import closed_loop
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.phases import Phase, drag
 
@@ -70,17 +70,11 @@ def authority(scenario: Scenario, law: str, axis: int, v_c0: float) -> Authority
     pull = _axis_pull(scenario, law, axis, v_c0)
     sign = -1.0 if v_c0 < 0 else 1.0
     u1, u2 = scenario.limits.v_u1[axis], scenario.limits.v_u2[axis]
-    grid = _outwards(min(abs(v_c0), u2), u1, u2)
-    force = -sign * np.asarray(pull(sign * grid))
-    best = int(force.argmax())
-    left, right = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    peak = minimize_scalar(
-        lambda v: sign * float(pull(sign * v)), bounds=(left, right), method="bounded",
-        options={"xatol": 1e-12},
-    )  # fmt: skip
-    if -peak.fun > force[best]:
-        return Authority(float(-peak.fun), float(sign * peak.x))
-    return Authority(float(force[best]), float(sign * grid[best]))
+    # Dense near the limit, with u2 from both sides.
+    near = u1 - (u1 - min(abs(v_c0), u2)) * np.linspace(0, 1, GRID)[1:] ** 2
+    grid = np.unique(np.concatenate((near, [u2 * (1 - 1e-12), u2, u2 * (1 + 1e-12)])))
+    speed, least = lowest(lambda v: sign * np.asarray(pull(sign * v)), grid, 1e-12)
+    return Authority(-least, sign * speed)
 
 
 def settled_speed(
@@ -120,12 +114,6 @@ def _axis_pull(
     asked = np.zeros(2)
     asked[axis] = v_c0
     return pull_of(scenario, law, axis, asked)
-
-
-def _outwards(start: float, u1: float, u2: float) -> Floats:
-    """Speeds from ``start`` to the limit, dense near the limit, with u2 from both sides."""
-    near = u1 - (u1 - start) * np.linspace(0, 1, GRID)[1:] ** 2
-    return np.unique(np.concatenate((near, [u2 * (1 - 1e-12), u2, u2 * (1 + 1e-12)])))
 
 
 class BarrierTerm(ct.DescribingFunctionNonlinearity):

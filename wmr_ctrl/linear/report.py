@@ -18,7 +18,6 @@ from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.linear.kinematic import SADDLE, kinematic_poles
 from wmr_ctrl.linear.linearise import Floats, is_stable
-from wmr_ctrl.linear.loop import constant_speed, late, poles_at
 from wmr_ctrl.linear.margins import Margins, ModelError, margins_at, model_errors, worst
 from wmr_ctrl.linear.point import (
     Point,
@@ -34,6 +33,7 @@ from wmr_ctrl.linear.sampled import (
     one_step_period,
     radius_of,
 )
+from wmr_ctrl.linear.state_space import constant_speed, late, poles_at
 from wmr_ctrl.results import json_safe
 from wmr_ctrl.scenario import Scenario
 
@@ -207,18 +207,16 @@ def report_linear(
         kinematic_poles=kinematic_poles(scenario) if outer else None,
         saddle_poles=kinematic_poles(scenario, SADDLE) if outer else None,
         poles=step(poles_at(scenario, law, point)),
-        adaptive_poles=None
-        if rest is None
-        else poles_at(scenario, law, rest, "learning")[:FASTEST],
-        spectral_radius=largest_radius(loop, period)
-        if at is None
-        else radius_of(scenario, law, point)(period),
+        adaptive_poles=poles_at(scenario, law, rest, "learning")[:FASTEST] if rest else None,
+        spectral_radius=(
+            largest_radius(loop, period) if at is None else radius_of(scenario, law, point)(period)
+        ),
         max_sample_time=step(largest_period(loop)),
         max_delay=step(largest_stable_delay(loop)),
         mass_range=step(stable_masses(loop)),
         max_sample_time_kink=step(kink_periods(scenario, law)),
         max_sample_time_adaptive=step(
-            None if rest is None else largest_learning_period(scenario, law, rest)
+            largest_learning_period(scenario, law, rest) if rest else None
         ),
         one_step_safe_time=one_step_period(scenario, law),
         margins=sampled if behind else [margins_at(scenario, law, axis, point) for axis in AXES],

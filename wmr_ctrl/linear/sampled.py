@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterable
 
 import control as ct
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from wmr_ctrl.checks.loop import PERIOD, Loop
 from wmr_ctrl.checks.network import axis_learning, largest_square, square_bound
@@ -28,10 +27,10 @@ from wmr_ctrl.checks.radius import from_pose_to_pose, radius, supremum
 from wmr_ctrl.checks.sample_time import kink_limits, shortest_tried
 from wmr_ctrl.checks.sample_time import largest_stable_period as largest_stable_period
 from wmr_ctrl.laws.nn import NetworkGains
-from wmr_ctrl.linear.linearise import Floats
-from wmr_ctrl.linear.loop import is_learning
+from wmr_ctrl.linear.linearise import Floats, lowest
 from wmr_ctrl.linear.point import Point, law_loop, on_reference
 from wmr_ctrl.linear.pull import pull_of
+from wmr_ctrl.linear.state_space import is_learning
 from wmr_ctrl.scenario import Scenario
 
 LAW = "nn"
@@ -139,20 +138,9 @@ def smallest(of: Callable[[Floats], Floats], u1: float, u2: float) -> float:
     ``of`` takes velocities (N).
     """
     inside = u1 * (1 - 1e-6)
-    tiny = 1e-12 * u1
-    grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), _sides(u2, tiny))))
-    values = of(grid)
-    best = int(values.argmin())
-    left, right = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    polished = minimize_scalar(
-        lambda v: of(np.array([v]))[0], bounds=(left, right), method="bounded",
-        options={"xatol": 1e-10},
-    )  # fmt: skip
-    return float(min(values[best], polished.fun))
-
-
-def _sides(u2: float, tiny: float) -> Floats:
-    return np.array([sign * u2 + side * tiny for sign in (-1, 1) for side in (-1, 0, 1)])
+    sides = [sign * u2 + side * 1e-12 * u1 for sign in (-1, 1) for side in (-1, 0, 1)]
+    grid = np.unique(np.concatenate((np.linspace(-inside, inside, SPEEDS), sides)))
+    return lowest(of, grid, 1e-10)[1]
 
 
 def regressor_square(scenario: Scenario) -> float:

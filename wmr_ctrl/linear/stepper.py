@@ -23,8 +23,8 @@ from wmr_ctrl.checks.surroundings import surroundings
 from wmr_ctrl.control.applied import remembered
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.linear.linearise import STATES, Floats
-from wmr_ctrl.linear.loop import closed_loop, late
 from wmr_ctrl.linear.point import Point, law_loop, on_reference, resting_point, unguarded
+from wmr_ctrl.linear.state_space import closed_loop, late
 from wmr_ctrl.scenario import Scenario
 
 LONGEST_STEP = 2e-3
@@ -105,13 +105,8 @@ def stepper(
     held = scenario.clock.control if period is None else period
     step = _one_period(scenario, law, at, held, memory)
     asks = bool(remembered(law_loop(scenario, law).over(0).core))
-    return Stepper(
-        at,
-        held,
-        step,
-        step.size1_in(0) - len(at.memory) - 2 * asks,
-        np.concatenate((at.memory, at.force[: 2 * asks])),
-    )
+    memory_of = np.concatenate((at.memory, at.force[: 2 * asks]))
+    return Stepper(at, held, step, step.size1_in(0) - len(memory_of), memory_of)
 
 
 def _one_period(scenario: Scenario, law: str, at: Point, period: float, memory: str) -> ca.Function:
@@ -139,11 +134,6 @@ SETTLE, MEASURE = 4, 4
 """Periods that are waited, and then measured, at least."""
 
 
-def whole_periods(period: float, frequency: float) -> float:
-    """The frequency [rad/s] next to ``frequency`` whose period is a whole number of samples."""
-    return 2 * math.pi / (period * max(4, round(2 * math.pi / (frequency * period))))
-
-
 def sweep(
     loop: Stepper,
     axis: int,
@@ -154,10 +144,12 @@ def sweep(
 ) -> tuple[Floats, np.ndarray]:
     """Frequencies [rad/s] as used, and the complex gain of the output's first harmonic.
 
+    Used are those next to ``frequencies`` whose periods are whole numbers of samples.
     A sine of ``amplitude`` [N or N m] disturbs force ``axis`` (0, 1); ``output`` is an index into
     (e1, e2, e3, v1, omega); ``settle`` [s] is waited at least.
     """
-    used = np.array([whole_periods(loop.period, float(w)) for w in frequencies])
+    samples = (max(4, round(2 * math.pi / (float(w) * loop.period))) for w in frequencies)
+    used = np.array([2 * math.pi / (loop.period * count) for count in samples])
     gains = [_gain(loop, axis, amplitude, float(w), output, settle) for w in used]
     return used, np.array(gains)
 
@@ -201,11 +193,7 @@ class LoopPair:
         """Nonlinear run and linear e (N, 3), from the resting point displaced by ``e`` (3)."""
         start = self.point.s + np.concatenate((e, np.zeros(2)))
         course = self.nonlinear.run(start, self.duration)
-        return course, self.point.e + self.linear_errors(e)
-
-    def linear_errors(self, e: Floats) -> Floats:
-        """Linear response (N, 3) to a displacement ``e`` (3)."""
-        return self._linear_to_one @ e
+        return course, self.point.e + self._linear_to_one @ e
 
     @cached_property
     def _linear_to_one(self) -> Floats:
@@ -243,23 +231,16 @@ def reach(
 ) -> dict[float, float | None]:
     """Smallest amplitude [m] at which the deviation passes each level; None if not up to 5 m."""
     grid = np.geomspace(*between, 38)
-    deviations = np.array([given.deviation(a * np.array(direction)) for a in grid])
-    return {level: _passing(given, direction, grid, deviations, level) for level in levels}
 
+    def deviation(amplitude: float) -> float:
+        return given.deviation(amplitude * np.array(direction))
 
-def _passing(
-    given: LoopPair,
-    direction: tuple[float, float, float],
-    grid: Floats,
-    deviations: Floats,
-    level: float,
-) -> float | None:
-    above = np.flatnonzero(deviations > level)
-    if not above.size:
-        return None
-    if above[0] == 0:
-        return float(grid[0])
-    low, high = grid[above[0] - 1], grid[above[0]]
-    return crossing(
-        lambda a: given.deviation(a * np.array(direction)) - level, float(low), float(high), 1e-3
-    )
+    def passing(level: float) -> float | None:
+        first = next((k for k, share in enumerate(deviations) if share > level), None)
+        if not first:
+            return None if first is None else float(grid[0])
+        low, high = map(float, grid[first - 1 : first + 1])
+        return crossing(lambda a: deviation(a) - level, low, high, 1e-3)
+
+    deviations = [deviation(a) for a in grid]
+    return {level: passing(level) for level in levels}

@@ -74,9 +74,8 @@ def _head(report: LinearReport, width: int) -> Iterator[str]:
     kind = "time-invariant" if report.time_invariant else f"time-varying; figures at {instant}"
     yield _folded(f"{report.law} on {report.scenario.name}, in error coordinates ({kind})", width)
     if report.guarded:
-        yield _folded(
-            "The guard is on and inactive there: near that point it changes nothing.", width
-        )
+        text = "The guard is on and inactive there: near that point it changes nothing."
+        yield _folded(text, width)
     yield ""
 
 
@@ -157,17 +156,11 @@ def _margin_cells(item: Margins | None) -> tuple[str, ...]:
 
 def _model_errors(report: LinearReport, width: int) -> Iterator[str]:
     kind = f"at {report.scenario.clock.control:g} s" if report.late else "continuous"
-    rows = [
-        (
-            f"{item.parameter} x {item.factor:g}",
-            *(
-                map(_number, (item.phase, item.disk, item.max_sample_time))
-                if item.stable
-                else ("unstable",)
-            ),
-        )
-        for item in report.model_errors
-    ]
+    rows = []
+    for item in report.model_errors:
+        figures = map(_number, (item.phase, item.disk, item.max_sample_time))
+        shown = figures if item.stable else ("unstable",)
+        rows.append((f"{item.parameter} x {item.factor:g}", *shown))
     header = (f"unlike model, {kind}", "phase [deg]", "disk", "period [s]")
     yield from _table(header, rows, width)
 

@@ -22,7 +22,7 @@ from wmr_ctrl.campaign.comparison import (
     overrides_of,
 )
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.guard.bounds import net
+from wmr_ctrl.guard.bounds import mass_range, net, pair_of
 from wmr_ctrl.guard.price import speed_price, usable_speed
 from wmr_ctrl.report.style import ABSENT, look, shown
 from wmr_ctrl.report.tables import TextTable, table_by_law
@@ -291,7 +291,7 @@ def _prices(base: str, factor: str) -> tuple[float, ...]:
         usable_speed(scenario, guard, (friction, 0.0)),
         speed_price(scenario, guard).asked,
     )
-    mass, dbar = (guard.M_min or (0.0, 0.0))[0], (guard.dbar or (0.0, 0.0))[0]
-    room = scenario.limits.v_u1[0] - (guard.nbar or (0.0, 0.0))[0]
+    mass, dbar = mass_range(guard, 0)[0], pair_of(guard.dbar)[0]
+    room = scenario.limits.v_u1[0] - pair_of(guard.nbar)[0]
     standstill = 1e3 * mass * room / (friction + net(guard, 0))
     return mass, dbar, friction, usable[0], asked[0], usable[1], asked[1], standstill

@@ -18,6 +18,7 @@ import numpy as np
 from wmr_ctrl.errors import MissingExtraError
 from wmr_ctrl.results.figures import FIGURES, READINGS, values_of
 from wmr_ctrl.results.measures import tracked
+from wmr_ctrl.results.settings import COUNTED
 from wmr_ctrl.signals import TIME
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 ABSENT = "–"
 PROVENANCE = ("version", "scenario_hash", "kernel_hash")
 """The keys of a run's provenance that the summary repeats."""
-COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
-"""Numbers that a guard counts on, of which the summary tells."""
 COUPLED = ("master", "delay", "fmu_reference", "fmu_controller", "fmu_guard", "fmu_plant")
 """Those that it repeats of a run that coupled FMUs: who stepped, and names and hashes of files."""
 

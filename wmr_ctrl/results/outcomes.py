@@ -143,6 +143,8 @@ class Outcome(StrEnum):
         )
 
 
+TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
+"""Remedy where a guard holds back more than it must."""
 _SENTENCES = {
     Outcome.COMPLETED: (
         "The run completed and both velocities stayed within their limits ({extremes})."

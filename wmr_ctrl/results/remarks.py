@@ -23,7 +23,7 @@ from wmr_ctrl.results.measures import (
     velocity_sway,
 )
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
-from wmr_ctrl.results.outcomes import Outcome
+from wmr_ctrl.results.outcomes import TIGHTER, Outcome
 from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
 
 if TYPE_CHECKING:
@@ -240,8 +240,7 @@ def _held_back(run: Run) -> Iterator[Remark]:
             "guard-holds-back",
             f"In the {driving(run)} the guard changed the thrust in {thrust} and the moment in "
             f"{moment} of the samples: the law asks for more than the limits, less what the guard "
-            "keeps back, admit. Ask for a slower reference, shorten clock.control, or state a "
-            "smaller guard.dbar or a larger guard.M_min if they are true.",
+            f"keeps back, admit. Ask for a slower reference, shorten clock.control, or {TIGHTER}.",
         )
 
 

@@ -22,6 +22,10 @@ PLANTS = ("ode", "mujoco")
 """The plane model, and the rigid body on tyres."""
 
 
+COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
+"""Numbers of Settings and Assumptions that a guard counts on."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CountedNumbers:
     """Numbers that a guard counts on or leaves; None where they are not known.
@@ -87,6 +91,11 @@ class Settings(CountedNumbers):
             raise ArgumentError(_message("v_u1", self.v_u1, "two positive limits"))
         if self.dbar is not None and not all(bound >= 0 for bound in self.dbar):
             raise ArgumentError(_message("dbar", self.dbar, "two bounds from 0 up"))
+
+    @property
+    def masses(self) -> tuple[Pair, Pair] | None:
+        """Smallest and largest mass and inertia [kg, kg m2]; None where not known."""
+        return None if self.M_min is None or self.M_max is None else (self.M_min, self.M_max)
 
     @property
     def samples(self) -> int:

@@ -9,8 +9,7 @@ from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.fields.section import REQUIRED, Section, quantity
 from wmr_ctrl.fields.values import check_multiple
 
-MOST_SAMPLES = 10_000_000
-MOST_SUBSTEPS = 100_000
+MOST_SAMPLES, MOST_SUBSTEPS = 10_000_000, 100_000
 
 
 class Robot(Section, key="robot"):
@@ -103,9 +102,8 @@ class Limits(Section, key="limits"):
 
     def relate(self) -> None:
         """Each axis needs v_u2 < v_u1 and clip < v_u1 - v_u2."""
-        for axis, (high, low, unit) in enumerate(
-            zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True), 1
-        ):
+        rows = zip(self.v_u1, self.v_u2, ("m/s", "rad/s"), strict=True)
+        for axis, (high, low, unit) in enumerate(rows, 1):
             if not low < high:
                 raise ScenarioError(
                     f"limits.v_u2[{axis}] = {low!r} must be below limits.v_u1[{axis}] = {high!r} "
@@ -150,10 +148,9 @@ class Clock(Section, key="clock"):
 
     def relate(self) -> None:
         """The control period is a whole number of plant steps, the run one of control periods."""
-        check_multiple("clock.control", self.control, "clock.plant", self.plant, MOST_SUBSTEPS, 1)
-        check_multiple(
-            "clock.duration", self.duration, "clock.control", self.control, MOST_SAMPLES, 1
-        )
+        period, last = self.control, self.duration
+        check_multiple("clock.control", period, "clock.plant", self.plant, MOST_SUBSTEPS, 1)
+        check_multiple("clock.duration", last, "clock.control", period, MOST_SAMPLES, 1)
 
 
 class Metrics(Section, key="metrics"):
@@ -263,12 +260,16 @@ class Guard(Section, key="guard"):
         (0.0, 0.0), unit="m/s, rad/s", doc="speed above which f_min acts", minimum=0
     )
 
+    def masses(self, m: float, inertia: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Smallest, largest mass and inertia [kg, kg m2]: stated, or of a model by mass_margin."""
+        low, high = 1.0 - self.mass_margin, 1.0 + self.mass_margin
+        return self.M_min or (low * m, low * inertia), self.M_max or (high * m, high * inertia)
+
     def relate(self) -> None:
         """Bounds are the right way round: M_min <= M_max where both are there, delay and lag."""
         check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
-        if self.M_min is None or self.M_max is None:
-            return
-        for axis, (low, high) in enumerate(zip(self.M_min, self.M_max, strict=True), 1):
+        pairs = zip(self.M_min or (), self.M_max or (), strict=False)
+        for axis, (low, high) in enumerate(pairs, 1):
             if low > high:
                 raise ScenarioError(
                     f"guard.M_min[{axis}] = {low!r} must be at most guard.M_max[{axis}] = "

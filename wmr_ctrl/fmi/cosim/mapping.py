@@ -142,31 +142,27 @@ def compiled(
 
 def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
     """Rows that give their inputs; ``theirs``: units of their variables, ``name``: the part's."""
-    return [
-        _Row(f"{name}.inputs.{target}", target, raw, theirs, part.units, inward=True).read()
-        for target, raw in part.inputs.items()
-    ]
+    given = part.inputs.items()
+    return [_Row(f"{name}.inputs", *row, theirs, part.units, inward=True).read() for row in given]
 
 
 def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
     """Rows that give our quantities from their outputs."""
-    return [
-        _Row(f"{name}.outputs.{target}", target, raw, theirs, part.units, inward=False).read()
-        for target, raw in part.outputs.items()
-    ]
+    given = part.outputs.items()
+    return [_Row(f"{name}.outputs", *row, theirs, part.units, inward=False).read() for row in given]
 
 
 class _Row:
     """Reader of one row; ``inward``: it gives an input of theirs from quantities of ours."""
 
     def __init__(
-        self, key: str, target: str, raw: object, theirs: UnitOf, units: str, *, inward: bool
+        self, table: str, target: str, raw: object, theirs: UnitOf, units: str, *, inward: bool
     ) -> None:
-        self.key, self.target, self.theirs, self.units = key, target, theirs, units
+        self.key = key = f"{table}.{target}"
+        self.target, self.theirs, self.units = target, theirs, units
         if not isinstance(raw, str | Mapping):
             raise ArgumentError(f"{key} = {show(raw)} must be a name, or a table with terms.")
-        table = {"terms": {raw: 1.0}} if isinstance(raw, str) else raw
-        self.entry = build(MapEntry, table, key)
+        self.entry = build(MapEntry, {"terms": {raw: 1.0}} if isinstance(raw, str) else raw, key)
         ours = [name for name in (self.entry.terms if inward else [target]) if name in UNITS]
         self.fitting = UNITS[ours[0]] if ours else "1"
         self.unit_of_target = self.unit_of_theirs if inward else self.unit_of_ours
@@ -180,9 +176,8 @@ class _Row:
         for name, factor in entry.terms.items():
             given = self.unit_of_source(name)
             if not (given * factor_unit).fits(wanted):
-                unit = (
-                    "" if factor_unit.name == "1" else f" with a coefficient in {factor_unit.name}"
-                )
+                named = factor_unit.name
+                unit = "" if named == "1" else f" with a coefficient in {named}"
                 raise ArgumentError(
                     f"{self.key}: {name} in {given.name} does not give {wanted.name}{unit}. Give "
                     "the coefficient's unit as coefficient_unit, or map another variable."

@@ -12,7 +12,6 @@ random numbers and watch the same limits.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,7 +19,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from wmr_ctrl.codegen.build import build_outside
+from wmr_ctrl.codegen.build import build_outside, first_step_at
 from wmr_ctrl.control.loop import PlantlessGraphs
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fmi.cosim.mapping import STATE
@@ -92,7 +91,7 @@ class Master:
         self.state = (*start, *tuple(parts.plant.read())[len(start) :])
         self.applied: Sequence[float] = (0.0, 0.0)
         by_time = sorted(scenario.changes, key=attrgetter("t"))
-        self.changes = [(self._step_of(change.t), change) for change in by_time]
+        self.changes = [(first_step_at(item.t, self.clock.plant), item) for item in by_time]
         self.rows: list[tuple[float, ...]] = []
 
     def run(self, progress: Progress | None) -> None:
@@ -179,12 +178,6 @@ class Master:
             while self.changes and self.changes[0][0] <= start:
                 self.parts.change(self.changes.pop(0)[1])
             yield start, end
-
-    def _step_of(self, t: float) -> int:
-        """First plant step that begins at ``t`` [s] or later."""
-        near = round(t / self.clock.plant)
-        on_grid = abs(near * self.clock.plant - t) <= 1e-9 * max(1.0, t)
-        return near if on_grid else math.ceil(t / self.clock.plant)
 
 
 class Jacobi(Master):

@@ -8,6 +8,7 @@ from functools import cache
 
 import casadi as ca
 
+from wmr_ctrl.compiled import elements
 from wmr_ctrl.errors import ArgumentError
 from wmr_ctrl.fmi.cosim.mapping import (
     DISTURBED,
@@ -76,9 +77,8 @@ class Part:
         self._inward = compiled(inputs, sources) if inputs else None
         self._write = slave.writer([row.target for row in inputs])
         self._read, self._outward = slave.reader(theirs), compiled(outputs, theirs)
-        self._same = all(row.plain for row in outputs) and theirs == [
-            row.terms[0][0] for row in outputs
-        ]
+        plain = all(row.plain for row in outputs)
+        self._same = plain and theirs == [row.terms[0][0] for row in outputs]
 
     def write(self, values: Sequence[float]) -> None:
         """Set the inputs from our quantities."""
@@ -154,7 +154,7 @@ def reference_part(slave: Slave) -> Part:
 
 def guard_part(slave: Slave) -> Part:
     """Our guard FMU."""
-    shown = (*TORQUES, *(name for item in GUARD_DIAGNOSTICS for name in item.elements))
+    shown = (*TORQUES, *elements(GUARD_DIAGNOSTICS))
     return Part(slave, identity(GUARDED), identity(shown), GUARDED)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from wmr_ctrl.compiled import elements
 from wmr_ctrl.control.controller import watched_controller
 from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import Setup, one_period_later, settle
@@ -220,7 +221,13 @@ def _run(
     )
     check_parts(case.setup, parts.plant)
     for name, slave in slaves.items():
-        starts = maps[name].start if name in maps else _starts(case.models[name], slave)
+        if name in maps:
+            starts = maps[name].start
+        else:  # an FMU of ours that may come from another scenario gets this one's numbers
+            check_structure(slave.path, case.models[name])
+            single = (v for v in case.models[name].variables if not (v.array or v.integer))
+            given = (v for v in single if v.parameter or v.role is Role.START)
+            starts = {v.name: v.start for v in given}
         slave.begin(scenario.clock.duration, starts)
     check_start(scenario, parts.plant)
     loop: Master = MASTERS[master](scenario, parts, outside)
@@ -240,21 +247,11 @@ def _run(
 
 def _controller(case: CosimSetup, slaves: Mapping[str, Slave]) -> Part | GuardedController:
     """The controller, with the guard behind it where that is a part of its own."""
-    names = [name for item in (*DIAGNOSTICS, *case.diagnostics) for name in item.elements]
+    names = elements((*DIAGNOSTICS, *case.diagnostics))
     slave, robot = slaves["controller"], case.setup.scenario.robot
     asked = FORCE.elements if case.guarded else TORQUES
     part = controller_part(slave, case.maps.get("controller"), robot, names, asked)
     return GuardedController(part, guard_part(slaves["guard"])) if case.guarded else part
-
-
-def _starts(model: FmuModel, slave: Slave) -> dict[str, float]:
-    """The scenario's numbers for an FMU of ours that may come from another scenario."""
-    check_structure(slave.path, model)
-    return {
-        v.name: v.start
-        for v in model.variables
-        if (v.parameter or v.role is Role.START) and not (v.array or v.integer)
-    }
 
 
 def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable[[Change], None]:
@@ -276,8 +273,8 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
 
 def _table(loop: Master) -> dict[str, np.ndarray]:
     """Columns by element name, with heading and tracking error of the true pose."""
-    effects = [name for item in loop.outside.columns for name in item.elements]
-    names = (*HEAD, *TORQUES, *NOISES, *effects, *loop.parts.controller.targets[2:])
+    effects, further = elements(loop.outside.columns), loop.parts.controller.targets[2:]
+    names = (*HEAD, *TORQUES, *NOISES, *effects, *further)
     rows = np.array(loop.rows, dtype=float).reshape(len(loop.rows), len(names))
     table = {name: rows[:, i] for i, name in enumerate(names)}
     table[PSI.name] = table["theta"] + np.pi / 2
@@ -295,7 +292,5 @@ def _error() -> ca.Function:
 def _columns(signals: Sequence[Signal], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns by signal; what a foreign controller does not publish is not a number."""
     nothing = np.full(len(table["t"]), np.nan)
-    stacked = {
-        s.name: np.column_stack([table.get(name, nothing) for name in s.elements]) for s in signals
-    }
-    return {s.name: stacked[s.name] if s.size > 1 else stacked[s.name][:, 0] for s in signals}
+    rows = {s.name: [table.get(name, nothing) for name in s.elements] for s in signals}
+    return {name: np.column_stack(row) if len(row) > 1 else row[0] for name, row in rows.items()}

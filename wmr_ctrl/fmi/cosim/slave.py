@@ -119,9 +119,8 @@ class Slave(FmuFile):
         try:
             interface = self.description.coSimulation
             if interface is None:
-                raise ArgumentError(
-                    "it has no co-simulation interface. Export it for co-simulation."
-                )
+                text = "it has no co-simulation interface. Export it for co-simulation."
+                raise ArgumentError(text)
             self._fmu = (FMU2Slave if self.version == 2 else FMU3Slave)(
                 guid=self.description.guid,
                 unzipDirectory=extract(self.path, str(folder)),
