@@ -63,7 +63,7 @@ THIRD_PARTY = {
     "proofs": {"casadi", "flint", "z3"},
     "linear": {"casadi", "control", "matplotlib", "numpy", "scipy"},
     "corridor": {"casadi", "flint", "numpy"},
-    "physics": {"mujoco", "numpy"},
+    "physics": {"jinja2", "mujoco", "numpy"},
     "fmi": {"casadi", "fmpy", "jinja2", "numpy"},
     "modelica": {"casadi", "jinja2"},
     "simulink": {"jinja2"},

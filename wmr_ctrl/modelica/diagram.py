@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 Point: TypeAlias = tuple[float, float]
 
-_EDGE, _WIDEST = 110.0, 40.0
+EDGE, _WIDEST = 110.0, 40.0
 """Middle of a port beyond an edge, and its largest distance to the next."""
 _SCALE = 0.5
 """Size of a part in a diagram beside its icon."""
@@ -87,33 +87,22 @@ class Wire:
     line: str
 
 
-def places_of_parts(
-    desired: Sequence[str],
-    asked: Sequence[str],
-    torques: Sequence[str],
-    given: Sequence[str],
-    motion: Sequence[str],
-) -> dict[str, Places]:
+def places_of_parts(*ports: Sequence[str]) -> dict[str, Places]:
     """Ports of each part of the loop: those that a straight line joins are opposite each other.
 
-    ``desired``: what the reference gives; ``asked`` and ``torques``: inputs and outputs of the
-    law; ``given`` and ``motion``: those of the plant.
+    ``ports``: what the reference gives; inputs and outputs of the law; those of the plant.
     """
+    desired, asked, torques, given, motion = ports
     fed_back = [name for name in asked if name not in desired]
     pushes = [name for name in given if name not in torques]
-    shown = _side(desired, -_EDGE) | _edge(fed_back, -_EDGE, 90)
-    driven = _side(torques, -_EDGE) | _edge(pushes, _EDGE, -90)
+    shown = _side(desired, -EDGE) | edge(fed_back, -EDGE, 90)
+    driven = _side(torques, -EDGE) | edge(pushes, EDGE, -90)
     return {
-        "reference": Places({}, _side(desired, _EDGE)),
-        "controller": Places(shown, _side(torques, _EDGE)),
-        "plant": Places(driven, _side(motion, _EDGE)),
-        "disturbance": Places({}, _edge(pushes, -_EDGE, -90)),
+        "reference": Places({}, _side(desired, EDGE)),
+        "controller": Places(shown, _side(torques, EDGE)),
+        "plant": Places(driven, _side(motion, EDGE)),
+        "disturbance": Places({}, edge(pushes, -EDGE, -90)),
     }
-
-
-def shown_places(names: Sequence[str]) -> dict[str, Place]:
-    """Outputs of a law beside its torques: on the upper edge."""
-    return _edge(names, _EDGE, 90)
 
 
 def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
@@ -133,14 +122,12 @@ def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
 
 def wires_within(ports: Places) -> list[Wire]:
     """Connections between the ports of a block and those of the FMU in it, which has the same."""
-    wires = [
-        Wire(name, f"fmu.{name}", _line((port.x, port.y), WITHIN.end(port)))
-        for name, port in ports.inputs.items()
-    ]
-    return wires + [
-        Wire(f"fmu.{name}", name, _line(WITHIN.end(port), (port.x, port.y)))
-        for name, port in ports.outputs.items()
-    ]
+    wires = []
+    for name, port in (*ports.inputs.items(), *ports.outputs.items()):
+        ends, line = [name, f"fmu.{name}"], [(port.x, port.y), WITHIN.end(port)]
+        way = 1 if name in ports.inputs else -1
+        wires.append(Wire(*ends[::way], _line(*line[::way])))
+    return wires
 
 
 def _side(names: Sequence[str], x: float) -> dict[str, Place]:
@@ -148,11 +135,10 @@ def _side(names: Sequence[str], x: float) -> dict[str, Place]:
     return {name: Place(x, -y) for name, y in zip(names, _spread(len(names), 90.0), strict=True)}
 
 
-def _edge(names: Sequence[str], y: float, turn: int) -> dict[str, Place]:
+def edge(names: Sequence[str], y: float, turn: int) -> dict[str, Place]:
     """Ports on an upper or lower edge, from the left."""
-    return {
-        name: Place(x, y, turn) for name, x in zip(names, _spread(len(names), 80.0), strict=True)
-    }
+    places = (Place(x, y, turn) for x in _spread(len(names), 80.0))
+    return dict(zip(names, places, strict=True))
 
 
 def _line(*points: Point) -> str:

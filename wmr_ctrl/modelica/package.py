@@ -27,15 +27,7 @@ from wmr_ctrl.fields.section import quantities
 from wmr_ctrl.laws import LAWS
 from wmr_ctrl.model.dynamics import plant
 from wmr_ctrl.model.system import Output, Port, System, stack
-from wmr_ctrl.modelica.diagram import (
-    LOOP,
-    LOOP_EXTENT,
-    WITHIN,
-    places_of_parts,
-    shown_places,
-    wires_of_loop,
-    wires_within,
-)
+from wmr_ctrl.modelica import diagram
 from wmr_ctrl.modelica.statements import algorithm, equations, literal
 from wmr_ctrl.results import write_all
 from wmr_ctrl.scenario import Change, Scenario
@@ -152,7 +144,8 @@ def modelica_package(scenario: Scenario) -> str:
     robot, desired = plant(scenario), members(reference(scenario).outputs)
     inputs, outputs = members(controllers[0].inputs), members(controllers[0].outputs)
     sides = (desired, inputs, outputs, members(robot.inputs), members(robot.outputs))
-    ports = places_of_parts(*([member.name for member in side] for side in sides))
+    ports = diagram.places_of_parts(*([member.name for member in side] for side in sides))
+    parts = ("reference", "controller", "plant")
     noisy = any(item.active(scenario) for item in setups[0].effects)
     engine = text_engine(_TEMPLATES)
     engine.filters["quoted"] = quoted
@@ -170,11 +163,11 @@ def modelica_package(scenario: Scenario) -> str:
         plant=_plant(scenario, robot),
         laws=[_law(system, clock) for system in controllers],
         ports=ports,
-        sites=LOOP,
-        within=WITHIN,
-        extent=LOOP_EXTENT,
-        wires=wires_of_loop(ports),
-        imported={name: wires_within(ports[name]) for name in ("reference", "controller", "plant")},
+        sites=diagram.LOOP,
+        within=diagram.WITHIN,
+        extent=diagram.LOOP_EXTENT,
+        wires=diagram.wires_of_loop(ports),
+        imported={name: diagram.wires_within(ports[name]) for name in parts},
     )
     return "\n".join(line for long in text.split("\n") for line in folded(long))
 
@@ -219,7 +212,7 @@ def _law(system: System, clock: Member) -> Mapping[str, object]:
         "count": len(memory),
         "call": f"({', '.join(arguments)})",
         "diagnostics": shown,
-        "ports": shown_places([item.name for item in shown]),
+        "ports": diagram.edge([item.name for item in shown], diagram.EDGE, 90),
         "assignments": _assignments(system),
         **_function(system),
     }
@@ -262,12 +255,9 @@ def _plant(scenario: Scenario, system: System) -> Mapping[str, object]:
         "x": _elements(system.state),
         "p": [now.get(name, (name, ""))[0] for name in _elements(system.params)],
     }
-    whole = kernel(
-        "plant",
-        system.title,
-        {"u": system.u, "x": system.x, "p": system.p},
-        {"rate": system.update, "y": stack(item.expr for item in more)},
-    )
+    given = {"u": system.u, "x": system.x, "p": system.p}
+    rate = {"rate": system.update, "y": stack(item.expr for item in more)}
+    whole = kernel("plant", system.title, given, rate)
     left = {("rate", k): f"der({name})" for k, name in enumerate(names["x"])}
     left |= {("y", k): item.name for k, item in enumerate(members(more))}
     lines = equations(whole.graph, lambda vector, k: names[vector][k], left)

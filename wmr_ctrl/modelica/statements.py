@@ -164,7 +164,9 @@ class _Statements:
         text = self._expression(item.node)
         own = item.node in self.places
         if not own and self.readers[item.node] == 1 and len(text) <= _LONGEST:
-            self.inlined[item.node] = text if _is_call(text) else f"({text})"
+            name, bracket, rest = text.partition("(")
+            call = name.isalnum() and name.islower() and _closes_last(bracket + rest)
+            self.inlined[item.node] = text if bracket and call else f"({text})"
             return []
         return [f"{indent}{self._assigned(item.node)} {self.sign} {text};"]
 
@@ -242,12 +244,6 @@ def _moving(part: Slice) -> str:
 def _bare(text: str) -> str:
     """An expression without parentheses that enclose all of it."""
     return text[1:-1] if text.startswith("(") and _closes_last(text) else text
-
-
-def _is_call(text: str) -> bool:
-    """True if an expression is one call of a function."""
-    name, bracket, rest = text.partition("(")
-    return bool(bracket) and name.isalnum() and name.islower() and _closes_last(bracket + rest)
 
 
 def _closes_last(text: str) -> bool:

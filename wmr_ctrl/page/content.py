@@ -64,29 +64,22 @@ def content_of(
     for scene, plain in zip(scenes, scenery, strict=True):
         plain |= _admitted(scene.scenario, numbers.values())
     known = [item for loop in loops for item in (*loop.layout.columns, *loop.layout.parameters)]
-    return Content(
-        tuple(loops),
-        Room(phases, steps),
-        {
-            "version": __version__,
-            "seed": seed,
-            "body": {"size": BODY, "wheel": WHEEL, "track": TRACK},
-            "laws": [_look(name, LAWS[name].title) for name in laws],
-            "names": _names(known),
-            "loops": [_loop(item) for item in loops],
-            "groups": [{"key": g.key, "title": g.title, "hint": g.hint} for g in GROUPS],
-            "scenes": scenery,
-        },
-    )
-
-
-def _names(signals: Iterable[Signal]) -> Plain:
-    """Unit and meaning of every element."""
-    return {
+    names = {  # unit and meaning of every element
         name: [_unit(unit), signal.meaning]
-        for signal in signals
+        for signal in known
         for name, unit in zip(signal.elements, signal.units, strict=True)
     }
+    data = {
+        "version": __version__,
+        "seed": seed,
+        "body": {"size": BODY, "wheel": WHEEL, "track": TRACK},
+        "laws": [_look(name, LAWS[name].title) for name in laws],
+        "names": names,
+        "loops": [_loop(item) for item in loops],
+        "groups": [{"key": g.key, "title": g.title, "hint": g.hint} for g in GROUPS],
+        "scenes": scenery,
+    }
+    return Content(tuple(loops), Room(phases, steps), data)
 
 
 def _loop(loop: PageLoop) -> Plain:
@@ -142,31 +135,21 @@ def _control(control: Control) -> Plain:
 
 
 def _variant(item: SettledVariant, base: Mapping[str, Row], loops: PageLoops) -> Plain:
-    variant = item.variant
-    return {
-        "guard": variant.guard,
-        "period": variant.period,
-        "delay": variant.delay,
-        "refusal": item.refusal,
-        "laws": {
-            law: _law(setup, base[law], loops.of(setup)) for law, setup in item.setups.items()
-        },
-    }
+    setups = item.setups.items()
+    laws = {law: _law(setup, base[law], loops.of(setup)) for law, setup in setups}
+    return {**asdict(item.variant), "refusal": item.refusal, "laws": laws}
 
 
 def _law(setup: Setup, base: Row, loop: PageLoop) -> Plain:
     """A law's loop, first plant steps of its phases, and rows: what differs from the row before."""
     rows = _rows(setup, loop)
-    before = [base, *rows[:-1]]
-    return {
-        "loop": int(loop.name[1:]),
-        "phases": [step for step, _ in _phases(setup, loop)],
-        "rows": [
-            _spelled({name: value for name, value in new.items() if old.get(name) != value})
-            for old, new in zip(before, rows, strict=True)
-        ],
-        "void": setup.void,
-    }
+    pairs = zip([base, *rows[:-1]], rows, strict=True)
+    changed = [
+        _spelled({name: value for name, value in new.items() if old.get(name) != value})
+        for old, new in pairs
+    ]
+    phases = [step for step, _ in _phases(setup, loop)]
+    return {"loop": int(loop.name[1:]), "phases": phases, "rows": changed, "void": setup.void}
 
 
 def _rows(setup: Setup, loop: PageLoop) -> list[Row]:
@@ -197,14 +180,8 @@ def _look(law: str, title: str) -> Plain:
     """Name, label, title, colours (on white, on black) and dashes of a law."""
     chosen = look(law)
     dash = [] if isinstance(chosen.dash, str) else list(chosen.dash[1])
-    return {
-        "name": law,
-        "label": chosen.label,
-        "title": title,
-        "colour": chosen.colour,
-        "dark": _in_the_dark(chosen.colour),
-        "dash": dash,
-    }
+    words = {"name": law, "label": chosen.label, "title": title}
+    return {**words, "colour": chosen.colour, "dark": _in_the_dark(chosen.colour), "dash": dash}
 
 
 def _in_the_dark(colour: str) -> str:
@@ -214,14 +191,9 @@ def _in_the_dark(colour: str) -> str:
     mixes = ([part + share * (1 - part) for part in own] for share in shares)
     darkness = max(1.0 - _luminance(*own) / LIGHT, 0.0)
     wanted = CONTRAST[0] + darkness * (CONTRAST[1] - CONTRAST[0])
-    lighter = next(mix for mix in mixes if _contrast(*mix) >= wanted)
+    dark = _luminance(*(part / 255 for part in DARK))  # contrast with it as WCAG 2 defines it
+    lighter = next(mix for mix in mixes if (_luminance(*mix) + 0.05) / (dark + 0.05) >= wanted)
     return "#" + "".join(f"{round(255 * part):02x}" for part in lighter)
-
-
-def _contrast(red: float, green: float, blue: float) -> float:
-    """Contrast of a colour (0 to 1 each) with the dark background, as WCAG 2 defines it."""
-    dark = _luminance(*(part / 255 for part in DARK))
-    return (_luminance(red, green, blue) + 0.05) / (dark + 0.05)
 
 
 def _luminance(red: float, green: float, blue: float) -> float:

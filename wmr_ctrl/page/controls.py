@@ -45,14 +45,8 @@ GROUPS = (
     Group("reference", "Reference", "", ("ref_",)),
 )  # fmt: skip
 """In the order in which they are listed; a parameter belongs to the first that names it."""
-HIDDEN = (
-    "clock.",
-    "limits.clip",
-    "actuator.delay",
-    "actuator.unmodelled_delay",
-    "robot.g",
-    "robot.v_s",
-)
+HIDDEN = ("clock.", "limits.clip", "actuator.delay", "actuator.unmodelled_delay", "robot.g",
+          "robot.v_s")  # fmt: skip
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 SPANS: Mapping[str, Span] = {
     "robot.m": (10.0, 150.0),
@@ -128,17 +122,14 @@ def _control(
     signal: Signal, i: int, group: str, bounds: Span, values: Mapping[str, float]
 ) -> Control:
     name = signal.elements[i]
-    span = SPANS.get(name) or _span(values[name], bounds)
+    span, value = SPANS.get(name), values[name]
+    if span is None and (value == 0 or math.isinf(value)):
+        span = (max(bounds[0], 0.0), 1.0)
+    elif span is None:  # a fifth to five times a value, within its bounds; 0 has no sign
+        low, high = sorted((value / WIDER, value * WIDER))
+        span = max(low, bounds[0]), min(high, bounds[1])
     log = span[0] > 0 and span[1] / span[0] > 8
     along = ALONG.get(name, ())
     axis = f" ({AXES[i]})" if signal.size == 2 and len(set(signal.units)) == 2 else ""
     meaning = f"{signal.meaning}{axis}"
     return Control(name, group, signal.units[i], meaning, span, bounds, log, along)
-
-
-def _span(value: float, bounds: Span) -> Span:
-    """A fifth to five times a value, within its bounds; around 0 one of either sign."""
-    if value == 0 or math.isinf(value):
-        return (max(bounds[0], 0.0), 1.0)
-    low, high = sorted((value / WIDER, value * WIDER))
-    return max(low, bounds[0]), min(high, bounds[1])

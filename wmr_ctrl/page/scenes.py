@@ -59,16 +59,12 @@ def scenes(scenario: Scenario, laws: tuple[str, ...]) -> tuple[PageScene, ...]:
     steps = story()
     if scenario != load_scenario(steps[0].preset):
         return (PageScene("own", scenario.title or scenario.name, "", scenario, laws[:4]),)
-    return tuple(
-        PageScene(
-            step.key,
-            step.title,
-            step.text,
-            override(load_scenario(step.preset), step.overrides),
-            tuple(name for name in step.shown if name in laws) or laws[:2],
-        )
-        for step in steps
-    )
+    listed = []
+    for step in steps:
+        own = override(load_scenario(step.preset), step.overrides)
+        shown = tuple(name for name in step.shown if name in laws) or laws[:2]
+        listed.append(PageScene(step.key, step.title, step.text, own, shown))
+    return tuple(listed)
 
 
 PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)

@@ -4,16 +4,19 @@ Body frame: origin in the axle's midpoint, x to the right wheel, y forward, z up
 the rotation about z.  Contacts are named pairs, since MuJoCo would else take the larger friction
 of two shapes; casters have none.  Coulomb friction of the scenario is that of the wheels' bearings,
 mu m g r/2 each: it holds the robot like the plane model's at low speed, but brakes rotation too.
+A wheel turns about -x, so that forward is positive.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
 
 from wmr_ctrl.errors import ScenarioError
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.scenario.sections import Body
 from wmr_ctrl.world.slope import Slope
 
 CHASSIS, RIGHT, LEFT = "chassis", "right", "left"
@@ -90,92 +93,15 @@ def description(scenario: Scenario) -> str:
             f"clock.plant = {scenario.clock.plant:g} s is too long for tyres on the ground; "
             f"MuJoCo takes at most {_STEP_MAX:g} s here, and 0.001 s is usual."
         )
-    own = loads(scenario, robot.m, robot.I, robot.mu)
-    wheels = "\n".join(
-        _wheel(scenario, name, side, own.drag)
-        for name, side in ((RIGHT, robot.l), (LEFT, -robot.l))
-    )
-    return f"""<mujoco model="wheeled robot">
-  <compiler angle="radian" autolimits="true"/>
-  <option timestep="{scenario.clock.plant!r}"
-          integrator="implicitfast" cone="elliptic" impratio="10"
-          gravity="{" ".join(map(repr, gravity(scenario)))}"><flag autoreset="disable"/></option>
-  <default><geom contype="0" conaffinity="0" mass="0"/></default>
-{_SCENERY}
-  <worldbody>
-    <light pos="0 0 6" dir="0 0 -1" directional="true"/>
-    <geom name="{GROUND}" type="plane" size="0 0 1" material="grid"/>
-    <body name="{CHASSIS}" pos="0 0 {robot.r}">
-      <freejoint/>
-      <inertial pos="0 0 {own.lift!r}" mass="{own.mass!r}"
-                diaginertia="{" ".join(map(repr, own.inertia))}"/>
-{_hull(scenario)}
-{wheels}
-    </body>
-  </worldbody>
-  <contact>
-{_contacts(body)}
-  </contact>
-  <actuator>
-    <motor name="{RIGHT}" joint="{RIGHT}"/>
-    <motor name="{LEFT}" joint="{LEFT}"/>
-  </actuator>
-</mujoco>
-"""
-
-
-_SCENERY = """  <visual>
-    <global offwidth="1280" offheight="960"/>
-    <quality offsamples="0" shadowsize="1024"/>
-  </visual>
-  <asset>
-    <texture name="grid" type="2d" builtin="checker" width="256" height="256"
-             rgb1=".92 .93 .95" rgb2=".84 .86 .89"/>
-    <texture name="sky" type="skybox" builtin="gradient" width="64" height="64"
-             rgb1=".62 .74 .86" rgb2=".95 .96 .97"/>
-    <material name="grid" texture="grid" texrepeat="1 1" texuniform="true"/>
-  </asset>"""
-
-
-def _hull(scenario: Scenario) -> str:
-    """Geoms of the chassis and casters."""
-    body, half = scenario.body, 0.75 * scenario.robot.l
-    rise = CASTER_RADIUS - scenario.robot.r + body.caster_gap
-    casters = "\n".join(
-        f'      <geom name="{name}" size="{CASTER_RADIUS}" pos="0 {side * body.caster} {rise}"/>'
-        for name, side in zip(CASTERS, (1, -1), strict=True)
-    )
-    return f"""      <geom name="hull" type="box" size="{half} {body.caster} {_THICK}"
-            pos="0 0 {_THICK}" rgba=".16 .38 .62 1"/>
-      <geom name="nose" type="box" size=".03 .03 .02" pos="0 {body.caster} {2 * _THICK}"
-            rgba=".85 .33 .10 1"/>
-{casters}"""
-
-
-def _contacts(body: Body) -> str:
-    """Ground contacts and their friction."""
-    friction = " ".join(map(str, (body.tyre, body.tyre, 0.0, 0.0, 0.0)))
-    grip = f'condim="3" friction="{friction}" solreffriction="{body.grip!r} 1"'
-    kinds = {
-        **dict.fromkeys((RIGHT, LEFT), grip),
-        **dict.fromkeys(CASTERS, 'condim="1"'),
-        "hull": 'condim="3" friction="0.5 0.5 0 0 0"',
-    }
-    return "\n".join(
-        f'    <pair geom1="{GROUND}" geom2="{name}" {contact}/>' for name, contact in kinds.items()
-    )
-
-
-def _wheel(scenario: Scenario, name: str, side: float, drag: float) -> str:
-    """A wheel that turns about -x, so that forward is positive."""
-    robot, body = scenario.robot, scenario.body
     spin, across = wheel_inertia(scenario)
-    shape = f'type="sphere" size="{robot.r!r}"'
-    if body.wheel == "cylinder":
-        shape = f'type="cylinder" size="{robot.r!r} {body.wheel_width / 2!r}" zaxis="1 0 0"'
-    return f"""      <body name="{name}" pos="{side} 0 0">
-        <joint name="{name}" axis="-1 0 0" frictionloss="{drag!r}"/>
-        <inertial pos="0 0 0" mass="{body.wheel_mass!r}"
-                  diaginertia="{spin!r} {across!r} {across!r}"/>
-        <geom name="{name}" {shape} rgba=".15 .15 .17 1"/>
-      </body>"""
+    text = Path(__file__).with_name("robot.xml.j2").read_text(encoding="utf-8")
+    template = jinja2.Template(
+        text, trim_blocks=True, keep_trailing_newline=True, undefined=jinja2.StrictUndefined
+    )
+    return template.render(
+        robot=robot, body=body, own=loads(scenario, robot.m, robot.I, robot.mu),
+        step=scenario.clock.plant, gravity=gravity(scenario), ground=GROUND, chassis=CHASSIS,
+        thick=_THICK, casters=dict(zip(CASTERS, (body.caster, -body.caster), strict=True)),
+        caster_radius=CASTER_RADIUS, rise=CASTER_RADIUS - robot.r + body.caster_gap,
+        wheels={RIGHT: robot.l, LEFT: -robot.l}, spin=spin, across=across,
+    )  # fmt: skip

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, MissingExtraError, WmrError
 from wmr_ctrl.physics.description import CHASSIS, description
-from wmr_ctrl.physics.rigid import mujoco
+from wmr_ctrl.physics.rigid import Floats, mujoco
 from wmr_ctrl.physics.run import Coupling
 from wmr_ctrl.physics.workers import Worker
 from wmr_ctrl.results import Run
@@ -116,18 +116,11 @@ _EMPTY = f"""<mujoco><worldbody><geom name="{CHASSIS}" size="1"/></worldbody></m
 
 
 def paint(
-    model: str,
-    positions: NDArray[np.float64],
-    driven: NDArray[np.float64],
-    target: NDArray[np.float64],
-    first: int,
+    model: str, positions: Floats, driven: Floats, target: Floats, first: int
 ) -> list[Picture]:
     """Pictures of some moments, numbered from ``first``; what the process that paints does."""
-    stage = _scenery(model)
-    return [
-        stage.picture(position, driven[: first + k + 1], target[: first + k + 1])
-        for k, position in enumerate(positions)
-    ]
+    stage, numbered = _scenery(model), enumerate(positions, first + 1)
+    return [stage.picture(position, driven[:k], target[:k]) for k, position in numbered]
 
 
 @lru_cache(maxsize=1)
@@ -148,12 +141,7 @@ class _Scenery:
         self._camera.distance, self._camera.azimuth = _DISTANCE, _AZIMUTH
         self._camera.elevation = _ELEVATION
 
-    def picture(
-        self,
-        position: NDArray[np.float64],
-        driven: NDArray[np.float64],
-        target: NDArray[np.float64],
-    ) -> Picture:
+    def picture(self, position: Floats, driven: Floats, target: Floats) -> Picture:
         """The robot where it lies, its way, and the desired position."""
         self._data.qpos[:] = position
         self._engine.mj_forward(self._model, self._data)

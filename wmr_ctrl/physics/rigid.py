@@ -73,9 +73,8 @@ class RigidBody:
 
     def _id(self, kind: str, name: str) -> int:
         """Number of an object."""
-        number: int = self._mujoco.mj_name2id(
-            self.model, getattr(self._mujoco.mjtObj, f"mjOBJ_{kind}"), name
-        )
+        kinds = self._mujoco.mjtObj
+        number: int = self._mujoco.mj_name2id(self.model, getattr(kinds, f"mjOBJ_{kind}"), name)
         return number
 
     def _settle(self) -> None:

@@ -81,10 +81,8 @@ class Coupling:
     def __init__(self, loop: RunnableLoop, seed: int) -> None:
         """Everything at t = 0."""
         self.scenario, self.clock = loop.scenario, loop.scenario.clock
-        self.body, self.loop = (
-            RigidBody(loop.scenario),
-            Coupled(loop.compiled, seed, self.clock.plant),
-        )
+        self.body = RigidBody(loop.scenario)
+        self.loop = Coupled(loop.compiled, seed, self.clock.plant)
         self._changes = dict(zip(loop.compiled.phase_start[1:], loop.scenario.changes, strict=True))
         self._row = len(elements(loop.compiled.layout.columns))
         self._reached = 0

@@ -54,7 +54,9 @@ def kit_files(law: str, scenario: Scenario) -> dict[str, str]:
     check_plain_loop(setup, "the Simulink kit")
     sources = package_files(law, scenario)
     engine = text_engine(_TEMPLATES)
-    engine.filters |= {"quoted": _quoted, "number": _c_number}
+    infinite = {math.inf: "HUGE_VAL", -math.inf: "-HUGE_VAL"}
+    engine.filters["number"] = lambda value: infinite.get(value) or repr(float(value))
+    engine.filters["quoted"] = _quoted
     context = _context(setup)
     files = {name: engine.get_template(t).render(context) for name, t in _RENDERED.items()}
     rendered = {name.format(law=law): text for name, text in files.items()}
@@ -110,12 +112,6 @@ def _matlab(values: Iterable[float]) -> str:
     """Numbers as MATLAB writes them: one, or a column as a struct of C has it."""
     shown = [repr(float(value)).replace("inf", "Inf") for value in values]
     return shown[0] if len(shown) == 1 else f"[{'; '.join(shown)}]"
-
-
-def _c_number(value: float) -> str:
-    if math.isinf(value):
-        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
-    return repr(float(value))
 
 
 def _quoted(text: str) -> str:
