@@ -219,7 +219,7 @@ def test_full_disk_is_one_clear_error(folder, monkeypatch):
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(cache, "_write", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
 
     with pytest.raises(CompilerError, match=r"No space left on device.*WMR_CTRL_CACHE"):
         build_cached(SOURCES, Compiler())

@@ -122,12 +122,14 @@ def wires_of_loop(parts: Mapping[str, Places]) -> list[Wire]:
 
 def wires_within(ports: Places) -> list[Wire]:
     """Connections between the ports of a block and those of the FMU in it, which has the same."""
-    wires = []
-    for name, port in (*ports.inputs.items(), *ports.outputs.items()):
-        ends, line = [name, f"fmu.{name}"], [(port.x, port.y), WITHIN.end(port)]
-        way = 1 if name in ports.inputs else -1
-        wires.append(Wire(*ends[::way], _line(*line[::way])))
-    return wires
+    wires = [
+        Wire(name, f"fmu.{name}", _line((port.x, port.y), WITHIN.end(port)))
+        for name, port in ports.inputs.items()
+    ]
+    return wires + [
+        Wire(f"fmu.{name}", name, _line(WITHIN.end(port), (port.x, port.y)))
+        for name, port in ports.outputs.items()
+    ]
 
 
 def _side(names: Sequence[str], x: float) -> dict[str, Place]:

@@ -12,14 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 POSITIVE, NONNEGATIVE, NONZERO, FREE = "> 0", ">= 0", "!= 0", "any"
-_SAMPLES = (
-    Fraction(1, 2),
-    Fraction(3, 5),
-    Fraction(7, 4),
-    Fraction(2, 7),
-    Fraction(5, 3),
-    Fraction(11, 13),
-)
+_SAMPLES = tuple(map(Fraction, ("1/2", "3/5", "7/4", "2/7", "5/3", "11/13")))
 
 
 @dataclass(frozen=True)

@@ -46,20 +46,24 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     absent = missing(claim.method)
     if absent:
         return _entry(claim, NOT_CHECKED, method=f"needs {', '.join(absent)}")
-    started = perf_counter()
-    statement, method = claim.statement(CLAIMED), _reminded(claim.method, known)
-    finding = method.decide(statement)
-    mutated = _mutated(claim, method) if finding.verdict == PROVED else None
+    started, method = perf_counter(), claim.method
+    if known is not None and isinstance(method, Z3):  # what closed it before first: saves time
+        method = replace(method, first=tuple(known.evidence.get("engines", ())))
+    finding, mutated = method.decide(claim.statement(CLAIMED)), None
+    if finding.verdict == PROVED:
+        mutated = _quick(method).decide(claim.statement(MUTATED)).verdict == REFUTED
     seconds = round(perf_counter() - started, 2)
     entered, now = graph_hash(claim), versions(claim.method)
     decided = {name: known.versions.get(name) for name in now} if known else {}
     same = known if known and (known.graph_hash, decided) == (entered, now) else None
     functions = functions_of(claim, known.functions if known else ())
     verdict, reason = _guarded(finding, mutated, functions)
+    told = finding.evidence
+    counts = [f"{told[key]} {key}" for key in ("cases", "boxes") if key in told]
     return _entry(
         claim,
         verdict,
-        method=_described(claim.method, finding),
+        method=", ".join([named(claim.method), *counts]),
         trusted=trusted(claim.method),
         mutation_refuted=mutated,
         counterexample=_text(finding.point) if verdict == REFUTED else None,
@@ -70,15 +74,8 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         functions=functions,
         alterations=same.alterations if same and same.functions == functions else None,
         confirmed_by=same.confirmed_by if same else (),
-        evidence={**finding.evidence, **reason},
+        evidence={**told, **reason},
     )
-
-
-def _reminded(method: Method, known: Entry | None) -> Method:
-    """The method with what closed the claim before in the first place: it saves time alone."""
-    if known is None or not isinstance(method, Z3):
-        return method
-    return replace(method, first=tuple(known.evidence.get("engines", ())))
 
 
 def graph_hash(claim: Claim) -> str:
@@ -95,28 +92,16 @@ def recheck(claim: Claim, entry: Entry) -> bool:
 
     if claim.statement is None or entry.counterexample is None:
         return False
-    given, goal = judge(claim.statement(CLAIMED), read_point(entry.counterexample))
+    texts = entry.counterexample.items()
+    point = {name: value if value.endswith("pi") else Fraction(value) for name, value in texts}
+    given, goal = judge(claim.statement(CLAIMED), point)
     return given and not goal
-
-
-def read_point(text: Mapping[str, str]) -> dict[str, Any]:
-    """An exact point from its text."""
-    return {
-        name: value if value.endswith("pi") else Fraction(value) for name, value in text.items()
-    }
-
-
-def _mutated(claim: Claim, method: Method) -> bool:
-    assert claim.statement is not None
-    return _quick(method).decide(claim.statement(MUTATED)).verdict == REFUTED
 
 
 def _quick(method: Method) -> Method:
     """For the mutation, the first case that fails is enough; of two methods each must refute."""
     if isinstance(method, Both):
-        return replace(
-            method, first=_quick(method.first), second=_quick(method.second), all_refute=True
-        )
+        return Both(_quick(method.first), _quick(method.second), all_refute=True)
     return replace(method, quick=True) if isinstance(method, Ring) else method
 
 
@@ -131,13 +116,6 @@ def _guarded(
     if finding.point is None:
         return OPEN, {"held back": "no point was found that satisfies the hypotheses"}
     return (PROVED if functions else LEMMA), {}
-
-
-def _described(method: Method, finding: Finding) -> str:
-    counts = [
-        f"{finding.evidence[key]} {key}" for key in ("cases", "boxes") if key in finding.evidence
-    ]
-    return ", ".join([named(method), *counts])
 
 
 def _text(point: Mapping[str, Any] | None) -> dict[str, str] | None:

@@ -17,23 +17,10 @@ PROVED, REFUTED, LEMMA, DEFINITION = "PROVED", "REFUTED", "LEMMA", "DEFINITION"
 HAND, OPEN, NOT_CHECKED = "HAND", "OPEN", "NOT_CHECKED"
 VERDICTS = (PROVED, REFUTED, LEMMA, DEFINITION, HAND, OPEN, NOT_CHECKED)
 PUBLIC_KEYS = (
-    "id",
-    "equations",
-    "claim",
-    "form",
-    "verdict",
-    "method",
-    "trusted",
-    "mutation_refuted",
-    "functions",
-    "premises",
-    "alterations",
-    "confirmed_by",
-    "counterexample",
-    "seconds",
-    "graph_hash",
-    "versions",
-)
+    "id", "equations", "claim", "form", "verdict", "method", "trusted", "mutation_refuted",
+    "functions", "premises", "alterations", "confirmed_by", "counterexample", "seconds",
+    "graph_hash", "versions",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -140,11 +127,8 @@ def differences(ledger: Ledger, committed: Ledger, complete: bool = True) -> lis
 
 def stale(hashes: Mapping[str, str], committed: Ledger) -> list[str]:
     """Ids whose hash is no longer the one that the committed verdict is about."""
-    return [
-        e.id
-        for e in committed.entries
-        if e.graph_hash and hashes.get(e.id, e.graph_hash) != e.graph_hash
-    ]
+    known = ((entry.id, entry.graph_hash) for entry in committed.entries if entry.graph_hash)
+    return [key for key, hashed in known if hashes.get(key, hashed) != hashed]
 
 
 def exit_code(ledger: Ledger, committed: Ledger, complete: bool = True) -> int:

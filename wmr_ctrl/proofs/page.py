@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from itertools import groupby
 
-from wmr_ctrl.paper import Equation, equations
+from wmr_ctrl.paper import equations
 from wmr_ctrl.proofs.ledger import Entry, Ledger, load, of_equation
 
 HEAD = """\
@@ -26,43 +26,41 @@ GUARANTEES: list[tuple[str, list[str]]] = [
     )["guarantee"]
 ]
 """(what is guaranteed or denied, ids of its entries)."""
+COUNTEREXAMPLES = "Exact values of the inputs; with them the claim can be checked by hand.\n"
 COLUMNS = "| id | eq. | claim | for a robot | verdict | how |\n|---|---|---|---|---|---|"
 
 
 def page(ledger: Ledger | None = None, stale: Iterable[str] = ()) -> str:
     """Markdown of the whole ledger (the committed one by default); ``stale`` ids are marked."""
     shown, marked = ledger or load(), set(stale)
-    parts = [HEAD, _tally(shown), "## By equation\n", _index(shown)]
-    parts += ["## By guarantee\n", _guarantees(shown), CHAINS, _chains(shown)]
+    known, counts = shown.by_id(), shown.tally().items()
+    tally = ", ".join(f"{count} {verdict}" for verdict, count in counts)
+    parts = [HEAD, f"{len(shown.entries)} entries: {tally}.\n", "## By equation\n", _index(shown)]
+    parts += ["## By guarantee\n", _guarantees(known), CHAINS, _chains(known)]
     for theme, group in groupby(shown.entries, key=lambda entry: entry.theme):
         parts.append(
             f"## {theme}\n\n{COLUMNS}\n" + "\n".join(_row(e, e.id in marked) for e in group) + "\n"
         )
-    parts += ["## Counterexamples\n", _counterexamples(shown)]
-    return "\n".join(parts)
-
-
-def _tally(ledger: Ledger) -> str:
-    counted = ", ".join(f"{count} {verdict}" for verdict, count in ledger.tally().items())
-    return f"{len(ledger.entries)} entries: {counted}.\n"
+    parts += ["## Counterexamples\n", COUNTEREXAMPLES]
+    for entry in shown.entries:
+        if point := entry.counterexample:
+            values = ", ".join(f"{name} = {value}" for name, value in point.items())
+            parts.append(f"- {entry.id}: {values}")
+    return "\n".join([*parts, ""])
 
 
 def _index(ledger: Ledger) -> str:
-    rows = "\n".join(
-        _equation_row(item, of_equation(ledger.entries, item.number)) for item in equations()
-    )
-    return f"| eq. | what it is | status | note | entries |\n|---|---|---|---|---|\n{rows}\n"
+    rows = []
+    for item in equations():
+        entries = of_equation(ledger.entries, item.number)
+        named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
+        cells = (f"({item.number})", _cell(item.title), item.status, _cell(item.note), named)
+        rows.append(f"| {' | '.join(cells)} |\n")
+    head = "| eq. | what it is | status | note | entries |\n|---|---|---|---|---|\n"
+    return f"{head}{''.join(rows)}"
 
 
-def _equation_row(item: Equation, entries: list[Entry]) -> str:
-    named = ", ".join(f"{entry.id} {entry.verdict}" for entry in entries) or "-"
-    return (
-        f"| ({item.number}) | {_cell(item.title)} | {item.status} | {_cell(item.note)} | {named} |"
-    )
-
-
-def _guarantees(ledger: Ledger) -> str:
-    known = ledger.by_id()
+def _guarantees(known: Mapping[str, Entry]) -> str:
     rows = "\n".join(
         f"| {_cell(what)} | {', '.join(f'{key} {known[key].verdict}' for key in ids)} |"
         for what, ids in GUARANTEES
@@ -79,8 +77,7 @@ HAND; what was shown above is not repeated.
 """
 
 
-def _chains(ledger: Ledger) -> str:
-    known = ledger.by_id()
+def _chains(known: Mapping[str, Entry]) -> str:
     lines: list[str] = []
     for what, ids in GUARANTEES:
         lines.append(f"- {what}")
@@ -123,16 +120,6 @@ def how(entry: Entry) -> str:
 
 def _rests(entry: Entry) -> str:
     return f"; rests on {', '.join(entry.premises)}" if entry.premises else ""
-
-
-def _counterexamples(ledger: Ledger) -> str:
-    head = "Exact values of the inputs; with them the claim can be checked by hand.\n"
-    lines = [
-        f"- {entry.id}: {', '.join(f'{name} = {value}' for name, value in point.items())}"
-        for entry in ledger.entries
-        if (point := entry.counterexample)
-    ]
-    return "\n".join([head, *lines]) + "\n"
 
 
 def _cell(text: str) -> str:

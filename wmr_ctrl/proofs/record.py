@@ -79,12 +79,12 @@ def _backed(asked: list[str]) -> list[Entry]:
     return [entry for entry in wanted if entry.verdict in ("PROVED", "LEMMA")]
 
 
-def _show(share: float, entry: Entry) -> None:
-    sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Check what is asked for, and record it."""
+
+    def show(share: float, entry: Entry) -> None:
+        sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")
+
     parser = argparse.ArgumentParser(prog="python -m wmr_ctrl.proofs.record", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     only = parser.add_mutually_exclusive_group()
@@ -95,13 +95,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if given.words:
         checked = Ledger(())
     elif given.examine:
-        checked = Ledger(
-            tuple(examined(e) for e in _backed(given.ids) if given.ids or not e.alterations)
-        )
+        entries = (entry for entry in _backed(given.ids) if given.ids or not entry.alterations)
+        checked = Ledger(tuple(map(examined, entries)))
     elif given.confirm:
         checked = Ledger(tuple(map(confirmed, _backed(given.ids))))
     else:
-        checked = prove(given.ids, _show)
+        checked = prove(given.ids, show)
     record(merged(checked, load() if COMMITTED.exists() else Ledger(())))
 
 

@@ -9,6 +9,7 @@ smooth barrier).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import product
 from typing import Any
 
 from wmr_ctrl.proofs.case import POSITIVE, Case
@@ -99,21 +100,18 @@ def off_target_cases(suffix: str = "") -> tuple[Case, ...]:
 
 def smooth_cases(suffix: str = "", sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
-    return tuple(
-        axis_case(suffix, t, s, order)
-        for t in SMOOTH_TARGETS
-        for s in sides
-        for order in (
-            ("<", "=", ">") if _shared(t, s) or (t[:-1], s[:-1]) == ("beyond", "out") else ("",)
-        )
-    )
+    cases = []
+    for t, s in product(SMOOTH_TARGETS, sides):
+        ordered = _shared(t, s) or (t[:-1], s[:-1]) == ("beyond", "out")
+        orders = ("<", "=", ">") if ordered else ("",)
+        cases += [axis_case(suffix, t, s, order) for order in orders]
+    return tuple(cases)
 
 
 def target_cases(suffix: str = "", edges: bool = True) -> tuple[Case, ...]:
     """Regions of v_c0 alone (v at 0)."""
-    return tuple(
-        axis_case(suffix, t, "zero") for t in (TARGETS + TARGET_EDGES if edges else TARGETS)
-    )
+    targets = TARGETS + TARGET_EDGES if edges else TARGETS
+    return tuple(axis_case(suffix, t, "zero") for t in targets)
 
 
 def _shared(target: str, side: str) -> bool:
@@ -127,17 +125,8 @@ def joined(one: Case, two: Case) -> Case:
     def values(n: Mapping[str, Any]) -> dict[str, Any]:
         return {**one.values(n), **two.values(n)}
 
-    return Case(
-        f"{one.label}; {two.label}",
-        {**one.numbers, **two.numbers},
-        values,
-        {**one.declared, **two.declared},
-    )
-
-
-def paired(one: Iterable[Case], two: Iterable[Case]) -> tuple[Case, ...]:
-    """Case k of the first axis with case k of the second."""
-    return tuple(joined(a, b) for a, b in zip(one, two, strict=True))
+    label, declared = f"{one.label}; {two.label}", {**one.declared, **two.declared}
+    return Case(label, {**one.numbers, **two.numbers}, values, declared)
 
 
 def paired_cases(one: str, two: str) -> tuple[Case, ...]:
@@ -146,7 +135,7 @@ def paired_cases(one: str, two: str) -> tuple[Case, ...]:
     Enough where the statement is a sum of one term per axis: terms of independent variables whose
     sum is 0 are constant on their regions.
     """
-    return paired(open_cases(one), open_cases(two)[::-1])
+    return tuple(map(joined, open_cases(one), open_cases(two)[::-1]))
 
 
 def renamed(

@@ -50,7 +50,9 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
 
     for node in graph.nodes:
         exact = put(ProvedNode(node.op, tuple(place[k] for k in node.args), node.value, node.name))
-        if node.op in EXACT or _scales(node, graph):
+        factors = (graph.nodes[k] for k in node.args if node.op == "mul")
+        scales = any(f.op == "const" and abs(frexp(f.value)[0]) == 0.5 for f in factors)
+        if node.op in EXACT or scales:  # a product with a power of two is exact
             place.append(exact)
             continue
         if node.op not in ROUNDED:
@@ -62,14 +64,6 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
             bounds.append(put(ProvedNode("sub", (share, put(ProvedNode("sub", pair))))))
         place.append(found)
     return RoundedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs), tuple(bounds))
-
-
-def _scales(node: ProvedNode, graph: ProvedGraph) -> bool:
-    """True if it is a product with a power of two, which is exact."""
-    factors = (graph.nodes[k] for k in node.args)
-    return node.op == "mul" and any(
-        item.op == "const" and abs(frexp(item.value)[0]) == 0.5 for item in factors
-    )
 
 
 def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> ProvedGraph:

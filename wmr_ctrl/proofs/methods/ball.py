@@ -72,8 +72,11 @@ class IntervalArithmetic(Arithmetic):
         if known is not None:
             return known
         truth = ask((op, a.key or ("number", a.lo), b.key or ("number", b.lo)))
-        if op in ("lt", "le"):
-            self._narrow(op, a, b, truth)
+        if op in ("lt", "le"):  # a < b, a <= b or their opposites, as bounds for named quantities
+            strict = self.doubles and (op == "lt") == truth
+            small, large = (a, b) if truth else (b, a)
+            self._bound(small, -inf, iv.down(large.hi) if strict else large.hi)
+            self._bound(large, iv.up(small.lo) if strict else small.lo, inf)
         return truth
 
     def number(self, condition: bool) -> Interval:
@@ -104,13 +107,6 @@ class IntervalArithmetic(Arithmetic):
         if low > high:
             raise EmptyWayError
         return Interval(low, high, value.key, value.form)
-
-    def _narrow(self, op: str, a: Interval, b: Interval, truth: bool) -> None:
-        """a < b, a <= b or their opposites, as bounds for named quantities."""
-        strict = self.doubles and (op == "lt") == truth
-        small, large = (a, b) if truth else (b, a)
-        self._bound(small, -inf, iv.down(large.hi) if strict else large.hi)
-        self._bound(large, iv.up(small.lo) if strict else small.lo, inf)
 
     def _bound(self, value: Interval, low: float, high: float) -> None:
         if not value.key:
@@ -172,8 +168,12 @@ ALL_OF, ONE_IN = 64, 16
 
 def decide(statement: Statement, method: Ball) -> Finding:
     """PROVED when no part is left, REFUTED by an exact point of a part, OPEN out of budget."""
-    whole = {name: (_below(low), _above(high)) for name, (low, high) in method.box.items()}
-    pending, count, unsure = _first_cuts(whole, method), 0, 0
+    whole = {name: (_beyond(low, -inf), _beyond(high, inf))
+             for name, (low, high) in method.box.items()}  # fmt: skip
+    pending, count, unsure = [whole], 0, 0
+    for name, places in method.cuts_at.items():  # where the graph changes its form
+        for place in places:
+            pending = [part for box in pending for part in _cut(box, name, float(place))]
     while pending:
         box = pending.pop()
         count += 1
@@ -186,7 +186,10 @@ def decide(statement: Statement, method: Ball) -> Finding:
             return Finding(REFUTED, {"boxes": count}, point)
         if count + len(pending) >= method.budget:
             return Finding(OPEN, {"boxes": count, "boxes left": len(pending) + 1})
-        pending.extend(_halves(box, whole, method))
+        # Cut the side that is longest compared with the whole.
+        share = {n: (b - a) / ((whole[n][1] - whole[n][0]) or inf) for n, (a, b) in box.items()}
+        name = max(method.split or tuple(box), key=share.__getitem__)
+        pending.extend(_cut(box, name, 0.5 * (box[name][0] + box[name][1])))
     witness = (p for p in _probes(whole, statement) if judge(statement, p)[0])
     return Finding(PROVED, {"boxes": count}, next(witness, None))
 
@@ -200,11 +203,13 @@ def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
         except EmptyWayError:
             return True
         given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
-        if any(_impossible(kind, value) for kind, value in given):
-            return True
-        return all(
-            _certain(kind, value) for kind, value in zip(statement.goal_kinds, values, strict=False)
-        )
+        for kind, value in given:
+            if value is None:
+                continue
+            if value.hi < 0 or (value.lo > 0 if kind == EQUAL else kind == ABOVE and value.hi <= 0):
+                return True  # no point of the box is spoken of
+        goals = zip(statement.goal_kinds, values, strict=False)
+        return all(_certain(kind, value) for kind, value in goals)
 
     try:
         return all(result for _, result in paths(run, WAYS))
@@ -220,33 +225,11 @@ def _certain(kind: str, value: Interval | None) -> bool:
     return value.lo > 0 if kind == ABOVE else value.lo >= 0
 
 
-def _impossible(kind: str, value: Interval | None) -> bool:
-    if value is None:
-        return False
-    return (value.hi < 0 or (kind == EQUAL and value.lo > 0)) or (kind == ABOVE and value.hi <= 0)
-
-
-def _first_cuts(whole: Box, method: Ball) -> list[Box]:
-    """The box cut at the coordinates where the graph changes its form."""
-    found = [whole]
-    for name, places in method.cuts_at.items():
-        for place in places:
-            found = [part for box in found for part in _cut(box, name, float(place))]
-    return found
-
-
 def _cut(box: Box, name: str, place: float) -> list[Box]:
     low, high = box[name]
     if not low < place < high:
         return [box]
     return [{**box, name: (low, place)}, {**box, name: (place, high)}]
-
-
-def _halves(box: Box, whole: Box, method: Ball) -> list[Box]:
-    """Cut the side that is longest compared with the whole."""
-    names = method.split or tuple(box)
-    name = max(names, key=lambda n: (box[n][1] - box[n][0]) / ((whole[n][1] - whole[n][0]) or inf))
-    return _cut(box, name, 0.5 * (box[name][0] + box[name][1]))
 
 
 def _probes(box: Box, statement: Statement) -> list[dict[str, Fraction]]:
@@ -257,11 +240,7 @@ def _probes(box: Box, statement: Statement) -> list[dict[str, Fraction]]:
     return [{n: low + share * (high - low) for n, (low, high) in ends.items()} for share in shares]
 
 
-def _below(value: Fraction) -> float:
+def _beyond(value: Fraction, end: float) -> float:
+    """The double next to a number, not on the side that is away from ``end``, -inf or inf."""
     near = float(value)
-    return near if Fraction(near) <= value else nextafter(near, -inf)
-
-
-def _above(value: Fraction) -> float:
-    near = float(value)
-    return near if Fraction(near) >= value else nextafter(near, inf)
+    return nextafter(near, end) if (Fraction(near) - value) * (1 if end > 0 else -1) < 0 else near

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from operator import truediv
 from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -183,9 +184,8 @@ class Algebra:
     def reduced(self, element: Any) -> Any:
         """Element with every square of a root or a sine replaced."""
         for index, square in self.squares.items():
-            element = self._lower(element.numer, index, square) / self._lower(
-                element.denom, index, square
-            )
+            parts = (self._lower(part, index, square) for part in (element.numer, element.denom))
+            element = truediv(*parts)
         return element
 
     def _lower(self, poly: Any, index: int, square: Any) -> Any:

@@ -69,21 +69,13 @@ def _missed(a: float, b: float) -> float:
     return (a - (total - back)) + (b - back)
 
 
-def sum_down(a: float, b: float) -> float:
-    """Lower bound of a + b, exact if the sum is."""
-    total = a + b
-    return total if _missed(a, b) >= 0 and isfinite(total) else down(total)
-
-
-def sum_up(a: float, b: float) -> float:
-    """Upper bound of a + b, exact if the sum is."""
-    total = a + b
-    return total if _missed(a, b) <= 0 and isfinite(total) else up(total)
-
-
 def add(a: Interval, b: Interval) -> Interval:
-    """a + b; a form where both have the same sign."""
-    found = Interval(sum_down(a.lo, b.lo), sum_up(a.hi, b.hi))
+    """a + b, its ends exact where the sums are; a form where both have the same sign."""
+    low, high = a.lo + b.lo, a.hi + b.hi
+    found = Interval(
+        low if _missed(a.lo, b.lo) >= 0 and isfinite(low) else down(low),
+        high if _missed(a.hi, b.hi) <= 0 and isfinite(high) else up(high),
+    )
     sign = a.sign
     if sign and sign == b.sign:
         found.form = _merged(a.terms(), b.terms())
@@ -118,22 +110,15 @@ def multiply(a: Interval, b: Interval) -> Interval:
         corners = [_product(x, y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
         return Interval(down(min(corners)), up(max(corners)))
     (least, most), (low, high) = a.size, b.size
+    near = (least / most if most > 0 else 0.0) <= (low / high if high > 0 else 0.0)
     low, high = max(0.0, down(_product(least, low))), up(_product(most, high))
     found = Interval(low, high) if sign > 0 else Interval(-high, -low)
-    found.form = _scaled(*_nearest_zero_first(a, b))
+    found.form = _scaled(a, b) if near else _scaled(b, a)
     return found
 
 
 def _product(x: float, y: float) -> float:
     return 0.0 if x == 0 or y == 0 else x * y
-
-
-def _nearest_zero_first(a: Interval, b: Interval) -> tuple[Interval, Interval]:
-    def spread(x: Interval) -> float:
-        low, high = x.size
-        return low / high if high > 0 else 0.0
-
-    return (a, b) if spread(a) <= spread(b) else (b, a)
 
 
 def _scaled(kept: Interval, factor: Interval) -> Form | None:
@@ -157,7 +142,8 @@ def divide(a: Interval, b: Interval) -> Interval | None:
     found = Interval(max(0.0, low) if sign > 0 else low, min(0.0, high) if sign < 0 else high)
     if sign:
         _bound_by_forms(found, a, b, sign)
-        found.form = found.form or _scaled_down(a, b)
+        least, most = b.size
+        found.form = _scaled(a, Interval(down(1 / most), up(1 / least))) if least > 0 else None
     return found
 
 
@@ -174,13 +160,6 @@ def _bound_by_forms(found: Interval, a: Interval, b: Interval, sign: int) -> Non
         found.lo, found.hi = max(found.lo, low), min(found.hi, high)
     else:
         found.lo, found.hi = max(found.lo, -high), min(found.hi, -low)
-
-
-def _scaled_down(a: Interval, b: Interval) -> Form | None:
-    low, high = b.size
-    if low <= 0:
-        return None
-    return _scaled(a, Interval(down(1 / high), up(1 / low)))
 
 
 def root(a: Interval) -> Interval | None:

@@ -56,7 +56,10 @@ class PointArithmetic(Arithmetic):
             exact = _rational(op, args)
             if exact is not None:
                 return exact
-        return _in_balls(op, [a if op in ("sin", "cos") else _ball(a) for a in args])
+        if op in ("sin", "cos") and isinstance(args[0], Pi):
+            quarter = int(2 * args[0].times) + (1 if op == "cos" else 0)
+            return Fraction((0, 1, 0, -1)[quarter % 4])
+        return _of_balls(op, [_ball(a) for a in args])
 
     def compare(self, op: str, left: Any, right: Any, _ask: Callable[[Hashable], bool]) -> bool:
         """Certain truth; UndecidedError otherwise."""
@@ -93,17 +96,14 @@ def decide_table(statement: Statement, method: Table) -> Finding:
     """PROVED if it holds at every point, REFUTED by the first at which it certainly does not."""
     points = method.points()
     for point in points:
-        if certainly(statement, _as_balls(point)) or certainly(statement, _exact(point)):
+        # Coordinates that are doubles as exact balls are faster.
+        balls = {name: arb(v) if isinstance(v, float) else v for name, v in point.items()}
+        if certainly(statement, balls) or certainly(statement, _exact(point)):
             continue
         given, goal = judge(statement, _exact(point))
         found = _exact(point) if given and not goal else None
         return Finding(REFUTED if found else OPEN, {"points": len(points)}, found)
     return Finding(PROVED, {"points": len(points)}, _exact(points[0]))
-
-
-def _as_balls(point: Point) -> Point:
-    """Coordinates that are doubles as exact balls, which is faster; the rest as they are."""
-    return {name: arb(v) if isinstance(v, float) else v for name, v in point.items()}
 
 
 def _exact(point: Point) -> Point:
@@ -132,15 +132,10 @@ def judge(statement: Statement, point: Mapping[str, Any]) -> tuple[bool, bool]:
     except (UndecidedError, ZeroDivisionError):
         return False, True
     goals = len(statement.goals)
-    given = all(
-        _certain(kind, v, False)
-        for kind, v in zip(statement.given_kinds, values[goals:], strict=True)
-    )
-    good = all(
-        _certain(kind, v, True)
-        for kind, v in zip(statement.goal_kinds, values[:goals], strict=True)
-    )
-    return given, good
+    given = zip(statement.given_kinds, values[goals:], strict=True)
+    asked = zip(statement.goal_kinds, values[:goals], strict=True)
+    met = all(_certain(kind, v, False) for kind, v in given)
+    return met, all(_certain(kind, v, True) for kind, v in asked)
 
 
 def certainly(statement: Statement, point: Mapping[str, Any]) -> bool:
@@ -206,19 +201,8 @@ def _power(a: Fraction, b: Fraction) -> Fraction | None:
 def _exact_root(a: Fraction) -> Fraction | None:
     if a < 0:
         raise UndecidedError("root of a negative number")
-    top, bottom = isqrt(a.numerator), isqrt(a.denominator)
-    return (
-        Fraction(top, bottom)
-        if top * top == a.numerator and bottom * bottom == a.denominator
-        else None
-    )
-
-
-def _in_balls(op: str, args: list[Any]) -> Any:
-    if op in ("sin", "cos") and isinstance(args[0], Pi):
-        quarter = int(2 * args[0].times) + (1 if op == "cos" else 0)
-        return Fraction((0, 1, 0, -1)[quarter % 4])
-    return _of_balls(op, [_ball(a) for a in args])
+    root = Fraction(isqrt(a.numerator), isqrt(a.denominator))
+    return root if root * root == a else None
 
 
 def _of_balls(op: str, args: list[arb]) -> Any:
@@ -237,27 +221,18 @@ _RATIONAL: dict[str, Callable[..., Any]] = {
     "fmax": max,
     "sign": lambda a: Fraction((a > 0) - (a < 0)),
     "sqrt": _exact_root,
-    "sin": lambda a: a if a == 0 else None,
-    "cos": lambda a: Fraction(1) if a == 0 else None,
-    "exp": lambda a: Fraction(1) if a == 0 else None,
+    **dict.fromkeys(("sin", "tanh", "log1p"), lambda a: a if a == 0 else None),
+    **dict.fromkeys(("cos", "exp"), lambda a: Fraction(1) if a == 0 else None),
     "log": lambda a: Fraction(0) if a == 1 else None,
-    "tanh": lambda a: a if a == 0 else None,
-    "log1p": lambda a: a if a == 0 else None,
     "constpow": _power,
     "pow": _power,
 }
 _BALLS: dict[str, Callable[..., Any]] = {
     **ARITHMETIC,
     "fabs": abs,
-    "fmin": lambda a, b: a.min(b),
-    "fmax": lambda a, b: a.max(b),
-    "sqrt": lambda a: a.sqrt(),
-    "sin": lambda a: a.sin(),
-    "cos": lambda a: a.cos(),
-    "exp": lambda a: a.exp(),
-    "log": lambda a: a.log(),
-    "tanh": lambda a: a.tanh(),
-    "log1p": lambda a: a.log1p(),
+    "fmin": arb.min,
+    "fmax": arb.max,
+    **{name: getattr(arb, name) for name in ("sqrt", "sin", "cos", "exp", "log", "tanh", "log1p")},
     "sign": lambda a: Fraction(sign_of(a)),
     "constpow": lambda a, b: a ** int(b),
     "pow": lambda a, b: a**b,

@@ -13,7 +13,7 @@ from typing import Any
 from wmr_ctrl.proofs.case import Case
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.field import Algebra, Exponents, Quotient
-from wmr_ctrl.proofs.methods.point import judge
+from wmr_ctrl.proofs.methods.point import first_violation, judge
 from wmr_ctrl.proofs.methods.ring_arithmetic import RingArithmetic
 from wmr_ctrl.proofs.methods.spec import Finding, Point, Ring
 from wmr_ctrl.proofs.statement import ABOVE, EQUAL, Statement
@@ -28,39 +28,34 @@ def decide(statement: Statement, method: Ring) -> Finding:
     for case in method.cases:
         if not _proved(statement, method, case):
             failed.append(case)
-            found = next(_violations(statement, [case]), None) if method.quick else None
+            found = _violation(statement, [case]) if method.quick else None
             if found is not None:
                 return Finding(REFUTED, {"first case not shown": case.label}, found)
     evidence = {"cases": len(method.cases), "cases not shown": len(failed)}
     if failed:
-        found = next(_violations(statement, failed), None)
+        found = _violation(statement, failed)
         return Finding(OPEN if found is None else REFUTED, evidence, found)
     witness = next(_witnesses(statement, method), None)
     return Finding(PROVED, evidence, witness)
 
 
 def _proved(statement: Statement, method: Ring, case: Case) -> bool:
-    names = tuple(n for n in statement.graph.input_names if n not in _assigned(case))
+    assigned = case.values(dict.fromkeys(case.numbers, Fraction(1)))
+    names = tuple(n for n in statement.graph.input_names if n not in assigned)
     shared = RingArithmetic(case, names, method.fixed, method.spare)
 
     def run(ask: Callable[[Hashable], bool]) -> bool:
+        """Goals hold, and so do the hypotheses: a case lies inside what the statement assumes."""
         shared.ask = ask
-        return _all_hold(statement, shared, ask, method.log_lemma)
+        values = Walk(statement.graph, shared, ask).outputs()
+        goals = zip(statement.goal_kinds, values, strict=False)
+        given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
+        return all(_holds(shared, kind, v, method.log_lemma) for kind, v in (*goals, *given))
 
     try:
         return all(result for _, result in paths(run))
     except UndecidedError:
         return False
-
-
-def _all_hold(
-    statement: Statement, arithmetic: RingArithmetic, ask: Callable[[Hashable], bool], lemma: bool
-) -> bool:
-    """Goals hold, and so do the hypotheses: a case must lie inside what the statement assumes."""
-    values = Walk(statement.graph, arithmetic, ask).outputs()
-    goals = zip(statement.goal_kinds, values, strict=False)
-    given = zip(statement.given_kinds, values[len(statement.goals) :], strict=True)
-    return all(_holds(arithmetic, kind, value, lemma) for kind, value in (*goals, *given))
 
 
 def _holds(arithmetic: RingArithmetic, kind: str, value: Any, lemma: bool) -> bool:
@@ -75,27 +70,16 @@ def _holds(arithmetic: RingArithmetic, kind: str, value: Any, lemma: bool) -> bo
     return lemma and at_least_by_lemma(arithmetic.algebra, value, strict=kind == ABOVE)
 
 
-def _assigned(case: Case) -> frozenset[str]:
-    return frozenset(case.values(dict.fromkeys(case.numbers, Fraction(1))))
-
-
-def _points(statement: Statement, case: Case) -> Iterator[Point]:
-    for shift in range(SAMPLES):
-        yield case.sample(statement.graph.input_names, shift)
-
-
-def _violations(statement: Statement, cases: list[Case]) -> Iterator[Point]:
-    for case in cases:
-        for point in _points(statement, case):
-            given, goal = judge(statement, point)
-            if given and not goal:
-                yield point
+def _violation(statement: Statement, cases: list[Case]) -> Point | None:
+    names = statement.graph.input_names
+    points = (case.sample(names, shift) for case in cases for shift in range(SAMPLES))
+    return first_violation(statement, points)
 
 
 def _witnesses(statement: Statement, method: Ring) -> Iterator[Point]:
     """Points that keep the hypotheses (and, as a check of the algebra, the goals)."""
     for case in method.cases:
-        point = next(_points(statement, case))
+        point = case.sample(statement.graph.input_names, 0)
         given, goal = judge(statement, point)
         if given and not goal and not method.fixed:
             raise AssertionError(f"algebra and exact evaluation disagree at {point}")

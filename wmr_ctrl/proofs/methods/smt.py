@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from itertools import chain
 from math import atan2
+from operator import mul
 from typing import Any
 
 import z3
@@ -147,10 +149,7 @@ def _power(a: Any, b: Any) -> Any:
     times = b.numerator_as_long() if b.denominator_as_long() == 1 else -1
     if times < 1:
         raise UndecidedError(f"no term for the power {b} is known")
-    product = a
-    for _ in range(times - 1):
-        product = product * a
-    return product
+    return reduce(mul, [a] * times)
 
 
 def decide(statement: Statement, method: Z3) -> Finding:
@@ -175,7 +174,7 @@ def decide(statement: Statement, method: Z3) -> Finding:
         if found is not None:
             return Finding(REFUTED, _evidence(answers), found)
     if {answer.word for answer in answers} <= {"unsat"}:
-        return _unless_undefined(statement, problem, method, _evidence(answers))
+        return _unless_undefined_or_vacuous(statement, problem, method, _evidence(answers))
     return Finding(OPEN, _evidence(answers))
 
 
@@ -217,32 +216,23 @@ def posed(statement: Statement) -> Problem:
     return Problem(terms, given + terms.facts, wrong, undefined)
 
 
-def _unless_undefined(
+def _unless_undefined_or_vacuous(
     statement: Statement, problem: Problem, method: Z3, evidence: Mapping[str, Any]
 ) -> Finding:
-    answers = {ask([*problem.base, out], method).word for out in problem.undefined}
-    found = {**evidence, "domains": len(problem.undefined)}
-    if answers <= {"unsat"}:
-        return _unless_vacuous(statement, problem.terms, problem.base, method, found)
-    return Finding(OPEN, {**found, "undefined": " ".join(sorted(answers))})
-
-
-def _unless_vacuous(
-    statement: Statement,
-    arithmetic: TermArithmetic,
-    base: list[Any],
-    method: Z3,
-    evidence: Mapping[str, Any],
-) -> Finding:
+    base, outside = problem.base, problem.undefined
+    words = {ask([*base, out], method).word for out in outside}
+    known = {**evidence, "domains": len(outside)}
+    if not words <= {"unsat"}:
+        return Finding(OPEN, {**known, "undefined": " ".join(sorted(words))})
     answer = ask(base, method)
     if answer.word != "sat":
-        return Finding(OPEN, {**evidence, "hypotheses": answer.word})
-    met = _met(statement, arithmetic, base, answer.model, method)
-    tried = chain(_fitting(statement, method.points), met)
-    exact = (point for point in tried if judge(statement, point)[0])
+        return Finding(OPEN, {**known, "hypotheses": answer.word})
+    met = _met(statement, problem.terms, base, answer.model, method)
+    points = chain(_fitting(statement, method.points), met)
+    exact = (point for point in points if judge(statement, point)[0])
     engines = _engines([answer], evidence.get("engines", ()))
-    found = {**evidence, "hypotheses": "satisfiable", **engines}
-    return Finding(PROVED, found, next(exact, None))
+    known |= {"hypotheses": "satisfiable", **engines}
+    return Finding(PROVED, known, next(exact, None))
 
 
 def _met(
@@ -276,9 +266,8 @@ def _points(statement: Statement, arithmetic: TermArithmetic, model: Any) -> Ite
 
 
 def _rational(value: Any) -> Fraction:
-    if z3.is_algebraic_value(value):
-        value = value.approx(40)
-    return Fraction(value.numerator_as_long(), value.denominator_as_long())
+    exact: Fraction = (value.approx(40) if z3.is_algebraic_value(value) else value).as_fraction()
+    return exact
 
 
 _OUTSIDE: dict[str, Callable[..., Any]] = {
@@ -306,25 +295,17 @@ def _guards(walk: Walk, goals: int) -> dict[int, Any]:
         k: z3.BoolVal(True, walk.values[k].ctx) for k in walk.graph.outputs[:goals]
     }
     for k in range(len(walk.graph.nodes) - 1, -1, -1):
-        for arg, condition in _reads(walk, k) if k in guards else ():
-            _add(guards, arg, guards[k] if condition is None else z3.And(guards[k], condition))
+        if k not in guards:
+            continue
+        args = walk.graph.nodes[k].args
+        conditions = [guards[k]] * len(args)
+        if walk.graph.nodes[k].op == "choose":
+            truth = walk.truth(args[0])
+            conditions[1:] = z3.And(guards[k], truth), z3.And(guards[k], z3.Not(truth))
+        for arg, condition in zip(args, conditions, strict=True):
+            if arg not in guards:
+                guards[arg] = condition
+            elif not z3.is_true(guards[arg]):
+                either = condition if z3.is_true(condition) else z3.Or(guards[arg], condition)
+                guards[arg] = either
     return guards
-
-
-def _reads(walk: Walk, k: int) -> Iterator[tuple[int, Any]]:
-    """Operands of a node, each with the condition under which it is read (None: always)."""
-    node = walk.graph.nodes[k]
-    if node.op != "choose":
-        yield from ((arg, None) for arg in node.args)
-        return
-    truth = walk.truth(node.args[0])
-    yield node.args[0], None
-    yield node.args[1], truth
-    yield node.args[2], z3.Not(truth)
-
-
-def _add(guards: dict[int, Any], k: int, condition: Any) -> None:
-    if k not in guards:
-        guards[k] = condition
-    elif not z3.is_true(guards[k]):
-        guards[k] = condition if z3.is_true(condition) else z3.Or(guards[k], condition)
