@@ -182,7 +182,7 @@ def test_a_prediction_longer_than_the_delay_is_told_and_cycles() -> None:
 def test_the_number_of_commands_is_part_of_the_form_and_their_times_are_not() -> None:
     forms = [structure_of(settle(late("prox", share), "prox")) for share in (0.6, 0.7, 1.2)]
 
-    assert forms[0][-3][-1] == forms[1][-3][-1] == 1
+    assert forms[0][-3][1] == forms[1][-3][1] == 1
     assert forms[0] != forms[2]
 
 

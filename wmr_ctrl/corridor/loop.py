@@ -106,7 +106,7 @@ class SampledLoop:
         self._asked = asked
         inner = replace(setup, law=replace(setup.control_law, build=self._inside))
         loop, around = Loop(inner), surroundings(scenario)
-        point = loop.on_reference(tuple(map(float, v_d)))
+        point = loop.on_reference(np.array(v_d, dtype=float))
         world = around.worlds(clock.control)[0][1]
         self.names = world.names
         torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
