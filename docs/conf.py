@@ -33,13 +33,16 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|casadi|ca|control|pandas|xarray|matplotlib|click|os|pathlib)\b.*"),
     ("py:.*", r"(collections\.abc|typing)\..*"),
-    ("py:obj", ".*"),  # what docstrings put into single quotes, commands too
+    ("py:obj", r"[\s\S]*"),  # what docstrings put into single quotes, commands too
     # Annotations: names that only type checkers import, type variables, and values whose
     # fields are on another page.
     ("py:class", r"[A-Z]\w*"),
     ("py:class", r"(.*\.)?S|tuple\[.*"),
     ("py:class", r"wmr_ctrl\.(scenario|world|compiled|barrier)\..*"),
-    ("py:class", r"wmr_ctrl\..*\.(KeyedNumbers|LawNumbers|ModelError|RigidMonitor|TuningPlan)"),
+    (
+        "py:class",
+        r"wmr_ctrl\..*\.(Fit|KeyedNumbers|LawNumbers|ModelError|RigidMonitor|Spread|TuningPlan)",
+    ),
     # The same, of functions whose arguments are checked: a decorator resolves them.
     ("py:class", r"wmr_ctrl\.(api_types|campaign|checks|linear)\..*"),
     ("py:class", r"types\.(Overrides|Progress)|concurrent\.futures\..*"),

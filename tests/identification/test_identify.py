@@ -214,13 +214,13 @@ def test_a_fit_on_exact_numbers_finds_them():
 
 @pytest.mark.slow
 def test_intervals_cover():
-    """At 95 % fewer than 15 of 20 come about once in 40,000, for any one parameter."""
-    columns = simulate(TRUTH, 20, 40.0, seed=100, step=2e-3)
+    """At 95 % fewer than 4 of 6 come about once in 450; `benchmarks.identify` tries hundreds."""
+    columns = simulate(TRUTH, 6, 40.0, seed=100, step=2e-3)
     hits = dict.fromkeys(MAIN, 0)
-    for robot in range(20):
+    for robot in range(6):
         found = identify(log_of(columns, robot), overrides=KNOWN)
         for name in MAIN:
             item = found.parameters[name]
             hits[name] += item.low <= getattr(TRUTH, name) <= item.high
 
-    assert min(hits.values()) >= 15, hits
+    assert min(hits.values()) >= 4, hits

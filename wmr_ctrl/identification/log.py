@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -86,7 +87,7 @@ def read_log(path: str | Path) -> Log:
     """A log from a CSV file or a saved run.  Raises LogError or ResultFileError."""
     place = Path(path)
     suffix = place.suffix.lower()
-    if suffix in (".mcap", ".db3", ".bag") or place.is_dir():
+    if suffix in (".mcap", ".db3", ".bag") or os.path.isdir(place):
         raise LogError(
             f"{str(path)!r} is a bag, which this release does not read. Write its topics to a CSV "
             "file whose header names columns as docs/identify.md lists them."
