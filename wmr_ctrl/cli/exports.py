@@ -97,7 +97,8 @@ def _refuse_unread(what: str, names: Collection[str]) -> None:
 def codegen(law: str, scenario: str, assignments: tuple[str, ...], float32: bool, out: str) -> None:
     """Write header, source, example, test vectors and build files of one law into a folder.
 
-    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip" or "governor".
+    LAW may be `filter`: the command filter of a scenario with filter.kind = "clip",
+    "governor" or "band".
 
     No heap, no input or output, no globals: the caller owns the law's memory.
     """

@@ -46,12 +46,11 @@ class Gains:
 
     ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
-    ``steps``: by what a plant step leaves, in every one.  ``start``: by the first state, ever.
+    ``steps``: by what a plant step leaves, in every one.
     """
 
     by: Floats
     steps: Floats
-    start: Floats
 
 
 @dataclass(frozen=True)
@@ -180,12 +179,13 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int) -> LoopGains:
         raise SlowLoopError(f"a share of {damping:.2g} is left after {samples} samples")
     ratios = np.array([scale[a] / scale[b] for a, b in PAIRS])
     picked, blank = _fast_rows(nz, ratios), np.zeros((n, n))
-    sums = _Sums(course, np.abs(np.array(powers)).sum(axis=0), np.abs(every), scale, damping, n)
     apart = sum(
         (np.abs(_doubles(item - _eye(nz))) for item in _powers(sample.step, loop.steps)),
         start=np.zeros((nz, nz)),
     )
-    sums.steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
+    steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
+    whole = np.abs(np.array(powers)).sum(axis=0)
+    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps)
     within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
     shown = _doubles(sample.law)
     count = len(shown)
@@ -208,7 +208,7 @@ class _Sums:
     scale: Floats
     damping: float
     n: int
-    steps: Floats = None  # type: ignore[assignment]
+    steps: Floats
 
     def gains(self, rows: _Rows) -> Gains:
         """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct."""
@@ -218,7 +218,6 @@ class _Sums:
         reach = size @ self.scale
         norms = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
         tail = np.outer(reach, norms.sum(axis=0)) * self.damping / (1 - self.damping)
-        later = np.outer(reach, norms.max(axis=0)) * self.damping
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
@@ -228,9 +227,8 @@ class _Sums:
         for part in (seen, slack, tail, direct):
             part[..., disc[1]] = 0.0
         every = (seen.sum(axis=0) + slack + tail) * UP
-        start = np.maximum(seen[:, :, :n].max(axis=0) + slack[:, :n], later[:, :n]) * UP
         steps = (every[:, :n] @ self.steps + rows.steps) * UP
-        return Gains((every[:, n:] + direct) * UP, steps, start)
+        return Gains((every[:, n:] + direct) * UP, steps)
 
 
 def _fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -250,10 +248,8 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 
 def _largest(each: list[Gains]) -> Gains:
-    by, steps, start = (
-        np.max([getattr(item, name) for item in each], axis=0) for name in ("by", "steps", "start")
-    )
-    return Gains(by, steps, start)
+    by, steps = (np.max([getattr(item, name) for item in each], axis=0) for name in ("by", "steps"))
+    return Gains(by, steps)
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:

@@ -15,7 +15,7 @@ from functools import reduce
 import casadi as ca
 
 from wmr_ctrl.errors import ArgumentError
-from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED
+from wmr_ctrl.filter.channels import AXES, FLAG_NAMES, LIMITED, within
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import AGE, ELAPSED, ODOMETRY
 from wmr_ctrl.model.system import Output, System, port
@@ -144,15 +144,13 @@ def _fresh(age: ca.SX, timeout: float) -> ca.SX:
 
 
 def _usable(pair: ca.SX) -> ca.SX:
-    tests = [ca.logic_and(pair[i] >= -LARGEST, pair[i] <= LARGEST) for i in AXES]
-    return reduce(ca.logic_and, tests)
+    return reduce(ca.logic_and, (within(pair[i], LARGEST) for i in AXES))
 
 
 def _beyond(odometry: ca.SX, scenario: Scenario, settings: GateSettings) -> ca.SX:
     """1 where odometry is beyond a limit by more than the excess, or is no number."""
     tops = [scenario.limits.v_u1[i] + settings.excess[i] for i in AXES]
-    tests = [ca.logic_and(odometry[i] >= -tops[i], odometry[i] <= tops[i]) for i in AXES]
-    return ca.logic_not(reduce(ca.logic_and, tests))
+    return ca.logic_not(reduce(ca.logic_and, (within(odometry[i], tops[i]) for i in AXES)))
 
 
 @dataclass(frozen=True)
