@@ -47,7 +47,7 @@ THIRD_PARTY = {
     "compiled": set(),
     "late_bound": set(),
     "paper": set(),
-    "results": {"numpy"},
+    "results": {"numpy", "rosbags"},
     "fields": set(),
     "model": {"casadi"},
     "world": {"numpy", "scipy", "yaml"},

@@ -52,6 +52,29 @@ def test_wheels_exchanged_in_all_columns_give_the_same_robot(driven, found):
         assert abs(other.parameters[name].value - found.parameters[name].value) < 0.05 * half
 
 
+def test_a_bag_tells_what_its_columns_tell(driven, found, tmp_path):
+    """Angles of joints, whose steps are the counts, and their efforts, stamped on another day."""
+    pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
+    from tests.results.test_bags import EPOCH, JOINTS, bag, joints
+
+    log = {key: np.array(value) for key, value in log_of(driven, 0).items()}
+    angle = np.column_stack([log[f"wheel_counts[{k}] [1]"] for k in (1, 2)])
+    angle = angle * (2 * np.pi / TRUTH.counts)
+    effort = np.column_stack([log["tau_right [N.m]"], log["tau_left [N.m]"]])
+    stamps = EPOCH + log["t [s]"]
+    rows = zip(stamps, angle, effort, strict=True)
+    place = bag(tmp_path, [("/joint_states", JOINTS, s, joints(s, a, (), e)) for s, a, e in rows])
+
+    other = identify(place, overrides={"robot.r": TRUTH.r, "robot.l": TRUTH.l})
+
+    assert other.scenario.value("encoder.counts")[0] == TRUTH.counts
+    assert any("smallest step" in text for text in other.remarks)
+    for name in PHYSICAL:
+        assert other.parameters[name].value == pytest.approx(
+            found.parameters[name].value, rel=1e-4, abs=1e-6
+        )
+
+
 @pytest.mark.slow
 def test_missing_rows_and_a_gap_leave_the_truth_in_reach(driven):
     log = {key: np.array(value) for key, value in log_of(driven, 1).items()}

@@ -8,6 +8,7 @@ import json
 import math
 import zipfile
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,13 @@ from wmr_ctrl.results.formats import runs_equal, save_run
 from wmr_ctrl.signals import Signal
 
 MakeRun = Callable[..., Run]
-SUFFIXES = [".npz", ".csv", ".parquet"]
+SUFFIXES = [
+    *(".npz", ".csv", ".parquet"),
+    pytest.param(
+        ".mcap",
+        marks=pytest.mark.skipif(not find_spec("rosbags"), reason="NOT RUN: rosbags is not there"),
+    ),
+]
 NASTY = [math.nan, math.inf, -math.inf, -0.0, 5e-324, 1.7976931348623157e308, 0.1, 1 / 3]
 LOST = Monitor((math.inf, math.nan), 2, (0.001, 2), (0.05, 1), "non-finite")
 

@@ -70,7 +70,7 @@ def compare(
     animate: str | None,
     as_json: bool,
 ) -> None:
-    """Put laws on one scenario side by side, or saved runs (.npz, .csv or .parquet).
+    """Put laws on one scenario side by side, or saved runs (.npz, .csv, .parquet or .mcap).
 
     With --law, SCENARIO (a preset or TOML file) is run with each of the laws, and a table has the
     figures of all. Of saved runs the same table is printed. Of two, it is also told where they

@@ -9,6 +9,7 @@ import click
 from wmr_ctrl.cli.console import print_json, say, table, wrapped
 from wmr_ctrl.cli.options import check_output, debug_option, examples, json_option, set_option
 from wmr_ctrl.cli.progress import Progress
+from wmr_ctrl.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wmr_ctrl.identification import Identification
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
         "wmr-ctrl identify run.npz --out mine.toml",
         "wmr-ctrl identify log.csv --set encoder.counts=2048 --out mine.toml",
         "wmr-ctrl identify log.csv --robot known.toml --out mine.toml --json",
+        "wmr-ctrl identify drive/ --topics odom=/base/odom --out mine.toml",
     ),
 )
 @click.argument("log")
@@ -28,6 +30,11 @@ if TYPE_CHECKING:
     "--robot", metavar="S", help="Scenario with what is known: wheels, counts, limits, gains."
 )
 @set_option
+@click.option(
+    "--topics",
+    metavar="ROLE=NAME,...",
+    help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
+)
 @json_option("Print parameters, bounds, remarks and score as one JSON document.")
 @debug_option
 def identify(
@@ -35,17 +42,17 @@ def identify(
     out: str | None,
     robot: str | None,
     assignments: tuple[str, ...],
+    topics: str | None,
     as_json: bool,
 ) -> None:
     """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
 
-    LOG is a CSV file or a saved run. Columns are named as those of our runs,
-    with units: t [s], wheel_counts[1] [1] (right), wheel_counts[2] [1] (left),
-    tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and omega_measured
-    [rad/s]. Each parameter is told, roughly told, or not told by the log. FILE
-    is a scenario for check, run, tune and codegen, with the numbers that a guard
-    may count on. A log that something is wrong with is refused in one paragraph
-    (exit code 2).
+    LOG is a CSV file, a ROS 2 bag (its folder, .mcap or .db3; extra `logs`) or a saved run. Columns
+    of a CSV file are named as those of our runs, with units: t [s], wheel_counts[1] [1] (right),
+    wheel_counts[2] [1] (left), tau_right [N.m], tau_left [N.m]; or v1_measured [m/s] and
+    omega_measured [rad/s]. Each parameter is told, roughly told, or not told by the log. FILE is a
+    scenario for check, run, tune and codegen, with the numbers that a guard may count on. A log
+    that something is wrong with is refused in one paragraph (exit code 2).
     """
     check_output(out, (".toml",), "--out")
     from wmr_ctrl.identification import identify as identify_log
@@ -54,7 +61,11 @@ def identify(
 
     with Progress(f"identify {log}") as progress:
         result = identify_log(
-            log, known=robot, overrides=parse_assignments(assignments), progress=progress
+            log,
+            known=robot,
+            overrides=parse_assignments(assignments),
+            topics=_roles(topics),
+            progress=progress,
         )
     if out:
         with atomic_text(out) as file:
@@ -64,6 +75,14 @@ def identify(
         print_json(result.to_json())
     else:
         click.echo(_text(result))
+
+
+def _roles(text: str | None) -> dict[str, str]:
+    """Names by role; raises ArgumentError for what is no pair."""
+    pairs = [part.partition("=") for part in text.split(",")] if text else []
+    if bad := ["".join(pair) for pair in pairs if not all(pair)]:
+        raise ArgumentError(f"--topics: {bad[0]!r} is no ROLE=NAME, as in odom=/base/odom.")
+    return {role.strip(): name.strip() for role, _, name in pairs}
 
 
 def _text(result: Identification) -> str:

@@ -136,8 +136,8 @@ def check_output(path: str | None, suffixes: Sequence[str], option: str) -> None
 
 
 FILE_SUFFIXES = (
-    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".json",
-    ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
+    ".png", ".svg", ".pdf", ".jpg", ".gif", ".mp4", ".html", ".csv", ".npz", ".parquet", ".mcap",
+    ".json", ".toml", ".fmu", ".ssp", ".mo", ".zip", ".c",
 )  # fmt: skip
 """Ends of names that are a file's: whoever asks for a folder of such a name means a file."""
 

@@ -15,10 +15,12 @@ if TYPE_CHECKING:
     from wmr_ctrl.results import Run
     from wmr_ctrl.scenario import Scenario
 
-RUNS = (".npz", ".csv", ".parquet")
+RUNS = (".npz", ".csv", ".parquet", ".mcap")
 PLOTS = (".png", ".svg", ".pdf")
 ANIMATIONS = (".gif", ".mp4", ".html")
-save_option = click.option("--out", metavar="FILE", help="Save the run: .npz, .csv or .parquet.")
+save_option = click.option(
+    "--out", metavar="FILE", help="Save the run: .npz, .csv, .parquet or .mcap."
+)
 plot_option = click.option("--plot", metavar="FILE", help="Draw the run: .png, .svg or .pdf.")
 animate_option = click.option(
     "--animate", metavar="FILE", help="Film the robot on its path: .gif, .mp4 or .html."
@@ -98,7 +100,7 @@ def run(
     ),
 )
 @click.argument("file", metavar="RUN")
-@click.option("--out", metavar="FILE", help="Save it once more: .npz, .csv or .parquet.")
+@click.option("--out", metavar="FILE", help="Save it once more: .npz, .csv, .parquet or .mcap.")
 @plot_option
 @animate_option
 @film_option
@@ -107,7 +109,7 @@ def run(
 def show_saved(file: str, as_json: bool, **files: str | None) -> None:
     """Print how a saved run went, and draw, film or convert it; only --film makes it once more.
 
-    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote: .npz, .csv or .parquet.
+    RUN is a file that `wmr-ctrl run --out` or `Run.save` wrote: .npz, .csv, .parquet or .mcap.
     """
     from wmr_ctrl.results import load_run
 
@@ -125,10 +127,10 @@ def check_outputs(
 ) -> None:
     """Raise, before anything is computed, where a file cannot be written; films check theirs."""
     opt.check_output(out, RUNS, "--out")
-    if out and out.lower().endswith(".parquet"):
-        from wmr_ctrl.results.frames import library
+    if out:
+        from wmr_ctrl.results.formats import check_format
 
-        library("pyarrow")
+        check_format(out)
     opt.check_output(plot, PLOTS, "--plot")
     opt.check_output(animate, ANIMATIONS, "--animate")
     if animate and animate.lower().endswith(".mp4"):

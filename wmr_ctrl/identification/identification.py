@@ -39,6 +39,7 @@ from wmr_ctrl.identification.log import (
     TORQUES,
     Log,
     LogError,
+    counted,
     of_columns,
     read_log,
     seen_by,
@@ -53,6 +54,7 @@ GAP = 5.0
 USUAL_PASSES = 60
 """Passes through the filter that a log usually takes, for the progress that is told."""
 ROBOT = ("robot.r", "robot.l")
+COUNTED = "encoder.counts"
 AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
 
 
@@ -117,17 +119,22 @@ def identify(
     *,
     known: str | Path | Scenario | None = None,
     overrides: Mapping[str, object] | None = None,
+    topics: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> Identification:
-    """Identify a robot from a log: a CSV file, a saved run, or columns by ``name [unit]``.
+    """Identify a robot from a log: a CSV file, a bag, a saved run, or columns by ``name [unit]``.
 
     ``known`` is a scenario with what is known (robot.r, robot.l, encoder.counts, limits);
-    ``overrides`` are put on it.  Raises LogError for a log that something is wrong with or that
-    tells nothing, ScenarioError, ArgumentError, ResultFileError, CompilerError.
+    ``overrides`` are put on it; ``topics`` names a bag's by role.  Raises LogError for a log that
+    something is wrong with or that tells nothing, ScenarioError, ArgumentError, ResultFileError,
+    MissingExtraError, CompilerError.
     """
-    raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log)
-    lint.check_log(raw)
+    raw = of_columns("log", log) if isinstance(log, Mapping) else read_log(log, topics)
     scenario, sure = _believed(raw, known, overrides or {})
+    raw, counts = counted(raw, scenario.section(Encoder).counts if COUNTED in sure else None)
+    if counts is not None:
+        scenario, sure = override(scenario, {COUNTED: counts}), {*sure, COUNTED}
+    lint.check_log(raw)
     remarks = list(raw.remarks)
     samples, scenario = _samples(raw, scenario, sure, remarks)
     lint.check_motion(raw.name, samples, scenario.robot.l)
@@ -142,7 +149,7 @@ def _believed(
     """The scenario with what is known, and which of the robot's sizes are."""
     given = known if known is not None else raw.base
     scenario = scenario_of(given if given is not None else Scenario(), overrides, guard=False)
-    return scenario, set(overrides) | (set() if given is None else {*ROBOT, "encoder.counts"})
+    return scenario, set(overrides) | (set() if given is None else {*ROBOT, COUNTED})
 
 
 def _samples(
@@ -158,9 +165,7 @@ def _samples(
             "commanded to the wheels."
         )
     source = seen_by(raw)
-    if source == COUNTS.name and not (
-        "encoder.counts" in sure and scenario.section(Encoder).counts
-    ):
+    if source == COUNTS.name and not (COUNTED in sure and scenario.section(Encoder).counts):
         raise LogError(
             f"{raw.name} has encoder counts, and how many make a turn is not known. Give them, all "
             "four edges counted, as in --set encoder.counts=4096."

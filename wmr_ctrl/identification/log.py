@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,8 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, WmrError
 from wmr_ctrl.results import load_run
+from wmr_ctrl.results.bag import holds_run, is_bag
+from wmr_ctrl.results.bag_topics import WHEEL_ANGLE, read_topics
 from wmr_ctrl.scenario import Scenario, loads_scenario
 from wmr_ctrl.signals import MEASURED_POSE, MEASURED_VELOCITY, POSE, TIME, TORQUE, VELOCITY
 from wmr_ctrl.world.encoder import COUNTS
@@ -33,6 +34,7 @@ POSES = (tuple(item.name for item in MEASURED_POSE), tuple(item.name for item in
 KNOWN: Mapping[str, str] = {
     TIME.name: "s",
     **dict.fromkeys(COUNTS.elements, "1"),
+    **dict.fromkeys(WHEEL_ANGLE, "rad"),
     **dict.fromkeys(WHEEL_SPEED, "rad/s"),
     **dict.fromkeys(TORQUES, "N.m"),
     **dict.fromkeys(CURRENT, "A"),
@@ -83,21 +85,35 @@ class Log:
         return self.times[names[0]], np.column_stack([self.columns[name] for name in names])
 
 
-def read_log(path: str | Path) -> Log:
-    """A log from a CSV file or a saved run.  Raises LogError or ResultFileError."""
+def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
+    """A log from a CSV file, a saved run, or a ROS 2 bag, whose ``topics`` may be named by role.
+
+    A bag that a run was saved in is that run, unless topics are named.  Raises LogError,
+    ResultFileError, ArgumentError, MissingExtraError.
+    """
     place = Path(path)
     suffix = place.suffix.lower()
-    if suffix in (".mcap", ".db3", ".bag") or os.path.isdir(place):
+    if is_bag(place):
+        if not topics and holds_run(place):
+            return _of_run(place)
+        drive = read_topics(place, topics)
+        return Log(place.name, drive.times, drive.columns, None, drive.remarks)
+    if topics:
+        raise ArgumentError(
+            f"topics are those of a bag, and {str(path)!r} is none. Leave them out."
+        )
+    if place.is_dir():
         raise LogError(
-            f"{str(path)!r} is a bag, which this release does not read. Write its topics to a CSV "
-            "file whose header names columns as docs/identify.md lists them."
+            f"{str(path)!r} is a folder without metadata.yaml, so no bag of ROS 2. Give a bag's "
+            "folder or its .mcap or .db3 file."
         )
     if suffix in (".npz", ".parquet") or (suffix == ".csv" and _begins(place) == "#"):
         return _of_run(place)
     if suffix != ".csv":
         raise LogError(
-            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, or a run saved as "
-            ".npz, .csv or .parquet."
+            f"{str(path)!r} has the suffix {suffix!r}; a log is a .csv file, a bag of ROS 2 "
+            "(its folder, .mcap or .db3), or a saved run (.npz, .csv, .parquet, .mcap). "
+            "rosbags-convert makes a bag of ROS 2 of one of ROS 1."
         )
     header, table = _table(place)
     return _of_table(place.name, header, table)
@@ -195,7 +211,16 @@ def _of_table(name: str, header: Sequence[str], table: Floats) -> Log:
             if column in columns:
                 raise LogError(f"{name}: two columns are named {column}. Rename one.")
             times[column], columns[column] = t[there], table[there, k] * scales[k]
-    for group in (COUNTS.elements, WHEEL_SPEED, TORQUES, CURRENT, COMMAND, *SPEEDS, *POSES):
+    for group in (
+        COUNTS.elements,
+        WHEEL_ANGLE,
+        WHEEL_SPEED,
+        TORQUES,
+        CURRENT,
+        COMMAND,
+        *SPEEDS,
+        *POSES,
+    ):
         own = [item for item in group if item in columns]
         if own and (len(own) < len(group) or len({len(times[item]) for item in own}) > 1):
             raise LogError(
@@ -212,6 +237,32 @@ def of_columns(name: str, columns: Mapping[str, Sequence[float]]) -> Log:
         raise ArgumentError("log: its columns must be of one length.")
     table = np.column_stack([np.asarray(values, dtype=float) for values in columns.values()])
     return _of_table(name, list(columns), table)
+
+
+MOST_COUNTS = 1_000_000
+"""Counts of a turn where angles show no steps."""
+
+
+def counted(log: Log, counts: float | None) -> tuple[Log, float | None]:
+    """The log with wheels' angles as counts, and how many make a turn.
+
+    Where ``counts`` is None the smallest step of the angles is taken for one.
+    """
+    if log.has(COUNTS.elements) or not log.has(WHEEL_ANGLE):
+        return log, counts
+    remarks = log.remarks
+    if counts is None:
+        step = np.abs(np.diff([log.columns[name] for name in WHEEL_ANGLE]))
+        least = float(step.min(where=step > 2 * math.pi / MOST_COUNTS, initial=2 * math.pi))
+        counts = float(round(2 * math.pi / least))
+        remarks += (
+            f"the smallest step of the wheels' angles makes {counts:g} counts a turn; if that is "
+            "not so, say it by --set encoder.counts=N.",
+        )
+    times, columns = dict(log.times), dict(log.columns)
+    for name, angle in zip(COUNTS.elements, WHEEL_ANGLE, strict=True):
+        times[name], columns[name] = log.times[angle], log.columns[angle] * counts / (2 * math.pi)
+    return replace(log, times=times, columns=columns, remarks=remarks), counts
 
 
 def seen_by(log: Log) -> str:

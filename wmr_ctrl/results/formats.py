@@ -2,7 +2,8 @@
 
 Everything of a run besides its columns is one JSON object, which each format keeps in its own way:
 .npz has it in ``run.json`` beside an array per column, for ``numpy.load``; .csv in comment lines
-above a header of ``name [unit]`` and a row per sample; .parquet in the file's metadata.
+above a header of ``name [unit]`` and a row per sample; .parquet in the file's metadata; .mcap, a
+ROS 2 bag, in a message of its own.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import numpy as np
 from wmr_ctrl.errors import MissingExtraError, ResultFileError
 from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.fields.limits import may_unpack
+from wmr_ctrl.results.bag import rows_of_mcap, run_as_mcap
 from wmr_ctrl.results.files import atomic_write
 from wmr_ctrl.results.frames import library
 from wmr_ctrl.results.outcomes import Monitor, Outcome
@@ -37,10 +39,10 @@ _JSON_MEMBER, _JSON_KEY = "run.json", b"wmr_ctrl"
 
 @checks_arguments
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
-    """Write ``run`` to a .npz, .csv or .parquet file, whole or not at all.
+    """Write ``run`` to a .npz, .csv, .parquet or .mcap file, whole or not at all.
 
     Raises ResultFileError for another suffix or where the file cannot be written,
-    MissingExtraError for .parquet without pyarrow.
+    MissingExtraError for .parquet without pyarrow and .mcap without rosbags.
     """
     encode, _ = _FORMATS[check_suffix(path)]
     data = encode(run)
@@ -99,6 +101,12 @@ def check_suffix(path: str | os.PathLike[str]) -> str:
             f"{' or '.join(_FORMATS)}. Give the file one of these suffixes."
         )
     return suffix
+
+
+def check_format(path: str | os.PathLike[str]) -> None:
+    """Raise MissingExtraError where the format of ``path`` needs a package that is not there."""
+    module, extra = _NEEDS.get(check_suffix(path), ("numpy", ""))
+    library(module, extra)
 
 
 def metadata_text(run: Run) -> str:
@@ -247,9 +255,23 @@ def _run_in_parquet(data: bytes) -> Run:
     return _run_from(metadata, columns)
 
 
+def _mcap_of(run: Run) -> bytes:
+    return run_as_mcap(run, metadata_text(run))
+
+
+def _run_in_mcap(data: bytes) -> Run:
+    text, rows = rows_of_mcap(data)
+    metadata = _parsed(text)
+    signals = _signals_in(metadata)
+    width = sum(signal.size for signal in signals)
+    return _run_from(metadata, split_columns(signals, rows.reshape(-1, width)))
+
+
 _FORMATS: Mapping[str, tuple[Callable[[Run], bytes], Callable[[bytes], Run]]] = {
     ".npz": (_npz_of, _run_in_npz),
     ".csv": (_csv_of, _run_in_csv),
     ".parquet": (_parquet_of, _run_in_parquet),
+    ".mcap": (_mcap_of, _run_in_mcap),
 }
 """Writer and reader of each suffix."""
+_NEEDS = {".parquet": ("pyarrow", "data"), ".mcap": ("rosbags.rosbag2", "logs")}

@@ -1,0 +1,310 @@
+"""Bags: what a robot's topics hold arrives under our names, in our angles, on one clock."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.results.conftest import build
+from wmr_ctrl.cli import root
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+
+pytest.importorskip("rosbags", reason="NOT RUN: rosbags is not there")
+
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from wmr_ctrl.results.bag import JOINTS, ODOMETRY, ROW, SECOND, STAMPED, TWIST, message_types
+from wmr_ctrl.results.bag_topics import read_topics
+
+TYPES = message_types().types
+EPOCH = 1_700_000_000
+WHEELS = ("base_right_wheel", "base_left_wheel")
+
+
+def header(t, frame="odom"):
+    ns = round(t * SECOND)
+    time = TYPES["builtin_interfaces/msg/Time"](sec=ns // SECOND, nanosec=ns % SECOND)
+    return TYPES["std_msgs/msg/Header"](stamp=time, frame_id=frame)
+
+
+def twist(v, w):
+    vector = TYPES["geometry_msgs/msg/Vector3"]
+    return TYPES[TWIST](linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
+
+
+def odometry(t, v=0.5, w=0.0, pose=(0.0, 0.0, 0.0), frame="odom", norm=1.0):
+    x, y, yaw = pose
+    turn = TYPES["geometry_msgs/msg/Quaternion"](
+        x=0.0, y=0.0, z=norm * math.sin(yaw / 2), w=norm * math.cos(yaw / 2)
+    )
+    point = TYPES["geometry_msgs/msg/Point"](x=x, y=y, z=0.0)
+    nothing = np.zeros(36)
+    return TYPES[ODOMETRY](
+        header=header(t, frame),
+        child_frame_id="base_link",
+        pose=TYPES["geometry_msgs/msg/PoseWithCovariance"](
+            pose=TYPES["geometry_msgs/msg/Pose"](position=point, orientation=turn),
+            covariance=nothing,
+        ),
+        twist=TYPES["geometry_msgs/msg/TwistWithCovariance"](twist=twist(v, w), covariance=nothing),
+    )
+
+
+def joints(t, angle=(), speed=(), effort=(), names=WHEELS):
+    return TYPES[JOINTS](
+        header=header(t, ""), name=list(names), position=np.array(angle, float),
+        velocity=np.array(speed, float), effort=np.array(effort, float),
+    )  # fmt: skip
+
+
+def array(*values):
+    layout = TYPES["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+    return TYPES[ROW](layout=layout, data=np.array(values))
+
+
+def bag(folder, messages, plugin=StoragePlugin.MCAP):
+    """A bag of (topic, type, time of receipt [s], message)."""
+    place = folder / "drive"
+    with Writer(place, version=9, storage_plugin=plugin) as writer:
+        connections = {
+            (topic, kind): writer.add_connection(topic, kind, typestore=message_types())
+            for topic, kind in dict.fromkeys((topic, kind) for topic, kind, _, _ in messages)
+        }
+        for topic, kind, t, message in messages:
+            data = message_types().serialize_cdr(message, kind)
+            writer.write(connections[topic, kind], round(t * SECOND), data)
+    return place
+
+
+def odom_at(stamps, late=0.0, **about):
+    return [("/odom", ODOMETRY, t + late, odometry(t, **about)) for t in stamps]
+
+
+@pytest.mark.parametrize("plugin", StoragePlugin)
+def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
+    """REP 103 has 0 along +X: there theta is -pi/2, it is not wrapped, and speeds are the same."""
+    t = EPOCH + np.arange(0, 10, 0.1)
+    yaw = 1.3 * (t - EPOCH)
+    poses = list(zip(0.4 / 1.3 * np.sin(yaw), 0.4 / 1.3 * (1 - np.cos(yaw)), yaw, strict=True))
+    messages = [
+        ("/robot/odom", ODOMETRY, s, odometry(s, 0.4, 1.3, pose))
+        for s, pose in zip(t, poses, strict=True)
+    ]
+
+    place = bag(tmp_path, messages, plugin)
+    whole = read_topics(place)
+
+    assert whole.times["theta_measured"] == pytest.approx(t - EPOCH, abs=1e-6)
+    theta = whole.columns["theta_measured"]
+    assert theta == pytest.approx(yaw - math.pi / 2, abs=1e-9)
+    x, y = whole.columns["x_measured"], whole.columns["y_measured"]
+    middle = (theta[1:] + theta[:-1]) / 2
+    way = np.hypot(np.diff(x), np.diff(y))
+    assert np.diff(x) == pytest.approx(-np.sin(middle) * way, abs=1e-12)
+    assert np.diff(y) == pytest.approx(np.cos(middle) * way, abs=1e-12)
+    assert set(whole.columns["omega_measured"]) == {1.3}
+
+    file = next(path for path in place.iterdir() if path.suffix in (".mcap", ".db3"))
+    alone = read_topics(file)
+    assert all(np.array_equal(alone.columns[key], whole.columns[key]) for key in whole.columns)
+
+
+def test_stamps_count_before_times_of_receipt(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    jitter = np.random.default_rng(0).uniform(0, 0.03, len(t))
+    messages = odom_at(t, late=0.0)
+    late = [
+        (topic, kind, s + j, m) for (topic, kind, s, m), j in zip(messages, jitter, strict=True)
+    ]
+
+    told = read_topics(bag(tmp_path, late))
+
+    assert told.times["v1_measured"] == pytest.approx(t - EPOCH, abs=1e-6)
+    assert any("times are the stamps" in text for text in told.remarks)
+
+
+def test_two_clocks_leave_the_recorders_where_a_topic_has_no_stamps(tmp_path):
+    """Stamps of a simulator's clock, commands without stamps: one clock for both."""
+    t = np.arange(1, 7, 0.1)
+    messages = odom_at(t, late=EPOCH)
+    messages += [("/cmd_vel", TWIST, EPOCH + s + 0.05, twist(0.5, 0.0)) for s in t]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert told.times["v1_measured"][0] == 0
+    assert told.times["v_command"] == pytest.approx(t - t[0] + 0.05, abs=1e-6)
+    assert any("two clocks" in text for text in told.remarks)
+
+
+def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    stamps = t.copy()
+    stamps[[20, 21]] = stamps[[21, 20]]
+    stamps[40] = stamps[39]
+    messages = [
+        ("/odom", ODOMETRY, t[k], odometry(s, v=float(round((s - EPOCH) / 0.1))))
+        for k, s in enumerate(stamps)
+    ]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert np.all(np.diff(told.times["v1_measured"]) > 0)
+    assert told.columns["v1_measured"] == pytest.approx(
+        np.round(told.times["v1_measured"] / 0.1), abs=1e-9
+    )
+    assert len(told.times["v1_measured"]) == len(t) - 1
+    assert any("out of order" in text for text in told.remarks)
+    assert any("repeat a stamp" in text for text in told.remarks)
+
+
+def test_a_clock_that_was_set_back_is_refused(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = odom_at(t) + [("/odom", ODOMETRY, s + 6, odometry(s)) for s in t]
+
+    with pytest.raises(ResultFileError, match="goes back by"):
+        read_topics(bag(tmp_path, messages))
+
+
+@pytest.mark.parametrize(
+    ("about", "word"),
+    [
+        ({"frame": "map"}, "frame map"),
+        ({"norm": 0.0}, "no rotations"),
+        ({}, "never change"),
+    ],
+)
+def test_poses_that_tell_no_motion_are_left_out(tmp_path, about, word):
+    messages = [
+        ("/odom", ODOMETRY, EPOCH + s, odometry(EPOCH + s, pose=(s if about else 0, 0, 0), **about))
+        for s in np.arange(0, 6, 0.1)
+    ]
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert set(told.columns) == {"v1_measured", "omega_measured"}
+    assert any(word in text for text in told.remarks)
+
+
+def test_joints_are_found_by_their_side_and_by_their_names(tmp_path):
+    names = ("caster", "base_left_wheel", "base_right_wheel")
+    messages = [
+        ("/joint_states", JOINTS, EPOCH + s,
+         joints(EPOCH + s, (0.0, s, 2 * s), (math.nan,) * 3, (9.0, 1.0, 2.0), names))
+        for s in np.arange(0, 6, 0.1)
+    ]  # fmt: skip
+    place = bag(tmp_path, messages)
+
+    told = read_topics(place)
+    other = read_topics(place, {"right": "base_left_wheel", "left": "caster"})
+
+    assert told.columns["wheel_angle[1]"] == pytest.approx(2 * told.columns["wheel_angle[2]"])
+    assert set(told.columns["tau_right"]) == {2.0}
+    assert "wheel_speed[1]" not in told.columns
+    assert set(other.columns["tau_left"]) == {9.0}
+    with pytest.raises(ResultFileError, match="right wheel's"):
+        read_topics(place, {"right": "nobody"})
+
+
+def test_efforts_of_a_topic_go_before_those_of_joints(tmp_path):
+    messages = []
+    for s in np.arange(0, 6, 0.1):
+        messages += [
+            ("/joint_states", JOINTS, EPOCH + s, joints(EPOCH + s, (s, s), (), (1.0, 1.0))),
+            ("/effort/commands", ROW, EPOCH + s, array(3.0, 4.0)),
+        ]
+
+    told = read_topics(bag(tmp_path, messages), {"effort": "/effort/commands"})
+
+    assert set(told.columns["tau_right"]) == {3.0}
+    assert set(told.columns["tau_left"]) == {4.0}
+
+
+def test_topics_are_asked_for_by_role_and_what_is_not_there_is_named(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    messages = [("/a/odom", ODOMETRY, s, odometry(s, v=1.0)) for s in t]
+    messages += [("/b/odom", ODOMETRY, s, odometry(s, v=2.0)) for s in t]
+    place = bag(tmp_path, messages)
+
+    assert set(read_topics(place, {"odom": "/b/odom"}).columns["v1_measured"]) == {2.0}
+    with pytest.raises(ResultFileError, match="may be meant"):
+        read_topics(place)
+    with pytest.raises(ResultFileError, match=r"/a/odom \(nav_msgs/msg/Odometry\)"):
+        read_topics(place, {"odom": "/b/odom", "cmd": "/cmd_vel"})
+    with pytest.raises(ArgumentError, match="no role"):
+        read_topics(place, {"speed": "/odom"})
+
+
+def test_what_is_no_bag_is_refused_in_one_paragraph(tmp_path):
+    (tmp_path / "noise.mcap").write_bytes(b"no bag")
+    (tmp_path / "noise.db3").write_bytes(b"no bag")
+
+    for name in ("noise.mcap", "noise.db3", "none.mcap"):
+        with pytest.raises(ResultFileError, match="cannot be read") as told:
+            read_topics(tmp_path / name)
+        assert "\n" not in str(told.value)
+
+
+def test_a_run_is_what_a_base_would_publish(tmp_path):
+    """Columns that went out as topics come back: poses and speeds, counts, torques, commands."""
+    rng = np.random.default_rng(1)
+    t = np.arange(100) * 0.01
+    run = build(
+        x=0.3 * t, y=-0.1 * t, theta=4 * t - 3, v1=rng.normal(size=100), omega=rng.normal(size=100),
+        tau_right=rng.normal(size=100), tau_left=rng.normal(size=100),
+    )  # fmt: skip
+    run.save(tmp_path / "run.mcap")
+
+    told = read_topics(tmp_path / "run.mcap")
+
+    for name in ("x", "y", "v1", "omega"):
+        assert np.array_equal(told.columns[f"{name}_measured"], run[name])
+    turned = told.columns["theta_measured"] - run["theta"]
+    assert turned == pytest.approx(np.full(100, turned[0]), abs=1e-12)
+    assert math.cos(turned[0]) == pytest.approx(1, abs=1e-12)
+    assert np.array_equal(told.columns["tau_left"], run["tau_left"])
+    assert told.times["tau_left"] == pytest.approx(t, abs=1e-9)
+
+
+def test_commands_show_and_compare_take_it(tmp_path):
+    run = build(v1=0.25)
+    for name in ("a.mcap", "b.npz"):
+        run.save(tmp_path / name)
+
+    shown = CliRunner().invoke(root, ["show", str(tmp_path / "a.mcap"), "--json"])
+    compared = CliRunner().invoke(
+        root, ["compare", str(tmp_path / "a.mcap"), str(tmp_path / "b.npz")]
+    )
+    foreign = bag(tmp_path, odom_at(EPOCH + np.arange(0, 6, 0.1))) / "drive.mcap"
+    other = CliRunner().invoke(root, ["show", str(foreign)])
+
+    assert shown.exit_code == compared.exit_code == 0, shown.stderr + compared.stderr
+    assert other.exit_code == 2
+    assert "no run was saved in" in " ".join(other.stderr.split())
+
+
+def test_without_rosbags_the_extra_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
+
+    with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[logs\]"):
+        build().save(tmp_path / "run.mcap")
+    assert list(tmp_path.iterdir()) == []
+    done = CliRunner().invoke(root, ["run", "--out", str(tmp_path / "run.mcap")])
+    assert done.exit_code == 2
+    assert "wmr_ctrl[logs]" in done.stderr
+
+
+def test_stamped_commands_and_plain_ones_are_the_same(tmp_path):
+    t = EPOCH + np.arange(0, 6, 0.1)
+    stamped = TYPES[STAMPED]
+    messages = odom_at(t)
+    messages += [("/cmd_vel", STAMPED, s, stamped(header=header(s), twist=twist(0.2, -0.3)))
+                 for s in t]  # fmt: skip
+
+    told = read_topics(bag(tmp_path, messages))
+
+    assert set(told.columns["v_command"]) == {0.2}
+    assert set(told.columns["omega_command"]) == {-0.3}

@@ -1,0 +1,219 @@
+"""ROS 2 bags by `rosbags` (extra ``logs``): opened, and a run as one of them (MCAP).
+
+A run is written twice into one file: every column, bit for bit, on RUN_TOPIC with its description
+beside it, and as a base would publish it (Odometry, JointState, TwistStamped), for tools of ROS.
+Frames there are those of REP 103 and 105: yaw = theta + pi/2, poses in ``odom``.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from itertools import repeat
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from wmr_ctrl.errors import ArgumentError, MissingExtraError, ResultFileError
+from wmr_ctrl.results.frames import library
+from wmr_ctrl.results.run import FloatArray, Run
+from wmr_ctrl.signals import (
+    COMMAND,
+    MEASURED_POSE,
+    MEASURED_VELOCITY,
+    POSE,
+    TORQUE,
+    VELOCITY,
+    WHEEL_SPEED,
+    Signal,
+)
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+    from rosbags.typesys.store import Msg, Typestore
+
+    Messages: TypeAlias = Callable[[Sequence[Connection]], Iterable[tuple[Connection, int, bytes]]]
+    Opened: TypeAlias = tuple[Sequence[Connection], Messages]
+
+RUN_TOPIC, DESCRIPTION_TOPIC = "/wmr_ctrl/run", "/wmr_ctrl/description"
+ROW, TEXT = "std_msgs/msg/Float64MultiArray", "std_msgs/msg/String"
+ODOMETRY, JOINTS = "nav_msgs/msg/Odometry", "sensor_msgs/msg/JointState"
+TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+SECOND = 1_000_000_000
+SUFFIXES = (".mcap", ".db3")
+MAGIC = b"\x89MCAP0\r\n"
+
+
+@cache
+def message_types() -> Typestore:
+    """Message types; those that are read here are the same in every distribution of ROS 2."""
+    typesys = library("rosbags.typesys", "logs")
+    store: Typestore = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+    return store
+
+
+def is_bag(path: str | Path) -> bool:
+    """Whether a path looks like a bag: a folder with metadata.yaml, or a file of one."""
+    place = Path(path)
+    return place.suffix.lower() in SUFFIXES or (place / "metadata.yaml").is_file()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Opened]:
+    """Connections of a bag (folder or one file of it), and its messages in the recorder's order."""
+    if path.is_dir():
+        reader = library("rosbags.rosbag2", "logs").Reader(path)
+    elif path.suffix.lower() == ".mcap":
+        reader = library("rosbags.rosbag2.storage_mcap", "logs").McapReader(path)
+    else:
+        reader = library("rosbags.rosbag2.storage_sqlite3", "logs").Sqlite3Reader(path)
+    reader.open()
+    try:
+        yield list(reader.connections), reader.messages
+    finally:
+        reader.close()
+
+
+@contextmanager
+def opened_bag(path: str | Path) -> Iterator[Opened]:
+    """The same; whatever a damaged file does is a ResultFileError."""
+    try:
+        with _opened(Path(path)) as bag:
+            yield bag
+    except (MissingExtraError, ArgumentError, ResultFileError):
+        raise
+    except Exception as error:  # foreign bytes can break a decoder in any way
+        detail = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise ResultFileError(
+            f"{str(path)!r} cannot be read as a ROS 2 bag ({detail}). Give the folder that was "
+            "recorded, with its metadata.yaml, or a .mcap or .db3 file of it; `ros2 bag reindex` "
+            "mends a recording that was cut off."
+        ) from error
+
+
+def run_as_mcap(run: Run, description: str) -> bytes:
+    """The file's bytes, the same for equal runs.  Raises MissingExtraError without rosbags."""
+    rosbag2, types = library("rosbags.rosbag2", "logs"), message_types()
+    rows = np.column_stack([run.columns[signal.name] for signal in run.signals])
+    stamps = np.rint(run.time * SECOND).astype(np.int64).tolist()
+    layout = types.types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+    text, row = types.types[TEXT], types.types[ROW]
+    about = [(stamp, text(data=description)) for stamp in (stamps or [0])[:1]]
+    table = ((t, row(layout=layout, data=r)) for t, r in zip(stamps, rows, strict=True))
+    topics: list[tuple[str, str, Iterable[tuple[int, Msg]]]] = [
+        (DESCRIPTION_TOPIC, TEXT, about),
+        (RUN_TOPIC, ROW, table),
+    ]
+    for topic, kind, each in _as_a_base(run, stamps):
+        topics.append((topic, kind, zip(stamps, each, strict=True)))
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder, "run")
+        with rosbag2.Writer(place, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
+            timed = [
+                zip(repeat(writer.add_connection(topic, kind, typestore=types)), messages)
+                for topic, kind, messages in topics
+            ]
+            for connection, (stamp, message) in heapq.merge(*timed, key=lambda item: item[1][0]):
+                data = types.serialize_cdr(message, connection.msgtype)
+                writer.write(connection, stamp, data)
+        return (place / "run.mcap").read_bytes()
+
+
+def _as_a_base(run: Run, stamps: Sequence[int]) -> Iterator[tuple[str, str, Iterator[Msg]]]:
+    """Topics, types and messages of what a base publishes, and of what it was sent."""
+    types = message_types().types
+    pose = next(names for names in map(_names, (MEASURED_POSE, POSE)) if names[0] in run)
+    speed = next(names for names in map(_names, (MEASURED_VELOCITY, VELOCITY)) if names[0] in run)
+    header, time = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
+    vector, twist = types["geometry_msgs/msg/Vector3"], types[TWIST]
+
+    def stamped(frame: str) -> Iterator[Msg]:
+        for stamp in stamps:
+            yield header(stamp=time(sec=stamp // SECOND, nanosec=stamp % SECOND), frame_id=frame)
+
+    def twists(names: Sequence[str]) -> Iterator[Msg]:
+        for v, w in zip(*(run[name].tolist() for name in names), strict=True):
+            yield twist(linear=vector(x=v, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=w))
+
+    yield "/odom", ODOMETRY, _odometry(run, pose, stamped("odom"), twists(speed))
+    yield "/joint_states", JOINTS, _joint_states(run, stamped(""))
+    if all(name in run for name in _names(COMMAND)):
+        both = zip(stamped("base_link"), twists(_names(COMMAND)), strict=True)
+        kind = types[STAMPED]
+        yield "/cmd_vel", STAMPED, (kind(header=h, twist=t) for h, t in both)
+
+
+def _names(signals: Sequence[Signal]) -> tuple[str, ...]:
+    return tuple(signal.name for signal in signals)
+
+
+def _odometry(
+    run: Run, pose: Sequence[str], headers: Iterator[Msg], twists: Iterator[Msg]
+) -> Iterator[Msg]:
+    types = message_types().types
+    point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
+    place, placed = types["geometry_msgs/msg/Pose"], types["geometry_msgs/msg/PoseWithCovariance"]
+    moved, unknown = types["geometry_msgs/msg/TwistWithCovariance"], np.zeros(36)
+    x, y, theta = (run[name] for name in pose)
+    half = (theta + math.pi / 2) / 2
+    poses = zip(*(item.tolist() for item in (x, y, np.sin(half), np.cos(half))), strict=True)
+    for header, twist, (px, py, sine, cosine) in zip(headers, twists, poses, strict=True):
+        where = place(
+            position=point(x=px, y=py, z=0.0), orientation=turn(x=0.0, y=0.0, z=sine, w=cosine)
+        )
+        yield types[ODOMETRY](
+            header=header,
+            child_frame_id="base_link",
+            pose=placed(pose=where, covariance=unknown),
+            twist=moved(twist=twist, covariance=unknown),
+        )
+
+
+def _joint_states(run: Run, headers: Iterator[Msg]) -> Iterator[Msg]:
+    """Commanded torques as efforts, counts as positions, and speeds where wheels have their own."""
+    encoder = tomllib.loads(run.provenance.get("scenario_toml", "")).get("encoder", {})
+    nothing = np.zeros((run.rows, 0))
+    angles, speeds = nothing, nothing
+    if "wheel_counts" in run.columns and encoder.get("counts"):
+        angles = run["wheel_counts"] * (2 * math.pi / encoder["counts"])
+    if WHEEL_SPEED.name in run.columns:
+        speeds = run[WHEEL_SPEED.name]
+    efforts = np.column_stack([run[signal.name] for signal in TORQUE])
+    for header, angle, speed, effort in zip(headers, angles, speeds, efforts, strict=True):
+        yield message_types().types[JOINTS](
+            header=header, name=["right_wheel", "left_wheel"],
+            position=angle, velocity=speed, effort=effort,
+        )  # fmt: skip
+
+
+def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
+    """Description and rows (N, numbers) of a run; raises ValueError where a bag has none."""
+    if not data.endswith(MAGIC):
+        raise ValueError("its end is missing")  # rosbags would read what is there
+    data_of: dict[str, list[Any]] = {TEXT: [], ROW: []}
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder, "run.mcap")
+        place.write_bytes(data)
+        with _opened(place) as (connections, messages):
+            ours = [item for item in connections if item.topic in (RUN_TOPIC, DESCRIPTION_TOPIC)]
+            for connection, _, raw in messages(ours) if ours else ():
+                kind = TEXT if connection.topic == DESCRIPTION_TOPIC else ROW
+                message: Any = message_types().deserialize_cdr(raw, kind)
+                data_of[kind].append(message.data)
+    if len(data_of[TEXT]) != 1:
+        raise ValueError("it is a bag that no run was saved in; `wmr-ctrl identify` reads drives")
+    return data_of[TEXT][0], np.array(data_of[ROW], dtype=np.float64)
+
+
+def holds_run(path: str | Path) -> bool:
+    """Whether a bag is a file that a run was saved in."""
+    if Path(path).suffix.lower() != ".mcap" or Path(path).is_dir():
+        return False
+    with opened_bag(path) as (connections, _):
+        return any(item.topic == DESCRIPTION_TOPIC for item in connections)

@@ -1,0 +1,292 @@
+"""Columns of a robot's drive from the topics of a ROS 2 bag, in our names, units and angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmr_ctrl.errors import ArgumentError, ResultFileError
+from wmr_ctrl.results.bag import (
+    JOINTS,
+    ODOMETRY,
+    ROW,
+    SECOND,
+    STAMPED,
+    TWIST,
+    message_types,
+    opened_bag,
+)
+from wmr_ctrl.results.run import FloatArray
+from wmr_ctrl.signals import COMMAND, MEASURED_POSE, MEASURED_VELOCITY, TORQUE, WHEEL_SPEED, Signal
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
+    from wmr_ctrl.results.bag import Messages
+
+Integers: TypeAlias = NDArray[np.int64]
+WHEEL_ANGLE = ("wheel_angle[1]", "wheel_angle[2]")
+"""Columns of wheels' angles (right, left) [rad], as joints have them."""
+ROLES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "odom": ("/odom", (ODOMETRY,)),
+    "cmd": ("/cmd_vel", (STAMPED, TWIST)),
+    "joints": ("/joint_states", (JOINTS,)),
+    "effort": ("", (ROW,)),
+}
+"""Roles of topics in a drive: the usual name, and the types that are read."""
+SIDES = ("right", "left")
+APART = 0.5
+"""Clocks of stamps and of the recorder that differ by more [s] are two clocks."""
+LATE = 1.0
+"""Messages at most so late [s] are put back in order; more is a clock that was set."""
+UNIT = 1e-2
+"""How far from 1 the norm of a quaternion may be."""
+MAP = "map"
+"""Frame of poses that jump (REP 105), and so are none of the robot's motion."""
+
+
+class Topic(NamedTuple):
+    """Messages of a topic: stamps (N,) (0 where there are none) and times of receipt (N,) [ns],
+    numbers (N, width) as `_READERS` order them, and the frame of the last one.
+    """
+
+    name: str
+    stamps: Integers
+    receipt: Integers
+    values: FloatArray
+    frame: str
+
+
+@dataclass(frozen=True)
+class BagColumns:
+    """Columns of a drive by name, each with its own times [s] from the first message's."""
+
+    times: Mapping[str, FloatArray]
+    columns: Mapping[str, FloatArray]
+    remarks: tuple[str, ...]
+
+
+def read_topics(path: str | Path, topics: Mapping[str, str] | None = None) -> BagColumns:
+    """Columns of a drive, in our names, SI units and angles, on one clock.
+
+    ``topics`` names topics by role ("odom", "cmd", "joints", "effort") and the wheels' joints
+    ("right", "left").  Without it the usual names are looked for, in any namespace.  Stamps are
+    those of headers; where a topic has none and the recorder's clock is another, all times are the
+    recorder's.  Raises ResultFileError, ArgumentError, MissingExtraError.
+    """
+    asked = dict(topics or {})
+    if unknown := sorted(set(asked) - set(ROLES) - set(SIDES)):
+        raise ArgumentError(
+            f"topics: {', '.join(unknown)} is no role. Name topics as {', '.join(ROLES)}, and the "
+            f"wheels' joints as {' and '.join(SIDES)}."
+        )
+    numbers = {"odom": _of_odometry, "cmd": _of_twist, "joints": _of_joints(asked)}
+    with opened_bag(path) as (connections, messages):
+        chosen = _chosen(Path(path).name, connections, asked)
+        parts = {
+            role: _gathered(items, messages, numbers.get(role, _of_array))
+            for role, items in chosen.items()
+            if any(item.msgcount for item in items)
+        }
+    if not parts:
+        raise ResultFileError(f"{str(path)!r}: its topics for {', '.join(chosen)} are empty.")
+    remarks: list[str] = []
+    stamped = [role for role, part in parts.items() if np.sum(part.stamps == 0) <= 1]
+    lateness = [np.median(parts[role].receipt - parts[role].stamps) / SECOND for role in stamped]
+    if len(stamped) < len(parts) and max(map(abs, lateness), default=0.0) > APART:
+        remarks.append("stamps and the recorder are on two clocks; all times are the recorder's.")
+        stamped = []
+    clocks = {role: _clock(part, role in stamped, remarks) for role, part in parts.items()}
+    first = min(clock.min() for clock in clocks.values())
+    times, columns = {}, {}
+    for role, part in parts.items():
+        order = np.argsort(clocks[role], kind="stable")
+        clock = clocks[role][order]
+        keep = np.concatenate(([True], np.diff(clock) != 0))
+        if not keep.all():
+            remarks.append(f"{part.name}: {np.sum(~keep)} messages repeat a stamp; left out.")
+        rows = part._replace(values=part.values[order[keep]])
+        for name, values in _columns(role, rows, "effort" not in parts, remarks).items():
+            times[name], columns[name] = (clock[keep] - first) / SECOND, values
+    return BagColumns(times, columns, tuple(remarks))
+
+
+def _chosen(
+    name: str, connections: Sequence[Connection], asked: Mapping[str, str]
+) -> dict[str, list[Connection]]:
+    """Connections by role: the topic that was asked for, else the usual one in any namespace."""
+    chosen = {}
+    there = ", ".join(sorted({f"{item.topic} ({item.msgtype})" for item in connections}))
+    for role, (usual, kinds) in ROLES.items():
+        fit = [item for item in connections if item.msgtype in kinds]
+        topic = asked.get(role, "")
+        if not topic and usual:
+            named = {item.topic for item in fit if item.topic.endswith(usual)}
+            topic = usual if usual in named or len(named) != 1 else named.pop()
+            if len(named) > 1 and usual not in named:
+                raise ResultFileError(
+                    f"{name}: {', '.join(sorted(named))} may be meant. Name one: --topics "
+                    f"{role}={min(named)}."
+                )
+        items = [item for item in fit if item.topic == topic]
+        if items:
+            chosen[role] = items
+        elif role in asked:
+            raise ResultFileError(
+                f"{name}: no topic {topic} of the type {' or '.join(kinds)}. It has {there}."
+            )
+    if not chosen:
+        raise ResultFileError(
+            f"{name}: none of {', '.join(usual for usual, _ in ROLES.values() if usual)} is there. "
+            f"It has {there or 'no topic'}. Name them, as in --topics odom=/base/odometry."
+        )
+    return chosen
+
+
+def _gathered(
+    items: Sequence[Connection], messages: Messages, numbers: Callable[[Any], Sequence[float]]
+) -> Topic:
+    """All messages of a topic, in the recorder's order."""
+    types, stamps, receipt, values, frame = message_types(), [], [], [], ""
+    for connection, received, raw in messages(items):
+        message: Any = types.deserialize_cdr(raw, connection.msgtype)
+        header = None if connection.msgtype in (TWIST, ROW) else message.header
+        stamps.append(header.stamp.sec * SECOND + header.stamp.nanosec if header else 0)
+        frame = header.frame_id if header else ""
+        receipt.append(received)
+        values.append(numbers(message))
+    sent, received_at = (np.array(item, dtype=np.int64) for item in (stamps, receipt))
+    return Topic(items[0].topic, sent, received_at, np.array(values, dtype=np.float64), frame)
+
+
+def _of_odometry(message: Any) -> tuple[float, ...]:
+    twist, pose = message.twist.twist, message.pose.pose
+    place, turn = pose.position, pose.orientation
+    return twist.linear.x, twist.angular.z, place.x, place.y, turn.x, turn.y, turn.z, turn.w
+
+
+def _of_twist(message: Any) -> tuple[float, float]:
+    twist = message.twist if message.__msgtype__ == STAMPED else message
+    return twist.linear.x, twist.angular.z
+
+
+def _of_array(message: Any) -> tuple[float, float]:
+    right, left = message.data
+    return right, left
+
+
+def _of_joints(asked: Mapping[str, str]) -> Callable[[Any], list[float]]:
+    """Angles, speeds and efforts of the right and left wheel; NaN where a message has none."""
+    places: dict[tuple[str, ...], list[int]] = {}
+
+    def numbers(message: Any) -> list[float]:
+        names = tuple(message.name)
+        if names not in places:
+            places[names] = [_joint(side, asked.get(side, ""), names) for side in SIDES]
+        return [
+            float(column[k]) if len(column) > k else math.nan
+            for column in (message.position, message.velocity, message.effort)
+            for k in places[names]
+        ]
+
+    return numbers
+
+
+def _joint(side: str, asked: str, names: Sequence[str]) -> int:
+    """Place of the joint of a wheel: the one that is named so, or the only one with its side."""
+    fit = [name for name in names if name == asked or (not asked and side in name.lower())]
+    if len(fit) != 1:
+        raise ResultFileError(
+            f"joints {', '.join(names)}: {len(fit) or 'none'} of them may be the {side} wheel's. "
+            f"Name it: --topics right=NAME,left=NAME."
+        )
+    return names.index(fit[0])
+
+
+def _clock(topic: Topic, stamped: bool, remarks: list[str]) -> Integers:
+    """Times (N,) [ns] of a topic's messages, and what is to be said of them."""
+    late = (topic.receipt - topic.stamps) / SECOND
+    clock = topic.stamps if stamped else topic.receipt
+    about = (
+        f"recorded {1e3 * np.median(late):.3g} ms after its stamps, {1e3 * late.max():.3g} ms at "
+        "most; times are the stamps"
+        if stamped
+        else "times are those of the recorder: what a message took to it is missing from a delay"
+    )
+    step = np.diff(np.sort(clock)) / SECOND
+    remarks.append(
+        f"{topic.name}: {len(clock)} messages in {step.sum():.4g} s, {about}; the longest gap is "
+        f"{step.max(initial=0.0):.3g} s."
+    )
+    behind = (np.maximum.accumulate(clock) - clock) / SECOND
+    if behind.max() > LATE:
+        at = int(np.argmax(behind))
+        raise ResultFileError(
+            f"{topic.name}: time goes back by {behind[at]:.4g} s at message {at + 1}: a clock was "
+            "set, or two drives are in one bag. Cut the bag there, as by `ros2 bag convert`."
+        )
+    if behind.max() > 0:
+        remarks.append(
+            f"{topic.name}: {np.sum(np.diff(clock) < 0)} messages came out of order, by "
+            f"{1e3 * behind.max():.3g} ms at most; sorted by time."
+        )
+    return clock
+
+
+def _odometry(topic: Topic, remarks: list[str]) -> dict[str, FloatArray]:
+    """Velocities, and poses where they are of the robot's motion; theta = yaw - pi/2."""
+    columns = _named(MEASURED_VELOCITY, topic.values[:, :2])
+    x, y, *turn = topic.values[:, 2:].T
+    qx, qy, qz, qw = turn
+    reason = ""
+    if topic.frame.rpartition("/")[2] == MAP:
+        reason = "they are in the frame map, in which poses jump"
+    elif np.abs(np.sqrt(sum(part**2 for part in turn)) - 1).max() > UNIT:
+        reason = "their quaternions are no rotations"
+    elif np.ptp(x) == 0 and np.ptp(y) == 0:
+        reason = "they never change"
+    if reason:
+        remarks.append(f"{topic.name}: poses are left out, since {reason}.")
+        return columns
+    yaw = np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy**2 + qz**2))
+    pose = np.column_stack((x, y, np.unwrap(yaw) - math.pi / 2))
+    return columns | _named(MEASURED_POSE, pose)
+
+
+def _joint_states(topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
+    """What the joints have in every message: angles, speeds, efforts."""
+    wanted: list[tuple[Sequence[str], FloatArray]] = [
+        (WHEEL_ANGLE, topic.values[:, :2]),
+        (WHEEL_SPEED.elements, topic.values[:, 2:4]),
+    ]
+    if efforts:
+        wanted.append(([item.name for item in TORQUE], topic.values[:, 4:]))
+        if np.isfinite(topic.values[:, 4:]).all():
+            remarks.append(
+                f"{topic.name}: efforts are taken for the torques as commanded. If the drives "
+                "measure them, delay and lag of the drives are not in the log."
+            )
+    return {
+        name: column
+        for names, values in wanted
+        if np.isfinite(values).all()
+        for name, column in zip(names, values.T, strict=True)
+    }
+
+
+def _named(signals: Sequence[Signal], values: FloatArray) -> dict[str, FloatArray]:
+    return dict(zip((item.name for item in signals), values.T, strict=True))
+
+
+def _columns(role: str, topic: Topic, efforts: bool, remarks: list[str]) -> dict[str, FloatArray]:
+    if role == "odom":
+        return _odometry(topic, remarks)
+    if role == "joints":
+        return _joint_states(topic, efforts, remarks)
+    return _named(COMMAND if role == "cmd" else TORQUE, topic.values)
