@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import pytest
 
-from wmr_ctrl.control import controller
+from wmr_ctrl.control import applied, controller
 from wmr_ctrl.guard import guard
+from wmr_ctrl.laws import prox
 from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
-from wmr_ctrl.proofs.claims import all_claims
+from wmr_ctrl.proofs.claims import all_claims, effect_bounds
+from wmr_ctrl.proofs.claims.world import EffectGraph
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
+from wmr_ctrl.world import slope, torque_noise
 
 pytest.importorskip("z3")
 
-ENTRIES = {claim.id: claim for claim in all_claims() if claim.id.startswith("guard.assembled.")}
+ENTRIES = {claim.id: claim for claim in all_claims()}
 
 
 def bypassed(asked, *others):
@@ -53,12 +57,58 @@ def reached_about(both, phi, half_track):
     ],
 )
 def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):
-    claim = ENTRIES[f"guard.assembled.{key}"]
+    is_noticed(monkeypatch, f"guard.assembled.{key}", module, name, stand_in)
+
+
+def is_noticed(monkeypatch, key, place, name, stand_in):
+    claim = ENTRIES[key]
     method = replace(claim.method, effort=1, seconds=1)  # far less than it is given, and enough
     assert method.decide(claim.statement(CLAIMED)).verdict == PROVED
 
-    monkeypatch.setattr(module, name, stand_in)
+    monkeypatch.setattr(place, name, stand_in)
     assert method.decide(claim.statement(CLAIMED)).verdict in (REFUTED, OPEN)
+
+
+def capped(std, truncate, believed):
+    """The bound of torque noise, of which no more than three standard deviations count."""
+    thrust = 2.0 * std * min(truncate, 3.0) / believed[0]
+    return thrust, thrust * believed[1]
+
+
+def kept_late(self, torque):
+    """The torque that is kept as applied is that of one sample later than it acts."""
+    return [torque, *([torque, *(item.sym for item in self.earlier)][: len(self.earlier)])]
+
+
+def held_mean(commands, late, acting, decay):
+    """The mean and what acts last, of drives without lag."""
+    mean, _ = applied.followed(commands, late, acting, 0)
+    return mean, acting
+
+
+def whole_shares(context):
+    """Shares of a step that decays by exp(-rho T) in the place of exp(-rho T/2)."""
+    whole = -context.gain("rho") * context.period
+    return ca.exp(whole), -ca.expm1(whole)
+
+
+@pytest.mark.parametrize(
+    ("key", "place", "name", "stand_in"),
+    [
+        ("world.noise.thrust", torque_noise, "noise_at_most", capped),
+        ("guard.assembled.guard.linear-first-late", applied.Applied, "following", kept_late),
+        ("world.lag.applied", effect_bounds, "followed", held_mean),
+        ("prox.assembled", prox, "_shares", whole_shares),
+    ],
+)
+def test_what_feeds_guard_and_law_is_in_an_entry(monkeypatch, key, place, name, stand_in):
+    is_noticed(monkeypatch, key, place, name, stand_in)
+
+
+def test_a_number_that_leaks_out_of_a_bound_is_found():
+    graph = EffectGraph(slope.SLOPE, (("slope.angle", 0.1), ("guard.M_max", [60.0, 20.0])), "guard")
+    with pytest.raises(ValueError, match="holds a number that is no symbol"):
+        graph.bound("dbar")
 
 
 def test_a_late_monitor_that_tells_ten_times_the_push_is_refuted():

@@ -146,7 +146,7 @@ def test_entries_of_another_claim_are_not_kept() -> None:
     ],
 )
 def test_what_is_left_open_is_not_caught(monkeypatch, quick, fails, verdict) -> None:
-    claim, answers, failing = CLAIMED["guard.anchor"], iter(quick * 4), iter(fails * 4)
+    claim, answers, failing = CLAIMED["guard.anchor"], iter(quick * 5), iter(fails * 5)
     monkeypatch.setattr(alterations, "_verdict", lambda *_: next(answers))
     monkeypatch.setattr(alterations, "fails", lambda *_: next(failing))
 

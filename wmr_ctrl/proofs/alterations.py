@@ -15,6 +15,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from operator import mul
 from types import FrameType, FunctionType
+from typing import Any
 
 import casadi as ca
 
@@ -25,6 +26,7 @@ from wmr_ctrl.proofs.graph import ProvedGraph
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.proofs.methods.spec import Z3, Ball, Both, Method, Ring
 from wmr_ctrl.proofs.statement import Statement
+from wmr_ctrl.proofs.traced import Traced
 
 PRODUCT = tuple(
     f"wmr_ctrl.{part}."
@@ -33,12 +35,13 @@ PRODUCT = tuple(
 TOOLS = ("wmr_ctrl.model.graph", "wmr_ctrl.model.system")
 """Modules that only carry expressions."""
 
-Change = Callable[[ca.SX], ca.SX]
+Change = Callable[[Any], Any]
 CHANGES: Mapping[str, Change] = {
     "* 9/8": lambda x: 1.125 * x,
     "* -1": lambda x: -x,
     "* 8": lambda x: 8 * x,
     "+ 1": lambda x: x + 1,
+    "/ 8": lambda x: 0.125 * x,
 }
 """Alterations of a function's result."""
 
@@ -103,7 +106,7 @@ def _stand_in(*args: object, **named: object) -> object:
 
 def changed(value: object, change: Change) -> object:
     """A result with ``change`` made to every expression in it."""
-    if isinstance(value, ca.SX):
+    if isinstance(value, ca.SX | Traced):
         return change(value)
     if isinstance(value, Port):
         return value

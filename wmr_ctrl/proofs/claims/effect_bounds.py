@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from wmr_ctrl.control.applied import followed
 from wmr_ctrl.guard.delay import integral, moved
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
@@ -31,6 +32,7 @@ ALONG = {
     }.items()
 }  # fmt: skip
 """Straight uphill."""
+HEAVY = "coefficients >= 0, 0 < m <= guard.M_max; l, g > 0"
 
 
 claim = Claims(by=Z3(effort=150))
@@ -65,6 +67,28 @@ def held(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
+@claim(
+    "world.lag.applied",
+    given="0 < e < 1 for e = exp(-h/lag); four plant steps in a period, delay of one period "
+    "and three steps",
+)
+def applied(mutation: Mutation) -> Statement:
+    """the torque that laws are told was applied is the mean of what acted in the plant steps of the
+    sample behind delay and lag, and what acts at its end is the drives' own.
+
+    The observer and the monitor reckon with what the simulated drives did.
+    """
+    t, steps, part = symbols("newest older oldest acting e"), 4, 3
+    newest, older, oldest, acting, e = t.values()
+    told = followed([newest, older, oldest], (1, part, steps), acting, e)
+    total = ca.SX(0)
+    for step in range(steps):
+        acting = lag.followed(oldest if step < part else older, e, acting)
+        total = total + acting
+    goals = (equal(told[0], mutation * total / steps), equal(told[1], acting))
+    return Statement(t, goals, (above(e), above(1, e)))
+
+
 @claim("world.motor.step", given="step > 0")
 def stepped(mutation: Mutation) -> Statement:
     """torque in steps is off by at most half a step.
@@ -77,9 +101,7 @@ def stepped(mutation: Mutation) -> Statement:
     number = ca.floor(x)
     given = (above(step), at_least(x, number), above(1, x - number))
     most = motor.rounded_by(step) * mutation(1, 0.8)
-    return Statement(
-        g.symbols, within(g.system.outputs[0].expr - told, most), given, {"number": number}
-    )
+    return g.states(within(g.system.outputs[0].expr - told, most), given, {"number": number})
 
 
 @claim("world.motor.dead-zone", given="zone > 0")
@@ -92,7 +114,7 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
     goals = (*within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told))
-    return Statement(g.symbols, goals, (above(zone),))
+    return g.states(goals, (above(zone),))
 
 
 @claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
@@ -162,41 +184,42 @@ def world_slope(mutation: Mutation) -> Statement:
     goals = [part for i in (0, 1) for part in within(g.system.y[i], mutation(1, 0.9) * bounds[i])]
     shares = (*within(along, 1), *within(across, 1))
     given = (*positive(g, "robot.m", "robot.g"), at_least(sine), *shares)
-    return Statement(
-        g.symbols, tuple(goals), given, {"along": along, "across": across, "sine": sine}
-    )
+    return g.states(goals, given, {"along": along, "across": across, "sine": sine})
 
 
 @claim.also(
     "world.resistance.moment",
     "and turns it on with at most l times that",
     "The same for the turn.",
-    given="coefficients >= 0; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
+    given=f"{HEAVY}; omega >= 0; |tanh| <= 1, their difference >= 0 as omega >= 0 has it",
     axis=1,
 )
 @claim(
     "world.resistance.thrust",
-    given="coefficients >= 0; v1 >= 0; |tanh| <= 1, and as v1 >= 0 has it tanh((v1 + l "
-    "omega)/v_s) + tanh((v1 - l omega)/v_s) >= 0",
+    given=f"{HEAVY}; v1 >= 0; |tanh| <= 1, and as v1 >= 0 has it tanh((v1 + l omega)/v_s) + "
+    "tanh((v1 - l omega)/v_s) >= 0",
 )
 def resisted_thrust(mutation: Mutation, axis: int = 0) -> Statement:
     """rolling resistance drives the robot on with at most the difference of the wheels'.
 
     Equal wheels only brake; what one has more may push. Backwards by symmetry.
     """
-    g = EffectGraph(resistance.RESISTANCE, (("resistance.rolling", [0.01, 0.02]),))
+    numbers = (("resistance.rolling", [0.01, 0.02]), ("guard.M_max", [60.0, 20.0]))
+    g = EffectGraph(resistance.RESISTANCE, numbers, "robot guard")
     v, omega, half = g["v1"], g["omega"], g["robot.l"]
     right, left = resistance.smoothed(v, half * omega, g["robot.v_s"])
     load = resistance.load_of_wheel(g["robot.m"], g["robot.g"])
     rolling = (g["resistance.rolling[1]"], g["resistance.rolling[2]"])
-    more = resistance.pushed_by(rolling, load, half)[axis]
+    more = g.bound("dbar")[axis]
+    heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
     moves = right + left if axis == 0 else right - left
     given = (
         *(at_least(item) for item in (*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)),
-        above(half), at_least(v if axis == 0 else omega), *within(right, 1), *within(left, 1),
+        *positive(g, "robot.l", "robot.g", "robot.m"), heaviest,
+        at_least(v if axis == 0 else omega), *within(right, 1), *within(left, 1),
     )  # fmt: skip
     goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
-    return Statement(g.symbols, (goal,), given, {"right": right, "left": left, "load": load})
+    return g.states((goal,), given, {"right": right, "left": left})
 
 
 @claim.also(
@@ -208,13 +231,14 @@ def noise_thrust(mutation: Mutation, axis: int = 0) -> Statement:
 
     What torque noise adds to dbar.
     """
-    g, t = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, ()), symbols("r l")
-    believed, most = (t["r"], t["l"]), g["disturbance.truncate"]
-    bound = torque_noise.noise_at_most(g["disturbance.std"], most, believed)[axis]
+    numbers = (("disturbance.truncate", 5.0),)
+    g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, numbers, "robot")
+    believed, most = (g["robot.r"], g["robot.l"]), g["disturbance.truncate"]
+    bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
-    numbers = [part for i in (1, 2) for part in within(g[f"torque[{i}]"], most)]
-    given = (above(believed[0]), above(believed[1]), at_least(g["disturbance.std"]), *numbers)
-    return Statement({**g.symbols, **t}, within(force, bound * mutation(1, 0.9)), given)
+    drawn = [part for i in (1, 2) for part in within(g[f"torque[{i}]"], most)]
+    given = (*positive(g, "robot.r", "robot.l"), at_least(g["disturbance.std"]), *drawn)
+    return g.states(within(force, bound * mutation(1, 0.9)), given)
 
 
 @claim(
@@ -230,7 +254,7 @@ def world_gust(mutation: Mutation) -> Statement:
     keep = ca.exp(-g["clock.control"] / g["gust.time"])
     before = [g[f"{gust.SHARE.name}[{i}]"] for i in (1, 2)]
     numbers = [g[f"{gust.NUMBERS.name}[{i}]"] for i in (1, 2)]
-    size = [g[f"gust.size[{i}]"] for i in (1, 2)]
+    size = g.bound("dbar")
     part = mutation(1, 0.9)
     goals = [
         item
@@ -239,7 +263,7 @@ def world_gust(mutation: Mutation) -> Statement:
     ]
     given = [item for value in (*before, *numbers) for item in within(value, 1)]
     sides = (at_least(keep), at_least(1, keep), *(at_least(item) for item in size))
-    return Statement(g.symbols, tuple(goals), (*given, *sides), {"keep": keep})
+    return g.states(goals, (*given, *sides), {"keep": keep})
 
 
 @claim("world.gyro", given="noise >= 0; the random number within [-1, 1]")
@@ -249,9 +273,9 @@ def world_gyro(mutation: Mutation) -> Statement:
     What it adds to nbar.
     """
     g = EffectGraph(gyro.GYRO, (("gyro.enabled", True),))
-    most = gyro.off_by(g["gyro.bias"], g["gyro.noise"]) * mutation(1, 0.9)
+    most = g.bound("nbar")[1] * mutation(1, 0.9)
     given = (at_least(g["gyro.noise"]), *within(g[f"{gyro.NUMBERS.name}[1]"], 1))
-    return Statement(g.symbols, within(g.system.y[0] - g["omega"], most), given)
+    return g.states(within(g.system.y[0] - g["omega"], most), given)
 
 
 @claim("world.velocity-noise", given="half-widths >= 0; random numbers within [-1, 1]")
@@ -261,12 +285,12 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     What it adds to nbar.
     """
     g = EffectGraph(velocity_noise.VELOCITY_NOISE, ())
-    half = [g[f"sensor.velocity_noise[{i}]"] for i in (1, 2)]
+    half = g.bound("nbar")
     numbers = [g[f"{velocity_noise.NUMBERS.name}[{i}]"] for i in (1, 2)]
     off = g.system.y - g.system.u
     goals = [item for i in (0, 1) for item in within(off[i], mutation(1, 0.9) * half[i])]
     given = [item for value in numbers for item in within(value, 1)]
-    return Statement(g.symbols, tuple(goals), (*given, *(at_least(item) for item in half)))
+    return g.states(goals, (*given, *(at_least(item) for item in half)))
 
 
 @claim("world.push", given="r, l > 0, size >= 0; at every velocity")
@@ -276,8 +300,8 @@ def world_push(mutation: Mutation) -> Statement:
     What it adds to dbar.
     """
     g = EffectGraph(push.PUSH, (("disturbance.push", [1.0, 1.0]),))
-    size = [g[f"disturbance.push[{i}]"] for i in (1, 2)]
+    size = g.bound("dbar")
     force = wheel_to_force(g["robot.r"], g["robot.l"], g.system.y)
     goals = [item for i in (0, 1) for item in within(force[i], mutation(1, 0.9) * size[i])]
     sides = (*positive(g, "robot.r", "robot.l"), *(at_least(item) for item in size))
-    return Statement(g.symbols, tuple(goals), sides)
+    return g.states(goals, sides)

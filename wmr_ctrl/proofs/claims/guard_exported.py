@@ -13,6 +13,7 @@ from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.guard.delay import InFlight, in_flight
 from wmr_ctrl.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
+from wmr_ctrl.guard.monitor import least_push
 from wmr_ctrl.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.model.system import System
 from wmr_ctrl.proofs.claim import CLAIMED, Claims, Mutation
@@ -26,6 +27,7 @@ from wmr_ctrl.proofs.statement import (
     Statement,
     above,
     at_least,
+    equal,
     every,
     instance,
     positive,
@@ -157,7 +159,8 @@ def assembled(
     """the torques of the whole {name} are those of {kind} on both axes' clips and safe points, each
     axis with its own bounds and commands under way, which are the torques of before; feasible = 1
     only where both axes' flags are, their brakes together are within reach and the drives' delay is
-    at most what is counted; {which}.
+    at most what is counted; the torque that is kept as applied is the one that acts next, and each
+    d_least the monitor's for it; {which}.
 
     What is exported is put together of what the entries about the guard speak of.
     """
@@ -180,6 +183,12 @@ def assembled(
     later = dict(zip(names, ca.vertsplit(e.system.update, [*ends]), strict=True))
     for age, now in enumerate((e.torque, *e.sent[:-1])[:delay], 1):
         goals += every(later[f"tau_sent{age}"], now)
+    goals += every(later["tau_applied"], (e.torque, *e.sent)[delay])
+    goals += every(later["guard_v"], ca.vertcat(*(y for y, _, _ in e.axes)))
+    acted, old = wheel_to_force(r, half, e.p["tau_applied"]), ca.vertsplit(e.p["guard_v"])
+    for axis, (y, b, _) in enumerate(e.axes):
+        known = ca.if_else(e.p["guard_started"] > 0, least_push(y, old[axis], acted[axis], b), 0)
+        goals.append(equal(e.told["d_least"][axis], known))
     masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
     given = positive(r, half, bounds[0].period, bounds[0].alpha, *masses)
     return Statement(e.symbols, tuple(goals), given, e.cuts)

@@ -12,12 +12,20 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_ctrl.laws.prox import next_velocity
+from wmr_ctrl.laws.prox import next_velocity, prox_step
 from wmr_ctrl.model.dynamics import wheel_to_force
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import VELOCITY_NAMES, LawGraph
 from wmr_ctrl.proofs.methods.spec import Z3
-from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, equal, symbols
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    every,
+    symbols,
+)
 
 AXES = ({"of": "", "where": "linear", "axis": 0}, {"of": "-angular", "where": "angular", "axis": 1})
 
@@ -100,6 +108,35 @@ class Sampled:
 
 
 claim = Claims(by=Z3(effort=150))
+
+
+@claim(
+    "prox.assembled{part}",
+    given="any pose, velocity, reference and parameters; c' and c'_d the rate of v_c0 and its part "
+    "by the reference's acceleration",
+    over=({"part": "", "moved": "c'_d"}, {"part": "-level", "moved": "c'"}),
+)
+def assembled(mutation: Mutation, part: str) -> Statement:
+    """on the law's graph v+ = X_(1-E)(E v* + (1-E) c+) with E = exp(-rho T/2), c+ = c + T c' and v*
+    carried from c to c_m = c + T {moved}, both axes.
+
+    The step that the law takes is the one that the entries prox.* speak of, with rates and targets
+    as they are there.
+    """
+    law = LawGraph("prox", (("gains.prox.transport", "level"),) if part else ())
+    t, context = law.symbols, law.context
+    inner = context.v_c0, context.v_c0_dot, context.v_c0_dot_reference
+    T, steps = t["clock.control"], []
+    for axis, name in enumerate(VELOCITY_NAMES):
+        c, rate, along = (law.own(item)[axis] for item in inner)
+        half = -0.5 * t[f"gains.prox.rho[{axis + 1}]"] * T
+        way = c, c + T * (rate if part else along), c + T * rate
+        limits = t[f"limits.v_u1[{axis + 1}]"], t[f"limits.v_u2[{axis + 1}]"]
+        shares = ca.exp(half), -ca.expm1(half)
+        steps.append(prox_step(t[name], way, shares, limits, context.smooth))
+    free = symbols("step1 step2")
+    goals = every(law.own(next_velocity(context)), mutation * ca.vertcat(*steps))
+    return Statement({**t, **free}, goals, cuts=dict(zip(free, steps, strict=True)))
 
 
 @claim("prox.force{of}", given="T, M > 0; F1(v+) and v+ whatever they are", over=AXES)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 import casadi as ca
@@ -13,9 +13,10 @@ from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.common import scalars
 from wmr_ctrl.proofs.methods.spec import Z3
 from wmr_ctrl.proofs.statement import Relation, Statement, above, at_least, symbols, within
+from wmr_ctrl.proofs.traced import Tracing, expression, traced
 from wmr_ctrl.scenario import load_scenario
 from wmr_ctrl.world import encoder, wheels
-from wmr_ctrl.world.effect import Effect
+from wmr_ctrl.world.effect import Bound, Effect
 
 WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 """Structure of the graphs alone: their numbers stay symbols."""
@@ -24,8 +25,45 @@ WHEELS = (("wheels.radius", [0.01, -0.01]), ("wheels.track", 0.01))
 class EffectGraph:
     """An effect's System for a scenario with some numbers, which stay symbols."""
 
-    def __init__(self, effect: Effect, numbers: Iterable[tuple[str, object]]) -> None:
+    def __init__(
+        self, effect: Effect, numbers: Iterable[tuple[str, object]], tables: str = ""
+    ) -> None:
+        """The bound's numbers of ``tables`` are symbols, beside those of its own section."""
         self.effect, self.scenario = effect, load_scenario("paper-simulation", dict(numbers))
+        self.tables = tuple(dict.fromkeys((effect.section.KEY, *tables.split())))
+        self.told, self.trace = self._bounded(1.0)
+        self.way: tuple[Relation, ...] = ()
+
+    def _bounded(self, share: float) -> tuple[Bound, Tracing]:
+        scenario, trace = traced(self.scenario, self.tables, share)
+        assert self.effect.bound is not None
+        return self.effect.bound(scenario), trace
+
+    def bound(self, name: str) -> list[ca.SX]:
+        """The pair ``name`` of the effect's Bound, for the symbols of its graph.
+
+        What it asks of its numbers on the way becomes part of what is claimed (`states`).
+        ValueError where it hangs on a number that is no symbol.
+        """
+        pairs = []
+        for told, trace in ((self.told, self.trace), self._bounded(1.25)):
+            names = ca.vertcat(*(self.symbols[key] for key in trace.symbols))
+            found = ca.vertcat(*map(expression, vars(told)[name]), *trace.met)
+            pairs.append(ca.substitute(found, ca.vertcat(*trace.symbols.values()), names))
+        if not ca.is_equal(pairs[0], pairs[1], 100):
+            raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
+        first, second, *met = ca.vertsplit(pairs[0])
+        self.way = tuple(at_least(item, 1) for item in met)
+        return [first, second]
+
+    def states(
+        self,
+        goals: Iterable[Relation],
+        given: Iterable[Relation],
+        cuts: Mapping[str, ca.SX] | None = None,
+    ) -> Statement:
+        """The statement about this effect."""
+        return Statement(self.symbols, (*goals, *self.way), tuple(given), cuts or {})
 
     @cached_property
     def system(self) -> System:
@@ -34,9 +72,10 @@ class EffectGraph:
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
-        """All ports' elements by name."""
+        """All ports' elements by name, and the numbers that the bound alone reads."""
         drawn = tuple(item.port for item in self.system.draws)
-        return scalars((*self.system.inputs, *self.system.state, *self.system.params, *drawn))
+        ports = (*self.system.inputs, *self.system.state, *self.system.params, *drawn)
+        return self.trace.symbols | scalars(ports)
 
     @property
     def parameters(self) -> Parameters:
@@ -52,7 +91,7 @@ def positive(g: EffectGraph, *names: str) -> tuple[Relation, ...]:
     return tuple(above(g[name]) for name in names)
 
 
-SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau"
+SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
 INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
 WHOLE = (
     "every turn of both wheels now and a window ago; counts are their whole parts: "
@@ -143,16 +182,16 @@ def wheels_thrust(mutation: Mutation, axis: int = 0) -> Statement:
 
     What wrong radii add to dbar.
     """
-    g, most = EffectGraph(wheels.WHEELS, WHEELS), symbols("most")
-    told = ca.vertcat(g["tau_right"], g["tau_left"])
+    limited = (*WHEELS, ("actuator.tau_max", 5.0))
+    g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
+    told, most = ca.vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
-    radius = (g["wheels.radius[1]"], g["wheels.radius[2]"])
-    bound = wheels.misdriven_by(radius, g["wheels.track"], believed, most["most"])[axis]
+    bound = g.bound("dbar")[axis]
     given = (
         *positive(g, "robot.r", "robot.l"),
         *(above(1 + g[name]) for name in ("wheels.radius[1]", "wheels.radius[2]", "wheels.track")),
-        *within(told[0], most["most"]),
-        *within(told[1], most["most"]),
+        *within(told[0], most + 0.5 * g["motor.step"]),
+        *within(told[1], most + 0.5 * g["motor.step"]),
     )
-    return Statement({**g.symbols, **most}, within(made - meant, bound * mutation(1, 0.9)), given)
+    return g.states(within(made - meant, bound * mutation(1, 0.9)), given)
