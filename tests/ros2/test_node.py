@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 import subprocess
 import sys
-import venv
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnostic-msgs",
-          "lifecycle-msgs", "std-srvs")  # fmt: skip
+from tests.ros2.conftest import OVER_DDS
+
 SLACK = 0.15
 """Time [s] that DDS and a busy machine may take, beside time-outs and ticks."""
 TICK = 0.02
@@ -30,41 +26,7 @@ kind = "clip"
 gain = [0.9, 1.1]
 d = [0.05, 0.05]
 """
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        sys.platform != "linux" or platform.machine() != "x86_64", reason="NOT RUN: no wheels"
-    ),
-]
-
-
-@pytest.fixture(scope="module")
-def ros(tmp_path_factory):
-    """A Python with ROS 2, which sees this environment's packages too.
-
-    The wheels restart every interpreter of their environment with libraries of their own, so
-    they are never installed into this one.
-    """
-    folder = tmp_path_factory.mktemp("ros")
-    venv.create(folder, with_pip=True)
-    python = folder / "bin" / "python"
-    wanted = [f"ros-jazzy-{name}" for name in WHEELS]
-    done = subprocess.run(
-        [python, "-m", "pip", "install", "-q", *wanted], capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        pytest.skip(f"NOT RUN: the wheels of ROS 2 cannot be installed: {done.stderr[-300:]}")
-    (site,) = folder.glob("lib/python*/site-packages")
-    paths = [path for path in sys.path if path.endswith("site-packages")]
-    (site / "zz_here.pth").write_text("\n".join([*paths, str(ROOT)]), encoding="utf-8")
-    return python
-
-
-@pytest.fixture(scope="module")
-def environment():
-    """No other machine and no other test hears these nodes."""
-    local = {"ROS_DOMAIN_ID": str(1 + os.getpid() % 100)}
-    return {**os.environ, **local, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
 @pytest.fixture(scope="module")

@@ -59,6 +59,14 @@ def asking_controller(setup: Setup) -> System:
     return _composed(setup, watched=True, asking=True)
 
 
+def unfiltered_controller(setup: Setup) -> System:
+    """`controller` of a base that takes velocities without its filter, which is elsewhere.
+
+    It gives v_asked, and is told v_sent, which what it asks for does not depend on.
+    """
+    return _velocity_sender(setup, law_graph(setup)).asking()
+
+
 def law_graph(setup: Setup, in_flight: int | None = None) -> System:
     """The law by itself, whose output is the generalised force (N, N m).
 
@@ -212,11 +220,10 @@ def wheel_limit(setup: Setup, p: Parameters) -> ca.SX:
 
 def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     core = law_graph(setup)
+    if setup.takes_velocity:
+        return _velocity_sender(setup, core).system()
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
-    if setup.takes_velocity:
-        direct = core.outputs[0].signal == ASKED
-        return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked)).system()
     wish = (Output(FORCE, asked),) if asking else ()
     known = remembered(core)
     if not (watched or known):
@@ -230,6 +237,14 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
     update = [*applied.following(torque), memory.update]
     state = (*applied.state, *memory.state)
     return _finished(core, p, torque, state, update, (*memory.diagnostics, *wish))
+
+
+def _velocity_sender(setup: Setup, core: System) -> SentVelocity:
+    """What follows a law on a base that takes velocities."""
+    p = Parameters(setup, core.params)
+    asked = core.outputs[0].expr
+    direct = core.outputs[0].signal == ASKED
+    return SentVelocity(setup, core, p, asked if direct else _reached(setup, p, asked))
 
 
 def _velocity(core: System) -> ca.SX:

@@ -14,13 +14,15 @@ observer does not wind up.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
 
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT
+from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, usable_command
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
@@ -111,28 +113,55 @@ class SentVelocity:
         ``feasible`` whether odometry agrees with the stated bounds; no push is looked for.
         """
         sent, flags, filtering = self.filtered
-        states = [sent, *(item.sym for item in self.earlier[:-1])]
-        memory: list[Port] = [*self.earlier]
-        if self.applied is not None:
-            memory.append(self.applied)
-            states.append(self._acting(sent))
+        memory, following = self._remembering(sent)
         held = () if self.filter is None else self.filter.state
-        known = {item.signal for item in memory}
         changed = sent != self.asked
         agrees = ca.logic_not(_bit(flags, BOUNDS_LEFT))
         watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
-        return System(
-            self.core.name,
-            self.core.title,
-            inputs=tuple(item for item in self.core.inputs if item.signal not in known),
+        return replace(
+            self._law(memory),
             state=(*self.core.state, *memory, *held),
-            params=self.p.ports,
-            update=ca.vertcat(self.core.update, *states, filtering),
+            update=ca.vertcat(self.core.update, *following, filtering),
             outputs=tuple(Output(signal, sent[i]) for i, signal in enumerate(COMMAND)),
             diagnostics=(
                 *self.core.diagnostics, *(Output(*item) for item in watched), *shown,
             ),
+        )  # fmt: skip
+
+    def asking(self) -> System:
+        """The same without the filter: it asks for a velocity, and is told what was sent of it.
+
+        The further input v_sent does not touch what is asked for, but what is remembered: 0 for
+        what is no number.  To the bit it is what `system` remembers.
+        """
+        sent, asked = port(SENT), self.asked
+        memory, following = self._remembering(ca.vertcat(*usable_command(sent.sym)[0]))
+        law = self._law(memory)
+        return replace(
+            law,
+            inputs=(*law.inputs, sent),
+            state=(*self.core.state, *memory),
+            update=ca.vertcat(self.core.update, *following),
+            outputs=(Output(ASKED, asked),),
+        )
+
+    def _remembering(self, sent: ca.SX) -> tuple[list[Port], list[ca.SX]]:
+        """State behind the law for the velocity that is sent (2,), and its next values."""
+        memory: list[Port] = [*self.earlier]
+        following = [sent, *(item.sym for item in self.earlier[:-1])]
+        if self.applied is not None:
+            memory.append(self.applied)
+            following.append(self._acting(sent))
+        return memory, following
+
+    def _law(self, memory: Sequence[Port]) -> System:
+        """The law with the parameters of all; its inputs without what is remembered."""
+        known = {item.signal for item in memory}
+        inputs = tuple(item for item in self.core.inputs if item.signal not in known)
+        update = ca.SX.zeros(0, 1)
+        return System(
+            self.core.name, self.core.title, inputs=inputs, params=self.p.ports, update=update,
             period=self.core.period,
         )  # fmt: skip
 

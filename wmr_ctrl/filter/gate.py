@@ -105,7 +105,7 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
     T = scenario.clock.control
     budget = ca.if_else(elapsed.sym > 0, ca.fmin(elapsed.sym, T), T)
     ramped = ca.vertcat(*(
-        ramp(last.sym[i], goal[i], settings.rise[i] * budget, settings.fall[i] * budget)
+        ramp(last.sym[i], goal[i], (settings.rise[i], settings.fall[i]), budget)
         for i in AXES
     ))  # fmt: skip
     offered = ca.if_else(stop.sym > 0, 0, ramped)
@@ -126,12 +126,15 @@ def gate_system(scenario: Scenario, settings: GateSettings) -> System:
     )  # fmt: skip
 
 
-def ramp(last: ca.SX, wanted: ca.SX, rise: ca.SX, fall: ca.SX) -> ca.SX:
-    """The value nearest to ``wanted`` that is at most ``rise`` farther from 0 than ``last``, or
-    ``fall`` nearer; 0 is never crossed at once, so that each way has its own rate.
+def ramp(last: ca.SX, wanted: ca.SX, rates: tuple[float, float], time: ca.SX) -> ca.SX:
+    """The value nearest to ``wanted`` that a ``time`` [s] leads to from ``last``.
+
+    ``rates``: away from 0 and towards it; of a change of sign each has its share of the time.
     """
-    high = ca.if_else(last < 0, ca.fmin(last + fall, 0), last + rise)
-    low = ca.if_else(last > 0, ca.fmax(last - fall, 0), last - rise)
+    rise, fall = rates
+    up, down = last + fall * time, last - fall * time  # beyond 0 the rest of the time rises
+    high = ca.if_else(last < 0, ca.if_else(up > 0, rise / fall * up, up), last + rise * time)
+    low = ca.if_else(last > 0, ca.if_else(down < 0, rise / fall * down, down), last - rise * time)
     return ca.fmin(ca.fmax(wanted, low), high)
 
 

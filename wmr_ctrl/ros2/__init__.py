@@ -1,1 +1,1 @@
-"""ROS 2: lifecycle nodes before a base that takes velocities; `python -m wmr_ctrl.ros2 filter`."""
+"""ROS 2: lifecycle nodes of bases; `python -m wmr_ctrl.ros2 filter`, `drive`."""

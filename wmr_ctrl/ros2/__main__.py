@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-NODES = ("filter",)
+NODES = ("filter", "drive")
 
 
 def main() -> int:
@@ -21,9 +21,11 @@ def main() -> int:
             "Python: python3 -m venv --system-site-packages, then pip install wmr_ctrl there.\n"
         )
         return 2
+    from wmr_ctrl.ros2.drive_node import DriveNode
+    from wmr_ctrl.ros2.filter_node import FilterNode
     from wmr_ctrl.ros2.node import spin
 
-    return spin(given[1:])
+    return spin(FilterNode if given[0] == "filter" else DriveNode, given[1:])
 
 
 if __name__ == "__main__":

@@ -4,68 +4,81 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
-AHEAD = 0.05
-"""A stamp this far in the future [s] is the clock of another machine."""
+from wmr_ctrl.ros2.clocks import NS, Moment
+
+AHEAD = 50_000_000
+"""A stamp this far in the future [ns] is the clock of another machine."""
 UNIT = 1e-2
 """How far from 1 the norm of a quaternion may be."""
+Numbers = TypeVar("Numbers", bound=tuple[float, ...])
 
 
 @dataclass
-class Intake:
+class Intake(Generic[Numbers]):
     """The newest message of a topic that counts, and how many did not, by reason.
 
-    ``frame``: the frame_id that messages must name; "" lets any pass, and a message without one
-    passes always.  ``timeout`` [s]: older stamps are refused.
+    ``value``: its numbers, here those of no message.  ``frame``: the frame_id that messages must
+    name; "" lets any pass, and one without passes unless ``named``.  ``timeout`` [ns]: older stamps
+    are refused.  Simulated time has one clock, which a message may overtake: there a stamp
+    may be ahead by the time-out, and a message is new when it arrives.
     """
 
-    timeout: float
+    timeout: int
+    value: Numbers
     frame: str = ""
-    value: tuple[float, float] = (0.0, 0.0)
+    named: bool = False
     refused: dict[str, int] = field(default_factory=dict)
     taken: int = 0
-    _stamp: float = -math.inf
-    _arrived: float = -math.inf
-    _late: float = 0.0
+    _stamp: int | None = None
+    _arrived: int | None = None
+    _late: int = 0
+    _thawed: bool = False
 
-    def take(
-        self, value: tuple[float, float], stamp: float, frame: str, now: float, steady: float
-    ) -> str:
-        """Take a message (v [m/s], omega [rad/s]); the reason where it is refused, else "".
+    def take(self, value: Numbers, stamp: int, frame: str, now: Moment) -> str:
+        """Take a message; the reason where it is refused, else "".
 
-        ``stamp`` [s] is its own, 0 where it has none, ``now`` [s] ROS time, ``steady`` [s] a clock
-        that never jumps.
+        ``stamp`` [ns] is its own, 0 where it has none.
         """
         reason = self._objection(value, stamp, frame, now)
+        self._thawed = False
         if reason:
             self.refused[reason] = self.refused.get(reason, 0) + 1
             return reason
-        self.value, self._arrived = value, steady
-        self._late = max(0.0, now - stamp) if stamp else 0.0
+        self.value, self._arrived = value, now.steady
+        self._late = max(0, now.ros - stamp) if stamp and not now.simulated else 0
         self._stamp = stamp or self._stamp
         self.taken += 1
         return ""
 
-    def _objection(self, value: tuple[float, float], stamp: float, frame: str, now: float) -> str:
+    def _objection(self, value: Numbers, stamp: int, frame: str, now: Moment) -> str:
         if not all(map(math.isfinite, value)):
             return "not a number"
-        if self.frame and frame and frame != self.frame:
+        if self.frame and frame != self.frame and (frame or self.named):
             return "wrong frame"
         if not stamp:
-            return ""
-        if stamp > now + AHEAD:
+            return "queued while this process stood still" if self._thawed else ""
+        if stamp > now.ros + (self.timeout if now.simulated else AHEAD):
             return "from the future"
-        if now - stamp > self.timeout:
+        if now.ros - stamp > self.timeout:
             return "too old"
-        return "repeated or out of order" if stamp <= self._stamp else ""
+        late = self._stamp is not None and stamp <= self._stamp
+        return "repeated or out of order" if late else ""
 
-    def age(self, steady: float) -> float:
+    def age(self, now: Moment) -> float:
         """Time since what the message tells [s]; -1 if there is none."""
-        return -1.0 if math.isinf(self._arrived) else self._late + steady - self._arrived
+        if self._arrived is None:
+            return -1.0
+        return (self._late + now.steady - self._arrived) * NS
 
     def forget(self) -> None:
         """Begin anew, as after a jump of ROS time."""
-        self._stamp = self._arrived = -math.inf
+        self._stamp = self._arrived = None
+
+    def thaw(self) -> None:
+        """Distrust the next message without a stamp: it may have waited while nothing ran."""
+        self._thawed = True
 
 
 def is_rotation(x: float, y: float, z: float, w: float) -> bool:

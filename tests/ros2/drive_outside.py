@@ -1,0 +1,112 @@
+"""The drive node in a loop over DDS, from outside; run by a Python that has rclpy.
+
+``python drive_outside.py SCENARIO LAW MESSAGES`` starts the node on simulated time, sends it the
+odometry that MESSAGES (JSON: rows of x, y, orientation, v, omega, stamp in ns) holds, each after
+the answer to the one before, and prints the answers as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import rclpy
+from builtin_interfaces.msg import Time as TimeMessage
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64MultiArray
+
+SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+SPACE = "/robot1"
+"""Namespace of the node; its topics are remapped into /base."""
+
+
+class Base:
+    """Clock and odometry of a base, and the commands that it is sent."""
+
+    def __init__(self, efforts: bool) -> None:
+        self.node = rclpy.create_node("base")
+        self.clock = self.node.create_publisher(Clock, "/clock", SURE)
+        self.odometry = self.node.create_publisher(Odometry, "/base/odom", SURE)
+        kind, topic = (Float64MultiArray, "efforts") if efforts else (TwistStamped, "cmd_vel")
+        self.node.create_subscription(kind, f"/base/{topic}", self._came, SURE)
+        self.answers: list[list[float]] = []
+
+    def _came(self, message: TwistStamped | Float64MultiArray) -> None:
+        if isinstance(message, TwistStamped):
+            self.answers.append([message.twist.linear.x, message.twist.angular.z])
+        else:
+            self.answers.append(list(message.data))
+
+    def tell_time(self, stamp: int) -> TimeMessage:
+        """The clock's time, as a stamp."""
+        time_message = rclpy.time.Time(nanoseconds=stamp).to_msg()
+        self.clock.publish(Clock(clock=time_message))
+        return time_message
+
+    def sample(self, row: list[float]) -> None:
+        """The clock, then odometry of its time."""
+        stamp = self.tell_time(int(row[-1]))
+        message = Odometry(child_frame_id="base_link")
+        message.header.stamp, message.header.frame_id = stamp, "odom"
+        pose, twist = message.pose.pose, message.twist.twist
+        pose.position.x, pose.position.y = row[0], row[1]
+        turn = pose.orientation
+        turn.x, turn.y, turn.z, turn.w = row[2:6]
+        twist.linear.x, twist.angular.z = row[6:8]
+        self.odometry.publish(message)
+
+    def answer(self, seconds: float) -> list[float] | None:
+        """The next command, or None where none comes."""
+        end, count = time.monotonic() + seconds, len(self.answers)
+        while len(self.answers) == count and time.monotonic() < end:
+            rclpy.spin_once(self.node, timeout_sec=0.05)
+        return self.answers[-1] if len(self.answers) > count else None
+
+    def meet(self, first: int) -> None:
+        """Wait until both sides know each other and the time."""
+        for _ in range(200):
+            self.tell_time(first)
+            heard = self.answer(0.1) is not None
+            if heard and self.odometry.get_subscription_count():
+                return
+        raise SystemExit("the node was never heard")
+
+
+def main(scenario: str, law: str, messages: str, kind: str) -> None:
+    names = ["cmd_vel:=/base/cmd_vel", "odom:=/base/odom", "effort_commands:=/base/efforts"]
+    settings = [f"scenario:={scenario}", f"law:={law}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]",
+                "odometry_timeout:=2.0", "excess:=[1.0, 1.0]", "use_sim_time:=true",
+                "wheels:=[right, left]"]  # fmt: skip
+    remaps = [part for name in (*names, f"__ns:={SPACE}") for part in ("-r", name)]
+    given = [part for item in settings for part in ("-p", item)]
+    command = [sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given, *remaps]
+    process = subprocess.Popen(command)
+    rclpy.init()
+    base, rows = Base(kind == "efforts"), json.loads(Path(messages).read_text(encoding="utf-8"))
+    try:
+        base.meet(int(rows[0][-1]))
+        answers, start = [], time.monotonic()
+        for row in rows:
+            base.sample(row)
+            answer = base.answer(1.0)
+            while not answers and answer == [0.0, 0.0]:  # sent before the first message came
+                answer = base.answer(1.0)
+            answers.append(answer)
+        seconds = time.monotonic() - start
+        process.send_signal(signal.SIGINT)
+        last = base.answer(3.0)
+        report = {"answers": answers, "last": last, "code": process.wait(10), "seconds": seconds}
+    finally:
+        process.kill()
+    print(json.dumps(report))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

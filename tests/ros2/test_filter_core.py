@@ -1,0 +1,176 @@
+"""Faults of time, process and graph around the filter, as decisions of its core."""
+
+from __future__ import annotations
+
+import pytest
+
+from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment
+from wmr_ctrl.ros2.diagnosis import ERROR, OK, WARN, judged, rivals, two_senders
+from wmr_ctrl.ros2.filter_core import FilterCore
+from wmr_ctrl.scenario import load_scenario
+
+MS = 1_000_000
+TICK = 20 * MS
+STATED = {
+    "limits.v_u1": [1.0, 2.0], "clock.control": 0.02, "filter.kind": "clip",
+    "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05],
+}  # fmt: skip
+SETTINGS = GateSettings(odometry="none")
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("paper-simulation", STATED)
+
+
+@pytest.fixture
+def world(scenario):
+    return World(FilterCore(scenario, SETTINGS, "base_link"))
+
+
+class World:
+    """A core with a sender at its rate; clocks that a test moves."""
+
+    def __init__(self, core, ros=1_000_000 * MS):
+        self.core, self.ros, self.steady, self.told = core, ros, 7_000 * MS, []
+
+    def now(self):
+        now = Moment(self.ros, self.steady)
+        self.told += self.core.see(now)
+        return now
+
+    def go(self, count, *, sends=True, stamped=True, passes=True):
+        """Ticks with a command before each; returns the speeds sent."""
+        speeds = []
+        for _ in range(count):
+            self.steady += TICK
+            self.ros += TICK if passes else 0
+            if sends:
+                self.command(self.ros if stamped else 0)
+            speeds.append(self.core.tick(self.now()).command[0])
+        return speeds
+
+    def command(self, stamp):
+        return self.core.commands.take((0.5, 0.0), stamp, "base_link", self.now())
+
+
+def ticks_to_rest(speed):
+    return speed / (SETTINGS.fall[0] * TICK * 1e-9)
+
+
+def test_a_sound_world_drives_without_a_word(world):
+    assert world.go(60)[-1] == 0.5
+    assert world.told == []
+
+
+def test_ros_time_that_goes_back_begins_anew_and_drives_again(world):
+    world.go(60)
+    world.ros -= 10_000 * MS
+    world.now()
+    assert world.told == [BACK]
+    assert world.core.tick(world.now()).command[0] < 0.5  # no command is left
+    assert world.go(60)[-1] == 0.5  # older stamps count again
+
+
+def test_ros_time_that_goes_forth_refuses_what_came_before_and_goes_on(world):
+    world.go(60)
+    before, world.ros = world.ros, world.ros + 10_000 * MS
+    assert world.command(before + 1) == "too old"
+    assert world.told == [FORTH]
+    assert world.go(5) == [0.5] * 5
+
+
+def test_ros_time_that_stops_ends_in_rest_by_the_steady_clock(world):
+    world.go(60)
+    speeds = world.go(60, passes=False)  # every stamp is the one before
+    still = SETTINGS.command_timeout / (TICK * 1e-9)
+    assert speeds[: int(still) - 1] == [0.5] * (int(still) - 1)
+    assert speeds.index(0.0) <= still + ticks_to_rest(0.5) + 2
+    assert speeds[-1] == 0.0
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_a_process_that_stood_still_trusts_nothing_from_before(world, stamped):
+    """The queue holds a command from before the freeze, whose sender died meanwhile."""
+    world.go(60, stamped=stamped)
+    queued = world.ros if stamped else 0
+    world.steady += 600 * MS
+    world.ros += 600 * MS
+    assert world.command(queued) != ""
+    assert world.told == [FROZEN]
+    speeds = world.go(30, sends=False)
+    assert speeds[0] < 0.5  # one period's ramp, not the freeze's
+    assert speeds[0] >= 0.5 - 1.01 * SETTINGS.fall[0] * TICK * 1e-9
+    assert speeds[-1] == 0.0
+
+
+def test_after_a_kill_the_next_life_sends_zeros_until_a_command_counts(world, scenario):
+    world.go(60)
+    old = world.ros
+    again = World(FilterCore(scenario, SETTINGS, "base_link"), world.ros + 2_000 * MS)
+    assert again.go(5, sends=False) == [0.0] * 5
+    assert again.command(old) == "too old"
+    assert again.go(1, sends=False) == [0.0]
+    speeds = again.go(3)
+    assert speeds == pytest.approx([0.02, 0.04, 0.06])  # by the ramp: rise is 1 m/s2
+
+
+def test_a_stop_outlives_messages_and_needs_a_reset(world):
+    world.go(60)
+    world.steady += TICK
+    assert world.core.halt(True, world.now()).command == (0.0, 0.0)
+    assert not world.core.reset()
+    assert world.go(3) == [0.0] * 3
+    assert world.core.halt(False, world.now()) is None
+    assert world.go(3) == [0.0] * 3
+    assert world.core.reset()
+    assert world.go(1)[0] > 0
+
+
+def test_simulated_time_may_run_at_another_rate_but_not_leap():
+    clocks = Clocks(250 * MS)
+    moments = [Moment(k * 400 * MS, k * 100 * MS, simulated=True) for k in range(5)]
+    assert [clocks.see(now) for now in moments] == [()] * 5
+    assert clocks.see(Moment(12_000 * MS, 500 * MS, simulated=True)) == (FORTH,)
+    assert clocks.see(Moment(1_000 * MS, 600 * MS, simulated=True)) == (BACK,)
+    assert clocks.counts == {FORTH: 1, BACK: 1}
+
+
+def test_switching_to_simulated_time_is_no_jump():
+    clocks = Clocks(250 * MS)
+    assert clocks.see(Moment(1_000_000 * MS, 0)) == ()
+    assert clocks.see(Moment(0, 20 * MS, simulated=True)) == ()
+
+
+# -- who else publishes --------------------------------------------------------------------
+
+ME = "/robot1/wmr_filter"
+
+
+def test_alone_there_is_no_rival():
+    assert rivals(ME, [ME], "/robot1/cmd_vel") == ""
+    assert rivals(ME, [], "/robot1/cmd_vel") == ""
+    assert two_senders(["/teleop"], "/cmd_vel_in") == ""
+
+
+def test_rivals_are_named_and_so_is_a_ghost_of_the_node_itself():
+    other = rivals(ME, [ME, "/robot1/teleop"], "/base/cmd_vel")
+    assert "/robot1/teleop" in other
+    assert "/base/cmd_vel" in other
+    ghost = rivals(ME, [ME, ME], "/base/cmd_vel")
+    assert "own name" in ghost
+    assert "lease" in ghost
+    assert "teleop" not in ghost
+    assert "/robot2/wmr_filter" in rivals(ME, [ME, "/robot2/wmr_filter"], "/base/cmd_vel")
+
+
+def test_the_gravest_is_told_first():
+    rival, senders = rivals(ME, [ME, "/x"], "/cmd_vel"), two_senders(["/a", "/b"], "/cmd_vel_in")
+    assert judged((), "a callback failed", rival, senders) == (ERROR, "a callback failed")
+    assert judged(("no-command",), "", rival, senders) == (ERROR, rival)
+    assert judged(("stopped", "no-command"), "", "", senders) == (ERROR, "stopped")
+    assert judged(("no-command",), "", "", senders) == (WARN, "no-command")
+    assert judged(("limited",), "", "", senders) == (WARN, senders)
+    assert judged(("limited", "ramped")) == (OK, "driving")
+    assert judged(("arrived",)) == (OK, "arrived")

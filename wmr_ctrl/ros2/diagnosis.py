@@ -1,0 +1,75 @@
+"""What diagnostics say: level and sentence, from flags and from who else publishes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN
+from wmr_ctrl.ros2.drive_core import (
+    ARRIVED,
+    JUMPED,
+    MISSED,
+    NEW_PATH,
+    NO_ODOMETRY,
+    NO_PATH,
+    NOT_FINITE,
+    STOPPED,
+)
+
+OK, WARN, ERROR = 0, 1, 2
+ERRORS = {"too-fast", "unsound", STOPPED, NOT_FINITE}
+WARNINGS = {
+    "no-command", NO_ODOMETRY, "bounds-left", BACK, FORTH, FROZEN, JUMPED, MISSED, NO_PATH,
+    NEW_PATH,
+}  # fmt: skip
+TOLD = {ARRIVED}
+"""Flags of no fault that are told."""
+LEASE = "one that died without a word is listed until its lease ends, some 20 s"
+
+
+def rivals(own: str, publishers: Sequence[str], topic: str) -> str:
+    """Sentence on other publishers of the commands that go to the base; "" without any.
+
+    ``own`` is the node's full name, ``publishers`` those of all that the graph lists on ``topic``.
+    """
+    others = sorted({name for name in publishers if name != own})
+    again = publishers.count(own) > 1
+    if not (others or again):
+        return ""
+    named = [*others, *(["a second node of this one's own name"] if again else [])]
+    return (
+        f"other publishers on {topic}: {', '.join(named)}. The promise is void while one of them "
+        f"sends; {LEASE}."
+    )
+
+
+def two_senders(publishers: Sequence[str], topic: str) -> str:
+    """Sentence on several senders of what a node reads; "" where there is one."""
+    if len(publishers) < 2:
+        return ""
+    return (
+        f"{len(publishers)} senders on {topic}: {', '.join(sorted(set(publishers)))}. What they "
+        f"send is mixed: keep one, or a multiplexer such as twist_mux ({LEASE})."
+    )
+
+
+def judged(
+    flags: Iterable[str], problem: str = "", rival: str = "", senders: str = ""
+) -> tuple[int, str]:
+    """Level and sentence of a node that is active."""
+    given = set(flags)
+    for level, text in ((ERROR, problem), (ERROR, rival), (ERROR, _named(given & ERRORS)),
+                        (WARN, _named(given & WARNINGS)), (WARN, senders)):  # fmt: skip
+        if text:
+            return level, text
+    return OK, _named(given & TOLD) or "driving"
+
+
+def grave(flags: Iterable[str]) -> tuple[str, ...]:
+    """Flags that go into the log when they change, errors first."""
+    given = set(flags)
+    return (*sorted(given & ERRORS), *sorted(given & (WARNINGS | TOLD)))
+
+
+def _named(flags: Iterable[str]) -> str:
+    return ", ".join(sorted(flags))

@@ -1,0 +1,283 @@
+"""Decisions of ``wmr_drive``: odometry and ticks to the command that goes to the base.
+
+A message is a sample: its stamp is the law's time.  Whatever makes the law's memory worthless
+(odometry that was missing, a pose or a clock that jumped, a stop) makes the base come to rest; the
+reference waits, and after CALM messages that agree the law begins anew where the reference stood.
+Nothing here knows ROS: the node hands on what came and when.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.errors import WmrError
+from wmr_ctrl.filter.gate import Gated, GateSettings
+from wmr_ctrl.ros2.clocks import BACK, NS, Clocks, Moment
+from wmr_ctrl.ros2.compiled_gate import NONE, PAIR, Gate
+from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
+from wmr_ctrl.ros2.filter_core import in_ns
+from wmr_ctrl.ros2.intake import Intake, is_rotation
+
+CALM = 3
+"""Messages that must agree with each other before the law acts again."""
+EARLY = 0.25
+"""Share of a period by which a message may be early and count as its sample."""
+EXACT = 1_000
+"""Off the grid of samples by this much [ns] is on it."""
+LATEST = 1.5
+"""Periods after which a torque has acted for too long."""
+NO_ODOMETRY, JUMPED, STOPPED, NOT_FINITE = "no-odometry", "pose-jump", "stopped", "law-not-finite"
+NO_PATH, NEW_PATH, ARRIVED, MISSED = "no-path", "new-path", "arrived", "period-missed"
+Message = tuple[float, float, float, float, float, float, float, float]
+NOTHING: Message = (0.0,) * 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveSettings:
+    """Gate of the drive, its frames, and how far a pose may leap [m, rad] beyond its motion.
+
+    ``path``: the reference comes as a path, not from the scenario.
+    """
+
+    gate: GateSettings = field(default_factory=GateSettings)
+    odometry_frame: str = "odom"
+    base_frame: str = "base_link"
+    jump: tuple[float, float] = (0.1, 0.2)
+    path: bool = False
+
+
+class DriveCore:
+    """Law, gate, intake and clocks of a drive node.
+
+    ``last`` is what was sent last, ``e`` the tracking error of the last sample [m, m, rad],
+    ``held`` why the base is kept at rest, "" while it drives; ``counts`` how often and of what.
+    """
+
+    def __init__(self, setup: Setup, settings: DriveSettings) -> None:
+        """Compile law, reference and gate.  Raises ScenarioError, CompilerError."""
+        self.setup, self.settings = setup, settings
+        self.period, clock = setup.scenario.clock.control, in_ns(settings.gate.odometry_timeout)
+        self._law = DriveLaw(setup)
+        self._gate = Gate(setup.scenario, settings.gate) if setup.takes_velocity else None
+        if settings.path:
+            check_follows(setup.scenario)
+        self._scenario_motion = None if settings.path else DesiredMotion(setup.scenario)
+        frames = f"{settings.odometry_frame} -> {settings.base_frame}"
+        self.measured = Intake(clock, NOTHING, frames, named=True)
+        self.clocks = Clocks(clock)
+        self.counts: dict[str, int] = {}
+        self.start()
+
+    def start(self) -> None:
+        """Begin anew: the reference at its start, nothing latched, no message."""
+        self.measured.forget()
+        self.clocks.start()
+        if self._gate:
+            self._gate.start()
+        self.last, self.e = Gated(PAIR, ()), (0.0, 0.0, 0.0)
+        self.stop = self._latched = self._reset = False
+        self._near = 0.0
+        self._seen: tuple[int, Message] | None = None
+        self._sent_at: tuple[int, int] | None = None
+        self._points: list[tuple[float, float]] = []
+        self.problem = ""
+        self._lay(self._scenario_motion)
+        self._calm, self.held = 0, "" if self._motion else NO_PATH
+
+    def _lay(self, motion: DesiredMotion | None) -> None:
+        self._motion, self._sample = motion, -1
+        self._origin: int | None = None
+
+    # -- what comes in ------------------------------------------------------------------------
+
+    def see(self, now: Moment) -> tuple[str, ...]:
+        """Look at the time; what happened to it, to be told."""
+        happened = self.clocks.see(now)
+        if BACK in happened:
+            self.measured.forget()
+            self._seen = None
+            self._hold(BACK)
+        return happened
+
+    def odometry(
+        self, message: Message, stamp: int, frame: str, child: str, now: Moment
+    ) -> tuple[str, Gated | None]:
+        """Take a message: why it is refused, else ""; and what is sent to the base, if anything.
+
+        ``message``: see `MESSAGE`; ``stamp`` [ns]; the pose is in ``frame``, the twist in
+        ``child``.
+        """
+        reason = "" if is_rotation(*message[2:6]) else "not a rotation"
+        reason = reason or ("" if stamp else "without a stamp")
+        if reason:
+            self.measured.refused[reason] = self.measured.refused.get(reason, 0) + 1
+        else:
+            reason = self.measured.take(message, stamp, f"{frame} -> {child}", now)
+        if reason:
+            return reason, None
+        self._compare(stamp, message)
+        place = self._place(stamp)
+        if place is None:
+            return "", None
+        return "", self._sampled(*place, stamp, now)
+
+    def follow(self, points: Sequence[tuple[float, float]], frame: str) -> str:
+        """Take a path, which is begun when the base rests; why it is refused, else ""."""
+        if not self.settings.path:
+            return "the reference is the scenario's"
+        if frame != self.settings.odometry_frame:
+            return f"it is in {frame!r}, not in {self.settings.odometry_frame!r}"
+        if not all(math.isfinite(part) for point in points for part in point):
+            return "not a number"
+        self._points = list(points)
+        self._hold(NEW_PATH)
+        return ""
+
+    def halt(self, stop: bool, now: Moment) -> Gated | None:
+        """Take the word of ~/stop; true stops at once and latches."""
+        self.stop = stop
+        if not stop:
+            return None
+        self._latched = True
+        self._hold(STOPPED)
+        return self._rest(now)
+
+    def reset(self) -> bool:
+        """Leave what is latched; False while ~/stop says true: then it stays stopped."""
+        if self.stop:
+            return False
+        self._latched, self._reset = False, True
+        return True
+
+    def tick(self, now: Moment) -> Gated | None:
+        """The command for the base where no odometry leads to one in time; else None."""
+        patience = self.settings.gate.odometry_timeout
+        if self._gate is None and not now.simulated:
+            patience = min(patience, LATEST * self.period)
+        if 0 <= self.measured.age(now) <= patience:
+            return None
+        if self._seen and self.held not in (NO_ODOMETRY, STOPPED):
+            self._hold(NO_ODOMETRY)
+        recent = self._sent_at and now.steady - self._sent_at[1] < 0.75 * self.period / NS
+        return None if recent else self._rest(now)
+
+    # -- what is made of it -------------------------------------------------------------------
+
+    def _hold(self, reason: str) -> None:
+        """Bring the base to rest; the law begins anew when it is over."""
+        self.held, self._calm, self._origin = reason, CALM, None
+        self.counts[reason] = self.counts.get(reason, 0) + 1
+
+    def _compare(self, stamp: int, message: Message) -> None:
+        """Hold where a message does not follow from the one before."""
+        before, self._seen = self._seen, (stamp, message)
+        if before is None:
+            return
+        passed = stamp - before[0]
+        if passed > self.measured.timeout:
+            self._hold(NO_ODOMETRY)
+        elif self._leaps(before[1], message, passed * NS):
+            self._hold(JUMPED)
+
+    def _leaps(self, before: Message, message: Message, passed: float) -> bool:
+        """Whether the pose moved farther than the larger of both speeds leads, and the slack."""
+        speed, turning = (max(abs(before[i]), abs(message[i])) for i in (6, 7))
+        way = math.hypot(message[0] - before[0], message[1] - before[1])
+        most, turned = self.settings.jump
+        (a, b, c, d), (x, y, z, w) = before[2:6], message[2:6]
+        norms = math.hypot(a, b, c, d) * math.hypot(x, y, z, w)
+        turn = 2 * math.acos(min(1.0, abs(a * x + b * y + c * z + d * w) / norms))
+        return way > most + 2 * speed * passed or turn > turned + 2 * turning * passed
+
+    def _place(self, stamp: int) -> tuple[int, float] | None:
+        """Number of a message's sample and time after it [s]; None where it comes between."""
+        if self._origin is None:
+            self._origin = stamp - in_ns((self._sample + 1) * self.period)
+        since = stamp - self._origin
+        sample = math.floor(since * NS / self.period + EARLY)
+        if sample <= self._sample:
+            return None
+        rest = since - in_ns(sample * self.period)
+        return sample, 0.0 if abs(rest) <= EXACT else rest * NS
+
+    def _sampled(self, sample: int, rest: float, stamp: int, now: Moment) -> Gated:
+        if self._calm:
+            self._calm -= 1
+        if self._points and self.last.command == PAIR:
+            self._begin_path()
+        if self._motion is None and not (self._calm or self._latched or self._points):
+            self.held = NO_PATH
+        if self._calm or self._latched or self._points or self._motion is None:
+            self._origin = None
+            return self._rest(now)
+        if self.held or self._sample < 0:
+            self._law.start(self.last.command)
+            self._near = self._motion.at(sample, rest)[2]  # turns of before are no error
+        missed = sample - self._sample - 1
+        self._sample, self.held = sample, ""
+        return self._act(self._motion, rest, missed, (stamp, now))
+
+    def _begin_path(self) -> None:
+        points, self._points, self.problem = self._points, [], ""
+        try:
+            self._lay(path_motion(self.setup.scenario, self.setup.name, points))
+        except WmrError as error:
+            self._lay(None)
+            self.problem, self.held = " ".join(str(error).split()), NO_PATH
+
+    def _act(
+        self, motion: DesiredMotion, rest: float, missed: int, at: tuple[int, Moment]
+    ) -> Gated:
+        stamp, now = at
+        message, sample = self.measured.value, self._sample
+        wish = self._law.wish(motion.at(sample, rest), message, self._near)
+        if not all(map(math.isfinite, (*wish.command, wish.theta))):
+            self._hold(NOT_FINITE)
+            return self._rest(now)
+        self._near, self.e = wish.theta, wish.e
+        flags = [MISSED] if missed else []
+        self.counts[MISSED] = self.counts.get(MISSED, 0) + missed
+        if motion.arrival is not None and sample * self.period + rest >= motion.arrival:
+            flags.append(ARRIVED)
+        gated = Gated(wish.command, ())
+        if self._gate:
+            gated = self._passed(wish.command, 0.0, stamp, now)
+        self._law.remember(gated.command)
+        self._sent_at = stamp, now.steady
+        self.last = Gated(gated.command, (*gated.flags, *flags))
+        return self.last
+
+    def _elapsed(self, stamp: int, now: Moment) -> float:
+        """Time since the gate's last step [s], by stamps where it was a sample; 0: the period."""
+        if self._sent_at is None:
+            return 0.0
+        before, steady = self._sent_at
+        passed = stamp - before if stamp and before else now.steady - steady
+        return 0.0 if abs(passed - in_ns(self.period)) <= EXACT else passed * NS
+
+    def _passed(self, command: tuple[float, float], age: float, stamp: int, now: Moment) -> Gated:
+        """The gate's word on a command; ``stamp`` is 0 where it comes from no sample."""
+        assert self._gate
+        gated = self._gate.step(
+            command, age, self.measured.value[6:], self.measured.age(now),
+            self._elapsed(stamp, now), stop=self.stop, reset=self._reset,
+        )  # fmt: skip
+        self._reset = False
+        if STOPPED in gated.flags and not self._latched:
+            self._latched = True
+            self._hold(STOPPED)
+        return gated
+
+    def _rest(self, now: Moment) -> Gated:
+        """Bring the base to rest: velocities by the gate's ramp, torques to 0."""
+        gated = Gated(PAIR, ())
+        if self._gate:
+            gated = self._passed(PAIR, NONE, 0, now)
+        self._sent_at = 0, now.steady
+        held = self.held or NO_ODOMETRY
+        flags = tuple(flag for flag in gated.flags if flag not in ("no-command", held))
+        self.last = Gated(gated.command, (*flags, held))
+        return self.last

@@ -1,0 +1,90 @@
+"""Lifecycle node ``wmr_filter``: commands in, commands out that keep a base within its limits."""
+
+from __future__ import annotations
+
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.parameter import Parameter
+
+from wmr_ctrl.filter.gate import GateSettings
+from wmr_ctrl.ros2.filter_core import FilterCore
+from wmr_ctrl.ros2.intake import is_rotation
+from wmr_ctrl.ros2.node import LATEST, SURE, SafeNode, guarded, stamp_of
+from wmr_ctrl.ros2.parameters import FILTER, SPEED_SCALE
+from wmr_ctrl.ros2.twists import command_kind, twist_message
+from wmr_ctrl.scenario import Scenario
+
+
+class FilterNode(SafeNode[FilterCore]):
+    """The node."""
+
+    topics_in = ("cmd_vel_in",)
+
+    def __init__(self) -> None:
+        """Declare the parameters."""
+        super().__init__("wmr_filter", FILTER)
+        share = ParameterDescriptor(
+            description="share of each command that is passed on",
+            floating_point_range=[FloatingPointRange(from_value=0.0, to_value=1.0)],
+        )
+        self.declare_parameter(SPEED_SCALE, 1.0, share)
+        self.add_on_set_parameters_callback(self._on_parameters)
+
+    def build(self, scenario: Scenario) -> tuple[FilterCore, float]:
+        """The gate and its intakes."""
+        settings = GateSettings(
+            command_timeout=float(self.value("command_timeout")),  # type: ignore[arg-type]
+            odometry_timeout=float(self.value("odometry_timeout")),  # type: ignore[arg-type]
+            odometry=str(self.value("odometry")),
+            rise=self.pair("rise"), fall=self.pair("fall"), excess=self.pair("excess"),
+        )  # fmt: skip
+        self.frame, self.stamped = str(self.value("base_frame")), bool(self.value("stamped"))
+        core = FilterCore(scenario, settings, self.frame)
+        core.scale = float(self.value(SPEED_SCALE))  # type: ignore[arg-type]
+        return core, core.gate.period
+
+    def connect(self) -> None:
+        """Topics as in the page."""
+        kind = command_kind(self.stamped)
+        self.out = self.create_lifecycle_publisher(kind, "cmd_vel", SURE)
+        self.listen(kind, "cmd_vel_in", self._on_command, LATEST)
+        self.listen(Odometry, "odom", self._on_odometry, LATEST)
+
+    def send(self, command: tuple[float, float]) -> None:
+        """Publish velocities [m/s, rad/s]."""
+        self.out.publish(twist_message(self, self.frame, self.stamped, command))
+
+    def details(self) -> dict[str, str]:
+        """Command and counters."""
+        assert self.core
+        v, omega = self.core.last.command
+        shown = {"v": f"{v:.4f}", "omega": f"{omega:.4f}"}
+        for name, intake in (("command", self.core.commands), ("odometry", self.core.odometry)):
+            shown |= {f"{name}s taken": str(intake.taken)}
+            shown |= {f"{name}s {reason}": str(n) for reason, n in intake.refused.items()}
+        return shown
+
+    @guarded
+    def _on_command(self, message: TwistStamped | Twist) -> None:
+        assert self.core
+        twist = message.twist if self.stamped else message
+        stamp, frame = (stamp_of(message), message.header.frame_id) if self.stamped else (0, "")
+        value = twist.linear.x, twist.angular.z
+        self.refused("command", self.core.commands.take(value, stamp, frame, self.now()))
+
+    @guarded
+    def _on_odometry(self, message: Odometry) -> None:
+        assert self.core
+        turn, twist = message.pose.pose.orientation, message.twist.twist
+        value = twist.linear.x, twist.angular.z
+        if not is_rotation(turn.x, turn.y, turn.z, turn.w):
+            value = float("nan"), float("nan")
+        frame, stamp = message.child_frame_id, stamp_of(message)
+        self.refused("odometry", self.core.odometry.take(value, stamp, frame, self.now()))
+
+    def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
+        for item in changed:
+            if item.name == SPEED_SCALE and self.core:
+                self.core.scale = float(item.value)
+        return SetParametersResult(successful=True)
