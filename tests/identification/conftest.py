@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.own_plant import Truth, log_of, simulate
+from wmr_ctrl.identification import identify
 
 TRUTH = Truth(delay=0.036)
 KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
@@ -15,6 +16,12 @@ POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x"
 @pytest.fixture(scope="session")
 def driven():
     return simulate(TRUTH, 4, 24.0, seed=0, step=2e-3)
+
+
+@pytest.fixture(scope="session")
+def found(driven):
+    """What the first robot's log tells."""
+    return identify(log_of(driven, 0), overrides=KNOWN)
 
 
 @pytest.fixture

@@ -17,11 +17,6 @@ from wmr_ctrl.scenario import Scenario, loads_scenario
 MAIN = ("m", "I", "delay", "lag")
 
 
-@pytest.fixture(scope="module")
-def found(driven):
-    return identify(log_of(driven, 0), overrides=KNOWN)
-
-
 def test_the_truth_is_near_every_interval(found):
     """Three half-widths: an interval of 95 % misses by that much once in 1e8."""
     for name in PHYSICAL:

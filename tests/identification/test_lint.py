@@ -10,8 +10,8 @@ from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from wmr_ctrl.cli import root
 from wmr_ctrl.identification import identify, lint
-from wmr_ctrl.identification.identification import motion_of
 from wmr_ctrl.identification.log import LogError, of_columns
+from wmr_ctrl.identification.reading import motion_of
 from wmr_ctrl.scenario import Scenario, override
 from wmr_ctrl.world.encoder import COUNTS
 

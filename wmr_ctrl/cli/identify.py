@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     metavar="ROLE=NAME,...",
     help="Of a bag: odom=, cmd=, joints= and effort= name topics, right= and left= joints.",
 )
+@click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
+@click.option("--report", metavar="FILE", help="One page with all of it: .html.")
 @json_option("Print parameters, bounds, remarks and score as one JSON document.")
 @debug_option
 def identify(
@@ -43,6 +45,8 @@ def identify(
     robot: str | None,
     assignments: tuple[str, ...],
     topics: str | None,
+    plot: str | None,
+    report: str | None,
     as_json: bool,
 ) -> None:
     """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
@@ -55,6 +59,8 @@ def identify(
     that something is wrong with is refused in one paragraph (exit code 2).
     """
     check_output(out, (".toml",), "--out")
+    check_output(plot, (".png", ".svg", ".pdf"), "--plot")
+    check_output(report, (".html",), "--report")
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.scenario import parse_assignments
@@ -71,6 +77,12 @@ def identify(
         with atomic_text(out) as file:
             file.write(result.to_toml())
         say("wrote", out)
+    if plot or report:
+        from wmr_ctrl.report.identified import write_identification
+
+        write_identification(result, report, plot)
+        for path in filter(None, (plot, report)):
+            say("wrote", path)
     if as_json:
         print_json(result.to_json())
     else:

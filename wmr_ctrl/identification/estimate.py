@@ -71,13 +71,16 @@ SMALL, PART = 0.03, 0.35
 
 
 class Estimate(NamedTuple):
-    """A value with its 95 % interval, whether the log told it, and when it did [s]."""
+    """A value with its 95 % interval, whether the log told it, when it did [s], and the half-width
+    as a share of what the verdict compares it with.
+    """
 
     value: float
     low: float
     high: float
     verdict: str
     seconds: tuple[float, float] = (0.0, 0.0)
+    share: float = 0.0
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -104,6 +107,21 @@ class Score:
     held_out_from: float
     usable_speed: float | None = None
     one_newton_more: float | None = None
+
+
+@dataclass(frozen=True)
+class Traces:
+    """What is drawn of a fit, over t (N,) [s]: speeds (N, 2) as the filter reads them and as free
+    runs of a second foretell them by a fit of what lies before ``held_out_from`` [s]; the force
+    (N, 2) [N, N m] that each residual amounts to, q z, as dbar is made of it.  NaN where a stretch
+    begins, of which nothing counts.
+    """
+
+    t: Floats
+    measured: Floats
+    foretold: Floats
+    force: Floats
+    held_out_from: float
 
 
 def verdict(half: float, size: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -16,14 +16,18 @@ from wmr_ctrl.fields.arguments import checks_arguments
 from wmr_ctrl.identification import lint
 from wmr_ctrl.identification.bounds import GuardBounds, guard_bounds, usable_speeds
 from wmr_ctrl.identification.estimate import (
+    FREE_RUN,
     NOT_TOLD,
     TOLD,
     UNITS,
+    WORDS,
     Estimate,
     Score,
+    Traces,
     coloured_if_likelier,
     distrusting_low_speeds,
     free_of,
+    free_runs,
     intervals_of,
     mixtures,
     plant_step,
@@ -33,7 +37,7 @@ from wmr_ctrl.identification.estimate import (
     started,
     verdict,
 )
-from wmr_ctrl.identification.fit import Fit, LogProblem, scored
+from wmr_ctrl.identification.fit import Fit, LogProblem, scored, standard_errors
 from wmr_ctrl.identification.graph import torque_graph
 from wmr_ctrl.identification.log import (
     TORQUES,
@@ -44,15 +48,15 @@ from wmr_ctrl.identification.log import (
     read_log,
     seen_by,
 )
-from wmr_ctrl.identification.reading import CompiledFilter, Samples
+from wmr_ctrl.identification.reading import COUNTED as MEASURED
+from wmr_ctrl.identification.reading import CompiledFilter, Floats, Samples, motion_of
 from wmr_ctrl.scenario import Scenario, override, to_toml
 from wmr_ctrl.world.encoder import COUNTS, Encoder
 
 Progress = Callable[[float], None]
-GAP = 5.0
-"""Steps without a row from which on a log is in two stretches."""
 USUAL_PASSES = 60
 """Passes through the filter that a log usually takes, for the progress that is told."""
+TRACE_PASSES = 6
 ROBOT = ("robot.r", "robot.l")
 COUNTED = "encoder.counts"
 AFFECTED = ("resistance", "gust", "wheels", "slope", "motor", "push")
@@ -85,6 +89,39 @@ class Identification:
             "remarks": list(self.remarks),
             "score": asdict(self.score),
         }
+
+    def traces(self) -> Traces:
+        """Measured and foretold speeds, and residuals; takes some passes through the log."""
+        problem, names = self.white.problem, self.white.problem.filter.graph.names
+        part = replace(problem, log=problem.log.until(self.score.held_out_from))
+        trained = scored(part, self.white.theta, self.white.free, TRACE_PASSES).theta
+        mean = problem.read(trained, slopes=False).mean
+        foretold, _ = free_runs(problem, problem.log, trained, mean)
+        q = np.exp(self.white.theta[[names.index("q1"), names.index("q2")]])
+        counts = (problem.counting()[0] == MEASURED)[:, None]
+        force = np.where(counts, q * self.white.last.sizes, np.nan)
+        began = problem.log.t < problem.log.t[0] + FREE_RUN
+        foretold[began] = np.nan
+        return Traces(problem.log.t, mean[:, 2:4], foretold, force, self.score.held_out_from)
+
+    def likelihood(self, delays: Sequence[float], lags: Sequence[float]) -> Floats:
+        """Log-likelihood less its largest (len(delays), len(lags)), all else as it was fitted."""
+        names, theta = self.fit.problem.filter.graph.names, self.fit.theta.copy()
+        values = np.empty((len(delays), len(lags)))
+        for i, delay in enumerate(delays):
+            for j, lag in enumerate(lags):
+                theta[[names.index("delay"), names.index("lag")]] = delay, lag
+                values[i, j] = -self.fit.problem.read(theta, slopes=False).nll.sum()
+        return np.asarray(values - max(values.max(), -self.fit.nll))
+
+    def standard_errors(self) -> dict[str, float]:
+        """Of what is searched, by the Fisher information."""
+        errors, _ = standard_errors(self.fit)
+        return dict(zip(self.fit.problem.filter.graph.names, errors.tolist(), strict=True))
+
+    def described(self) -> dict[str, tuple[str, str]]:
+        """Words and unit of each parameter."""
+        return {name: (WORDS[name], UNITS[name]) for name in self.parameters}
 
     def to_toml(self) -> str:
         """The scenario, with the interval and verdict of each number beside it."""
@@ -196,31 +233,6 @@ def _by_poses(raw: Log, scenario: Scenario, missing: list[str], remarks: list[st
     return override(scenario, {"robot.r": r, "robot.l": half_track})
 
 
-def motion_of(raw: Log, scenario: Scenario, source: str) -> Samples:
-    """Samples of a log whose motion is read from ``source``."""
-    r, half_track = scenario.robot.r, scenario.robot.l
-    sent, command = (
-        raw.pair(TORQUES) if raw.has(TORQUES) else raw.pair(("v_command", "omega_command"))
-    )
-    variance, of_speed = np.zeros(2), source != COUNTS.name
-    if source in (COUNTS.name, "wheel_speed"):
-        names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")
-        t, wheel = raw.pair(names)
-        if not of_speed:
-            count = 2 * math.pi / float(scenario.value("encoder.counts")[0])
-            wheel = wheel * count
-            one = (count * r) ** 2 / 12
-            variance = np.array([one / 2, one / (2 * half_track**2)])
-        seen = (
-            np.column_stack((wheel.sum(axis=1), (wheel[:, 0] - wheel[:, 1]) / half_track)) * r / 2
-        )
-    else:
-        t, seen = raw.pair((source, source.replace("v1", "omega")))
-    step = np.diff(t)
-    first = np.concatenate(([0], np.flatnonzero(step > GAP * np.median(step)) + 1))
-    return Samples(t, seen, variance, sent, command, first.astype(np.int64), of_speed)
-
-
 def _of_torques(
     name: str, log: Samples, scenario: Scenario, remarks: list[str], progress: Progress
 ) -> Identification:
@@ -244,7 +256,9 @@ def _of_torques(
     names = filter_.graph.names
     for key, (value, low, high) in widths.items():
         seconds = seconds_that_told(fit, names.index(key))
-        estimates[key] = Estimate(value, low, high, verdict((high - low) / 2, scale[key]), seconds)
+        half = (high - low) / 2
+        word = verdict(half, scale[key])
+        estimates[key] = Estimate(value, low, high, word, seconds, half / scale[key])
     vague = {key for key, item in estimates.items() if item.verdict != TOLD}
     remarks += list(mixtures(fit, vague))
     if widths["Fv"][2] < 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes as ct
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,6 +16,9 @@ from wmr_ctrl.codegen.source import sources
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.errors import CompilerError
 from wmr_ctrl.identification.graph import PIECE, FilterGraph
+from wmr_ctrl.identification.log import TORQUES, Log
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.encoder import COUNTS
 
 Floats = NDArray[np.float64]
 START, PIECE_KIND, SKIPPED, COUNTED, WATCHED = range(5)
@@ -22,6 +26,8 @@ LONGEST = 0.01
 """Longest piece that is stepped over at once [s]."""
 SHORTEST = 1e-9
 BLOCKS = 15
+GAP = 5.0
+"""Steps without a row from which on a log is in two stretches."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,31 @@ class Samples:
             np.concatenate(([0], first)).astype(np.int64),
             self.of_speed,
         )
+
+
+def motion_of(raw: Log, scenario: Scenario, source: str) -> Samples:
+    """Samples of a log whose motion is read from ``source``."""
+    r, half_track = scenario.robot.r, scenario.robot.l
+    sent, command = (
+        raw.pair(TORQUES) if raw.has(TORQUES) else raw.pair(("v_command", "omega_command"))
+    )
+    variance, of_speed = np.zeros(2), source != COUNTS.name
+    if source in (COUNTS.name, "wheel_speed"):
+        names = COUNTS.elements if source == COUNTS.name else ("wheel_speed[1]", "wheel_speed[2]")
+        t, wheel = raw.pair(names)
+        if not of_speed:
+            count = 2 * math.pi / float(scenario.value("encoder.counts")[0])
+            wheel = wheel * count
+            one = (count * r) ** 2 / 12
+            variance = np.array([one / 2, one / (2 * half_track**2)])
+        seen = (
+            np.column_stack((wheel.sum(axis=1), (wheel[:, 0] - wheel[:, 1]) / half_track)) * r / 2
+        )
+    else:
+        t, seen = raw.pair((source, source.replace("v1", "omega")))
+    step = np.diff(t)
+    first = np.concatenate(([0], np.flatnonzero(step > GAP * np.median(step)) + 1))
+    return Samples(t, seen, variance, sent, command, first.astype(np.int64), of_speed)
 
 
 @dataclass(frozen=True)

@@ -168,7 +168,8 @@ def house_style() -> Iterator[None]:
         yield
 
 
-_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": ""}
+_SIGNS = {"N.m": "N m", "m2.s": "m² s", "rad2.s": "rad² s", "m/s2": "m/s²", "1": "",
+          "kg.m2": "kg m²", "N.s/m": "N s/m", "N.m.s/rad": "N m s/rad"}  # fmt: skip
 
 
 def unit_text(unit: str) -> str:
