@@ -221,6 +221,7 @@ def test_a_process_that_stood_still_begins_anew(world):
 def test_a_stop_is_zero_at_once_and_stays(world):
     world.drive()
     assert world.take(world.core.halt(True, world.now())).command == (0.0, 0.0)
+    world.core.start()  # as when it is deactivated and activated again
     assert not world.core.reset()
     assert world.drive(10).command == (0.0, 0.0)
     world.core.halt(False, world.now())
@@ -273,6 +274,11 @@ def test_a_clock_that_runs_off_by_half_a_percent_misses_a_period_now_and_then(wo
         world.pass_by(round(TICK * 1.005))
         assert world.message()[1]
     assert 4 <= world.core.counts.get(MISSED, 0) <= 6
+
+
+def test_a_timeout_in_which_no_sample_can_come_is_refused():
+    with pytest.raises(ScenarioError, match=r"odometry_timeout = 0\.1 s is too short"):
+        core_of({**CIRCLE, "clock.control": 0.1})
 
 
 # -- a path ----------------------------------------------------------------------------------
@@ -349,6 +355,24 @@ def test_torques_without_fresh_odometry_are_zero(effort, simulated):
     assert effort.last.command == (0.0, 0.0)
     assert 0 <= silent - (100 if simulated else 15) <= 5  # 1.5 periods: the guard counts on one
     assert effort.last.flags == (NO_ODOMETRY,)
+
+
+def test_torques_under_way_are_waited_for():
+    late = {"guard.enabled": True, "disturbance.truncate": 3.0, "actuator.delay": 0.05}
+    scenario = load_scenario("paper-simulation", late)
+    core = DriveCore(settle(scenario, "mb"), DriveSettings(gate=GATE))
+    world = World(core)
+    world.take = lambda gated: gated
+    world.pass_by(10 * MS)
+    assert world.message()[1].command != (0.0, 0.0)
+    core.halt(True, world.now())
+    core.halt(False, world.now())
+    core.reset()
+    zeros = 0
+    while world.message()[1] is None or core.last.command == (0.0, 0.0):
+        world.pass_by(10 * MS)
+        zeros += 1
+    assert zeros >= 5  # 50 ms of 10 ms each
 
 
 def test_a_stop_of_torques_is_zero_torque_and_latched(effort):

@@ -69,3 +69,70 @@ def test_what_cannot_be_configured_is_a_sentence(ros, environment, tmp_path, set
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+WAY = """
+extends = "paper-simulation"
+[limits]
+v_u1 = [1.0, 2.0]
+v_u2 = [0.7, 1.4]
+[base]
+kind = "velocity"
+tau = [0.05, 0.05]
+[clock]
+control = 0.02
+[filter]
+kind = "clip"
+gain = [0.9, 1.1]
+d = [0.05, 0.05]
+[reference]
+kind = "waypoints"
+points = [[0.0, 0.0], [1.0, 0.0]]
+speed = 0.3
+[disturbance]
+std = 0.0
+"""
+
+
+@pytest.fixture(scope="module")
+def life(ros, environment, tmp_path_factory):
+    path = tmp_path_factory.mktemp("way") / "way.toml"
+    path.write_text(WAY, encoding="utf-8")
+    done = subprocess.run(
+        [ros, SCRIPT.with_name("drive_live.py"), path],
+        env=environment, capture_output=True, text=True, timeout=180, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def test_it_is_a_lifecycle_node_that_can_be_configured_twice(life):
+    assert life["transitions"] == [True] * 6
+
+
+def test_what_a_promise_rests_on_cannot_be_set(life):
+    assert life["set"] == {"law": False, "rise": False}
+
+
+def test_a_path_in_odom_is_driven_to_its_end_and_one_in_map_is_not(life):
+    assert life["before a path"] == life["path in map"] == "no-path"
+    assert life["arrived"]
+    assert life["off"] < 0.02
+
+
+def test_a_process_that_stood_still_ramps_from_where_it_was_and_goes_on(life):
+    assert life["while frozen"] == 0
+    assert all(0 <= v < 0.2 for v in life["thawed"])
+    assert life["thawed"] == sorted(life["thawed"], reverse=True)
+    assert life["goes on"]
+
+
+def test_a_killed_node_is_silent_and_its_next_life_begins_with_zeros(life):
+    assert life["after the kill"] == 0
+    assert life["next life"] == 0.0
+    assert life["interrupt"] == [0.0, 0]
+
+
+def test_a_twin_is_told_also_for_a_while_after_its_death(life):
+    assert life["twin"]
+    assert any("own name" in text and "lease" in text for text in life["ghost"])

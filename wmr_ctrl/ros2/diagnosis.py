@@ -22,6 +22,8 @@ WARNINGS = {
     "no-command", NO_ODOMETRY, "bounds-left", BACK, FORTH, FROZEN, JUMPED, MISSED, NO_PATH,
     NEW_PATH,
 }  # fmt: skip
+PASSING = {MISSED, BACK, FORTH, FROZEN}
+"""Flags of a moment, which diagnostics tell for a second and the log not at each change."""
 TOLD = {ARRIVED}
 """Flags of no fault that are told."""
 LEASE = "one that died without a word is listed until its lease ends, some 20 s"
@@ -66,9 +68,9 @@ def judged(
 
 
 def grave(flags: Iterable[str]) -> tuple[str, ...]:
-    """Flags that go into the log when they change, errors first."""
+    """Flags that go into the log when they change, errors first; none that last a moment."""
     given = set(flags)
-    return (*sorted(given & ERRORS), *sorted(given & (WARNINGS | TOLD)))
+    return (*sorted(given & ERRORS), *sorted(given & (WARNINGS | TOLD) - PASSING))
 
 
 def _named(flags: Iterable[str]) -> str:

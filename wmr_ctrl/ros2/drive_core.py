@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.errors import WmrError
+from wmr_ctrl.errors import ScenarioError, WmrError
 from wmr_ctrl.filter.gate import Gated, GateSettings
 from wmr_ctrl.ros2.clocks import BACK, NS, Clocks, Moment
 from wmr_ctrl.ros2.compiled_gate import NONE, PAIR, Gate
 from wmr_ctrl.ros2.drive_law import DesiredMotion, DriveLaw, check_follows, path_motion
-from wmr_ctrl.ros2.filter_core import in_ns
+from wmr_ctrl.ros2.filter_core import in_ns, longest_pause
 from wmr_ctrl.ros2.intake import Intake, is_rotation
 
 CALM = 3
@@ -59,26 +59,33 @@ class DriveCore:
     def __init__(self, setup: Setup, settings: DriveSettings) -> None:
         """Compile law, reference and gate.  Raises ScenarioError, CompilerError."""
         self.setup, self.settings = setup, settings
-        self.period, clock = setup.scenario.clock.control, in_ns(settings.gate.odometry_timeout)
+        self.period, timeout = setup.scenario.clock.control, settings.gate.odometry_timeout
+        if timeout < LATEST * self.period:
+            raise ScenarioError(
+                f"odometry_timeout = {timeout:g} s is too short for clock.control = "
+                f"{self.period:g} s: no sample would be in time. It must be at least {LATEST:g} "
+                "periods."
+            )
         self._law = DriveLaw(setup)
         self._gate = Gate(setup.scenario, settings.gate) if setup.takes_velocity else None
         if settings.path:
             check_follows(setup.scenario)
         self._scenario_motion = None if settings.path else DesiredMotion(setup.scenario)
         frames = f"{settings.odometry_frame} -> {settings.base_frame}"
-        self.measured = Intake(clock, NOTHING, frames, named=True)
-        self.clocks = Clocks(clock)
+        self.measured = Intake(in_ns(timeout), NOTHING, frames, named=True)
+        self.clocks = Clocks(longest_pause(timeout, self.period))
         self.counts: dict[str, int] = {}
+        self.stop, self._under_way = False, _under_way(setup)
         self.start()
 
     def start(self) -> None:
-        """Begin anew: the reference at its start, nothing latched, no message."""
+        """Begin anew: the reference at its start, no message, latched where ~/stop says so."""
         self.measured.forget()
         self.clocks.start()
         if self._gate:
             self._gate.start()
         self.last, self.e = Gated(PAIR, ()), (0.0, 0.0, 0.0)
-        self.stop = self._latched = self._reset = False
+        self._latched, self._reset = self.stop, False
         self._near = 0.0
         self._seen: tuple[int, Message] | None = None
         self._sent_at: tuple[int, int] | None = None
@@ -86,6 +93,8 @@ class DriveCore:
         self.problem = ""
         self._lay(self._scenario_motion)
         self._calm, self.held = 0, "" if self._motion else NO_PATH
+        if self.stop:
+            self._hold(STOPPED)
 
     def _lay(self, motion: DesiredMotion | None) -> None:
         self._motion, self._sample = motion, -1
@@ -168,7 +177,7 @@ class DriveCore:
 
     def _hold(self, reason: str) -> None:
         """Bring the base to rest; the law begins anew when it is over."""
-        self.held, self._calm, self._origin = reason, CALM, None
+        self.held, self._calm, self._origin = reason, max(CALM, self._under_way), None
         self.counts[reason] = self.counts.get(reason, 0) + 1
 
     def _compare(self, stamp: int, message: Message) -> None:
@@ -281,3 +290,14 @@ class DriveCore:
         flags = tuple(flag for flag in gated.flags if flag not in ("no-command", held))
         self.last = Gated(gated.command, (*flags, held))
         return self.last
+
+
+def _under_way(setup: Setup) -> int:
+    """Torques of before that may still act when the law begins anew, by what the guard counts on.
+
+    An empty memory takes them for 0, which they are once so many zeros were sent.
+    """
+    if not setup.scenario.guard.enabled:
+        return 0
+    drives = setup.scenario.actuator
+    return setup.guard.commands(setup.scenario.clock, drives.delay, drives.lag) + 1

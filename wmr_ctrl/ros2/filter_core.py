@@ -17,6 +17,11 @@ def in_ns(seconds: float) -> int:
     return round(seconds / NS)
 
 
+def longest_pause(timeout: float, period: float) -> int:
+    """Pause between callbacks [ns] that is no freeze, for a time-out and a period [s]."""
+    return in_ns(max(timeout, 2.5 * period))
+
+
 class FilterCore:
     """Gate, intakes and clocks of a filter node.
 
@@ -28,7 +33,7 @@ class FilterCore:
         self.gate = Gate(scenario, settings)
         self.commands = Intake(in_ns(settings.command_timeout), PAIR, frame)
         self.odometry = Intake(in_ns(settings.odometry_timeout), PAIR, frame)
-        self.clocks = Clocks(in_ns(settings.command_timeout))
+        self.clocks = Clocks(longest_pause(settings.command_timeout, self.gate.period))
         self.last, self.stop, self.scale = Gated(PAIR, ()), False, 1.0
         self.start()
 

@@ -95,6 +95,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         self.core: C | None = None
         self.active, self._problem = False, ""
         self._grave: tuple[str, ...] = ()
+        self._passing: set[str] = set()
 
     # -- a node's own -------------------------------------------------------------------------
 
@@ -207,6 +208,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         clock = self.get_clock()
         now = Moment(clock.now().nanoseconds, time.monotonic_ns(), clock.ros_time_is_active)
         happened = self.core.see(now) if self.core else ()
+        self._passing |= set(happened)
         if happened:
             self.get_logger().warning(f"clock: {', '.join(happened)}")
         return now
@@ -242,6 +244,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         if not self.active:
             return
         self._problem = ""
+        self._passing |= diagnosis.PASSING & set(gated.flags)
         self.emit(gated.command)
         grave = diagnosis.grave(gated.flags)
         if grave != self._grave:
@@ -293,7 +296,8 @@ class SafeNode(LifecycleNode, Generic[C]):
         wanted = {self.resolve_topic_name(topic) for topic in self.topics_in}
         senders = [diagnosis.two_senders(self._listed(t), t) for t in heard if t in wanted]
         several = next(filter(None, senders), "")
-        return diagnosis.judged(self.core.last.flags, self._problem, rival, several)
+        flags, self._passing = {*self.core.last.flags, *self._passing}, set()
+        return diagnosis.judged(flags, self._problem, rival, several)
 
 
 def stamp_of(message: object) -> int:

@@ -1,0 +1,174 @@
+"""Life of the drive node in real time, from outside over DDS; run by a Python that has rclpy.
+
+``python drive_live.py SCENARIO`` plays a base that does at once what it is told, takes the node
+through its states, gives it a path, freezes it, kills it and starts it again, and prints what was
+seen as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from nav_msgs.msg import Odometry, Path
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+KEPT = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+RATE = 0.02
+PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
+
+
+class Base:
+    """Odometry at its rate, of a base that moves as it is told."""
+
+    def __init__(self) -> None:
+        self.node = rclpy.create_node("base")
+        self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
+        self.path = self.node.create_publisher(Path, "path", KEPT)
+        self.node.create_subscription(TwistStamped, "cmd_vel", self._came, SURE)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
+        self.pose, self.speed = [0.0, 0.0, 0.0], (0.0, 0.0)
+        self.seen: list[tuple[float, float]] = []
+        self.said: list[str] = []
+
+    def _came(self, message: TwistStamped) -> None:
+        self.speed = message.twist.linear.x, message.twist.angular.z
+        self.seen.append((time.monotonic(), self.speed[0]))
+
+    def _told(self, message: DiagnosticArray) -> None:
+        self.said += [status.message for status in message.status]
+
+    def go(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
+        """Move and send odometry; True where ``until`` came true."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and not until():
+            x, y, yaw = self.pose
+            v, omega = self.speed
+            turn = yaw + RATE * omega
+            self.pose = [x + RATE * v * math.cos(yaw), y + RATE * v * math.sin(yaw), turn]
+            message = Odometry(child_frame_id="base_link")
+            message.header.stamp = self.node.get_clock().now().to_msg()
+            message.header.frame_id = "odom"
+            message.pose.pose.position.x, message.pose.pose.position.y = self.pose[:2]
+            message.pose.pose.orientation.z = math.sin(turn / 2)
+            message.pose.pose.orientation.w = math.cos(turn / 2)
+            message.twist.twist.linear.x, message.twist.twist.angular.z = self.speed
+            self.odometry.publish(message)
+            until_next = time.monotonic() + RATE
+            while time.monotonic() < until_next:
+                rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))
+        return until()
+
+    def follow(self, points: list[tuple[float, float]], frame: str = "odom") -> None:
+        """Send a path."""
+        message = Path()
+        message.header.frame_id = frame
+        for x, y in points:
+            pose = PoseStamped()
+            pose.pose.position.x, pose.pose.position.y = x, y
+            message.poses.append(pose)
+        self.path.publish(message)
+
+    def call(self, kind: type, service: str, request: object) -> object:
+        """Answer of a service of the node."""
+        client = self.node.create_client(kind, f"/wmr_drive/{service}")
+        assert client.wait_for_service(10.0), service
+        future = client.call_async(request)
+        rclpy.spin_until_future_complete(self.node, future, timeout_sec=30.0)
+        return future.result()
+
+    def change(self, transition: int) -> bool:
+        """Whether a transition of the lifecycle succeeded."""
+        request = ChangeState.Request(transition=Transition(id=transition))
+        return bool(self.call(ChangeState, "change_state", request).success)
+
+    def set(self, name: str, value: object) -> bool:
+        """Whether a parameter could be set."""
+        request = SetParameters.Request(
+            parameters=[Parameter(name, value=value).to_parameter_msg()]
+        )
+        return bool(self.call(SetParameters, "set_parameters", request).results[0].successful)
+
+
+def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+    settings = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
+    given = [part for item in settings for part in ("-p", item)]
+    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "drive", "--ros-args", *given])
+
+
+def main(scenario: str) -> None:
+    process = start(scenario, "autostart:=false")
+    rclpy.init()
+    base, found = Base(), {}
+    second = process
+    try:
+        steps = [
+            Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
+            Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP,
+            Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
+        ]  # fmt: skip
+        found["transitions"] = [base.change(step) for step in steps]
+        found["set"] = {"law": base.set("law", "pid"), "rise": base.set("rise", [9.0, 9.0])}
+        base.go(10, lambda: bool(base.said) and base.said[-1] == "no-path")
+        found["before a path"] = base.said[-1]
+        base.follow(PATH, "map")
+        base.go(0.5)
+        found["path in map"] = base.said[-1]
+        base.follow(PATH)
+        found["arrived"] = base.go(20, lambda: base.said[-1] == "arrived")
+        found["off"] = math.dist(base.pose[:2], PATH[-1])
+        back = [(x + 1.5, y + 0.1) for x, y in PATH]
+        base.follow(back)
+        base.go(5, lambda: base.speed[0] > 0.15)
+        base.seen.clear()
+        process.send_signal(signal.SIGSTOP)
+        base.go(0.6)
+        found["while frozen"] = len(base.seen)
+        process.send_signal(signal.SIGCONT)
+        base.go(0.5)
+        found["thawed"] = [v for _, v in base.seen][:3]
+        found["goes on"] = base.go(5, lambda: base.speed[0] > 0.15)
+        base.seen.clear()
+        process.kill()
+        process.wait()
+        base.go(0.5)
+        found["after the kill"] = len(base.seen)
+        base.speed = 0.0, 0.0  # a base's own time-out
+        base.follow([])  # nor does a path wait for the next life
+        process = start(scenario)
+        base.go(10, lambda: len(base.seen) > 20)
+        found["next life"] = max(abs(v) for _, v in base.seen)
+        second = start(scenario)
+        found["twin"] = base.go(10, lambda: "own name" in base.said[-1])
+        second.kill()
+        base.said.clear()
+        base.go(2.5)
+        found["ghost"] = base.said
+        process.send_signal(signal.SIGINT)
+        base.go(1.0)
+        found["interrupt"] = [base.seen[-1][1], process.wait(10)]
+    finally:
+        process.kill()
+        second.kill()
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
