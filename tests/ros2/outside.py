@@ -40,8 +40,8 @@ class World:
         self.node = rclpy.create_node("outside")
         self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
         self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
-        self.stop = self.node.create_publisher(Bool, "/wmr_filter/stop", KEPT)
-        self.reset = self.node.create_client(Trigger, "/wmr_filter/reset")
+        self.stop = self.node.create_publisher(Bool, "wmr_filter/stop", KEPT)
+        self.reset = self.node.create_client(Trigger, "wmr_filter/reset")
         self.node.create_subscription(TwistStamped, "cmd_vel", self._sent, SURE)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
         self.seen: list[tuple[float, float, float]] = []
@@ -78,17 +78,17 @@ class World:
         now = self.node.get_clock().now().nanoseconds - round(ago * 1e9)
         return rclpy.time.Time(nanoseconds=now).to_msg()
 
-    def go(self, seconds: float, command=None, measure=None) -> None:
+    def go(self, seconds: float, command=None, measure=None, until=lambda: False) -> None:
         """Send both at their rate; None: as in a sound world, False: nothing."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        while time.monotonic() < end and not until():
             if command is not False:
                 (command or self.command)()
             if measure is not False:
                 (measure or self.measure)()
-            until = time.monotonic() + RATE
-            while time.monotonic() < until:
-                rclpy.spin_once(self.node, timeout_sec=max(0.0, until - time.monotonic()))
+            following = time.monotonic() + RATE
+            while time.monotonic() < following:
+                rclpy.spin_once(self.node, timeout_sec=max(0.0, following - time.monotonic()))
 
     def drive(self) -> None:
         """A sound world until the base drives."""

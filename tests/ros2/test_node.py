@@ -29,21 +29,26 @@ d = [0.05, 0.05]
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
-@pytest.fixture(scope="module")
-def seen(ros, environment, tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenario") / "base.toml"
+def report_of(script, ros, environment, folder):
+    """JSON that a script around the node prints."""
+    path = folder / "base.toml"
     path.write_text(SCENARIO, encoding="utf-8")
-    script = Path(__file__).with_name("outside.py")
     done = subprocess.run(
-        [ros, script, path],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=180,
-        check=False,
-    )
+        [ros, Path(__file__).with_name(script), path],
+        env=environment, capture_output=True, text=True, timeout=180, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
     return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def seen(ros, environment, tmp_path_factory):
+    return report_of("outside.py", ros, environment, tmp_path_factory.mktemp("scenario"))
+
+
+@pytest.fixture(scope="module")
+def live(ros, environment, tmp_path_factory):
+    return report_of("filter_live.py", ros, environment, tmp_path_factory.mktemp("live"))
 
 
 def test_a_sound_command_passes(seen):
@@ -96,6 +101,53 @@ def test_a_second_publisher_is_told(seen):
 
 def test_who_is_interrupted_sends_a_last_zero(seen):
     assert seen["interrupt"] == {"last": [0.0, 0.0], "code": 0}
+
+
+def test_a_rival_is_found_on_the_remapped_topic(live):
+    assert any(
+        "/base/cmd_vel" in text and "/robot1/outside" in text for text in live["space"]["rival"]
+    )
+
+
+def test_two_senders_are_told(live):
+    assert any("twist_mux" in text for text in live["space"]["two senders"])
+
+
+def test_the_share_of_commands_has_a_range(live):
+    assert live["space"]["scale 7"] is False
+    assert live["space"]["scale .25"] is True
+    assert live["space"]["scaled"] == pytest.approx(0.125)
+
+
+def falls_to_rest(speeds, before=0.5):
+    """By the ramp of 2 m/s2 at 50 Hz, some ticks early or late."""
+    steps = [a - b for a, b in zip([before, *speeds], speeds, strict=False)]
+    return all(0 <= step <= 2 * TICK * 1.01 for step in steps) and speeds[-1] == 0
+
+
+def test_a_frozen_process_is_silent_and_then_comes_to_rest_by_the_ramp(live):
+    assert live["space"]["while frozen"] == 0
+    assert falls_to_rest(live["space"]["thawed"])
+
+
+def test_a_killed_process_is_silent_and_begins_with_zeros(live):
+    assert live["space"]["after the kill"] == 0
+    assert live["space"]["next life"] == 0.0
+
+
+def test_simulated_time_that_stops_ends_in_rest(live):
+    stopped = live["simulated"]["stopped"]
+    assert falls_to_rest(stopped)
+    assert stopped.count(0.5) <= (0.25 + SLACK) / TICK + 2
+
+
+@pytest.mark.parametrize("jump", ["back", "ahead"])
+def test_simulated_time_that_jumps_does_not_stop_a_sender_that_goes_on(live, jump):
+    assert live["simulated"][jump][-1] == pytest.approx(0.5)
+
+
+def test_on_simulated_time_too_a_last_zero_is_sent(live):
+    assert live["simulated"]["interrupt"] == [0.0, 0]
 
 
 @pytest.mark.parametrize(

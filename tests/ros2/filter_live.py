@@ -1,0 +1,137 @@
+"""Faults of process, graph and time around the filter, from outside over DDS.
+
+``python filter_live.py SCENARIO`` runs the node in a namespace with remapped topics: frozen, killed
+and started again, with two senders, with parameters set; then on simulated time that stops, goes
+back and leaps ahead.  What was seen is printed as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import rclpy
+from geometry_msgs.msg import TwistStamped
+from outside import SURE, World
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+
+SPACE = ["-r", "__ns:=/robot1", "-r", "cmd_vel:=/base/cmd_vel", "-r", "odom:=/base/odom"]
+
+
+class Simulated(World):
+    """A world whose time is its own."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        super().__init__(process)
+        self.clock = self.node.create_publisher(Clock, "/clock", SURE)
+        self.time, self.rate = 100_000_000_000, 1.0
+
+    def _stamp(self, ago: float):
+        return rclpy.time.Time(nanoseconds=self.time - round(ago * 1e9)).to_msg()
+
+    def command(
+        self, v: float = 0.5, omega: float = 0.3, ago: float = 0.0, frame: str = ""
+    ) -> None:
+        """The time that has passed, then a command of it."""
+        self.time += round(0.02e9 * self.rate)
+        self.clock.publish(Clock(clock=self._stamp(0.0)))
+        super().command(v, omega, ago, frame)
+
+
+def start(scenario: str, *more: str) -> subprocess.Popen[bytes]:
+    given = ["-p", f"scenario:={scenario}", "-p", "odometry:=none", *more]
+    return subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *given])
+
+
+def set_scale(world: World, value: float) -> bool:
+    """Whether speed_scale could be set."""
+    client = world.node.create_client(SetParameters, "wmr_filter/set_parameters")
+    assert client.wait_for_service(10.0)
+    wanted = Parameter("speed_scale", value=value).to_parameter_msg()
+    future = client.call_async(SetParameters.Request(parameters=[wanted]))
+    rclpy.spin_until_future_complete(world.node, future, timeout_sec=5.0)
+    return bool(future.result().results[0].successful)
+
+
+def speeds(world: World, seconds: float, **go) -> list[float]:
+    """Speeds that come while time passes."""
+    world.seen.clear()
+    world.go(seconds, **go)
+    return [v for _, v, _ in world.seen]
+
+
+def in_a_namespace(scenario: str) -> dict[str, object]:
+    world, found = World(start(scenario, *SPACE)), {}
+    try:
+        world.drive()
+        world.said.clear()
+        rival = world.node.create_publisher(TwistStamped, "/base/cmd_vel", SURE)
+        world.go(1.6)
+        found["rival"] = list(world.said)
+        world.node.destroy_publisher(rival)
+        world.go(1.6)
+        second = world.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
+        world.said.clear()
+        world.go(1.6)
+        found["two senders"] = list(world.said)
+        world.node.destroy_publisher(second)
+        found["scale 7"], found["scale .25"] = set_scale(world, 7.0), set_scale(world, 0.25)
+        found["scaled"] = speeds(world, 0.6)[-1]
+        set_scale(world, 1.0)
+        world.drive()
+        world.seen.clear()
+        world.process.send_signal(signal.SIGSTOP)
+        world.go(0.6, command=False)
+        found["while frozen"] = len(world.seen)
+        world.process.send_signal(signal.SIGCONT)
+        found["thawed"] = speeds(world, 0.6, command=False)
+        world.drive()
+        world.process.kill()
+        world.process.wait()
+        found["after the kill"] = len(speeds(world, 0.5))
+        world.seen.clear()
+        world.process = start(scenario, *SPACE)
+        world.go(10, command=False, until=lambda: len(world.seen) > 10)
+        found["next life"] = max(abs(v) for _, v, _ in world.seen)
+        began = time.monotonic()
+        world.drive()
+        found["drives after"] = time.monotonic() - began
+    finally:
+        world.process.kill()
+        world.node.destroy_node()
+    return found
+
+
+def on_simulated_time(scenario: str) -> dict[str, object]:
+    world, found = Simulated(start(scenario, "-p", "use_sim_time:=true", *SPACE)), {}
+    try:
+        world.drive()
+        world.rate = 0.0
+        found["stopped"] = speeds(world, 0.8)
+        world.rate = 1.0
+        world.drive()
+        world.time -= 10_000_000_000
+        found["back"] = speeds(world, 1.0)
+        world.drive()
+        world.time += 10_000_000_000
+        found["ahead"] = speeds(world, 1.0)
+        world.process.send_signal(signal.SIGINT)
+        found["interrupt"] = [speeds(world, 1.0)[-1], world.process.wait(10)]
+    finally:
+        world.process.kill()
+    return found
+
+
+def main(scenario: str) -> None:
+    rclpy.init(args=["--ros-args", *SPACE])
+    report = {"space": in_a_namespace(scenario), "simulated": on_simulated_time(scenario)}
+    print(json.dumps(report))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
