@@ -89,7 +89,7 @@ def test_warnings_precede_the_run_on_stderr_in_one_line(short_run):
 def test_only_what_is_objected_to_is_called_a_warning(wmr, short_run):
     setup = settle(load_scenario("paper-simulation"), "nn")
     heard = " ".join(short_run("paper-simulation", "--law", "nn").stderr.split())
-    checked = " ".join(wmr("check", "paper-simulation", "--law", "nn").stdout.split())
+    checked = " ".join(wmr("check", "paper-simulation", "--only", "nn").stdout.split())
     theory = warnings_for(setup)
 
     for item in theory:

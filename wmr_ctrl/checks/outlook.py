@@ -66,9 +66,10 @@ def outlook(scenario: Scenario, law: str, plant: str = "ode") -> Outlook:
 
 def outlook_of(run: Run) -> Outlook | None:
     """The Outlook of a run; None where its scenario or law is not known here."""
-    if run.law not in LAWS or _scenario_of(run) is None:
+    scenario = _scenario_of(run)
+    if run.law not in LAWS or scenario is None:
         return None
-    return _outlook(run.provenance[TEXT], run.law, run.settings.plant_kind)
+    return _outlook(scenario, run.law, run.settings.plant_kind)
 
 
 def needed_by(run: Run) -> FloatArray | None:
@@ -86,19 +87,19 @@ def needed_by(run: Run) -> FloatArray | None:
 def _scenario_of(run: Run) -> Scenario | None:
     """The scenario of a run; None where it was not kept, or has parts that are not installed."""
     try:
-        return _scenario(run.provenance[TEXT]) if TEXT in run.provenance else None
+        text = run.provenance.get(TEXT)
+        return None if text is None else _scenario(text, run.scenario)
     except WmrError:
         return None
 
 
 @lru_cache(maxsize=64)
-def _scenario(text: str) -> Scenario:
-    return loads_scenario(text)
+def _scenario(text: str, name: str) -> Scenario:
+    """With its name, it equals the scenario that was run, and nothing is worked out again."""
+    return loads_scenario(text, name)
 
 
-@lru_cache(maxsize=256)
-def _outlook(text: str, law: str, plant: str) -> Outlook:
-    return outlook(_scenario(text), law, plant)
+_outlook = lru_cache(maxsize=256)(outlook)
 
 
 class CheckVerdict(StrEnum):

@@ -41,6 +41,7 @@ def largest_force(robot: Robot, most: float) -> Floats:
     return np.array((thrust, robot.l * thrust))
 
 
+@lru_cache(maxsize=256)
 def first_torques(setup: Setup) -> tuple[float, float]:
     """Torques (right, left) [N m] that a law commands at t = 0, without noise."""
     scenario, system = setup.scenario, controller(setup)

@@ -2,34 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import groupby
+from math import inf
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from wmr_ctrl.cli.check_limits import filter_lines, filter_numbers, guard_lines, guard_numbers
-from wmr_ctrl.cli.console import print_json, say, wrapped
+from wmr_ctrl.cli import check_sentences
+from wmr_ctrl.cli.console import print_json, say, table, wrapped
 from wmr_ctrl.cli.options import debug_option, guard_option, json_option, load, set_option
 from wmr_ctrl.cli.progress import Progress
-from wmr_ctrl.errors import CompilerError
+from wmr_ctrl.errors import ArgumentError, CompilerError
 
 if TYPE_CHECKING:
     from wmr_ctrl.checks import Stability, Warning
+    from wmr_ctrl.checks.outlook import CheckVerdict
     from wmr_ctrl.control.setup import Setup
     from wmr_ctrl.corridor import Corridor
     from wmr_ctrl.results import Run
+    from wmr_ctrl.results.remarks import Remark
     from wmr_ctrl.scenario import Scenario
     from wmr_ctrl.scenario.toml_io import InheritedValue
 
-    Warned = Mapping[str, Sequence[Warning]]
-    Runs = Mapping[str, Run]
-    Tubes = Mapping[str, Corridor]
-    Taken = Sequence[InheritedValue]
-
-NOT_LINEAR = "on a base that takes velocities, where stability is not worked out"
 MOST_STEPS = 2_000_000
 """Plant steps that one law is run for; twenty times what the paper's runs take."""
+NONE = "-"
+"""Cell of a table for what there is not."""
+
+
+class Note(NamedTuple):
+    """Told of a law, of all of several (None) or of the scenario (""), by key or subject."""
+
+    law: str | None
+    key: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Everything that theory and one run say of a scenario, by law; a ``setup`` of any of them."""
+
+    scenario: Scenario
+    setup: Setup
+    taken: Sequence[InheritedValue]
+    warned: Mapping[str, Sequence[Warning]]
+    stable: Mapping[str, Stability]
+    tubes: Mapping[str, Corridor]
+    runs: Mapping[str, Run]
+
+    def verdict(self, law: str) -> CheckVerdict:
+        """The verdict on a law, in a word."""
+        from wmr_ctrl.checks.outlook import verdict
+
+        return verdict(self.warned[law], self.runs.get(law))
 
 
 @click.command(short_help="Validate a scenario, and say what to expect of it.")
@@ -41,6 +69,13 @@ MOST_STEPS = 2_000_000
     multiple=True,
     help="Ask about this law only. May be given several times.  [default: all]",
 )
+@click.option("-v", "--verbose", is_flag=True, help="Print every finding, not the table alone.")
+@click.option(
+    "--only",
+    metavar="NAME",
+    help="Print the findings on NAME alone: a law, a key that the table names, guard, filter, "
+    "stability, run or corridor.",
+)
 @guard_option
 @set_option
 @json_option("Print validity, stable periods, corridors, warnings and nominal runs as JSON.")
@@ -48,6 +83,8 @@ MOST_STEPS = 2_000_000
 def check(
     scenario: str,
     chosen: tuple[str, ...],
+    verbose: bool,
+    only: str | None,
     guard: bool | None,
     assignments: tuple[str, ...],
     as_json: bool,
@@ -55,52 +92,45 @@ def check(
     """Validate a scenario, and say what theory and one run of each law have against it.
 
     SCENARIO is the name of a preset or a TOML file. Each law is run once, with seed 0, and for
-    two million plant steps at most; how far off its path it can be pushed is certified. The exit
-    code is 0 if the scenario is valid, whatever the warnings, and 2 if it is not.
+    two million plant steps at most; how far off its path it can be pushed is certified. What is
+    promised comes first, then a table of the laws. The exit code is 0 if the scenario is valid,
+    whatever the warnings, and 2 if it is not.
     """
-    from wmr_ctrl.checks import grip_warnings, stability, warnings_for
-    from wmr_ctrl.control.setup import settle
-    from wmr_ctrl.corridor import find_corridor
     from wmr_ctrl.laws import LAWS
     from wmr_ctrl.scenario import inherited, parse_assignments
 
     case = load(scenario, assignments, guard)
     taken = inherited(case, scenario, parse_assignments(assignments))
-    names = chosen or tuple(LAWS)
+    answers = _answers(case, chosen or ((only,) if only and only in LAWS else tuple(LAWS)), taken)
+    if as_json:
+        print_json(_document(answers))
+    elif only:
+        click.echo(_listed(_about(answers, only)))
+    else:
+        details = ("", _listed(_findings(answers))) if verbose else ()
+        click.echo("\n".join((*_head(answers), "", *_table(answers), *details)))
+
+
+def _answers(case: Scenario, laws: Sequence[str], taken: Sequence[InheritedValue]) -> Answers:
+    from wmr_ctrl.checks import grip_warnings, stability, warnings_for
+    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.corridor import find_corridor
+
+    warned, stable, tubes = {}, {}, {}
     with Progress("what theory says") as progress:
-        warned, stable, tubes, first = {}, {}, {}, settle(case, names[0])
-        for count, law in enumerate(names):
-            progress(count / len(names))
-            setup = settle(case, law)
+        setups = {law: settle(case, law) for law in laws}
+        for count, (law, setup) in enumerate(setups.items()):
+            progress(count / len(laws))
             grip = (replace(item, objects=False) for item in grip_warnings(setup))
             warned[law] = (*warnings_for(setup), *grip)
             tubes[law] = find_corridor(case, law)
-            if not first.takes_velocity:
+            if not setup.takes_velocity:
                 stable[law] = stability(case, law)
-        runs = _runs(case, warned, progress)
-    if as_json:
-        limited = {"guard": guard_numbers(first), "filter": filter_numbers(first)}
-        shown = {"corridor": {law: tube.figures for law, tube in tubes.items()}}
-        print_json({**_document(case, warned, stable, runs, taken), **limited, **shown})
-    else:
-        lines = *_head(case, first, taken), *_lines(case, warned, stable, runs, tubes)
-        click.echo("\n".join(lines))
+        runs = _runs(case, laws, progress)
+    return Answers(case, setups[laws[0]], taken, warned, stable, tubes, runs)
 
 
-def _short(scenario: Scenario) -> Scenario:
-    """The scenario, which ends after `MOST_STEPS` plant steps if it would not end before."""
-    from wmr_ctrl.scenario import override
-
-    clock, window = scenario.clock, scenario.metrics
-    if clock.duration <= MOST_STEPS * clock.plant:
-        return scenario
-    end = int(MOST_STEPS * clock.plant / clock.control) * clock.control
-    split = {} if window.split is None else {"metrics.split": min(window.split, end / 2)}
-    first = {"metrics.rms_from": min(window.rms_from, end / 2)}
-    return override(scenario, {"clock.duration": end, **split, **first})
-
-
-def _runs(scenario: Scenario, laws: Mapping[str, object], progress: Progress) -> dict[str, Run]:
+def _runs(scenario: Scenario, laws: Sequence[str], progress: Progress) -> dict[str, Run]:
     """One run of each law; none where no compiler works, and stderr says so."""
     from wmr_ctrl import api
 
@@ -117,155 +147,203 @@ def _runs(scenario: Scenario, laws: Mapping[str, object], progress: Progress) ->
         return {}
 
 
-def _document(
-    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, taken: Taken
-) -> dict[str, Any]:
+def _short(scenario: Scenario) -> Scenario:
+    """The scenario, which ends after `MOST_STEPS` plant steps if it would not end before."""
+    from wmr_ctrl.scenario import override
+
+    clock, window = scenario.clock, scenario.metrics
+    if clock.duration <= MOST_STEPS * clock.plant:
+        return scenario
+    end = int(MOST_STEPS * clock.plant / clock.control) * clock.control
+    split = {} if window.split is None else {"metrics.split": min(window.split, end / 2)}
+    first = {"metrics.rms_from": min(window.rms_from, end / 2)}
+    return override(scenario, {"clock.duration": end, **split, **first})
+
+
+def _document(answers: Answers) -> dict[str, Any]:
     from wmr_ctrl.checks import reference_torque
-    from wmr_ctrl.checks.outlook import verdict
     from wmr_ctrl.results import summary
     from wmr_ctrl.world.grip import grip
 
+    case, stable, runs = answers.scenario, answers.stable, answers.runs
     shown = ("position_rms", "tracking", "tracked", "arrival", "guard_share", "outcome", "remarks")
     figures = {law: summary(run) for law, run in runs.items()}
+    warnings = [{"key": w.key, "law": law, "text": str(w)} for law, w in _merged(answers)]
+    inherited = check_sentences.inherited_robot(answers.taken)
+    if inherited:
+        warnings.append({"key": "inherited", "law": None, "text": inherited})
     return {
-        "scenario": scenario.name,
+        "scenario": case.name,
         "valid": True,
-        "grip": {**asdict(grip(scenario)), "reference": reference_torque(scenario)},
-        "warnings": [*_merged(warned), *_inherited_warning(taken)],
-        "inherited": {item.key: item.value for item in taken},
+        "grip": {**asdict(grip(case)), "reference": reference_torque(case)},
+        "warnings": warnings,
+        "inherited": {item.key: item.value for item in answers.taken},
         "nominal_duration": {law: run.settings.duration for law, run in runs.items()},
         "nominal": {law: {key: row[key] for key in shown} for law, row in figures.items()},
-        "verdict": {law: verdict(theory, runs.get(law)) for law, theory in warned.items()},
+        "verdict": {law: answers.verdict(law) for law in answers.warned},
         "min_period": {law: limits.shortest for law, limits in stable.items()},
         "max_period": {law: limits.period for law, limits in stable.items()},
         "max_delay": {law: limits.delay for law, limits in stable.items()},
         "mass_range": {law: limits.masses for law, limits in stable.items()},
-        "arrival": scenario.reference.arrival,
+        "arrival": case.reference.arrival,
         "laws": {
             law: {
                 "largest_stable_period": stable[law].period if law in stable else None,
                 "warnings": [asdict(warning) for warning in warnings],
             }
-            for law, warnings in warned.items()
+            for law, warnings in answers.warned.items()
         },
+        "guard": check_sentences.guard_numbers(answers.setup),
+        "filter": check_sentences.filter_numbers(answers.setup),
+        "corridor": {law: tube.figures for law, tube in answers.tubes.items()},
     }
 
 
-def _inherited_warning(taken: Taken) -> Iterator[dict[str, str | None]]:
-    """The robot's numbers that were not stated, with where to state them."""
-    if taken:
-        listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
-        text = (
-            f"The file does not state {listed}: these are the paper's robot, or that of the preset "
-            "which the file extends. State what is yours in its tables; `wmr-ctrl scenarios "
-            "paper-simulation --toml` prints them with their meaning."
-        )
-        yield {"key": "inherited", "law": None, "text": text}
+def _merged(answers: Answers) -> Iterator[tuple[str | None, Warning]]:
+    """Every warning once, with its law: None where it concerns all of several."""
+    first, *others = answers.warned.values()
+    shared = [item for item in first if others and all(item in each for each in others)]
+    yield from ((None, item) for item in shared)
+    for law, warnings in answers.warned.items():
+        yield from ((law, item) for item in warnings if item not in shared)
 
 
-def _merged(warned: Warned) -> Iterator[dict[str, str | None]]:
-    """Every warning once: without a law where it concerns all of several."""
-    shared = _shared(warned)
-    for warning in shared:
-        yield {"key": warning.key, "law": None, "text": str(warning)}
-    for law, warnings in warned.items():
-        for warning in (item for item in warnings if item not in shared):
-            yield {"key": warning.key, "law": law, "text": str(warning)}
-
-
-def _shared(warned: Warned) -> list[Warning]:
-    """Warnings that all of several laws get."""
-    if len(warned) < 2:
-        return []
-    first = next(iter(warned.values()))
-    return [item for item in first if all(item in warnings for warnings in warned.values())]
-
-
-def _head(scenario: Scenario, setup: Setup, taken: Taken) -> list[str]:
-    """Lines on the scenario, whatever the law."""
-    title = f" ({scenario.title})" if scenario.title else ""
-    lines = [wrapped(f"{scenario.name} is valid{title}.")]
-    arrival, lasts = scenario.reference.arrival, scenario.clock.duration
+def _head(answers: Answers) -> Iterator[str]:
+    """What is promised, and lines on the scenario whatever the law."""
+    case = answers.scenario
+    yield wrapped(f"{case.name} is valid{f' ({case.title})' if case.title else ''}.")
+    yield wrapped(check_sentences.promise(answers.setup))
+    arrival, lasts = case.reference.arrival, case.clock.duration
     if arrival is not None:
         late = f"{arrival:.4g} s" if arrival < 3600 else f"{arrival:.0f} s, {arrival / 3600:.3g} h"
         early = f", but the run ends at {lasts:g} s: lengthen clock.duration"
         end = early if arrival > lasts else ""
-        lines.append(wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}."))
-    inherited = [warning["text"] or "" for warning in _inherited_warning(taken)]
-    return [*lines, *map(_item, (*guard_lines(setup), *filter_lines(setup), *inherited))]
+        yield wrapped(f"The desired motion comes to rest at its goal at t = {late}{end}.")
+    if answers.taken:
+        listed = ", ".join(item.key for item in answers.taken)
+        yield wrapped(
+            f"Not stated, and so the paper's or the preset's (--only inherited): {listed}."
+        )
+    if any(run.settings.duration < lasts for run in answers.runs.values()):
+        yield wrapped(f"Each law is run for {MOST_STEPS} plant steps alone, not to its end.")
 
 
-def _lines(
-    scenario: Scenario, warned: Warned, stable: Mapping[str, Stability], runs: Runs, tubes: Tubes
-) -> list[str]:
-    """Objections of theory and of one run to each law, and its corridor."""
-    from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
+def _table(answers: Answers) -> Iterator[str]:
+    """The laws side by side, and what the columns are."""
+    from wmr_ctrl.results import driving
+
+    place = next(map(driving, answers.runs.values()), "drive")
+    period = f"{1e3 * answers.scenario.clock.control:g}"
+    about = {
+        "law": "",
+        "verdict": "",
+        "stable\n[ms]": f"longest stable clock.control; now {period}",
+        "off\n[mm]": f"RMS distance from its place in the {place}, seed 0",
+        "guard\n[%]": "samples that it changed, the worse axis",
+        "corridor\n[mm]": "the most that it can be pushed off its place, certified",
+        "because of": "where to start; in brackets what is no objection",
+    }
+    columns = zip(*((law, *_cells(answers, law)) for law in answers.warned), strict=True)
+    shown = {
+        name: cells
+        for name, cells in zip(about, columns, strict=True)
+        if set(cells) != {NONE} or name == "because of"
+    }
+    yield table(zip(*shown.values(), strict=True), tuple(shown))
+    yield ""
+    for name in filter(about.get, shown):
+        yield wrapped(f"{name.partition(chr(10))[0]}: {about[name]}", hang="  ")
+    yield wrapped("Why, and what to change: --only NAME, a law or a key above; -v tells all.")
+
+
+def _cells(answers: Answers, law: str) -> Iterator[str]:
+    """Cells of a law, NONE where it has none."""
+    from wmr_ctrl.results.measures import guard_share, tracking
+
+    limits, run = answers.stable.get(law), answers.runs.get(law)
+    shares = run and guard_share(run)
+    drive = (run and tracking(run)["drive"]) or {}
+    away, most = drive.get("position_rms"), answers.tubes[law].position
+    yield answers.verdict(law).removeprefix("holds-").replace("-", " ")
+    if limits is None:
+        yield NONE
+    elif limits.period == 0:
+        yield "none"
+    else:
+        low = f"{_digits(1e3 * limits.shortest)} to " if limits.shortest > 0 else ""
+        yield low + (_digits(1e3 * limits.period) if limits.period < inf else "any")
+    yield NONE if away is None else _digits(1e3 * away)
+    yield _digits(100 * max(shares)) if shares and answers.scenario.guard.enabled else NONE
+    yield NONE if most is None else _digits(1e3 * most)
+    yield ", ".join(_reasons(answers, law)) or NONE
+
+
+def _digits(value: float) -> str:
+    return f"{float(f'{value:.3g}'):g}"
+
+
+def _reasons(answers: Answers, law: str) -> Iterator[str]:
+    """Keys of what is held against a law, each once; in brackets those that object to nothing."""
+    from wmr_ctrl.checks.outlook import IN_PART
+    from wmr_ctrl.checks.torques import GRIP
+
+    held = [(w.key, w.objects) for w in answers.warned[law] if w.equation != GRIP]
+    held += [(item.key, item.key not in IN_PART) for item in _seen(answers, law)]
+    for key in dict.fromkeys(key for key, _ in held):
+        yield key if (key, True) in held else f"({key})"
+
+
+def _seen(answers: Answers, law: str) -> list[Remark]:
+    """Remarks on the run of a law, but for those that repeat the warnings."""
     from wmr_ctrl.results import OBJECTED
 
-    lines, shared = list[str](), _shared(warned)
-    ignored = ", and ".join(filter(None, (lost_poses(scenario), rounded_effects(scenario))))
-    rest = f" ({ignored})" if ignored else ""
-    if any(run.settings.duration < scenario.clock.duration for run in runs.values()):
-        short = f"Each law is run for {MOST_STEPS} plant steps alone, not to its end."
-        lines += ["", wrapped(short)]
-    if shared:
-        lines += ["", "all laws", *(_item(_told(warning)) for warning in shared)]
-    for law, warnings in warned.items():
-        texts = [_told(warning) for warning in warnings if warning not in shared]
-        if law in runs:
-            seen = (item for item in runs[law].remarks if item.key != OBJECTED)
-            texts += [f"{item.key}: {item.text}" for item in seen]
-        periods = _stable(stable[law], scenario.clock.control) if law in stable else NOT_LINEAR
-        said = wrapped(f"{law}, {periods}{rest}")
-        lines += ["", said, *(map(_item, texts) if texts else ["  - no objection"])]
-        sights = [_sight(runs[law])] if law in runs else []
-        lines += map(_item, (*sights, tubes[law].sentence))
-    return lines
+    run = answers.runs.get(law)
+    return [item for item in run.remarks if item.key != OBJECTED] if run else []
 
 
-def _told(warning: Warning) -> str:
-    """A warning's text; of what is no objection, such as the grip of tyres, as a note."""
-    return str(warning) if warning.objects else f"note: {warning}"
+def _findings(answers: Answers) -> Iterator[Note]:
+    """Everything that is known, of the scenario first, then by law."""
+    from wmr_ctrl.checks.surroundings import lost_poses, rounded_effects
+
+    for key, lines in (
+        ("guard", check_sentences.guard_lines),
+        ("filter", check_sentences.filter_lines),
+    ):
+        yield from (Note("", key, line) for line in lines(answers.setup))
+    if answers.taken:
+        yield Note("", "inherited", check_sentences.inherited_robot(answers.taken))
+    ignored = filter(None, (lost_poses(answers.scenario), rounded_effects(answers.scenario)))
+    rest = ", and ".join(ignored)
+    warnings = [
+        Note(law, item.key, f"{'' if item.objects else 'note: '}{item}")
+        for law, item in _merged(answers)
+    ]
+    yield from (item for item in warnings if item.law is None)
+    for law, tube in answers.tubes.items():
+        if law in answers.stable:
+            stable = check_sentences.stable(answers.stable[law], answers.scenario.clock.control)
+            yield Note(law, "stability", f"{stable} ({rest})" if rest else stable)
+        yield from (item for item in warnings if item.law == law)
+        yield from (Note(law, item.key, f"{item.key}: {item.text}") for item in _seen(answers, law))
+        if law in answers.runs:
+            yield Note(law, "run", check_sentences.sight(answers.runs[law]))
+        yield Note(law, "corridor", tube.sentence)
 
 
-def _item(text: str) -> str:
-    return wrapped(f"- {text}", indent="  ", hang="  ")
+def _about(answers: Answers, name: str) -> list[Note]:
+    """The findings on a law, a key or a subject; ArgumentError where there is none."""
+    every = list(_findings(answers))
+    chosen = [item for item in every if name in (item.law, item.key)]
+    if not chosen:
+        names = dict.fromkeys((*answers.warned, *(item.key for item in every)))
+        raise ArgumentError(f"--only {name!r}: nothing of that name. There is {', '.join(names)}.")
+    return chosen
 
 
-def _sight(run: Run) -> str:
-    """One run in a sentence."""
-    from wmr_ctrl.results import driving, percent, tracked
-    from wmr_ctrl.results.measures import arrival, guard_share, tracking
-
-    parts, shares, times = tracking(run), guard_share(run), arrival(run)
-    away = " and ".join(
-        f"{part['position_rms']:.3g} m RMS from its place in the {place}"
-        for place, part in zip((driving(run), "end"), parts.values(), strict=True)
-        if part is not None and part["position_rms"] is not None
-    )
-    away = away or ("it ended early" if run.monitor.stopped else "over before it could be judged")
-    verdict = "tracked" if tracked(run) else "not tracked"
-    held = ""
-    if run.guard and shares is not None:
-        thrusts, moments = map(percent, shares)
-        held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
-    goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
-    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
-
-
-def _stable(limits: Stability, period: float) -> str:
-    if limits.period == 0:
-        shorter = " and all shorter periods that were tried" if limits.tried < period else ""
-        return f"unstable around the reference at {period:g} s{shorter}"
-    limit = f"up to clock.control = {limits.period:.4g} s"
-    if limits.shortest > 0:
-        limit = f"for clock.control = {limits.shortest:.4g} to {limits.period:.4g} s"
-    if limits.period == float("inf"):
-        limit = "at every control period that was tried"
-    parts = []
-    if limits.delay is not None and limits.delay < float("inf"):
-        parts.append(f"up to a delay of {limits.delay:.3g} s")
-    if limits.masses is not None:
-        parts.append(f"for a mass of {limits.mass_words}")
-    here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
-    return f"stable around the reference {limit}{here}"
+def _listed(findings: Iterable[Note]) -> str:
+    """Findings as items of a list, below the law that they are about."""
+    lines = list[str]()
+    for law, notes in groupby(findings, attrgetter("law")):
+        lines += [f"\n{law or 'all laws'}"] if law != "" else []
+        lines += (wrapped(f"- {item.text}", indent="  ", hang="  ") for item in notes)
+    return "\n".join(lines).lstrip("\n")

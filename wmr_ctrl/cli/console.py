@@ -67,14 +67,15 @@ def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     from rich.text import Text
 
     listed = list(rows)
-    columns = zip(*listed, *([header] if header else []), strict=True)
-    if sum(max(map(len, column)) + 2 for column in list(columns)[:-1]) > width() - ROOM:
+    columns = list(zip(*listed, *([header] if header else []), strict=True))[:-1]
+    widths = [max(len(line) for cell in column for line in cell.split("\n")) for column in columns]
+    if sum(widths) + 2 * len(widths) > width() - ROOM:
         cells = ((name, ", ".join(filter(None, rest))) for name, *rest in listed)
         return "\n".join(wrapped(f"{name}: {rest}", hang="  ") for name, rest in cells)
     grid = Table(box=SIMPLE_HEAD if header else None, show_header=bool(header), pad_edge=False)
     for i, name in enumerate(header or listed[0]):
         last = i == len(listed[0]) - 1
-        grid.add_column(name if header else "", overflow="fold", no_wrap=not last)
+        grid.add_column(Text(name if header else ""), overflow="fold", no_wrap=not last)
     for row in listed:
         grid.add_row(*(Text(cell) for cell in row))
     console = Console(width=width(), color_system=None, legacy_windows=False)

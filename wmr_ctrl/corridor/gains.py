@@ -9,6 +9,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 from typing import TypeAlias
 
@@ -210,14 +211,17 @@ class _Sums:
     n: int
     steps: Floats
 
+    @cached_property
+    def norms(self) -> Floats:
+        """Sums over the course of each input's weighed norms."""
+        return (np.abs(self.course) / self.scale[:, None]).max(axis=1).sum(axis=0)
+
     def gains(self, rows: _Rows) -> Gains:
         """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct."""
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
         seen = np.abs(rows.picked @ rows.state @ self.course)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
-        reach = size @ self.scale
-        norms = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
-        tail = np.outer(reach, norms.sum(axis=0)) * self.damping / (1 - self.damping)
+        tail = np.outer(size @ self.scale, self.norms) * self.damping / (1 - self.damping)
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):

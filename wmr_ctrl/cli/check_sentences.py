@@ -1,0 +1,224 @@
+"""Sentences of ``wmr-ctrl check``: promise, guard, filter, stability, one run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wmr_ctrl.checks import Stability
+    from wmr_ctrl.control.setup import Setup
+    from wmr_ctrl.guard.bounds import SourcedNumber
+    from wmr_ctrl.results import Run
+    from wmr_ctrl.scenario.toml_io import InheritedValue
+
+PER_AXIS = {"dbar": ("N", "N m"), "nbar": ("m/s", "rad/s")}
+
+
+NOT_THE_PATH = "how well the path is followed is not"
+
+
+def promise(setup: Setup) -> str:
+    """Whether the limits are promised, by what and as long as what, in a sentence or two."""
+    from wmr_ctrl.checks import filter_facts
+    from wmr_ctrl.control.setup import settle
+    from wmr_ctrl.errors import ScenarioError
+    from wmr_ctrl.guard.price import early_speed
+    from wmr_ctrl.scenario import override
+
+    case = setup.scenario
+    linear, angular = case.limits.v_u1
+    limits = f"|v1| <= {linear:g} m/s and |omega| <= {angular:g} rad/s"
+    if setup.takes_velocity:
+        facts = filter_facts(setup)
+        if facts is None:
+            return f'No filter: {limits} are not promised. Set filter.kind = "clip" or "governor".'
+        if facts.broken:
+            return f"Filtered, but nothing is promised: {facts.broken[0]}"
+        return (
+            f"Filtered: {limits} are promised while the base is as it is stated (--only filter); "
+            f"{NOT_THE_PATH}."
+        )
+    if not case.guard.enabled:
+        try:
+            void = settle(override(case, {"guard.enabled": True}), None).void
+        except ScenarioError as error:
+            first, _, _ = str(error).partition(". ")
+            return f"Not guarded: {limits} are not promised. --guard is refused: {first}."
+        would = f"would not promise them for certain: {void}" if void else "would promise them."
+        return f"Not guarded: {limits} are not promised. --guard {would}"
+    if setup.void:
+        return f"Guarded, but {limits} are not promised for certain: {setup.void}"
+    starts = zip(case.initial.velocity, early_speed(setup.guard), case.limits.v_u1, strict=True)
+    late = any(abs(speed) + gained > most for speed, gained, most in starts)
+    return (
+        f"Guarded: {limits} are promised{', once the speed is back from its start,' * late} while "
+        f"masses, pushes and errors stay within what is counted on (--only guard); {NOT_THE_PATH}."
+    )
+
+
+def guard_numbers(setup: Setup) -> dict[str, object] | None:
+    """The guard's numbers for JSON, their sources, and the speeds it leaves; None without guard."""
+    if not setup.scenario.guard.enabled:
+        return None
+    from wmr_ctrl.guard.bounds import assumption_sources
+    from wmr_ctrl.guard.price import speed_price
+
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
+    price = speed_price(setup.scenario, setup.guard)
+    return {
+        **{name: item.value for name, item in known.items()},
+        "sources": {name: dict(item.sources) for name, item in known.items()},
+        "usable_speed": price.usable,
+        "reference_speed": price.asked,
+    }
+
+
+def guard_lines(setup: Setup) -> Iterator[str]:
+    """The same in two sentences; none without guard."""
+    if not setup.scenario.guard.enabled:
+        return
+    from wmr_ctrl.guard.bounds import assumption_sources
+    from wmr_ctrl.guard.price import speed_price
+    from wmr_ctrl.results import speeds
+
+    known = assumption_sources(setup.scenario, setup.guard, setup.effects)
+    parts = [_masses(known) + _differs(setup), *(_bound(known[name]) for name in PER_AXIS)]
+    parts += [_late(known[name]) for name in ("delay", "lag")]
+    ages = [known[name] for name in ("age", "window") if any(known[name].value)]
+    parts += [f"{item.name} {_digits(item.value)} s{_made(item)}" for item in ages]
+    yield f"the guard counts on {'; '.join(parts)}"
+    price = speed_price(setup.scenario, setup.guard)
+    yield (
+        f"it leaves at most {speeds(price.usable)} against friction; the reference asks for at "
+        f"most {speeds(price.asked)}"
+    )
+
+
+def filter_numbers(setup: Setup) -> dict[str, object] | None:
+    """Facts of the command filter for JSON; None without one."""
+    from wmr_ctrl.checks import filter_facts
+
+    facts = filter_facts(setup)
+    return None if facts is None else asdict(facts)
+
+
+def filter_lines(setup: Setup) -> Iterator[str]:
+    """The same in two sentences; none without filter."""
+    from wmr_ctrl.checks import filter_facts
+    from wmr_ctrl.results import speeds
+
+    facts = filter_facts(setup)
+    if facts is None:
+        return
+    limits = speeds(setup.scenario.limits.v_u1)
+    held = "is not promised to keep" if facts.broken else "keeps"
+    yield (
+        f"the filter ({facts.statement}) {held} {limits}; it leaves {speeds(facts.usable_speed)} "
+        "on the weakest base that is stated"
+    )
+    costs = {"millisecond of delay": facts.delay_cost, "per cent of gain": facts.gain_cost}
+    texts = [f"one more {name} costs {speeds(cost)}" for name, cost in costs.items() if cost]
+    if texts:
+        yield "; ".join(texts)
+
+
+def inherited_robot(taken: Sequence[InheritedValue]) -> str:
+    """The robot's numbers that were not stated, with where to state them."""
+    if not taken:
+        return ""
+    listed = ", ".join(f"{item.key} = {item.value} {item.unit}".rstrip(" 1") for item in taken)
+    return (
+        f"The file does not state {listed}: these are the paper's robot, or that of the preset "
+        "which the file extends. State what is yours in its tables; `wmr-ctrl scenarios "
+        "paper-simulation --toml` prints them with their meaning."
+    )
+
+
+def sight(run: Run) -> str:
+    """One run in a sentence."""
+    from wmr_ctrl.results import driving, percent, tracked
+    from wmr_ctrl.results.measures import arrival, guard_share, tracking
+
+    parts, shares, times = tracking(run), guard_share(run), arrival(run)
+    away = " and ".join(
+        f"{part['position_rms']:.3g} m RMS from its place in the {place}"
+        for place, part in zip((driving(run), "end"), parts.values(), strict=True)
+        if part is not None and part["position_rms"] is not None
+    )
+    away = away or ("it ended early" if run.monitor.stopped else "over before it could be judged")
+    verdict = "tracked" if tracked(run) else "not tracked"
+    held = ""
+    if run.guard and shares is not None:
+        thrusts, moments = map(percent, shares)
+        held = f", the guard changed {thrusts} of the thrusts and {moments} of the moments"
+    goal = f", at its goal from {times['robot']:.4g} s on" if times and times["robot"] else ""
+    return f"run once with seed 0: {run.outcome.value}, {verdict}, {away}{goal}{held}"
+
+
+def stable(limits: Stability, period: float) -> str:
+    """Periods, delays and masses with which a loop is stable, in words."""
+    if limits.period == 0:
+        shorter = " and all shorter periods that were tried" if limits.tried < period else ""
+        return f"unstable around the reference at {period:g} s{shorter}"
+    limit = f"up to clock.control = {limits.period:.4g} s"
+    if limits.shortest > 0:
+        limit = f"for clock.control = {limits.shortest:.4g} to {limits.period:.4g} s"
+    if limits.period == float("inf"):
+        limit = "at every control period that was tried"
+    parts = []
+    if limits.delay is not None and limits.delay < float("inf"):
+        parts.append(f"up to a delay of {limits.delay:.3g} s")
+    if limits.masses is not None:
+        parts.append(f"for a mass of {limits.mass_words}")
+    here = f"; at {period:g} s {' and '.join(parts)}" if parts else ""
+    return f"stable around the reference {limit}{here}"
+
+
+def _masses(known: Mapping[str, SourcedNumber]) -> str:
+    from wmr_ctrl.guard.bounds import MASS_KEYS
+
+    low, high = (known[key.removeprefix("guard.")] for key in MASS_KEYS)
+    texts = [
+        f"{name} {low.value[i]:.4g} to {high.value[i]:.4g} {unit}"
+        for i, (name, unit) in enumerate((("M", "kg"), ("I", "kg m2")))
+    ]
+    origin, other = _made(low), _made(high)
+    return f"{', '.join(texts)}{origin if origin == other else f'{origin} to{other}'}"
+
+
+def _differs(setup: Setup) -> str:
+    """Mass or inertia of the robot where the laws believe another, within what is counted."""
+    texts = [
+        f"{name} = {setup.value(f'robot.{name}')[0]:.4g} {unit}"
+        for name, unit in (("m", "kg"), ("I", "kg m2"))
+        if setup.value(f"robot.{name}") != setup.value(f"model.{name}")
+    ]
+    return f", and the robot has {', '.join(texts)}" if texts else ""
+
+
+def _bound(item: SourcedNumber) -> str:
+    (a, b), (first, second) = item.value, PER_AXIS[item.name]
+    return f"{item.name} {a:.4g} {first}, {b:.4g} {second}{_made(item)}"
+
+
+def _late(item: SourcedNumber) -> str:
+    low, high = item.value
+    if high == 0:
+        return f"no {item.name}{_made(item)}"
+    text = f"{high:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return f"{item.name} {text} s{_made(item)}"
+
+
+def _digits(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)
+
+
+def _made(item: SourcedNumber) -> str:
+    """Sources of a number, in brackets."""
+    texts = [
+        source if added in (None, item.value) else f"{source} {_digits(added or ())}"
+        for source, added in item.sources.items()
+    ]
+    return f" ({'; '.join(texts)})" if texts else ""
