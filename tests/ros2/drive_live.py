@@ -55,6 +55,15 @@ class Base:
     def _told(self, message: DiagnosticArray) -> None:
         self.said += [status.message for status in message.status]
 
+    def stamp(self):
+        """Time of the odometry that is sent next."""
+        return self.node.get_clock().now().to_msg()
+
+    @staticmethod
+    def spoil(_message: Odometry) -> bool:
+        """Change odometry before it is sent; whether it is sent."""
+        return True
+
     def go(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Move and send odometry; True where ``until`` came true."""
         end = time.monotonic() + seconds
@@ -64,13 +73,14 @@ class Base:
             turn = yaw + RATE * omega
             self.pose = [x + RATE * v * math.cos(yaw), y + RATE * v * math.sin(yaw), turn]
             message = Odometry(child_frame_id="base_link")
-            message.header.stamp = self.node.get_clock().now().to_msg()
+            message.header.stamp = self.stamp()
             message.header.frame_id = "odom"
             message.pose.pose.position.x, message.pose.pose.position.y = self.pose[:2]
             message.pose.pose.orientation.z = math.sin(turn / 2)
             message.pose.pose.orientation.w = math.cos(turn / 2)
             message.twist.twist.linear.x, message.twist.twist.angular.z = self.speed
-            self.odometry.publish(message)
+            if self.spoil(message):
+                self.odometry.publish(message)
             until_next = time.monotonic() + RATE
             while time.monotonic() < until_next:
                 rclpy.spin_once(self.node, timeout_sec=max(0.0, until_next - time.monotonic()))

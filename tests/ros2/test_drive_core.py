@@ -241,6 +241,15 @@ def test_a_base_faster_than_its_bounds_allow_is_stopped_until_a_reset(world):
     assert world.drive(10).command != (0.0, 0.0)
 
 
+def test_the_oldest_odometry_of_a_sample_is_told(world):
+    world.drive()
+    world.core.oldest = 0.0
+    world.pass_by()
+    world.ros += 7 * MS
+    world.message(stamp=world.ros - 7 * MS)
+    assert world.core.oldest == pytest.approx(0.007)
+
+
 def test_missed_periods_are_counted_and_time_stays_true(world):
     world.drive()
     before = world.core._sample

@@ -94,16 +94,39 @@ std = 0.0
 """
 
 
-@pytest.fixture(scope="module")
-def life(ros, environment, tmp_path_factory):
-    path = tmp_path_factory.mktemp("way") / "way.toml"
-    path.write_text(WAY, encoding="utf-8")
+CIRCLE = (
+    WAY.partition("[reference]")[0]
+    + """
+[reference]
+kind = "circle"
+radius = 1.0
+rate = 0.3
+[disturbance]
+std = 0.0
+"""
+)
+
+
+def report_of(script, scenario, ros, environment, folder):
+    """JSON that a script around the node prints."""
+    path = folder / "base.toml"
+    path.write_text(scenario, encoding="utf-8")
     done = subprocess.run(
-        [ros, SCRIPT.with_name("drive_live.py"), path],
+        [ros, SCRIPT.with_name(script), path],
         env=environment, capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
     return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def life(ros, environment, tmp_path_factory):
+    return report_of("drive_live.py", WAY, ros, environment, tmp_path_factory.mktemp("life"))
+
+
+@pytest.fixture(scope="module")
+def faults(ros, environment, tmp_path_factory):
+    return report_of("drive_faults.py", CIRCLE, ros, environment, tmp_path_factory.mktemp("faults"))
 
 
 def test_it_is_a_lifecycle_node_that_can_be_configured_twice(life):
@@ -136,3 +159,52 @@ def test_a_killed_node_is_silent_and_its_next_life_begins_with_zeros(life):
 def test_a_twin_is_told_also_for_a_while_after_its_death(life):
     assert life["twin"]
     assert any("own name" in text and "lease" in text for text in life["ghost"])
+
+
+TICK, TIMEOUT, SLACK = 0.02, 0.1, 0.15
+"""Of the node [s], and what DDS and a busy machine may take beside."""
+STEP = 2.0 * TICK * 1.01
+"""Most that a tick may take off the speed [m/s]; fall is 2 m/s2."""
+
+
+@pytest.mark.parametrize(
+    "fault",
+    ["missing", "in map", "of a laser", "no rotation", "NaN", "without stamp", "old", "stopped"],
+)
+def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
+    found = faults["simulated" if fault == "stopped" else "real"][fault]
+
+    assert found["falls"] <= TIMEOUT + 2 * TICK + SLACK
+    assert found["zero"] <= TIMEOUT + 0.35 + 2 * TICK + SLACK  # at most .7 m/s at 2 m/s2
+    assert found["steps"] <= STEP
+    assert found["last"] == 0
+    assert any("no-odometry" in text for text in found["said"])
+
+
+@pytest.mark.parametrize(
+    ("clock", "fault", "flag"),
+    [
+        ("real", "pose leaps", "pose-jump"),
+        ("simulated", "back", "time-back"),
+        ("simulated", "ahead", "time-forth"),
+    ],
+)
+def test_a_leap_brakes_at_once_and_drives_on(faults, clock, fault, flag):
+    found = faults[clock][fault]
+
+    assert found["falls"] <= 2 * TICK + SLACK
+    assert found["steps"] <= STEP
+    assert found["last"] > 0.1
+    assert any(flag in text for text in found["said"])
+
+
+def test_what_latches_waits_for_a_reset(faults):
+    real = faults["real"]
+    assert real["too fast"]["falls"] <= 2 * TICK + SLACK
+    assert real["too fast"]["steps"] <= STEP
+    assert real["latched"] == [0.0, True]
+    assert real["stop"]["zero"] <= 2 * TICK + SLACK
+    assert real["reset while stopped"] is False
+    assert real["stopped"] == [0.0, True]
+    assert real["drives again"]
+    assert faults["simulated"]["drives again"]

@@ -53,7 +53,8 @@ class DriveCore:
     """Law, gate, intake and clocks of a drive node.
 
     ``last`` is what was sent last, ``e`` the tracking error of the last sample [m, m, rad],
-    ``held`` why the base is kept at rest, "" while it drives; ``counts`` how often and of what.
+    ``held`` why the base is kept at rest, "" while it drives; ``counts`` how often and of what;
+    ``oldest`` the largest age of odometry that a sample had [s], for who reads it to set it to 0.
     """
 
     def __init__(self, setup: Setup, settings: DriveSettings) -> None:
@@ -75,6 +76,7 @@ class DriveCore:
         self.measured = Intake(in_ns(timeout), NOTHING, frames, named=True)
         self.clocks = Clocks(longest_pause(timeout, self.period))
         self.counts: dict[str, int] = {}
+        self.oldest = 0.0
         self.stop, self._under_way = False, _under_way(setup)
         self.start()
 
@@ -247,6 +249,7 @@ class DriveCore:
             self._hold(NOT_FINITE)
             return self._rest(now)
         self._near, self.e = wish.theta, wish.e
+        self.oldest = max(self.oldest, self.measured.age(now))
         flags = [MISSED] if missed else []
         self.counts[MISSED] = self.counts.get(MISSED, 0) + missed
         if motion.arrival is not None and sample * self.period + rest >= motion.arrival:
