@@ -13,7 +13,9 @@ from wmr_ctrl.laws import prox
 from wmr_ctrl.proofs.alterations import altered
 from wmr_ctrl.proofs.claim import CLAIMED
 from wmr_ctrl.proofs.claims import all_claims, effect_bounds
+from wmr_ctrl.proofs.claims.guard_exported import Assembled
 from wmr_ctrl.proofs.claims.world import EffectGraph
+from wmr_ctrl.proofs.graph import graph_of
 from wmr_ctrl.proofs.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world import slope, torque_noise
 
@@ -116,3 +118,13 @@ def test_a_late_monitor_that_tells_ten_times_the_push_is_refuted():
     with altered("wmr_ctrl.guard.monitor:LateMotion.least_push", lambda push: 10 * push):
         method = replace(claim.method, effort=1, seconds=1)
         assert method.decide(claim.statement(CLAIMED)).verdict == REFUTED
+
+
+def test_law_and_map_have_no_part_in_the_flag():
+    graphs = {
+        graph_of(found.symbols, [found.told["feasible"]], found.cuts).digest
+        for assemble in (controller.guard, controller.asking_controller)
+        for kind in guard.MAPS
+        for found in [Assembled(assemble, kind, 0)]
+    }
+    assert len(graphs) == 1

@@ -57,6 +57,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     decided = {name: known.versions.get(name) for name in now} if known else {}
     same = known if known and (known.graph_hash, decided) == (entered, now) else None
     functions = functions_of(claim, known.functions if known else ())
+    held = known is not None and set(known.functions) == set(functions)  # called in any order
     verdict, reason = _guarded(finding, mutated, functions)
     told = finding.evidence
     counts = [f"{told[key]} {key}" for key in ("cases", "boxes") if key in told]
@@ -72,7 +73,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         graph_hash=entered,
         versions=now,
         functions=functions,
-        alterations=same.alterations if same and same.functions == functions else None,
+        alterations=same.alterations if same and held else None,
         confirmed_by=same.confirmed_by if same else (),
         evidence={**told, **reason},
     )

@@ -1,0 +1,154 @@
+"""The guard's flag in rounded arithmetic: how far the published 1 may be from the conditions.
+
+The flag has no tolerance, so that its own rounding is all that separates it from the theorem.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from wmr_ctrl.control.controller import guard
+from wmr_ctrl.guard.guard import Bounds
+from wmr_ctrl.proofs.claim import Claims, Mutation
+from wmr_ctrl.proofs.claims.guard import solver
+from wmr_ctrl.proofs.claims.guard_exported import Assembled
+from wmr_ctrl.proofs.statement import (
+    Relation,
+    Statement,
+    above,
+    at_least,
+    equal,
+    positive,
+    symbols,
+    within,
+)
+
+NEAR = 2.0**-50
+SIGNS = (
+    "T, alpha, r, l, tau_max, M_min, v_u1 > 0, dbar, f_min, f_speed, brake >= 0; u1 = v_u1 (1 - "
+    "(1 + n) 2^-44), {n} commands under way; no overflow, no underflow"
+)
+DELAYS = ({"late": "", "n": 0}, {"late": "-late", "n": 2})
+claim = Claims(by=solver, given=SIGNS)
+
+
+class Flag(Assembled):
+    """The exported flag, and what its numbers have to be."""
+
+    def __init__(self, delay: int) -> None:
+        super().__init__(guard, "linear-first", delay)
+
+    @property
+    def both(self) -> list[Bounds]:
+        """Exact bounds of the axes."""
+        return [b for _, b, _ in self.axes]
+
+    @property
+    def signs(self) -> tuple[Relation, ...]:
+        """Signs of the guard's numbers, and of the wheels'."""
+        own = [item for b in self.both for item in (b.M_min, b.u1)]
+        shared = ("clock.control", "guard.alpha", "actuator.tau_max")
+        less = [n for b in self.both for n in (b.f_speed, b.dbar, b.f_min, b.brake)]
+        numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
+        return (*positive(*numbers), *map(at_least, less))
+
+    def authority(self, b: Bounds, share: float = 2) -> Relation:
+        """The theorem's first condition, to within the flag's rounding."""
+        late = 1 if b.delay is None else 1 + b.alpha * b.delay
+        room = b.u1 - b.f_speed + (1 + self.delay) * NEAR * b.u1
+        return at_least(b.M_min * b.alpha * room, share * b.net * late)
+
+    def states(
+        self,
+        goals: list[Relation],
+        given: list[Relation],
+        free: dict[str, ca.SX],
+        computed: dict[str, ca.SX],
+    ) -> Statement:
+        """The statement about what doubles compute."""
+        table = {**self.symbols, **free}
+        return Statement(table, tuple(goals), (*given, *self.signs), self.cuts, computed=computed)
+
+
+def size(b: Bounds) -> ca.SX:
+    """S = M_min alpha u1 + |net|: the guard's forces are of this size at most."""
+    return b.M_min * b.alpha * b.u1 + ca.fabs(b.net)
+
+
+@claim("guard.flag.conditions{late}", premises="assumption.libm", over=DELAYS)
+def conditions(mutation: Mutation, n: int) -> Statement:
+    """feasible = 1 as doubles compute it implies on each axis, with d = 2^-50: 2 net (1 + alpha
+    delay) <= M_min alpha (u1 - f_speed + (1 + n) d u1), brake >= net - d |net|, alpha T <= 1 + d,
+    2 nbar <= u1 (1 + d), f_speed < u1 (1 + d), M_min <= M_max; n = {n}.
+
+    The flag that the compiled guard publishes is the theorem's conditions to within some roundings
+    of its own numbers.
+    """
+    e, free, near = Flag(n), symbols("flag"), 1 + NEAR
+    goals = [
+        goal
+        for b in e.both
+        for goal in (
+            e.authority(b, mutation(2, 2.01)),
+            at_least(b.brake + NEAR * ca.fabs(b.net), b.net),
+            at_least(near, b.alpha * b.period),
+            at_least(b.u1 * near, 2 * b.nbar),
+            above(b.u1 * near, b.f_speed),
+            at_least(b.M_max, b.M_min),
+        )
+    ]
+    return e.states(goals, [above(free["flag"])], free, {"flag": e.told["feasible"]})
+
+
+@claim(
+    "guard.flag.braking{late}",
+    given=SIGNS + "; as guard.flag.conditions{late} has it",
+    premises="guard.flag.conditions{late} assumption.libm",
+    over=DELAYS,
+)
+def braking(mutation: Mutation, n: int) -> Statement:
+    """each axis' brakes as doubles compute them are off by at most 4 (1 + n) 2^-50 S, and at most S
+    in size, S = M_min alpha u1 + |net|; n = {n}.
+
+    What the flag compares with the wheels' reach is the force with which the guard may brake.
+    """
+    e, free = Flag(n), symbols("first second")
+    share = mutation(4, 0.01) * (1 + n) * NEAR
+    goals = [
+        goal
+        for name, b in zip(free, e.both, strict=True)
+        for goal in (
+            *within(free[name] - b.braking, share * size(b)),
+            *within(b.braking, size(b)),
+        )
+    ]
+    given = [item for b in e.both for item in (e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed))]
+    given += [at_least(b.brake + NEAR * ca.fabs(b.net), b.net) for b in e.both]
+    computed = {name: b.braking for name, b in zip(free, e.both, strict=True)}
+    return e.states(goals, given, free, computed)
+
+
+@claim(
+    "guard.flag.reach{late}",
+    given=SIGNS + "; the brakes as guard.flag.braking{late} has them",
+    premises="guard.flag.braking{late} assumption.libm",
+    over=DELAYS,
+)
+def reach(mutation: Mutation, n: int) -> Statement:
+    """feasible = 1 as doubles compute it implies FB1 + FB2/l <= phi (1 + 2^-47) + 8 (1 + n) 2^-50
+    (S1 + S2/l), FB the exact brakes; n = {n}.
+
+    Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
+    """
+    e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
+    share, half = 4 * (1 + n) * NEAR, e.wheels[1]
+    given = [above(free["flag"])]
+    for k, (name, b) in enumerate(zip(("first", "second"), e.both, strict=True), 1):
+        exact, most = free[f"exact{k}"], free[f"size{k}"]
+        given += [*within(free[name] - exact, share * most), *within(exact, most)]
+        given += [equal(most, size(b)), equal(exact, b.braking)]
+    off = 2 * share * (free["size1"] + free["size2"] / half)
+    braked = free["exact1"] + free["exact2"] / half
+    goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
+    computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
+    return e.states([goal], given, free, computed)
