@@ -29,9 +29,11 @@ from wmr_ctrl.campaign.paper import paper_plan
 from wmr_ctrl.guard.bounds import derived_guard
 from wmr_ctrl.guard.price import usable_speed
 from wmr_ctrl.report.animate import animate_runs
+from wmr_ctrl.report.identified import drawing_of
 from wmr_ctrl.report.style import LIMIT, house_style, look
 from wmr_ctrl.report.write import all_drawings
 from wmr_ctrl.results import Run
+from wmr_ctrl.scenario import loads_scenario
 from wmr_ctrl.world.effect import Bound
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -225,6 +227,16 @@ def drive(page: str) -> Run:
         return wmr_ctrl.simulate(Path(folder) / "robot.toml", "prox", guard=True)
 
 
+def identified() -> Figure:
+    """The fit of the tutorial's log."""
+    tutorials = ROOT / "docs" / "tutorials"
+    page = (tutorials / "log.md").read_text(encoding="utf-8")
+    (known,) = re.findall(r"<!-- file: known.toml -->\n```\w+\n(.*?)```", page, re.S)
+    scenario = loads_scenario(known)
+    with house_style():
+        return drawing_of(wmr_ctrl.identify(tutorials / "robot-log.csv", known=scenario)).figure()
+
+
 def velocity() -> Figure:
     """The report's panel of linear velocities."""
     return reported("fig3c_v1")
@@ -250,6 +262,7 @@ PICTURES: Mapping[str, Callable[[], Figure]] = {
     "guard-price": guard_price,
     "guard-dbar": guard_dbar,
     "robot": robot,
+    "identified": identified,
     "velocity": velocity,
     "stress": stress,
 }

@@ -8,7 +8,7 @@ Heun, for many robots side by side.  Sources: Coulomb friction with a sharper st
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,19 +52,24 @@ class Truth:
 class Drives:
     """Commands of a drive in closed loop: a reference of both speeds and gains of a PI law.
 
-    ``kind``: "steps" (random levels), "circle", "sines".
+    ``kind``: "steps" (random levels), "circle", "sines", or "given": ``wanted`` (samples, 2) for
+    every robot, at rest after it.
     """
 
     kind: str = "steps"
     most: tuple[float, float] = (0.5, 1.2)
     gains: tuple[float, float] = (60.0, 30.0)
     turning: tuple[float, float] = (3.0, 1.5)
-    extra: Mapping[str, float] = field(default_factory=dict)
+    wanted: Floats | None = None
 
 
 def references(drive: Drives, robots: int, t: Floats, rng: np.random.Generator) -> Floats:
     """Desired speeds (samples, robots, 2)."""
     v, w = drive.most
+    if drive.kind == "given" and drive.wanted is not None:
+        speeds = np.zeros((len(t), 2))
+        speeds[: len(drive.wanted)] = drive.wanted[: len(t)]
+        return np.repeat(speeds[:, None, :], robots, axis=1)
     if drive.kind == "circle":
         return np.broadcast_to(np.array([0.6 * v, 0.4 * w]), (len(t), robots, 2)).copy()
     if drive.kind == "sines":

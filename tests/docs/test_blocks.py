@@ -7,6 +7,7 @@ import doctest
 import io
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -118,8 +119,10 @@ def run_python(page: Page, block, names: dict[str, object], printed: io.StringIO
 @pytest.mark.slow
 @named(RUNNABLE)
 def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
-    """All blocks of a page in order, in a folder of their own."""
+    """All blocks of a page in order, in a folder of their own with the tables beside the page."""
     monkeypatch.chdir(tmp_path)
+    for table in page.path.parent.glob("*.csv"):
+        shutil.copy(table, tmp_path)
     names: dict[str, object] = {"__name__": "__main__"}
     for block in page.blocks:
         if block.file:

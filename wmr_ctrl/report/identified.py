@@ -67,7 +67,7 @@ def write_identification(
     known = f"an identification is drawn as {', '.join(SUFFIXES)}"
     target = None if plot is None else target_of(plot, SUFFIXES, known)
     with house_style(), tempfile.TemporaryDirectory() as folder:
-        figure = Drawing("fit", (8.3, 9.4), partial(_draw, result=result)).figure()
+        figure = drawing_of(result).figure()
         if target is not None:
             save_figure(figure, target)
         if page is not None:
@@ -76,6 +76,11 @@ def write_identification(
             text = _page(result, picture(drawn))
             with atomic_text(target_of(page, (".html",), "the page is .html")) as file:
                 file.write(text)
+
+
+def drawing_of(result: Identification) -> Drawing:
+    """The picture."""
+    return Drawing("fit", (8.3, 9.4), partial(_draw, result=result))
 
 
 def _page(result: Identification, image: str) -> str:
