@@ -45,18 +45,27 @@ class Attacked(_Loop):
         self.state = (start.x, start.y, start.theta, start.v1, start.v2)
         if pose is not None:
             self.sensor.pose_error = pose
-        self.errors = []
+        self.errors, self.jump, self.at = [], None, 0
 
     def _plant_step(self, n, torque, noise):
+        if self.jump is not None and n == self.at:
+            x, y, theta, *rest = self.state
+            ahead, left, turn = self.jump
+            c, s = math.cos(theta), math.sin(theta)
+            self.state = (x + c * left + s * ahead, y + s * left - c * ahead, theta + turn, *rest)
         acting = super()._plant_step(n, torque, noise)
         target = self.reference((n + 1) * self.clock.plant)
         self.errors.append(tracking_error(target, self.state[:3]))
         return acting
 
 
-def attack(scenario, law, push, pose=None):
-    """The Excursion under wheel torques ``push`` (N, 2) and position errors ``pose`` (N, 2)."""
+def attack(scenario, law, push, pose=None, jump=None, at=0):
+    """The Excursion under wheel torques ``push`` (N, 2) and position errors ``pose`` (N, 2).
+
+    At sample ``at`` the robot is moved by ``jump``: ahead, aside [m] and a turn [rad].
+    """
     loop = Attacked(scenario, law, push, pose)
+    loop.jump, loop.at = jump, at * scenario.clock.substeps
     loop.run(None)
     columns = loop.log.columns()
     torque = max(np.abs(columns[name]).max() for name in ("tau_right", "tau_left"))

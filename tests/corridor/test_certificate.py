@@ -71,6 +71,46 @@ def test_errors_of_the_position_are_counted():
     assert max(reached) <= tube.position
 
 
+def test_a_robot_that_is_displaced_within_the_start_stays_within_the_corridor():
+    start = (0.002, 0.002, 0.02)
+    scenario = override(load_scenario("safe-simulation"), {"corridor.start": start})
+    tube, rng = find_corridor(scenario, "prox"), np.random.default_rng(4)
+    alone = find_corridor(load_scenario("safe-simulation"), "prox")
+    pushes = list(worst_pushes(scenario, "prox", 300, 3.0))
+    quiet = np.zeros((20, 2))
+    jumps = rng.choice([-1.0, 1.0], size=(len(pushes), 3)) * start
+    reached = [
+        attack(scenario, "prox", np.vstack([quiet, p[-k:]]), jump=jump, at=20).position
+        for k, p, jump in zip((300, 100, 50, 30, 20, 10, 5, 3), pushes, jumps, strict=True)
+    ]
+
+    assert max(reached) <= tube.position
+    assert tube.position_late == pytest.approx(alone.position, rel=1e-4)
+    assert tube.position_late < tube.position
+
+
+def test_of_masses_in_an_interval_each_keeps_within_one_corridor():
+    told = {"guard.M_min": [48.0, 5.2], "guard.M_max": [52.0, 5.6], "corridor.cells": 2}
+    scenario = override(load_scenario("safe-simulation"), told)
+    tube, alone = (
+        find_corridor(scenario, "prox"),
+        find_corridor(load_scenario("safe-simulation"), "prox"),
+    )
+    believed = {"model.m": 50.0, "model.I": 5.4, "model.mu": 0.08}
+    corners = [{**believed, "robot.m": m, "robot.I": i} for m in (48.0, 52.0) for i in (5.2, 5.6)]
+
+    assert tube.masses == ((48.0, 52.0), (5.2, 5.6))
+    assert tube.position > alone.position
+    for corner in corners:
+        assert farthest(override(scenario, corner), "prox", 100, 3.0).position <= tube.position
+
+
+def test_cells_that_are_too_coarse_are_refused_with_the_mass():
+    scenario = override(load_scenario("safe-simulation"), {"corridor.cells": 2})
+
+    assert "with M = 51.6 kg" in find_corridor(scenario, "prox").refused
+
+
 REFUSED = {
     "disturbance.truncate = inf": ("paper-simulation", {}, "prox"),
     "dead reckoning": ("safe-experiment", {}, "prox"),

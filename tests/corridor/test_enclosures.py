@@ -46,7 +46,7 @@ def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
 
 
 def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
-    gains = loop_gains(loop)
+    gains = loop_gains(loop, np.zeros(3))
 
     assert gains.damping < 1e-3
     for part in (gains.fast, gains.state, gains.law):

@@ -42,6 +42,8 @@ WITHOUT_EFFECT = {
     "metrics.split",
     "metrics.rms_from",
     "metrics.tolerance",
+    "corridor.start",
+    "corridor.cells",
     "guard.trust",
     *(f"body.{name}" for name, _ in quantities(Body)),
 }

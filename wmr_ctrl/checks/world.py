@@ -94,6 +94,11 @@ class World:
         listed = ((changed.get(item.signal.name), item.value) for item in self.ports)
         return [n for new, own in listed for n in (own if new is None else (new,))]
 
+    def place(self, name: str) -> int:
+        """Place of a parameter's number among all."""
+        names = [item.signal.name for item in self.ports for _ in item.value]
+        return names.index(name)
+
 
 def carried(pose: ca.SX, v: ca.SX, h: ca.SX) -> ca.SX:
     """Pose (3,) after h [s] at a velocity (2,), by the Runge-Kutta step that moves the plant."""

@@ -3,11 +3,14 @@
 Start with `find_corridor`; docs/corridor.md has the theorem, and what it does not cover.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
 
 from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor as Corridor
+from wmr_ctrl.corridor.clearance import Clearance as Clearance
+from wmr_ctrl.corridor.clearance import find_clearance
 from wmr_ctrl.scenario import Scenario
 
 NOT_CHECKED = (
@@ -26,8 +29,9 @@ def find_corridor(scenario: Scenario, law: str) -> Corridor:
 
 @lru_cache(maxsize=256)
 def _of(setup: Setup) -> Corridor:
-    if find_spec("flint") is None:
-        return Corridor(setup.name, refused=NOT_CHECKED)
-    from wmr_ctrl.corridor.certificate import certified
+    tube = Corridor(setup.name, refused=NOT_CHECKED)
+    if find_spec("flint") is not None:
+        from wmr_ctrl.corridor.certificate import certified
 
-    return certified(setup)
+        tube = certified(setup)
+    return replace(tube, clearance=find_clearance(setup.scenario, tube.position))

@@ -5,7 +5,9 @@ Worked out by `wmr_ctrl.corridor.certificate`, which takes python-flint.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+
+from wmr_ctrl.corridor.clearance import Clearance, length
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,9 @@ class Corridor:
     ``until`` [s]: the robot's first change, None without one.
 
     ``refused`` says why there is none; ``closes``: share of push and errors with which there is.
+    ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
+    far e may be off at first [m, m, rad]; ``position_late`` [m]: what is left of the position later.
+    ``clearance``: what is left to the scenario's obstacles, None without any.
     """
 
     law: str
@@ -37,25 +42,50 @@ class Corridor:
     until: float | None = None
     refused: str = ""
     closes: float | None = None
+    clearance: Clearance | None = None
+    masses: tuple[tuple[float, float], ...] | None = None
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    position_late: float | None = None
 
     @property
     def sentence(self) -> str:
         """All of it in words."""
+        return self._promise + ("" if self.clearance is None else f"; {self.clearance.sentence}")
+
+    @property
+    def _promise(self) -> str:
         if self.position is None:
             closes = "" if self.closes is None else f"; it closes {self._while(self.closes)}"
             return f"no corridor: {self.refused}{closes}"
         lasts = "" if self.until is None else f", until the robot changes at {self.until:g} s"
         return (
-            f"corridor: within {_length(self.position)} and {self.heading:.2g} rad of its place "
-            f"on the path, from a start on it at its speed, {self._while(1.0)} and "
-            f"M = {self.mass:g} kg{lasts}; no limit and no guard acts there (most used: "
-            f"{self.binding}, {_percent(self.share)})"
+            f"corridor: within {length(self.position)} and {self.heading:.2g} rad of its place "
+            f"on the path, from a start {self._from} at its speed, {self._while(1.0)} and "
+            f"{self._mass}{lasts}; no limit and no guard acts there (most used: "
+            f"{self.binding}, {100 * (self.share or 0.0):.0f} %)"
         )
+
+    @property
+    def _from(self) -> str:
+        if not any(self.start):
+            return "on it"
+        ahead, aside, turn = self.start
+        return (
+            f"within {length(ahead)} ahead, {length(aside)} aside and {turn:g} rad of it (in the "
+            f"long run within {length(self.position_late or 0.0)})"
+        )
+
+    @property
+    def _mass(self) -> str:
+        if self.masses is None:
+            return f"M = {self.mass:g} kg"
+        (low, high), (least, most) = self.masses
+        return f"M is anything from {low:g} to {high:g} kg, I from {least:g} to {most:g} kg m2"
 
     def _while(self, share: float) -> str:
         parts = [f"each wheel is pushed by at most {share * self.push:.3g} N m"] * (self.push > 0)
         if self.pose > 0:
-            parts.append(f"positions are measured to within {_length(share * self.pose)}")
+            parts.append(f"positions are measured to within {length(share * self.pose)}")
         if any(self.velocity):
             first, second = (share * value for value in self.velocity)
             parts.append(f"velocities to within {first:.3g} m/s and {second:.3g} rad/s")
@@ -64,19 +94,13 @@ class Corridor:
     @property
     def figures(self) -> dict[str, object]:
         """What `check --json` has of it."""
+        clearance = None if self.clearance is None else asdict(self.clearance)
         if self.position is None:
-            return {"refused": self.refused, "closes": self.closes}
+            return {"refused": self.refused, "closes": self.closes, "clearance": clearance}
         return {
-            "position": self.position, "heading": self.heading, "start": [0.0, 0.0, 0.0],
+            "position": self.position, "heading": self.heading,
+            "start": list(self.start), "position_late": self.position_late,
             "binding": self.binding, "share": self.share, "linear": self.linear,
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
-            "mass": self.mass, "until": self.until,
+            "mass": self.mass, "masses": self.masses, "until": self.until, "clearance": clearance,
         }  # fmt: skip
-
-
-def _length(value: float) -> str:
-    return f"{1e3 * value:.3g} mm" if value < 0.1 else f"{value:.3g} m"
-
-
-def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100 * share:.0f} %"

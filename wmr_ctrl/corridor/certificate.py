@@ -3,22 +3,23 @@
 With g the peak gains of the linear loop, dbar the inputs and nu(X) what the linear part leaves of
 the graphs on the box |x| <= X,
 
-    g(inputs) dbar + g(remainders) nu(X) <= X      in every component                     (*)
+    g(inputs) dbar + g(remainders) nu(X) + start <= X      in every component             (*)
 
-and nothing cuts on that box: then a loop that starts on its reference has |x| <= X at all plant
-steps (ledger: corridor.induction).
+and nothing cuts on that box: then a loop that starts on its reference, but for what ``start``
+allows, has |x| <= X at all plant steps (ledger: corridor.induction).  The left side without start,
+taken of X and then of itself, bounds what is left of x in the long run.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import cos, pi
 
 import numpy as np
 
 from wmr_ctrl.checks.world import COMMAND, ROBOT, Floats
-from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.control.setup import Setup, settle
 from wmr_ctrl.corridor.answer import Corridor
 from wmr_ctrl.corridor.enclosure import OpenBoxError, upper
 from wmr_ctrl.corridor.gains import DIRECTIONS, PAIRS, Gains, SlowLoopError, loop_gains
@@ -29,11 +30,15 @@ from wmr_ctrl.corridor.inputs import (
     conditions,
     steady_motion,
 )
-from wmr_ctrl.corridor.loop import UP, SampledLoop
+from wmr_ctrl.corridor.loop import BODY, UP, SampledLoop
+from wmr_ctrl.guard.bounds import mass_range
 from wmr_ctrl.laws.registry import LAWS
+from wmr_ctrl.scenario import override
 
 ROUNDS, CLOSE, INFLATED, LEAST = 60, 1e-7, 1e-6, 1e-15
 """Rounds of the fixed point, the change at which they end, and what is added before the check."""
+SETTLING = 20
+"""Rounds by which the long run's box comes down; each one is a bound."""
 FAR = 30.0
 """Growth over the linear loop with which the fixed point counts as lost."""
 SHARES = 12
@@ -57,10 +62,14 @@ class Peaks:
 
 @dataclass(frozen=True)
 class Tube:
-    """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most."""
+    """A closed box: ``position`` [m], ``heading`` [rad], and the condition that is used most.
+
+    ``position_late`` [m]: what the position comes down to in the long run.
+    """
 
     peaks: Peaks
     position: float
+    position_late: float
     heading: float
     binding: str
     share: float
@@ -79,7 +88,7 @@ class Certifier:
         self.inputs, v_d = bounded_inputs(setup), steady_motion(setup)
         self.loop = loop = SampledLoop(setup, v_d, partial(conditions, setup))
         try:
-            self.gains = loop_gains(loop)
+            self.gains = loop_gains(loop, np.array(setup.scenario.corridor.start))
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         shown, moved = loop.law.value(), loop.step.value()
@@ -88,6 +97,7 @@ class Certifier:
         stays = [(a - x) for a, x in zip(shown, loop.remains, strict=False)]
         self.law_rest = np.array([*map(upper, stays), *np.zeros(loop.count)])
         self.step_rest = np.array([upper(a - x) for a, x in zip(moved, loop.step.at, strict=False)])
+        self.by_body = np.array([[upper(x) for x in row[-COMMAND:]] for row in loop.step.slopes()])
         self.step_rest[:2] += reference_gap(v_d, setup.scenario.clock.plant)
 
     def tube(self, inputs: Inputs) -> Tube:
@@ -95,7 +105,7 @@ class Certifier:
         try:
             tube = self._closed(inputs)
         except OpenBoxError as error:
-            raise NoCorridorError(f"the box that it needs is too large: {error}") from error
+            raise NoCorridorError(f"the box that it needs grows without end ({error})") from error
         if tube.share > 1:
             name = tube.binding
             place = [item.name for item in self.loop.conditions].index(name)
@@ -105,7 +115,11 @@ class Certifier:
 
     def linear(self, inputs: Inputs) -> Peaks:
         """Peaks of the linear loop, with what does not vanish on the reference."""
-        return self._peaks(inputs, self.step_rest, self.law_rest)
+        return self._peaks(inputs, self._rest(inputs), self.law_rest)
+
+    def _rest(self, inputs: Inputs) -> Floats:
+        """What a plant step adds on the reference, with what another mass makes of its forces."""
+        return np.asarray((self.step_rest + self.by_body @ inputs.body) * UP)
 
     @property
     def linear_position(self) -> float:
@@ -127,24 +141,32 @@ class Certifier:
         )
         if not (self._image(inputs, grown).every <= grown.every).all():
             raise NoCorridorError(self._blamed(inputs, first))
-        return self._tube(grown)
+        late = grown
+        for _ in range(SETTLING if self.gains.fast.start.any() else 0):
+            late = self._image(inputs, late, started=False)
+        return replace(self._tube(grown), position_late=self._position(late))
+
+    def _position(self, peaks: Peaks) -> float:
+        nz = len(self.loop.names)
+        ahead = peaks.fast[nz : nz + DIRECTIONS].max()
+        return float(ahead / cos(pi / (2 * DIRECTIONS)) * UP)
 
     def _tube(self, peaks: Peaks) -> Tube:
         shares = (self.level + peaks.law[-self.loop.count :]) / self.most * UP
         worst = int(np.where(self.most > 0, shares, np.inf).argmax())
-        nz = len(self.loop.names)
-        position = peaks.fast[nz : nz + DIRECTIONS].max() / cos(pi / (2 * DIRECTIONS)) * UP
+        position = self._position(peaks)
         share = float(shares[worst]) if self.most[worst] > 0 else float("inf")
         name = self.loop.conditions[worst].name
-        return Tube(peaks, float(position), float(peaks.fast[2]), name, share)
+        return Tube(peaks, position, position, float(peaks.fast[2]), name, share)
 
-    def _image(self, inputs: Inputs, peaks: Peaks) -> Peaks:
-        """Left side of (*)."""
+    def _image(self, inputs: Inputs, peaks: Peaks, *, started: bool = True) -> Peaks:
+        """Left side of (*), with the start or after it has been forgotten."""
         step, law = self._remainders(inputs, peaks)
         return self._peaks(
             inputs,
-            (self.step_rest + step.sum(axis=(1, 2))) * UP,
+            (self._rest(inputs) + step.sum(axis=(1, 2))) * UP,
             (self.law_rest + law.sum(axis=(1, 2))) * UP,
+            started,
         )
 
     def _remainders(self, inputs: Inputs, peaks: Peaks) -> tuple[Floats, Floats]:
@@ -158,7 +180,7 @@ class Certifier:
         for (a, b), most in zip(PAIRS, both, strict=True):
             pairs[a, b] = pairs[b, a] = min(pairs[a, b], most)
         error = np.array([inputs.pose, inputs.pose, 0.0, *inputs.velocity])
-        moved = np.concatenate((peaks.fast[:nz], peaks.law[:COMMAND], inputs.push))
+        moved = np.concatenate((peaks.fast[:nz], peaks.law[:COMMAND], inputs.push, inputs.body))
         state = np.split(peaks.state, [nz, nz + queue, nz + queue + memory])
         seen = np.concatenate((peaks.fast[:ROBOT] + error, state[2], state[1], state[3]))
         by_step, by_law = np.outer(moved, moved), np.outer(seen, seen)
@@ -167,12 +189,13 @@ class Certifier:
         by_law[:ROBOT, :ROBOT] = pairs + mixed + mixed.T + np.outer(error, error)
         return loop.step.remainders(by_step * UP), loop.law.remainders(by_law * UP)
 
-    def _peaks(self, inputs: Inputs, step: Floats, law: Floats) -> Peaks:
+    def _peaks(self, inputs: Inputs, step: Floats, law: Floats, started: bool = True) -> Peaks:
         error = np.array([inputs.pose, 0.0, 0.0, *inputs.velocity])
         given = np.concatenate((inputs.push, law, error))
 
         def of(gains: Gains) -> Floats:
-            return np.asarray((gains.by @ given + gains.steps @ step) * UP)
+            forced = gains.by @ given + gains.steps @ step
+            return np.asarray((forced + started * gains.start) * UP)
 
         return Peaks(of(self.gains.fast), of(self.gains.state), of(self.gains.law))
 
@@ -195,35 +218,72 @@ def reference_gap(v_d: Floats, step: float) -> float:
 
 
 def certified(setup: Setup) -> Corridor:
-    """The Corridor of a setup, or why it has none."""
+    """The Corridor of a setup, or why it has none; with cells, of all masses in them."""
     until = min((item.t for item in setup.scenario.changes), default=None)
+    known = Corridor(setup.name, until=until, mass=setup.scenario.robot.m)
+    tubes, linear, cells = list[Tube](), 0.0, mass_cells(setup)
     try:
-        certifier = Certifier(setup)
+        for cell, widths in cells:
+            certifier = Certifier(cell)
+            inputs = replace(certifier.inputs, body=widths)
+            if tubes and float(max(inputs.push)) != known.push:
+                raise NoCorridorError("an effect's bound changes with the mass: take cells = 0")
+            first, second = map(float, inputs.velocity)
+            known = replace(
+                known, push=float(max(inputs.push)), pose=inputs.pose, velocity=(first, second)
+            )
+            tubes.append(_certified_tube(certifier, inputs))
+            linear = max(linear, certifier.linear_position)
     except NoCorridorError as error:
-        return Corridor(setup.name, until=until, refused=str(error))
-    inputs = certifier.inputs
-    first, second = map(float, inputs.velocity)
-    known = partial(
-        Corridor, setup.name, until=until, push=float(max(inputs.push)), pose=inputs.pose,
-        velocity=(first, second), mass=setup.scenario.robot.m,
-    )  # fmt: skip
-    try:
-        tube = certifier.tube(inputs)
-    except NoCorridorError as error:
-        return known(refused=str(error), closes=_closing(certifier))
-    return known(
-        position=tube.position, heading=tube.heading, binding=tube.binding, share=tube.share,
-        linear=certifier.linear_position,
-    )  # fmt: skip
+        here = f"with M = {cell.scenario.robot.m:.3g} kg " if len(cells) > 1 else ""
+        return replace(known, refused=f"{here}{error}", closes=error.closes)
+    worst = max(tubes, key=lambda tube: tube.share)
+    return replace(
+        known,
+        position=max(tube.position for tube in tubes),
+        position_late=max(tube.position_late for tube in tubes),
+        start=setup.scenario.corridor.start,
+        heading=max(tube.heading for tube in tubes),
+        binding=worst.binding,
+        share=worst.share,
+        linear=linear,
+        masses=tuple(mass_range(setup.guard, i) for i in (0, 1)) if len(cells) > 1 else None,
+    )
 
 
-def _closing(certifier: Certifier) -> float | None:
+def mass_cells(setup: Setup) -> list[tuple[Setup, Floats]]:
+    """The setup by cells of mass and inertia, each with its half-widths [kg, kg m2].
+
+    One of no width without ``corridor.cells``, else the guard's intervals cut up alike.
+    """
+    scenario, count = setup.scenario, setup.scenario.corridor.cells
+    if not count or not scenario.guard.enabled:
+        return [(setup, np.zeros(COMMAND))]
+    ranges = np.array([mass_range(setup.guard, i) for i in (0, 1)])
+    widths = (ranges[:, 1] - ranges[:, 0]) / (2 * count)
+    middles = ranges[:, :1] + widths[:, None] * (2 * np.arange(count) + 1)
+    believed = {f"model.{key}": getattr(scenario.believed, key) for key in ("m", "I", "mu")}
+    return [
+        (settle(override(scenario, {**believed, BODY[0]: m, BODY[1]: I}), setup.name),
+         widths * (1 + 1e-12))
+        for m in middles[0].tolist() for I in middles[1].tolist()
+    ]  # fmt: skip
+
+
+def _certified_tube(certifier: Certifier, inputs: Inputs) -> Tube:
+    try:
+        return certifier.tube(inputs)
+    except NoCorridorError as error:
+        raise NoCorridorError(str(error), _closing(certifier, inputs)) from error
+
+
+def _closing(certifier: Certifier, inputs: Inputs) -> float | None:
     """Largest share of the inputs, of those tried, with which there is a corridor."""
     low, high = 0.0, 1.0
     for _ in range(SHARES):
         middle = (low + high) / 2
         try:
-            certifier.tube(certifier.inputs.scaled(middle))
+            certifier.tube(inputs.scaled(middle))
             low = middle
         except NoCorridorError:
             high = middle

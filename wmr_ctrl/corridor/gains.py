@@ -8,7 +8,7 @@ q/(1-q) of what came before.  Sums are of sizes in doubles, with their rounding 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from math import ceil, cos, log, log2, pi, sin
 from typing import TypeAlias
@@ -47,11 +47,13 @@ class Gains:
 
     ``by``: columns push (2), errors of the law's outputs, a disc of (e1, e2) as measured, nothing,
     errors of e3, v1 and omega as measured.
-    ``steps``: by what a plant step leaves, in every one.
+    ``steps``: by what a plant step leaves, in every one.  ``start``: largest values at any time
+    after a start whose e is off by up to what was asked for, and nothing else is.
     """
 
     by: Floats
     steps: Floats
+    start: Floats
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,7 @@ class _Sample:
             self.fast.append(now)
             self.pushed.append(pushed)
             now = self.step @ now + step[:, nz : nz + COMMAND] @ ages[behind + (s < rest)]
-            pushed = self.step @ pushed + step[:, nz + COMMAND :]
+            pushed = self.step @ pushed + step[:, nz + COMMAND : nz + 2 * COMMAND]
         sent = [row for age in ages[: loop.queue] for row in age]
         rows = np.vstack([now, *sent, _balls(nm + na, n + COMMAND)])
         self.push = np.vstack([pushed, _balls(n - nz, COMMAND)])
@@ -140,8 +142,11 @@ class _Sample:
         )  # fmt: skip
 
 
-def loop_gains(loop: SampledLoop) -> LoopGains:
-    """All gains of a loop; SlowLoopError where it is unstable or too slow to be enclosed."""
+def loop_gains(loop: SampledLoop, start: Floats) -> LoopGains:
+    """All gains of a loop, from a start off by |e| <= ``start`` (3).
+
+    SlowLoopError where it is unstable or too slow to be enclosed.
+    """
     with ctx.workprec(SPARE_BITS):
         rough = _doubles(_Sample(loop).A)
     samples, growth = _samples(rough)
@@ -151,7 +156,7 @@ def loop_gains(loop: SampledLoop) -> LoopGains:
     if bits > MOST_BITS:
         raise SlowLoopError(f"its matrix would take {bits} bits")
     with ctx.workprec(bits):
-        return _summed(_Sample(loop), loop, samples)
+        return _summed(_Sample(loop), loop, samples, start)
 
 
 def _samples(a: Floats) -> tuple[int, float]:
@@ -163,7 +168,7 @@ def _samples(a: Floats) -> tuple[int, float]:
     return samples, growth
 
 
-def _summed(sample: _Sample, loop: SampledLoop, samples: int) -> LoopGains:
+def _summed(sample: _Sample, loop: SampledLoop, samples: int, start: Floats) -> LoopGains:
     n, nz = sample.n, len(loop.names)
     A, power, powers = arb_mat(sample.A.tolist()), arb_mat(_eye(n).tolist()), []
     for _ in range(samples):
@@ -186,7 +191,7 @@ def _summed(sample: _Sample, loop: SampledLoop, samples: int) -> LoopGains:
     )
     steps = loop.steps * np.eye(n)[:, :nz] + np.vstack([apart, np.zeros((n - nz, nz))])
     whole = np.abs(np.array(powers)).sum(axis=0)
-    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps)
+    sums = _Sums(course, whole, np.abs(every), scale, damping, n, steps, start)
     within = [sums.gains(sample.rows_within(s, picked)) for s in range(loop.steps)]
     shown = _doubles(sample.law)
     count = len(shown)
@@ -210,18 +215,24 @@ class _Sums:
     damping: float
     n: int
     steps: Floats
+    start: Floats
 
     @cached_property
     def norms(self) -> Floats:
-        """Sums over the course of each input's weighed norms."""
-        return (np.abs(self.course) / self.scale[:, None]).max(axis=1).sum(axis=0)
+        """Each input's weighed norms over the course, (samples, inputs)."""
+        norms: Floats = (np.abs(self.course) / self.scale[:, None]).max(axis=1)
+        return norms
 
     def gains(self, rows: _Rows) -> Gains:
         """Of some rows: sums of sizes, what rounding and what the tail can add, what is direct."""
         size, n = np.abs(rows.picked) @ np.abs(rows.state), self.n
         seen = np.abs(rows.picked @ rows.state @ self.course)
         slack = ROUNDING * size @ (self.powers @ self.inputs) + FLOOR
-        tail = np.outer(size @ self.scale, self.norms) * self.damping / (1 - self.damping)
+        reach = size @ self.scale
+        tail = np.outer(reach, self.norms.sum(axis=0)) * self.damping / (1 - self.damping)
+        first = slice(len(self.start))
+        rest = slack[:, first] + np.outer(reach, self.norms[:, first].max(axis=0)) * self.damping
+        start = ((seen[..., first] @ self.start).max(axis=0) + rest @ self.start) * UP
         direct = np.hstack([rows.push, rows.law, rows.measured])
         disc = [-ROBOT, 1 - ROBOT]
         for part in (seen, direct):
@@ -232,7 +243,7 @@ class _Sums:
             part[..., disc[1]] = 0.0
         every = (seen.sum(axis=0) + slack + tail) * UP
         steps = (every[:, :n] @ self.steps + rows.steps) * UP
-        return Gains((every[:, n:] + direct) * UP, steps)
+        return Gains((every[:, n:] + direct) * UP, steps, start)
 
 
 def _fast_rows(nz: int, ratios: Floats) -> Floats:
@@ -252,8 +263,8 @@ def _row(size: int, *entries: tuple[int, float]) -> Floats:
 
 
 def _largest(each: list[Gains]) -> Gains:
-    by, steps = (np.max([getattr(item, name) for item in each], axis=0) for name in ("by", "steps"))
-    return Gains(by, steps)
+    names = (field.name for field in fields(Gains))
+    return Gains(*(np.max([getattr(item, name) for item in each], axis=0) for name in names))
 
 
 def _powers(matrix: BallArray, count: int) -> list[BallArray]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 import numpy as np
@@ -28,7 +28,11 @@ from wmr_ctrl.world.velocity_noise import VELOCITY_NOISE, VelocityNoise
 
 
 class NoCorridorError(ArithmeticError):
-    """Why there is no certificate, as a clause."""
+    """Why there is no certificate, as a clause; the share of inputs with which there is one."""
+
+    def __init__(self, text: str, closes: float | None = None) -> None:
+        super().__init__(text)
+        self.closes = closes
 
 
 @dataclass(frozen=True)
@@ -36,16 +40,20 @@ class Inputs:
     """Sizes that are never exceeded.
 
     ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: distance of the measured
-    position from the true one [m]; ``velocity``: error of each measured velocity (2).
+    position from the true one [m]; ``velocity``: error of each measured velocity (2); ``body``:
+    how far mass and inertia are off the scenario's (2) [kg, kg m2].
     """
 
     push: Floats
     pose: float
     velocity: Floats
+    body: Floats = field(default_factory=lambda: np.zeros(2))
 
     def scaled(self, share: float) -> Inputs:
-        """All of them, so many times as large."""
-        return Inputs(share * self.push, share * self.pose, share * self.velocity)
+        """Push and errors so many times as large."""
+        return replace(
+            self, push=share * self.push, pose=share * self.pose, velocity=share * self.velocity
+        )
 
     @property
     def any(self) -> bool:

@@ -32,6 +32,8 @@ from wmr_ctrl.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
 from wmr_ctrl.world.delay import delay_in_periods
 
 AXES = ("linear", "angular")
+BODY = ("robot.m", "robot.I")
+"""Numbers of the robot that may lie in an interval."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class SampledLoop:
     """A law's loop on the reference.
 
     ``law``: of (e, v, memory, sent, acting) its command, next memory, what acts, and conditions'
-    values; ``step``: of the fast state, command and push the fast state a plant step later.
+    values; ``step``: of the fast state, command, push and BODY the fast state a plant step later.
     ``conditions`` in the order of those values; ``late`` the plant steps until a command acts.
     """
 
@@ -113,16 +115,19 @@ class SampledLoop:
         fast = np.concatenate((point.s, *(
             torque if item.signal.unit == TORQUE[0].unit else item.value for item in world.fast[5:]
         )))  # fmt: skip
-        z, u, push = (ca.SX.sym(name, n) for name, n in (("z", len(fast)), ("u", 2), ("d", 2)))
+        sizes = (("z", len(fast)), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
+        z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
         held = ca.vertcat(
             force_to_wheel(*_wheels(robot), u), push, ca.SX.zeros(world.held - 2 * COMMAND)
         )
-        numbers = ca.DM(around.numbers(world, clock.control, clock.plant, None))
+        numbers = ca.SX(ca.DM(around.numbers(world, clock.control, clock.plant, None)))
+        for name, value in zip(BODY, ca.vertsplit(body), strict=True):
+            numbers[world.place(name)] = value
         after = world.step(
             0, z, z[2], held, numbers, ca.DM(v_d)
         )  # seen by the robot: its theta = 0
-        at = np.concatenate((fast, point.force, np.zeros(COMMAND)))
-        self.step = Curve("the robot", ca.vertcat(z, u, push), after, at)
+        at = np.concatenate((fast, point.force, np.zeros(COMMAND), (robot.m, robot.I)))
+        self.step = Curve("the robot", ca.vertcat(z, u, push, body), after, at)
         drives = scenario.actuator
         late = drives.delay + drives.unmodelled_delay
         self.late = int(np.floor(late / clock.plant + 0.5))

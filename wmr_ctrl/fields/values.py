@@ -213,6 +213,25 @@ class Quantity:
             raise self.refuse(row, path, "a pair [x, y]")
         return self._number(pair[0], f"{path}[1]"), self._number(pair[1], f"{path}[2]")
 
+    def _shapes(self, value: object, path: str) -> tuple[tuple[object, ...], ...]:
+        """Circles [x, y, r] and polygons [[x, y], [x, y], [x, y], ...]."""
+        shapes = as_list(value)
+        if shapes is None:
+            raise self.refuse(value, path, "an array of circles [x, y, r] and polygons")
+        return tuple(self._shape(item, f"{path}[{i}]") for i, item in enumerate(shapes, start=1))
+
+    def _shape(self, value: object, path: str) -> tuple[object, ...]:
+        parts = as_list(value)
+        if parts is None or len(parts) < 3:
+            rule = "a circle [x, y, r] or a polygon of at least three corners [x, y]"
+            raise self.refuse(value, path, rule)
+        if as_list(parts[0]) is not None:
+            return self._points(parts, path)
+        circle = tuple(self._number(item, f"{path}[{i}]") for i, item in enumerate(parts, start=1))
+        if len(circle) != 3 or circle[2] < 0:
+            raise self.refuse(value, path, "a circle [x, y, r] with r >= 0")
+        return circle
+
     def _mapping(self, value: object, path: str) -> Mapping[str, object]:
         if not isinstance(value, Mapping):
             raise self.refuse(value, path, f"a table, written as [{path}]")

@@ -10,9 +10,13 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.patches import Circle as CirclePatch
+from matplotlib.patches import Patch, Polygon
 from matplotlib.ticker import FuncFormatter
 
+from wmr_ctrl.corridor import Corridor, find_corridor
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.laws.registry import LAWS
 from wmr_ctrl.report.drawing import (
     Drawing,
     Padding,
@@ -30,6 +34,7 @@ from wmr_ctrl.report.drawing import (
 from wmr_ctrl.report.paper_figures import scenario_behind, switch_time
 from wmr_ctrl.report.style import (
     DASHED,
+    DOTTED,
     GRID,
     INK,
     LIMIT,
@@ -41,6 +46,8 @@ from wmr_ctrl.report.style import (
     verbatim,
 )
 from wmr_ctrl.results import FloatArray, Run, e_rms, ise, tau_peak, tau_rms
+from wmr_ctrl.results.obstacles import Shape
+from wmr_ctrl.scenario import override
 from wmr_ctrl.world.references import Waypoints
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -96,7 +103,9 @@ MOST_WAYPOINTS = 60
 
 def _path(part: SubFigure, run: Run) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes = one_axes(part, _MARGINS)
+    axes, tube = one_axes(part, _MARGINS), _tube(run)
+    if tube is not None:
+        _draw_tube(axes, run, tube)
     plot_reference(axes, *thin_path(run["x_d"], run["y_d"], 64))
     axes.plot(*thin_path(run["x"], run["y"], 3000), color=look(run.law).colour, lw=1.2)
     axes.plot(run["x"][0], run["y"][0], "o", mfc="white", mec=INK, ms=4.5, zorder=4)
@@ -107,12 +116,44 @@ def _path(part: SubFigure, run: Run) -> None:
         if len(points) <= MOST_WAYPOINTS:
             axes.plot(*points.T, "s", mfc="none", mec=INK, ms=6, mew=0.8, zorder=3.6)
             marks.append("squares: waypoints")
+    for shape in scenario.reference.keep_out if scenario else ():
+        axes.add_patch(_obstacle(shape))
     if run.settings.arrival is not None and run.settings.arrival <= run.time[-1]:
         axes.plot(run["x_d"][-1], run["y_d"][-1], "*", mfc=LIMIT, mec="white", ms=11, zorder=4)
         marks.append("star: goal")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_title(f"Path ({', '.join(marks)})", weight="normal")
+
+
+def _tube(run: Run) -> Corridor | None:
+    """The certified corridor of the run's scenario and law, where there is one."""
+    scenario = scenario_behind(run)
+    if scenario is None or run.monitor.rigid or run.law not in LAWS:
+        return None
+    guarded = override(scenario, {"guard.enabled": run.guard})
+    tube = find_corridor(guarded, run.law)
+    return tube if tube.position is not None else None
+
+
+def _draw_tube(axes: Axes, run: Run, tube: Corridor) -> None:
+    """Band about the desired path, as wide as the corridor, until the robot changes."""
+    rows = slice(0, None if tube.until is None else run.settings.index(tube.until))
+    path = np.array(thin_path(run["x_d"][rows], run["y_d"][rows], 400))
+    ahead = np.gradient(path, axis=1)
+    side = (tube.position or 0.0) * np.array((-ahead[1], ahead[0])) / np.hypot(*ahead)
+    edges = np.hstack([path + side, (path - side)[:, ::-1]])
+    axes.fill(*edges, color=look(run.law).colour, alpha=0.25, lw=0, zorder=1.4)
+
+
+def _obstacle(shape: Shape) -> Patch:
+    """What is kept out, hatched."""
+    if isinstance(shape[0], tuple):
+        patch: Patch = Polygon(np.array(shape))
+    else:
+        patch = CirclePatch((shape[0], shape[1]), shape[2])
+    patch.set(facecolor=GRID, edgecolor=MUTED, hatch="////", linewidth=0.8, zorder=1.5)
+    return patch
 
 
 def _facts(part: SubFigure, run: Run) -> None:
@@ -157,10 +198,20 @@ NARROW = 10.0
 
 
 def _errors(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> None:
-    """Errors over time, in mm or mrad, so that the start and what is left at the end are seen."""
+    """Errors over time, in mm or mrad, so that the start and what is left at the end are seen.
+
+    Dotted: the certified corridor, which is that of a robot on its path.
+    """
+    tube = _tube(run)
     rows = {label: 1e3 * run[name] for label, name in columns.items()}
     axes = _time_axes(part, run, title)
     _plot_pair(axes, run, rows)
+    if tube is not None:
+        most = 1e3 * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
+        end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
+        axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
+        axes.annotate("certified corridor", (0, most), size=6.5, xytext=(2, 2),
+                      textcoords="offset points", color=LIMIT)  # fmt: skip
     if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
         axes.set_yscale("symlog", linthresh=NARROW)
         axes.yaxis.set_major_formatter(

@@ -22,6 +22,7 @@ from wmr_ctrl.results.measures import (
     tracking,
     velocity_sway,
 )
+from wmr_ctrl.results.obstacles import nearest
 from wmr_ctrl.results.oscillation import fast_swing_rms, oscillation
 from wmr_ctrl.results.outcomes import TIGHTER, Outcome
 from wmr_ctrl.results.windows import at_rest, drive, driving, rows_of, working
@@ -50,6 +51,7 @@ SHORT = {
     "chatter": "its torques chatter",
     "saturated": "its wheels are at their torque limit",
     "guard-holds-back": "the guard holds it back",
+    "obstacle": "it touched an obstacle",
     "exact-pose": "its pose was exact",
     OBJECTED: "theory objects",
     "assumption-void": "an assumption of the guarantee is void",
@@ -159,6 +161,17 @@ def _not_arrived(run: Run) -> Iterator[Remark]:
         )
 
 
+def _touched(run: Run) -> Iterator[Remark]:
+    near = nearest(run)
+    if near is not None and near[0] < 0:
+        gap, place, time = near
+        yield Remark(
+            "obstacle",
+            f"At t = {time:.4g} s the body reached {-gap:.3g} m into keep_out[{place}] of the "
+            "reference. Lead the path farther from it, or start closer to the path.",
+        )
+
+
 def _oscillates(run: Run) -> Iterator[Remark]:
     cycle = oscillation(run)
     if cycle is not None:
@@ -253,6 +266,7 @@ _PARTS: tuple[Callable[[Run], Iterator[Remark]], ...] = (
     _outcome,
     _not_tracked,
     _not_arrived,
+    _touched,
     _too_fast,
     _oscillates,
     _chatters,

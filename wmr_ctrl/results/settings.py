@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.results.obstacles import Shape
 from wmr_ctrl.results.outcomes import Event
 
 Pair: TypeAlias = tuple[float, float]
@@ -55,7 +56,8 @@ class Settings(CountedNumbers):
     before from the ISE after [s]; ``rms_from``: start of the torque's RMS window [s];
     ``tolerance``: position error that counts as tracked [m], None where not known;
     ``plant_kind``: "ode", the plane model, or "mujoco", a rigid body; ``arrival``: time at which
-    the desired motion comes to rest for good [s], None where it never does.
+    the desired motion comes to rest for good [s], None where it never does; ``keep_out``: circles
+    and polygons that a body of ``radius`` [m] must not touch.
     Raises ArgumentError where a number is not finite or not positive.
     """
 
@@ -68,6 +70,8 @@ class Settings(CountedNumbers):
     tolerance: float | None = None
     plant_kind: str = "ode"
     arrival: float | None = None
+    keep_out: tuple[Shape, ...] = ()
+    radius: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("control", "plant", "duration", "split", "rms_from"):
@@ -78,6 +82,11 @@ class Settings(CountedNumbers):
             if getattr(self, name) is not None:
                 first, second = getattr(self, name)
                 object.__setattr__(self, name, (float(first), float(second)))
+        shapes = (
+            tuple(tuple(part) if isinstance(part, list) else part for part in shape)
+            for shape in self.keep_out
+        )
+        object.__setattr__(self, "keep_out", tuple(shapes))
         self._check()
 
     def _check(self) -> None:

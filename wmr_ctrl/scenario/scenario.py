@@ -19,6 +19,7 @@ from wmr_ctrl.scenario.sections import (
     Body,
     Change,
     Clock,
+    CorridorSettings,
     Guard,
     Initial,
     Limits,
@@ -111,6 +112,7 @@ class Scenario:
     changes: tuple[Change, ...] = ()
     clock: Clock = field(default_factory=Clock)
     metrics: Metrics = field(default_factory=Metrics)
+    corridor: CorridorSettings = field(default_factory=CorridorSettings)
 
     def __post_init__(self) -> None:
         """Freeze what is inside and check the relations between the sections."""
@@ -250,6 +252,11 @@ def _relate(scenario: Scenario) -> None:
     clock = scenario.clock
     for effect in EFFECTS:
         effect.relate(scenario)
+    if scenario.reference.keep_out and scenario.body.radius is None:
+        raise ScenarioError(
+            "reference.keep_out says what the body must not touch, but body.radius is not stated: "
+            "the distance [m] from the axle's midpoint to the body's farthest point. State it."
+        )
     low, high = scenario.guard.delay or (0.0, 0.0)
     if high - low > clock.control * (1 + ROUNDING):
         raise ScenarioError(

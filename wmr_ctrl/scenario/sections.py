@@ -69,6 +69,9 @@ class Body(Section, key="body"):
         options=("sphere", "cylinder"),
     )
     wheel_width: float = quantity(0.04, unit="m", doc="width of a cylinder's tread", above=0)
+    radius: float | None = quantity(
+        None, unit="m", doc="axle's midpoint to the body's farthest point, for keep_out", above=0
+    )
     wheel_mass: float = quantity(1.5, unit="kg", doc="mass of each wheel, part of robot.m", above=0)
     slope: float = quantity(
         0.0,
@@ -173,6 +176,19 @@ class Metrics(Section, key="metrics"):
         doc="RMS of the position error, in the drive and at the end, that counts as tracked",
         above=0,
     )
+
+
+class CorridorSettings(Section, key="corridor"):
+    """Settings of the certified corridor, which no run reads."""
+
+    start: tuple[float, float, float] = quantity(
+        (0.0, 0.0, 0.0), unit="m, m, rad", doc="how far e may be off at first", minimum=0
+    )
+    cells: int = quantity(
+        0, unit="1", minimum=0, maximum=32,
+        doc="parts of the guard's intervals of mass and of inertia, one certificate for each pair; "
+        "0: robot.m and robot.I alone",
+    )  # fmt: skip
 
 
 class Change(Section, key="changes"):

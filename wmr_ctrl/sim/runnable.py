@@ -64,6 +64,7 @@ def settings_of(scenario: Scenario) -> Settings:
     return Settings(
         clock.control, clock.plant, clock.duration, scenario.limits.v_u1, scenario.split,
         metrics.rms_from, tolerance=metrics.tolerance, arrival=scenario.reference.arrival,
+        keep_out=scenario.reference.keep_out, radius=scenario.body.radius,
     )  # fmt: skip
 
 

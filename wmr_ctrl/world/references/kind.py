@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wmr_ctrl.errors import ArgumentError, ScenarioError
 from wmr_ctrl.fields.plugins import blamed
-from wmr_ctrl.fields.section import Section, number_of, quantities
+from wmr_ctrl.fields.section import Section, number_of, quantities, quantity
 from wmr_ctrl.model.system import Output, Parameters, System, port
 from wmr_ctrl.signals import REFERENCE, SAMPLE, TIME, Signal
 from wmr_ctrl.symbolic import ca
@@ -34,6 +34,13 @@ Raw: TypeAlias = dict[str, object]
 
 class Reference(Section, key="reference"):
     """Base of the sections of all kinds; theta_d is 0 along +Y, and the motion starts at t = 0."""
+
+    keep_out: tuple[tuple[float, ...] | tuple[tuple[float, float], ...], ...] = quantity(
+        (),
+        unit="m",
+        kind="shapes",
+        doc="what the body must not touch: circles [x, y, r], polygons [[x, y], ...]",
+    )
 
     @property
     def cycle(self) -> float:

@@ -1,0 +1,101 @@
+"""What is left between a path, its corridor, a body and obstacles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from wmr_ctrl import load_run, simulate
+from wmr_ctrl.corridor.clearance import find_clearance
+from wmr_ctrl.errors import ScenarioError
+from wmr_ctrl.results.obstacles import distance, nearest
+from wmr_ctrl.scenario import load_scenario, loads_scenario, override
+from wmr_ctrl.scenario.toml_write import to_toml
+
+SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0]]
+
+
+def placed(shapes, **others):
+    """The guarded circle, of 2 m about (0, 2), with obstacles and a body of 0.3 m."""
+    told = {"reference.keep_out": shapes, "body.radius": 0.3, **others}
+    return override(load_scenario("safe-simulation"), told)
+
+
+def test_distances_from_a_square_are_those_of_its_sides_and_corners():
+    points = np.array([[2.0, 0.5], [2.0, 2.0], [0.5, 0.75], [-3.0, -4.0], [1.0, 0.5]])
+
+    assert distance(SQUARE, points) == pytest.approx([1.0, math.sqrt(2), -0.25, 5.0, 0.0])
+
+
+def test_distance_is_lipschitz_and_does_not_depend_on_where_the_polygon_begins():
+    rng = np.random.default_rng(1)
+    a, b = rng.uniform(-2, 3, size=(2, 500, 2))
+    turned, backwards = SQUARE[2:] + SQUARE[:2], SQUARE[::-1]
+
+    assert (np.abs(distance(SQUARE, a) - distance(SQUARE, b)) <= np.hypot(*(a - b).T) + 1e-12).all()
+    for same in (turned, backwards):
+        assert distance(same, a) == pytest.approx(distance(SQUARE, a), abs=1e-12)
+
+
+def test_clearance_of_a_circle_is_what_geometry_says():
+    clear = find_clearance(placed([CIRCLE, WALL]), 0.01)
+
+    assert clear.path == pytest.approx(0.6, abs=1e-3)
+    assert clear.path <= 0.6
+    assert clear.obstacle == 2
+    assert clear.free == pytest.approx(clear.path - 0.3 - 0.01)
+    assert clear.time == pytest.approx(20 * math.acos(0.0) / 2, abs=0.05)
+    assert "stay free" in clear.sentence
+
+
+@pytest.mark.parametrize(
+    ("shapes", "corridor", "words"),
+    [
+        ([[0.0, 2.0, 1.8]], 0.01, "a robot that never left its path would touch it"),
+        ([[0.0, 2.0, 2.1]], 0.01, "leads through keep_out[1]"),
+        ([[0.0, 2.0, 1.6]], None, "without a corridor nothing is promised"),
+        ([[0.0, 2.0, 1.695]], 0.01, "pushes may bring the body there"),
+    ],
+)
+def test_what_is_not_free_is_said(shapes, corridor, words):
+    assert words in find_clearance(placed(shapes), corridor).sentence
+
+
+def test_without_obstacles_nothing_is_said():
+    assert find_clearance(load_scenario("safe-simulation"), 0.01) is None
+
+
+def test_obstacles_survive_toml_and_a_run_that_touches_one_says_so(tmp_path):
+    scenario = placed([CIRCLE, WALL], **{"initial.pose": [2.4, 0.5, 0.0], "clock.duration": 2.0})
+    run = simulate(scenario, "prox")
+    run.save(tmp_path / "run.npz")
+
+    assert loads_scenario(to_toml(scenario)).reference == scenario.reference
+    gap, place, time = nearest(run)
+    assert (gap < 0, place) == (True, 2)
+    assert "obstacle" in [item.key for item in run.remarks]
+    assert nearest(load_run(tmp_path / "run.npz")) == (gap, place, time)
+
+
+@pytest.mark.parametrize(
+    ("shapes", "words"),
+    [
+        ([[1.0, 2.0]], "a circle [x, y, r] or a polygon"),
+        ([[1.0, 2.0, -1.0]], "r >= 0"),
+        ([[[0.0, 0.0], [1.0], [1.0, 1.0]]], "a pair [x, y]"),
+        (3.0, "an array of circles"),
+        ([[0.0, 0.0, math.nan]], "a finite number"),
+    ],
+)
+def test_what_is_no_obstacle_is_refused(shapes, words):
+    with pytest.raises(ScenarioError) as refused:
+        placed(shapes)
+    assert words in str(refused.value)
+
+
+def test_obstacles_without_a_body_are_refused():
+    with pytest.raises(ScenarioError, match=r"body\.radius is not stated"):
+        override(load_scenario("safe-simulation"), {"reference.keep_out": [CIRCLE]})
