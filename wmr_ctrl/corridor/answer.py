@@ -25,7 +25,7 @@ class Corridor:
 
     ``refused`` says why there is none; ``closes``: share of push and errors with which there is.
     ``masses``: intervals of mass and inertia [kg, kg m2], None for ``mass`` alone.  ``start``: how
-    far e may be off at first [m, m, rad]; ``position_late`` [m]: what is left of the position later.
+    far e may be off at first [m, m, rad]; ``position_late`` [m]: the position in the long run.
     ``clearance``: what is left to the scenario's obstacles, None without any.
     """
 
