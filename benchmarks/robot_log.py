@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.own_plant import Drives, Truth, log_of, simulate
+from .own_plant import Drives, Truth, log_of, simulate
 
 TRUTH = Truth(
     m=24.6, I=1.13, Fc=9.0, Fv=5.0, c=2.0, Mv=0.2, delay=0.03, lag=0.04, r=0.0625, l=0.17,

@@ -264,6 +264,7 @@ RESULTS = (
     "wmr_ctrl.identification.estimate.Estimate",
     "wmr_ctrl.identification.estimate.Score",
     "wmr_ctrl.identification.estimate.Traces",
+    "wmr_ctrl.identification.propose.ProposedDrive",
     "wmr_ctrl.identification.bounds.GuardBounds",
     "wmr_ctrl.filter.filter.CommandFilter",
     "wmr_ctrl.filter.filter.Filtered",

@@ -37,6 +37,14 @@ if TYPE_CHECKING:
 )
 @click.option("--plot", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 @click.option("--report", metavar="FILE", help="One page with all of it: .html.")
+@click.option("--propose", metavar="FILE", help="A drive that tells more, as t, v, omega: .csv.")
+@click.option(
+    "--floor",
+    default=4.0,
+    metavar="M",
+    show_default=True,
+    help="Metres across that --propose may use, with the start in the middle.",
+)
 @json_option("Print parameters, bounds, remarks and score as one JSON document.")
 @debug_option
 def identify(
@@ -47,6 +55,8 @@ def identify(
     topics: str | None,
     plot: str | None,
     report: str | None,
+    propose: str | None,
+    floor: float,
     as_json: bool,
 ) -> None:
     """Fit mass, inertia, friction, delay and lag to LOG, with 95 % intervals.
@@ -61,6 +71,7 @@ def identify(
     check_output(out, (".toml",), "--out")
     check_output(plot, (".png", ".svg", ".pdf"), "--plot")
     check_output(report, (".html",), "--report")
+    check_output(propose, (".csv",), "--propose")
     from wmr_ctrl.identification import identify as identify_log
     from wmr_ctrl.results import atomic_text
     from wmr_ctrl.scenario import parse_assignments
@@ -83,6 +94,13 @@ def identify(
         write_identification(result, report, plot)
         for path in filter(None, (plot, report)):
             say("wrote", path)
+    if propose:
+        from wmr_ctrl.identification.propose import propose as propose_drive
+
+        drive = propose_drive(result, floor)
+        with atomic_text(propose) as file:
+            file.write(drive.to_csv())
+        say("wrote", propose)
     if as_json:
         print_json(result.to_json())
     else:

@@ -98,7 +98,7 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     after = followed(u[:2], ca.exp(-h / a["lag"]), acting)
     torque = u[:2] + a["lag"] * (acting - after) / h
     moved, force = ca.SX.sym("moved", 4), ca.SX.sym("force", 2)
-    step = _stepped(scenario, a, torque, h, moved, force)
+    step = stepped(scenario, a, torque, h, moved, force)
     keep = ca.exp(-h / a["time"])
     push = mean[4:6]
     at = ca.vertcat(moved, force), ca.vertcat(mean[:4], push)
@@ -121,7 +121,7 @@ def torque_graph(scenario: Scenario) -> FilterGraph:
     return FilterGraph((predict, correct), TORQUE_NAMES, TORQUE_KNOWN, 8, 6, 2)
 
 
-def _stepped(
+def stepped(
     scenario: Scenario, a: dict[str, ca.SX], torque: ca.SX, h: ca.SX, moved: ca.SX, force: ca.SX
 ) -> ca.SX:
     """(way, turn, v1, omega) after one Runge-Kutta step of the plant's graph."""

@@ -1,0 +1,237 @@
+"""A drive that would tell what a log could not, inside limits and floor.
+
+Tones and random steps of both speeds are simulated at corners of the intervals, with the plant's
+graph and a plain loop; of those that keep limits and floor the one of most Fisher information is
+proposed, with what it would tell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.identification.estimate import PHYSICAL, sizes, verdict
+from wmr_ctrl.identification.fit import Fit, LogProblem
+from wmr_ctrl.identification.graph import LOGARITHMIC, stepped
+from wmr_ctrl.identification.identification import Identification
+from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.scenario import Scenario
+from wmr_ctrl.world.lag import followed
+
+TONES = (0.1, 0.25, 0.45, 0.7, 1.1, 1.6, 2.1)
+"""Frequencies [Hz]: from turning about slowly to what delay and lag show in."""
+SECONDS, FADE, HELD = 60.0, 2.0, 1.0
+"""Length of a drive, of its rise and fall, and of a step [s]."""
+DRAWS = 40
+"""Drives of a kind that are drawn; the one that strays least is simulated."""
+SHARE = 0.9
+"""Largest speeds of a drive over [limits] v_u1; smaller until all corners keep limits and floor."""
+SMALLER, TRIALS = 0.8, 12
+STEP = 5e-3
+CROSSOVER = 0.3
+"""Of the loop that follows the drive, over delay and lag together."""
+CORNERS = ("m", "I", "Fc", "c")
+"""Parameters that are taken at both ends of their intervals; delay and lag at the later."""
+LATE = ("delay", "lag")
+FARTHEST = 3.0
+"""Factor by which a corner is from the estimate at most: what is not told has no ends."""
+WALKED = ("m", "I", "Fc", "Fv", "c", "Mv", "lag")
+NORMAL = 1.96
+
+
+@dataclass(frozen=True)
+class ProposedDrive:
+    """Speeds (N,) over t (N,) [s], the path at the estimate (N, 3), and what the corners showed.
+
+    ``farthest`` [m] from the start and ``fastest`` [m/s, rad/s] of all corners; ``saturated``:
+    share of samples at the torque limit; ``expected``: verdict by parameter, from the Fisher
+    information alone.
+    """
+
+    t: Floats
+    v: Floats
+    omega: Floats
+    path: Floats
+    farthest: float
+    fastest: tuple[float, float]
+    saturated: float
+    expected: Mapping[str, str]
+
+    def to_csv(self) -> str:
+        """Rows of t, v, omega and the path, with what the corners showed above them."""
+        lines = [
+            f"# simulated at corners of the intervals: {self.farthest:.3g} m from the start, "
+            f"{self.fastest[0]:.3g} m/s, {self.fastest[1]:.3g} rad/s, {100 * self.saturated:.2g} % "
+            "of the torques at their limit",
+            "t [s],v [m/s],omega [rad/s],x [m],y [m],theta [rad]",
+        ]
+        table = np.column_stack((self.t, self.v, self.omega, self.path))
+        return "\n".join([*lines, *(",".join(f"{x:.6g}" for x in row) for row in table), ""])
+
+
+def propose(result: Identification, floor: float = 4.0) -> ProposedDrive:
+    """A drive inside the scenario's limits and ``floor`` metres across, the start in its middle.
+
+    Raises ArgumentError where no drive fits.
+    """
+    if not floor > 0:
+        raise ArgumentError(f"floor = {floor:g} m must be above 0.")
+    t, kinds = _shapes(result.scenario.clock.control)
+    drives = [_fitted(result, t, shapes, floor) for shapes in kinds]
+    fitting = [item for item in drives if item is not None]
+    if not fitting:
+        raise ArgumentError(
+            f"no drive of {SECONDS:g} s stays within {floor:g} m and the limits at every corner of "
+            "the intervals. Give a larger --floor."
+        )
+    return max(fitting, key=lambda item: item[0])[1]
+
+
+def _fitted(
+    result: Identification, t: Floats, shapes: Floats, floor: float
+) -> tuple[float, ProposedDrive] | None:
+    """Information and drive of a kind, as large as limits and floor admit at all corners."""
+    scenario, robots = result.scenario, _corners(result)
+    limits, limit = np.array(scenario.limits.v_u1), scenario.actuator.tau_max
+    most = SHARE * limits
+    for _ in range(TRIALS):
+        # Kinematics alone choose among the draws; the corners judge the choice.
+        wanted = shapes * most
+        strays = [_strays(item, scenario.clock.control) for item in wanted]
+        wanted = wanted[int(np.argmin(strays))]
+        motion, torque = _followed_drive(scenario, robots, wanted)
+        # A better loop than the one here follows exactly.
+        distance = max(min(strays), float(np.hypot(motion[:, :, 4], motion[:, :, 5]).max()))
+        speed = np.abs(motion[:, :, 2:4]).max(axis=(0, 1))
+        if distance <= floor / 2 and (speed <= limits).all():
+            share = float(np.mean(np.abs(torque) >= limit)) if math.isfinite(limit) else 0.0
+            information, expected = _expected(result, motion[0], torque[0])
+            path = np.column_stack((motion[0, :, 4:6], motion[0, :, 1]))
+            fastest = float(speed[0]), float(speed[1])
+            v, omega = wanted.T
+            drive = ProposedDrive(t, v, omega, path, distance, fastest, share, expected)
+            return information, drive
+        most = SMALLER * most
+    return None
+
+
+def _corners(result: Identification) -> list[dict[str, float]]:
+    """The robot as estimated, then with ends of the intervals, each no farther than by FARTHEST."""
+    ends = {}
+    for name, item in result.parameters.items():
+        size = max(abs(item.value), result.scenario.clock.control if name in LATE else 0.0)
+        least = size / FARTHEST if name in LOGARITHMIC else 0.0
+        ends[name] = max(item.low, least), max(min(item.high, FARTHEST * size), least)
+    values = {name: min(max(item.value, ends[name][0]), ends[name][1])
+              for name, item in result.parameters.items()}  # fmt: skip
+    late = {name: ends[name][1] for name in LATE}
+    corners = product(*(ends[name] for name in CORNERS))
+    return [values, *(values | late | dict(zip(CORNERS, c, strict=True)) for c in corners)]
+
+
+def _shapes(period: float) -> tuple[Floats, list[Floats]]:
+    """Times (N,) and drives by kind (DRAWS, N, 2) of largest size 1, at rest at both ends."""
+    rng = np.random.default_rng(0)
+    t: Floats = period * np.arange(round(SECONDS / period), dtype=np.float64)
+    phase = rng.uniform(0, 2 * np.pi, (DRAWS, 1, 2, len(TONES)))
+    tones = np.sin(2 * np.pi * np.array(TONES) * t[None, :, None, None] + phase).sum(axis=-1)
+    levels = rng.uniform(-1, 1, (DRAWS, math.ceil(SECONDS / HELD), 2))
+    steps = levels[:, (t / HELD).astype(int)]
+    fade = np.clip(np.minimum(t, t[-1] - t) / FADE, 0, 1)
+    smooth = (fade**2 * (3 - 2 * fade))[None, :, None]
+    drives = [waves * smooth for waves in (tones, steps)]
+    return t, [item / np.abs(item).max(axis=1, keepdims=True) for item in drives]
+
+
+def _strays(wanted: Floats, period: float) -> float:
+    """Largest distance from the start [m] of a drive that is followed exactly."""
+    theta = np.cumsum(wanted[:, 1]) * period
+    way = wanted[:, 0] * period
+    return float(np.hypot(np.cumsum(-np.sin(theta) * way), np.cumsum(np.cos(theta) * way)).max())
+
+
+def _followed_drive(
+    scenario: Scenario, robots: list[dict[str, float]], wanted: Floats
+) -> tuple[Floats, Floats]:
+    """Motions (R, N, 6) way, turn, v, omega, x, y and commanded torques (R, N, 2) at the samples.
+
+    A proportional-integral loop on both speeds follows the drive, slow enough for every robot.
+    """
+    count, period, robot = len(robots), scenario.clock.control, scenario.robot
+    inner = math.ceil(period / STEP)
+    step = _robot(scenario).map(count)
+    p = np.array([[item[name] for item in robots] for name in WALKED])
+    queues = [round(item["delay"] / period * inner) for item in robots]
+    latest = max(item["delay"] + item["lag"] for item in robots)
+    bandwidth = CROSSOVER / max(latest, period)
+    gains = bandwidth * np.array([min(item[name] for item in robots) for name in ("m", "I")])
+    sums, state = np.zeros((count, 2)), np.zeros((6, count))
+    place, sent = np.zeros((2, count)), np.zeros((len(wanted) * inner + 1, 2, count))
+    motions = np.empty((count, len(wanted), 6))
+    torques = np.empty((count, len(wanted), 2))
+    h = period / inner
+    for k, desired in enumerate(wanted):
+        motions[:, k] = np.concatenate((state[:4], place)).T
+        error = desired - state[2:4].T
+        force = gains * (error + sums)
+        sums += bandwidth / 5 * error * period
+        turned = force[:, 1] / robot.l
+        tau = np.stack((force[:, 0] + turned, force[:, 0] - turned)) * robot.r / 2
+        torques[:, k] = np.clip(tau, -scenario.actuator.tau_max, scenario.actuator.tau_max).T
+        for i in range(k * inner, (k + 1) * inner):
+            sent[i] = torques[:, k].T
+            due = [
+                sent[i - late, :, r] if i >= late else np.zeros(2) for r, late in enumerate(queues)
+            ]
+            after = np.asarray(step(state, np.array(due).T, p, h))
+            middle = (state[1] + after[1]) / 2
+            place += (after[0] - state[0]) * np.stack((-np.sin(middle), np.cos(middle)))
+            state = after
+    return motions, torques
+
+
+def _robot(scenario: Scenario) -> ca.Function:
+    """One step of (way, turn, v, omega, acting torques): the plant's graph behind the lag."""
+    s, u, p, h = ca.SX.sym("s", 6), ca.SX.sym("u", 2), ca.SX.sym("p", len(WALKED)), ca.SX.sym("h")
+    robot = scenario.robot
+    a = {name: p[k] for k, name in enumerate(WALKED)}
+    a |= {"r": ca.SX(robot.r), "l": ca.SX(robot.l), "g": ca.SX(robot.g), "v_s": ca.SX(robot.v_s)}
+    after = followed(u, ca.exp(-h / a["lag"]), s[4:6])
+    torque = u + a["lag"] * (s[4:6] - after) / h
+    moved, force = ca.SX.sym("moved", 4), ca.SX.sym("force", 2)
+    rest = ca.substitute(stepped(scenario, a, torque, h, moved, force), force, ca.SX.zeros(2))
+    return ca.Function(
+        "robot", [s, u, p, h], [ca.vertcat(ca.substitute(rest, moved, s[:4]), after)]
+    )
+
+
+def _expected(
+    result: Identification, motion: Floats, torque: Floats
+) -> tuple[float, dict[str, str]]:
+    """Logarithm of the determinant of the Fisher information, and verdicts that it would earn.
+
+    The jackknife of a real log widens its intervals.
+    """
+    fit, old = result.fit, result.fit.problem
+    t: Floats = result.scenario.clock.control * np.arange(len(motion), dtype=np.float64)
+    seen = motion[:, 2:4] if old.log.of_speed else motion[:, :2]
+    first = np.array([0])
+    log = Samples(t, seen, old.log.variance, t, torque, first, old.log.of_speed)
+    problem = LogProblem(log, old.filter, old.known)
+    known = Fit(problem, fit.theta, fit.free, problem.read(fit.theta))
+    names, whole = old.filter.graph.names, known.information()
+    errors = np.zeros(len(names))
+    errors[fit.free] = np.sqrt(np.diag(np.linalg.pinv(whole)))
+    values = {name: result.parameters[name].value for name in PHYSICAL}
+    size = sizes(values, np.sqrt(np.mean(motion[:, 2:4] ** 2, axis=0)), log.period)
+    half = {name: NORMAL * errors[names.index(name)] for name in PHYSICAL}
+    return float(np.linalg.slogdet(whole)[1]), {
+        name: verdict(half[name] * (values[name] if name in LOGARITHMIC else 1.0), size[name])
+        for name in PHYSICAL
+    }
