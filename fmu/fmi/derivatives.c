@@ -3,14 +3,14 @@
 #include <math.h>
 #include <string.h>
 
-#if WMR_KIND == WMR_LOOP
+#if !WMR_HAS_DERIVATIVES
 
 wmr_status wmr_forward(wmr_instance *s, const uint32_t *unknowns, size_t nu, const uint32_t *knowns,
                        size_t nk, const double *seed, size_t ns, double *sensitivity, size_t nd)
 {
     (void)unknowns, (void)nu, (void)knowns, (void)nk, (void)seed, (void)ns, (void)sensitivity,
         (void)nd;
-    return wmr_say(s, WMR_ERROR, "a closed loop has no partial derivatives: it has no inputs.");
+    return wmr_say(s, WMR_ERROR, "this model has no partial derivatives.");
 }
 
 wmr_status wmr_reverse(wmr_instance *s, const uint32_t *unknowns, size_t nu, const uint32_t *knowns,

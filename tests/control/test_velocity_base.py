@@ -157,6 +157,21 @@ def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit
         settle(based({**far, "filter": less}), "kanayama")
 
 
+def test_figures_tell_how_often_the_filter_acted_with_and_without_a_log() -> None:
+    scenario = based({**GOVERNED, "initial.pose": [-4.0, -4.0, -0.7], "gains.kanayama.share": 1.0})
+    run = wmr_ctrl.simulate(scenario, "kanayama")
+    sent = np.stack([run["v_command"], run["omega_command"]])
+    asked = np.stack([run["v_asked[1]"], run["v_asked[2]"]])
+    shares = (sent != asked).mean(axis=1).tolist()
+
+    assert 0 < shares[0] < 1
+    assert run.summary()["filter_share"] == pytest.approx(shares)
+    assert run.summary()["guard_share"] == [0.0, 0.0]
+    table = wmr_ctrl.simulate_many(scenario, "kanayama", seeds=[0])
+    assert [table[f"filter_share{axis}"][0] for axis in (1, 2)] == pytest.approx(shares)
+    assert table["guard_share1"][0] == 0.0
+
+
 OVERSHOOTING: Mapping[str, Any] = {
     **VELOCITY,
     "base": {"kind": "velocity", "loop": "pi"},

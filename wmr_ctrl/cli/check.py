@@ -166,7 +166,8 @@ def _document(answers: Answers) -> dict[str, Any]:
     from wmr_ctrl.world.grip import grip
 
     case, stable, runs = answers.scenario, answers.stable, answers.runs
-    shown = ("position_rms", "tracking", "tracked", "arrival", "guard_share", "outcome", "remarks")
+    shares = ("guard_share", "filter_share")
+    shown = ("position_rms", "tracking", "tracked", "arrival", *shares, "outcome", "remarks")
     figures = {law: summary(run) for law, run in runs.items()}
     warnings = [{"key": w.key, "law": law, "text": str(w)} for law, w in _merged(answers)]
     inherited = check_sentences.inherited_robot(answers.taken)

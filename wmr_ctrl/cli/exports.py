@@ -22,13 +22,16 @@ if TYPE_CHECKING:
         "wmr-ctrl export plant --out fmus",
         "wmr-ctrl export nn --fmi 2 --target all --out fmus",
         "wmr-ctrl export closed-loop --law mb --scenario far-start --out fmus",
+        "wmr-ctrl export filter --scenario mine.toml --out fmus",
         "wmr-ctrl export ssp --flat --law pid --out package",
         "wmr-ctrl export ssp --plant theirs.fmu --map names.toml --out package",
         "wmr-ctrl export modelica --out models",
         "wmr-ctrl export simulink --law mb --out kit",
     ),
 )
-@click.argument("what", metavar="plant|LAW|reference|guard|closed-loop|ssp|modelica|simulink")
+@click.argument(
+    "what", metavar="plant|LAW|reference|guard|filter|closed-loop|ssp|modelica|simulink"
+)
 @click.option("--law", default="nn", metavar="NAME", help="Law of closed-loop, ssp and simulink.")
 @opt.scenario_option
 @opt.set_option

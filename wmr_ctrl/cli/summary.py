@@ -46,6 +46,12 @@ def _rows(run: Run, figures: dict[str, Any]) -> Iterator[Row]:
             changed = MISSING if share is None else percent(share)
             yield f"guard changed the {axis}", changed, "of the samples"
         yield from _usable(run)
+    if "filter_flags" in run:
+        for axis, share in zip(
+            ("v", "omega"), figures["filter_share"] or (None, None), strict=True
+        ):
+            changed = MISSING if share is None else percent(share)
+            yield f"filter changed {axis}", changed, "of the samples"
     yield from _disturbance(run, figures)
     yield "wheel torque, peak", _number(figures["tau_peak"], "N m"), ""
     since = f"from {run.settings.rms_from:g} s on"

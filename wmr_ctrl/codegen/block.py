@@ -14,10 +14,12 @@ from wmr_ctrl.codegen.emit import Kernel, kernel
 from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.loop import rolling_of
 from wmr_ctrl.control.setup import Setup
+from wmr_ctrl.filter import filter_system
+from wmr_ctrl.filter.channels import AXES, FLAG_MEANINGS, FLAG_NAMES, FLAGS, SENT, has_bit
 from wmr_ctrl.model.dynamics import plant, rk4_step
 from wmr_ctrl.model.system import Output, Parameters, System, port, stack
 from wmr_ctrl.scenario import Scenario
-from wmr_ctrl.signals import Signal
+from wmr_ctrl.signals import ASKED, Signal
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.registry import EFFECTS
@@ -75,6 +77,35 @@ def guard_block(setup: Setup) -> Block:
     """The velocity guard by itself: asked force and measured velocity to wheel torques."""
     system = guard(setup)
     return _block(replace(system, params=(*system.params, port(PARALLEL))))
+
+
+SHARE = Signal("share", "1", "share of the command asked for that is sent, by axis", 2)
+
+
+def filter_block(scenario: Scenario) -> Block:
+    """The command filter: what it sends, that as a share of what was asked, its flags one by one.
+
+    It comes without derivatives: those of the band's tables would be longer than all the rest.
+
+    ScenarioError where the filter is not set, or cannot be met.
+    """
+    system = filter_system(scenario)
+    made = {item.signal: item.expr for item in system.outputs}
+    asked = next(item.sym for item in system.inputs if item.signal == ASKED)
+    sent = made[SENT]
+    shares = (ca.if_else(asked[i] == 0, 1, sent[i] / asked[i]) for i in AXES)
+    told = (
+        Output(
+            Signal(name.replace("-", "_"), "1", f"1: {FLAG_MEANINGS[bit]}"),
+            has_bit(made[FLAGS], bit),
+        )
+        for bit, name in FLAG_NAMES.items()
+    )
+    p = Parameters(scenario, system.params)
+    p.take("clock.control")
+    shown = (Output(SHARE, ca.vertcat(*shares)), *told)
+    block = _block(replace(system, params=(*p.ports, port(PARALLEL)), diagnostics=shown))
+    return replace(block, derivatives=())
 
 
 def reference_block(scenario: Scenario) -> Block:

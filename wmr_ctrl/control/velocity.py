@@ -22,7 +22,7 @@ import casadi as ca
 
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, usable_command
+from wmr_ctrl.filter.channels import BOUNDS_LEFT, FLAGS, SENT, has_bit, usable_command
 from wmr_ctrl.filter.filter import filter_system
 from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.model.dynamics import force_to_wheel, friction, reduced_mass
@@ -116,7 +116,7 @@ class SentVelocity:
         memory, following = self._remembering(sent)
         held = () if self.filter is None else self.filter.state
         changed = sent != self.asked
-        agrees = ca.logic_not(_bit(flags, BOUNDS_LEFT))
+        agrees = ca.logic_not(has_bit(flags, BOUNDS_LEFT))
         watched = zip(GUARD_DIAGNOSTICS, (changed, ca.SX.zeros(2), agrees), strict=True)
         shown = (Output(ASKED, self.asked), Output(FLAGS, flags))
         return replace(
@@ -184,11 +184,6 @@ def place_of(system: System, y: ca.SX, signal: Signal) -> ca.SX:
             break
         at += item.signal.size
     return y[at : at + signal.size]
-
-
-def _bit(flags: ca.SX, bit: int) -> ca.SX:
-    """1 where this bit of the sum is set."""
-    return ca.floor(flags / bit) - 2 * ca.floor(flags / (2 * bit))
 
 
 def _sent(age: int) -> Signal:

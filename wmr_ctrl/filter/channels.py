@@ -44,6 +44,14 @@ FLAG_NAMES = {
     REFUSED: "refused",
     UNSOUND: "unsound",
 }
+FLAG_MEANINGS = {
+    LIMITED: "the command was not sent as it came",
+    UNUSED: "no odometry was used",
+    BOUNDS_LEFT: "odometry contradicts the stated bounds",
+    LATE: "the step came outside its jitter",
+    REFUSED: "the command was no number",
+    UNSOUND: "the parameters are such as no filter can keep",
+}
 
 
 @dataclass(frozen=True)
@@ -126,6 +134,11 @@ def usable_command(asked: ca.SX) -> tuple[list[ca.SX], ca.SX]:
 def within(value: ca.SX, size: ca.SX | float) -> ca.SX:
     """1 where |value| <= size; 0 else, and for what is no number."""
     return ca.logic_and(value >= -size, value <= size)
+
+
+def has_bit(flags: ca.SX, bit: int) -> ca.SX:
+    """1 where this bit of a sum of flags is set."""
+    return ca.floor(flags / bit) - 2 * ca.floor(flags / (2 * bit))
 
 
 def limited(sent: ca.SX, r: Sequence[ca.SX]) -> ca.SX:

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
 from wmr_ctrl.codegen.block import (
     PARALLEL,
     Block,
+    filter_block,
     guard_block,
     law_block,
     plant_block,
     reference_block,
 )
 from wmr_ctrl.codegen.kernels import sizes_of
-from wmr_ctrl.control.ranges import clock_of, ranges_of
+from wmr_ctrl.control.ranges import Range, clock_of, ranges_of
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import (
@@ -54,6 +56,16 @@ def guard_model(setup: Setup) -> FmuModel:
     return _model("guard", "Velocity guard", setup.scenario, guard_block(setup))
 
 
+def filter_model(scenario: Scenario) -> FmuModel:
+    """The command filter of a scenario: any velocity in, one that is safe out.
+
+    Its period is fixed: delays and tables of step responses are counted in it.
+    """
+    block, T = filter_block(scenario), scenario.clock.control
+    fixed = {"clock.control": (T, T)}
+    return _model("filter", block.system.title.capitalize(), scenario, block, fixed=fixed)
+
+
 def reference_model(scenario: Scenario) -> FmuModel:
     """The desired trajectory."""
     return _model("reference", "Desired trajectory", scenario, reference_block(scenario))
@@ -66,10 +78,15 @@ def parallel(model: FmuModel) -> FmuModel:
 
 
 def _model(
-    what: str, title: str, scenario: Scenario, block: Block, tunable: tuple[str, ...] = ()
+    what: str,
+    title: str,
+    scenario: Scenario,
+    block: Block,
+    tunable: tuple[str, ...] = (),
+    fixed: Mapping[str, Range] = MappingProxyType({}),
 ) -> FmuModel:
     system = block.system
-    sections = _sections(scenario, block, tunable)
+    sections = _sections(scenario, block, tunable, fixed)
     rows = tuple(row for section in sections.values() for row in section)
     at = {row.name: i for i, row in enumerate(rows)}
     layout = _layout(sections, system)
@@ -99,13 +116,14 @@ def _model(
 
 
 def _sections(
-    scenario: Scenario, block: Block, tunable: tuple[str, ...]
+    scenario: Scenario, block: Block, tunable: tuple[str, ...], fixed: Mapping[str, Range]
 ) -> Mapping[str, list[Variable]]:
     """Rows in the order that C relies on: time, inputs, parameters, states, rates, results."""
     system, discrete = block.system, block.system.period is not None
     results = [item.signal for item in block.results]
     ranges = ranges_of(scenario, (port.signal.name for port in system.params))
     ranges |= {PARALLEL.name: (0.0, 1.0)} | (clock_of(scenario) if discrete else {})
+    ranges |= dict(fixed)
     shown = {item.name for item in results}
     published = {item.signal.name for item in system.outputs} - shown
     taken = {port.signal.name for port in (*system.inputs, *system.params)} | shown

@@ -15,7 +15,13 @@ from wmr_ctrl.control.outside import check_takes_torques
 from wmr_ctrl.control.setup import check_gains, settle
 from wmr_ctrl.errors import UnknownNameError
 from wmr_ctrl.fmi import xml
-from wmr_ctrl.fmi.blocks import guard_model, law_model, plant_model, reference_model
+from wmr_ctrl.fmi.blocks import (
+    filter_model,
+    guard_model,
+    law_model,
+    plant_model,
+    reference_model,
+)
 from wmr_ctrl.fmi.closed_loop import closed_loop_model
 from wmr_ctrl.fmi.extra import EXTRA, GRAPH, NOTE, RESULT, plain_code, reference_result, references
 from wmr_ctrl.fmi.files import write_archive
@@ -47,7 +53,7 @@ def export_fmu(
     Parameters
     ----------
     what
-        "plant", "reference", "guard", "closed-loop" (of ``law``), or a law's name.
+        "plant", "reference", "guard", "filter", "closed-loop" (of ``law``), or a law's name.
     fmi
         "2", "3" or "both".
     target
@@ -94,7 +100,7 @@ def versions_of(fmi: str | int) -> tuple[int, ...]:
 
 def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
     """The model called ``what``; raises UnknownNameError with the near names."""
-    if what not in ("reference", "closed-loop"):
+    if what not in ("reference", "filter", "closed-loop"):
         check_takes_torques(scenario, "parts of the loop are exported")
     match what:
         case "plant":
@@ -103,11 +109,14 @@ def model_of(what: str, law: str, scenario: Scenario) -> FmuModel:
             return reference_model(scenario)
         case "guard":
             return guard_model(settle(scenario, None))
+        case "filter":
+            return filter_model(scenario)
         case "closed-loop":
             return closed_loop_model(settle(scenario, law))
         case _ if what in LAWS:
             return law_model(settle(scenario, what))
-    raise UnknownNameError("FMU", what, ("plant", "reference", "guard", "closed-loop", *LAWS))
+    parts = ("plant", "reference", "guard", "filter", "closed-loop")
+    raise UnknownNameError("FMU", what, (*parts, *LAWS))
 
 
 def write_fmu(

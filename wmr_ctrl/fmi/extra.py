@@ -12,9 +12,10 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from wmr_ctrl.codegen.package import c_name, package_files
+from wmr_ctrl.codegen.package import FILTER, c_name, package_files
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.filter import filter_system
 from wmr_ctrl.fmi.files import render, write_archive
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.variables import Role
@@ -40,12 +41,12 @@ NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
 
 
 def plain_code(model: FmuModel) -> dict[str, str]:
-    """Files of a law's model: the package, whose ports are those of the FMU, and its interface."""
-    if model.what not in LAWS:
+    """The package of a law or the filter, whose ports are those of the FMU, and its interface."""
+    if model.what not in (*LAWS, FILTER):
         return {}
     law, scenario = model.what, model.scenario
     package = package_files(law, scenario, counting=False)
-    system = controller(settle(scenario, law))
+    system = filter_system(scenario) if law == FILTER else controller(settle(scenario, law))
     shown = {
         "law": law,
         "title": model.title,

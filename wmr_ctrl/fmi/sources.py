@@ -58,7 +58,8 @@ def sources_of(model: FmuModel, version: int, *, arrays: bool = True) -> Sources
         files["loop_tables.h"] = render("loop_tables.h", tables=tables)
     content = json.dumps([model.identifier, sorted(files.items()), sorted(model.layout.items())])
     token = f"{{{uuid.uuid5(NAMESPACE, hashlib.sha256(content.encode()).hexdigest())}}}"
-    layout = [*model.layout.items(), ("ORDERS", len(pairs))]
+    more = ("ORDERS", len(pairs)), ("HAS_DERIVATIVES", int(bool(model.derivatives)))
+    layout = [*model.layout.items(), *more]
     files["model.h"] = render(
         "model.h", identifier=model.identifier, kind=KINDS[model.kind], token=token, layout=layout
     )

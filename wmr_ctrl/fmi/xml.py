@@ -7,14 +7,17 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from wmr_ctrl.codegen.package import FILTER
 from wmr_ctrl.errors import ArgumentError
+from wmr_ctrl.filter.channels import SENT
+from wmr_ctrl.filter.governor_step import ODOMETRY
 from wmr_ctrl.fmi.files import render
 from wmr_ctrl.fmi.model import FmuModel
 from wmr_ctrl.fmi.sources import Sources, row_size
 from wmr_ctrl.fmi.units import NamedUnit, unit_of, units_of
 from wmr_ctrl.fmi.variables import Role, Variable
 from wmr_ctrl.laws import LAWS
-from wmr_ctrl.signals import POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
+from wmr_ctrl.signals import ASKED, POSE, REFERENCE, TORQUE, TORQUE_NOISE, VELOCITY
 
 Attributes = list[tuple[str, str]]
 TERMINALS = (
@@ -22,6 +25,9 @@ TERMINALS = (
     ("pose", "position and orientation", POSE),
     ("velocity", "linear and angular velocity", VELOCITY),
     ("torque", "wheel torques", TORQUE),
+    ("asked", "velocity asked for", (ASKED,)),
+    ("odometry", "velocity that odometry tells", (ODOMETRY,)),
+    ("command", "velocity command that is safe", (SENT,)),
     ("disturbance", "disturbance torques on the wheels", TORQUE_NOISE),
 )
 _CAUSALITY = {
@@ -62,9 +68,9 @@ def terminals(model: FmuModel) -> str:
     """Text of terminalsAndIcons/terminalsAndIcons.xml, FMI 3."""
     ports = {v.name for v in model.variables if v.output or v.role is Role.INPUT}
     listed = [
-        {"name": name, "text": text, "members": [s.name for s in signals]}
+        {"name": name, "text": text, "members": [name for s in signals for name in s.elements]}
         for name, text, signals in TERMINALS
-        if all(s.name in ports for s in signals)
+        if ports.issuperset(name for s in signals for name in s.elements)
     ]
     return render("terminalsAndIcons.xml", m={"terminals": listed})
 
@@ -82,7 +88,8 @@ def documentation(model: FmuModel, tool: str) -> str:
         for v in model.variables
     ]
     named = {"identifier": model.identifier, "title": model.title, "tool": tool}
-    kinds = {"scenario": model.scenario.name, "kind": model.kind, "law": model.what in LAWS}
+    packed = model.what in (*LAWS, FILTER)
+    kinds = {"scenario": model.scenario.name, "kind": model.kind, "packed": packed}
     return render("index.html", m={**named, **kinds, "documented": rows})
 
 
@@ -100,7 +107,7 @@ def _common(model: FmuModel, sources: Sources, tool: str, note: str) -> dict[str
         "duration": repr(clock.duration),
         "step": repr(clock.control),
         "internal_step": repr(clock.plant if model.kind == "continuous" else clock.control),
-        "derivatives": bool(model.graph),
+        "derivatives": bool(model.derivatives),
         "model_exchange": bool(model.layout["HAS_ME"]),
     }
 

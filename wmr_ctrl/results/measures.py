@@ -200,13 +200,23 @@ def guard_share(run: Run, samples: Span | None = None) -> Pair | None:
 
     Over all rows, or a window of samples; None where the controller does not tell.
     """
-    if not run.guard:
-        return 0.0, 0.0
+    return _changed_share(run, samples) if run.guard else (0.0, 0.0)
+
+
+def filter_share(run: Run) -> Pair | None:
+    """Share of the samples in which the filter changed v and omega; zeros without filter.
+
+    None where there is no sample.
+    """
+    return _changed_share(run) if "filter_flags" in run else (0.0, 0.0)
+
+
+def _changed_share(run: Run, samples: Span | None = None) -> Pair | None:
     rows = slice(0, run.rows) if samples is None else rows_of(run, samples)
     if rows is None or run.rows == 0 or "clip_active" not in run:
         return None
-    force, moment = np.mean(run["clip_active"][rows], axis=0).tolist()
-    return force, moment
+    first, second = np.mean(run["clip_active"][rows], axis=0).tolist()
+    return first, second
 
 
 def tau_peak(run: Run, start: float = 0.0, end: float | None = None) -> float | None:

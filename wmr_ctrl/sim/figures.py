@@ -21,6 +21,8 @@ EVENTS = ("first_axis", "stop", "stop_axis", "samples", "bounds_axis")
 STOP_REASONS), and the number of samples made."""
 
 
+CHANGED = ("guard_share1", "guard_share2", "filter_share1", "filter_share2")
+"""Shares of samples in which guard or filter changed what the law asked for."""
 COLUMNS = (*(figure.name for figure in SUMMED), *EVENTS)
 """Numbers of a run without a log; NaN where there was no such event, or the run ended before the
 figure's window did."""
@@ -36,9 +38,10 @@ def put(figures: Figures, places: Sequence[int], memory: Memory, runs: Sequence[
     """Write a batch's figures where its runs stand."""
     where, settings = list(places), [run.loop.settings for run in runs]
     guarded = [run.loop.scenario.guard.enabled for run in runs]
+    filtered = [run.loop.scenario.base.kind == "velocity" for run in runs]
     numbers = {**_from_findings(memory, settings[0]), **dict(_from_sums(memory, settings[0]))}
-    for share in ("guard_share1", "guard_share2"):
-        numbers[share] = np.where(guarded, numbers[share], 0.0)
+    for share in CHANGED:
+        numbers[share] = np.where(filtered if "filter" in share else guarded, numbers[share], 0.0)
     for name, values in numbers.items():
         figures[name][where] = values
     seen = zip(monitors(memory, settings[0]), guarded, strict=True)
@@ -98,7 +101,7 @@ def _from_findings(memory: Memory, settings: Settings) -> Figures:
         **{f"d_least{k}": np.where(ran, row(f"d_least{k}"), np.nan) for k in (1, 2)},
         "bounds_left": np.where(left >= 0, left * settings.control, np.nan),
         "bounds_axis": np.where(left >= 0, row("left_axis"), np.nan),
-        **{f"guard_share{k}": np.where(ran, row(f"clipped{k}") / most, np.nan) for k in (1, 2)},
+        **{name: np.where(ran, row(f"clipped{name[-1]}") / most, np.nan) for name in CHANGED},
     }
 
 
