@@ -67,6 +67,8 @@ OTHER: Mapping[str, Any] = {
     "gains.pid.kinematics": [11.0, 6.0, 5.0],
     "gains.kanayama.k": [0.1, 0.7, 0.2],
     "metrics.split": 0.1,
+    "body.radius": 0.3,
+    "corridor.cells": 2,
     "reference.points": [*TINY, [0.010, 0.012]],
     "reference.v_max": 0.015,
     "reference.tolerance": 0.001,
@@ -84,10 +86,12 @@ ELSEWHERE = {
     "actuator.traction",
     "guard.delay",
     "guard.lag",
+    "reference.keep_out",
 }
 """Fields that a guard or a coupled plant refuses: tests/world/test_effects.py has them.  Traction
 limits weaker tyres than these: tests/physics/test_traction.py has it.  Bounds of delay and lag
-decide the form of a guard: tests/guard/test_late_runs.py."""
+decide the form of a guard: tests/guard/test_late_runs.py.
+Obstacles no run reads: tests/corridor/test_clearance.py."""
 
 
 def based(changes: Mapping[str, Any]) -> Scenario:
@@ -133,6 +137,8 @@ def of_references() -> Iterator[Changed]:
         yield f"reference.kind = {kind}", start
         for name, what in quantities(cls):
             key = f"reference.{name}"
+            if key in ELSEWHERE:
+                continue
             value = other(key, what, what.default)
             yield f"{key} of {kind}", {**start, key: value}
 
