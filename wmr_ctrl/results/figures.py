@@ -43,7 +43,8 @@ class Sum:
 class Figure:
     """A number of a run: name, SI unit, meaning, and how to take it (None where it has none).
 
-    ``sum``: the loop's sums that it is made from where no log is kept.
+    ``sum``: the loop's sums that it is made from where no log is kept; ``key``: the key of
+    ``run --json`` that has it, by itself or as an element; empty for one that stands in `figures`.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Figure:
     meaning: str
     of: Take
     sum: Sum | None = None
+    key: str = ""
 
     @property
     def heading(self) -> str:
@@ -123,14 +125,14 @@ _SUMS = {
 
 def _reading(name: str, unit: str, meaning: str) -> Figure:
     """A figure that is a reading by itself."""
-    return Figure(name, unit, meaning, _at(READINGS[name]), _SUMS.get(name))
+    return Figure(name, unit, meaning, _at(READINGS[name]), _SUMS.get(name), name)
 
 
 def _pair(name: str, units: tuple[str, str], meaning: str) -> Iterator[Figure]:
     """Figures of an axis each, counted from 1."""
     for axis in (0, 1):
         text = f"{meaning}, axis {axis + 1}"
-        yield Figure(f"{name}{axis + 1}", units[axis], text, _at(READINGS[name], axis))
+        yield Figure(f"{name}{axis + 1}", units[axis], text, _at(READINGS[name], axis), key=name)
 
 
 def _ise(part: str, over: str, meaning: str) -> Figure:
@@ -138,13 +140,13 @@ def _ise(part: str, over: str, meaning: str) -> Figure:
     alone, name = part == "position", f"ise_{part}"
     unit, sums = ("m2.s", part) if alone else ("m2.s + rad2.s", "position + angle")
     total = Sum(sums, over, "integral")
-    return Figure(name, unit, f"ISE {meaning}", _at(measures.ise, part), total)
+    return Figure(name, unit, f"ISE {meaning}", _at(measures.ise, part), total, "ise")
 
 
 def _position(tail: str, over: str, where: str) -> Figure:
     """RMS distance from the reference over a window."""
     of, text = _at(measures.position_rms, over), f"RMS distance {where}"
-    return Figure(f"position_rms{tail}", "m", text, of, Sum("position", over))
+    return Figure(f"position_rms{tail}", "m", text, of, Sum("position", over), "position_rms")
 
 
 def _tracking(part: str, when: str) -> Iterator[Figure]:
@@ -152,7 +154,7 @@ def _tracking(part: str, when: str) -> Iterator[Figure]:
     totals = {"rms": Sum("position", part), "max": Sum("farthest", part, "largest")}
     for short, text in (("rms", "RMS"), ("max", "largest")):
         of, name = _at(measures.tracking, part, f"position_{short}"), f"tracking_{part}_{short}"
-        yield Figure(name, "m", f"{text} distance {when}", of, totals[short])
+        yield Figure(name, "m", f"{text} distance {when}", of, totals[short], "tracking")
 
 
 def _seconds(span: Span) -> str:
@@ -165,7 +167,7 @@ def _errors(axis: int, unit: str) -> Iterator[Figure]:
         text, total = f"RMS of e{axis} over {_seconds(span)}", Sum(f"e{axis}", named(span))
         of = _at(partial(measures.e_rms, start=span[0], end=span[1]), axis - 1)
         name = f"e{axis}_rms_{named(span)}"
-        yield Figure(name, unit, text, of, total)
+        yield Figure(name, unit, text, of, total, "e_rms")
 
 
 def _weights(axis: int) -> Iterator[Figure]:
@@ -219,7 +221,7 @@ SUMMED: tuple[Figure, ...] = (
 """Figures that the loop adds up without a log, in the order of a study's columns."""
 
 RIGID: tuple[Figure, ...] = tuple(
-    Figure(name, unit, meaning, _at(_rigid, name))
+    Figure(name, unit, meaning, _at(_rigid, name), key="rigid")
     for name, unit, meaning in (
         ("slipped", "s", "first time at which a tread slid by more than body.slip_max"),
         ("tipped", "s", "time at which the robot had fallen over"),
@@ -247,7 +249,9 @@ _LOGGED: tuple[Figure, ...] = (
         "ise_orientation", "rad2.s", "ISE of the whole run of theta alone", measures.ise_orientation
     ),
     *(_over(span, "e1_mean", "mean of |e1|", measures.mean_e1) for span in (BEFORE, LATE)),
-    Figure("max_abs_omega", "rad/s", "largest |omega|", _at(READINGS["max_abs_v"], 1)),
+    Figure(
+        "max_abs_omega", "rad/s", "largest |omega|", _at(READINGS["max_abs_v"], 1), key="max_abs_v"
+    ),
     Figure(
         "limit_ratio",
         "1",
@@ -281,7 +285,13 @@ _LOGGED: tuple[Figure, ...] = (
 )
 _OURS = (
     Figure("violated", "1", "1 if violated, else 0", lambda run: float(run.monitor.violations > 0)),
-    Figure("tracked", "1", "1 if tracked, else 0", lambda run: float(bool(measures.tracked(run)))),
+    Figure(
+        "tracked",
+        "1",
+        "1 if tracked, else 0",
+        lambda run: float(bool(measures.tracked(run))),
+        key="tracked",
+    ),
     *SUMMED,
     *RIGID,
     *_LOGGED,

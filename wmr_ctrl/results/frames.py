@@ -52,7 +52,7 @@ def summary(run: Run) -> dict[str, object]:
         "plant": known.plant_kind,
         "outcome": run.outcome.value,
         **{key: of(run) for key, of in READINGS.items()},
-        "figures": values_of(run, FIGURES),
+        "figures": values_of(run, (item for item in FIGURES if not item.key)),
         "remarks": [asdict(item) for item in run.remarks],
         "provenance": {key: run.provenance.get(key) for key in PROVENANCE}
         | {key: run.provenance[key] for key in COUPLED if key in run.provenance},

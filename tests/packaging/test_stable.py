@@ -1,0 +1,42 @@
+"""What docs/reference/stable.txt promises is there: nothing that others name goes or is renamed."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.packaging import interface
+
+
+@pytest.fixture(scope="module")
+def present() -> set[str]:
+    return set(interface.lines())
+
+
+def test_nothing_that_is_promised_is_gone(present):
+    gone = [line for line in interface.promised() if line not in present]
+
+    assert gone == [], "see docs/reference/stable.md: it goes in two steps, with a major version"
+
+
+def test_the_list_is_in_order_and_covers_every_kind(present):
+    listed = interface.promised()
+
+    assert listed == sorted(set(listed))
+    assert {line.partition(":")[0] for line in present} == {x.partition(":")[0] for x in listed}
+
+
+def test_what_is_renamed_is_missed(monkeypatch, present):
+    renamed = {item: "turned" for item in present if item == "option: wmr-ctrl check --law"}
+    monkeypatch.setattr(interface, "lines", lambda: {renamed.get(x, x) for x in present})
+
+    gone = set(interface.promised()) - set(interface.lines())
+    assert gone == {"option: wmr-ctrl check --law"}
+
+
+def test_no_number_of_a_run_has_two_names(present):
+    """A figure stands under the key that has it, or under `figures`."""
+    under = {line.partition(": ")[2] for line in present if line.startswith("run --json")}
+    keys = {item.key for item in interface.FIGURES if item.key}
+
+    assert keys <= under
+    assert {item.name for item in interface.FIGURES if item.name in under} <= keys
