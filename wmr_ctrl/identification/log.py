@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -102,7 +103,7 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Log:
         raise ArgumentError(
             f"topics are those of a bag, and {str(path)!r} is none. Leave them out."
         )
-    if place.is_dir():
+    if os.path.isdir(place):
         raise LogError(
             f"{str(path)!r} is a folder without metadata.yaml, so no bag of ROS 2. Give a bag's "
             "folder or its .mcap or .db3 file."

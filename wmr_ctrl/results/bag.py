@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
+import os
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -61,13 +62,13 @@ def message_types() -> Typestore:
 def is_bag(path: str | Path) -> bool:
     """Whether a path looks like a bag: a folder with metadata.yaml, or a file of one."""
     place = Path(path)
-    return place.suffix.lower() in SUFFIXES or (place / "metadata.yaml").is_file()
+    return place.suffix.lower() in SUFFIXES or os.path.isfile(place / "metadata.yaml")
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Opened]:
     """Connections of a bag (folder or one file of it), and its messages in the recorder's order."""
-    if path.is_dir():
+    if os.path.isdir(path):
         reader = library("rosbags.rosbag2", "logs").Reader(path)
     elif path.suffix.lower() == ".mcap":
         reader = library("rosbags.rosbag2.storage_mcap", "logs").McapReader(path)
