@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import subprocess
@@ -46,3 +47,29 @@ def environment():
     """No other machine and no other test hears these nodes."""
     local = {"ROS_DOMAIN_ID": str(1 + os.getpid() % 100)}
     return {**os.environ, **local, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def report_of(script, scenario, ros, environment, folder):
+    """JSON that a script around a node prints."""
+    path = folder / "base.toml"
+    path.write_text(scenario, encoding="utf-8")
+    done = subprocess.run(
+        [ros, Path(__file__).with_name(script), path],
+        env=environment, capture_output=True, text=True, timeout=180, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def refusal_of(node, settings, scenario, ros, environment, folder):
+    """What a node prints that cannot be configured; {} in a setting is the scenario's file."""
+    path = folder / "base.toml"
+    path.write_text(scenario, encoding="utf-8")
+    words = [part for word in settings for part in ("-p", word.format(path))]
+    done = subprocess.run(
+        [ros, "-m", "wmr_ctrl.ros2", node, "--ros-args", *words],
+        env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    return done.stderr

@@ -18,11 +18,10 @@ import rclpy
 from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from outside import SURE
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64MultiArray
 
-SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 SPACE = "/robot1"
 """Namespace of the node; its topics are remapped into /base."""
 

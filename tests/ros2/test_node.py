@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-from tests.ros2.conftest import OVER_DDS
+from tests.ros2.conftest import OVER_DDS, refusal_of, report_of
 
 SLACK = 0.15
 """Time [s] that DDS and a busy machine may take, beside time-outs and ticks."""
@@ -29,26 +27,14 @@ d = [0.05, 0.05]
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
-def report_of(script, ros, environment, folder):
-    """JSON that a script around the node prints."""
-    path = folder / "base.toml"
-    path.write_text(SCENARIO, encoding="utf-8")
-    done = subprocess.run(
-        [ros, Path(__file__).with_name(script), path],
-        env=environment, capture_output=True, text=True, timeout=180, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout[-500:] + done.stderr[-2000:]
-    return json.loads(done.stdout)
-
-
 @pytest.fixture(scope="module")
 def seen(ros, environment, tmp_path_factory):
-    return report_of("outside.py", ros, environment, tmp_path_factory.mktemp("scenario"))
+    return report_of("outside.py", SCENARIO, ros, environment, tmp_path_factory.mktemp("scenario"))
 
 
 @pytest.fixture(scope="module")
 def live(ros, environment, tmp_path_factory):
-    return report_of("filter_live.py", ros, environment, tmp_path_factory.mktemp("live"))
+    return report_of("filter_live.py", SCENARIO, ros, environment, tmp_path_factory.mktemp("live"))
 
 
 def test_a_sound_command_passes(seen):
@@ -154,24 +140,14 @@ def test_on_simulated_time_too_a_last_zero_is_sent(live):
     ("settings", "said"),
     [
         ([], "the parameter scenario is not set"),
-        (["-p", "scenario:=paper-simulation"], "no command filter"),
-        (["-p", "scenario:=none.toml"], "none.toml"),
-        (["-p", "scenario:={}", "-p", "odometry:=maybe"], "must be one of none, watched, required"),
-        (["-p", "scenario:={}", "-p", "command_timeout:=-1.0"], "must be positive"),
+        (["scenario:=paper-simulation"], "no command filter"),
+        (["scenario:=none.toml"], "none.toml"),
+        (["scenario:={}", "odometry:=maybe"], "must be one of none, watched, required"),
+        (["scenario:={}", "command_timeout:=-1.0"], "must be positive"),
     ],
 )
 def test_what_cannot_be_configured_is_a_sentence(ros, environment, tmp_path, settings, said):
-    path = tmp_path / "base.toml"
-    path.write_text(SCENARIO, encoding="utf-8")
-    words = [word.format(path) for word in settings]
-    done = subprocess.run(
-        [ros, "-m", "wmr_ctrl.ros2", "filter", "--ros-args", *words],
-        env=environment, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
-
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    assert said in refusal_of("filter", settings, SCENARIO, ros, environment, tmp_path)
 
 
 def test_without_ros_a_sentence_says_so():

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmr_ctrl.results.obstacles import distance
+from wmr_ctrl.results.obstacles import closest
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.references.kind import sample
 
@@ -64,11 +64,10 @@ def find_clearance(scenario: Scenario, corridor: float | None) -> Clearance | No
     times = np.linspace(0.0, end, min(TIMES, round(end / scenario.clock.plant)) + 1)
     motion = sample(scenario, times)
     slack = np.abs(motion[:, 3]).max() * (times[1] - times[0]) / 2
-    away = np.array([distance(shape, motion[:, :2]) for shape in obstacles])
-    place, k = np.unravel_index(away.argmin(), away.shape)
-    path = float(away[place, k] - slack)
+    away, place, k = closest(obstacles, motion[:, :2])
+    path = float(away - slack)
     free = None if corridor is None else float(path - radius - corridor)
-    return Clearance(path, int(place) + 1, float(times[k]), radius, free)
+    return Clearance(path, place + 1, float(times[k]), radius, free)
 
 
 def length(value: float) -> str:

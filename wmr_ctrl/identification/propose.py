@@ -21,6 +21,7 @@ from wmr_ctrl.identification.fit import Fit, LogProblem
 from wmr_ctrl.identification.graph import LOGARITHMIC, stepped
 from wmr_ctrl.identification.identification import Identification
 from wmr_ctrl.identification.reading import Floats, Samples
+from wmr_ctrl.model.dynamics import force_to_wheel
 from wmr_ctrl.scenario import Scenario
 from wmr_ctrl.world.lag import followed
 
@@ -164,7 +165,9 @@ def _followed_drive(
     A proportional-integral loop on both speeds follows the drive, slow enough for every robot.
     """
     count, period, robot = len(robots), scenario.clock.control, scenario.robot
-    inner = math.ceil(period / STEP)
+    inner, force_of = math.ceil(period / STEP), ca.SX.sym("force", 2)
+    torque_of = force_to_wheel(ca.SX(robot.r), ca.SX(robot.l), force_of)
+    wheels = ca.Function("wheels", [force_of], [torque_of]).map(count)
     step = _robot(scenario).map(count)
     p = np.array([[item[name] for item in robots] for name in WALKED])
     queues = [round(item["delay"] / period * inner) for item in robots]
@@ -181,8 +184,7 @@ def _followed_drive(
         error = desired - state[2:4].T
         force = gains * (error + sums)
         sums += bandwidth / 5 * error * period
-        turned = force[:, 1] / robot.l
-        tau = np.stack((force[:, 0] + turned, force[:, 0] - turned)) * robot.r / 2
+        tau = np.asarray(wheels(force.T))
         torques[:, k] = np.clip(tau, -scenario.actuator.tau_max, scenario.actuator.tau_max).T
         for i in range(k * inner, (k + 1) * inner):
             sent[i] = torques[:, k].T

@@ -87,12 +87,13 @@ def _draw(figure: Figure, run: Run) -> None:
     heights = (_HEAD, 1.4 * rest, rest, rest, rest)
     grid = figure.add_gridspec(5, 2, height_ratios=heights, hspace=0.0, wspace=0.0)
     parts = [figure.add_subfigure(grid[row, column]) for row in range(1, 5) for column in (0, 1)]
-    _path(parts[0], run)
+    tube = _tube(run)
+    _path(parts[0], run, tube)
     _facts(parts[1], run)
     _velocity(parts[2], run, 0)
     _velocity(parts[3], run, 1)
-    _errors(parts[4], run, "Position errors, Eq. (8) [mm]", {"e₁": "e[1]", "e₂": "e[2]"})
-    _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"})
+    _errors(parts[4], run, "Position errors, Eq. (8) [mm]", {"e₁": "e[1]", "e₂": "e[2]"}, tube)
+    _errors(parts[5], run, "Orientation error e₃ [mrad]", {"e₃": "e[3]"}, tube)
     _torques(parts[6], run)
     _barrier(parts[7], run)
 
@@ -101,9 +102,9 @@ MOST_WAYPOINTS = 60
 """More would hide the path that they are on."""
 
 
-def _path(part: SubFigure, run: Run) -> None:
+def _path(part: SubFigure, run: Run, tube: Corridor | None) -> None:
     """The robot's path on top of the desired one, with start, waypoints and goal."""
-    axes, tube = one_axes(part, _MARGINS), _tube(run)
+    axes = one_axes(part, _MARGINS)
     if tube is not None:
         _draw_tube(axes, run, tube)
     plot_reference(axes, *thin_path(run["x_d"], run["y_d"], 64))
@@ -197,12 +198,13 @@ SMALL = 100.0
 NARROW = 10.0
 
 
-def _errors(part: SubFigure, run: Run, title: str, columns: dict[str, str]) -> None:
+def _errors(
+    part: SubFigure, run: Run, title: str, columns: dict[str, str], tube: Corridor | None
+) -> None:
     """Errors over time, in mm or mrad, so that the start and what is left at the end are seen.
 
     Dotted: the certified corridor, which is that of a robot on its path.
     """
-    tube = _tube(run)
     rows = {label: 1e3 * run[name] for label, name in columns.items()}
     axes = _time_axes(part, run, title)
     _plot_pair(axes, run, rows)

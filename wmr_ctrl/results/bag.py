@@ -214,7 +214,7 @@ def rows_of_mcap(data: bytes) -> tuple[str, FloatArray]:
 
 def holds_run(path: str | Path) -> bool:
     """Whether a bag is a file that a run was saved in."""
-    if Path(path).suffix.lower() != ".mcap" or Path(path).is_dir():
+    if Path(path).suffix.lower() != ".mcap" or os.path.isdir(path):
         return False
     with opened_bag(path) as (connections, _):
         return any(item.topic == DESCRIPTION_TOPIC for item in connections)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -33,6 +34,13 @@ def distance(shape: Shape, points: Floats) -> Floats:
     return np.where(inside, -nearest, nearest)
 
 
+def closest(shapes: Sequence[Shape], points: Floats) -> tuple[float, int, int]:
+    """Smallest distance [m] of ``points`` (N, 2) from any shape, the shape and the point."""
+    away = np.array([distance(shape, points) for shape in shapes])
+    place, k = np.unravel_index(away.argmin(), away.shape)
+    return float(away[place, k]), int(place), int(k)
+
+
 def nearest(run: Run) -> tuple[float, int, float] | None:
     """Smallest gap [m] between body and obstacle at a sample, the obstacle, from 1, and time [s].
 
@@ -43,6 +51,5 @@ def nearest(run: Run) -> tuple[float, int, float] | None:
     if not settings.keep_out or settings.radius is None or not run.rows:
         return None
     points = np.stack([run["x"], run["y"]], axis=1)
-    gaps = np.array([distance(shape, points) for shape in settings.keep_out]) - settings.radius
-    place, k = np.unravel_index(gaps.argmin(), gaps.shape)
-    return float(gaps[place, k]), int(place) + 1, float(run.time[k])
+    away, place, k = closest(settings.keep_out, points)
+    return away - settings.radius, place + 1, float(run.time[k])

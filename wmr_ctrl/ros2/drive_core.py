@@ -118,15 +118,14 @@ class DriveCore:
     ) -> tuple[str, Gated | None]:
         """Take a message: why it is refused, else ""; and what is sent to the base, if anything.
 
-        ``message``: see `MESSAGE`; ``stamp`` [ns]; the pose is in ``frame``, the twist in
-        ``child``.
+        ``message``: x, y, quaternion, v, omega; ``stamp`` [ns]; the pose is in ``frame``, the twist
+        in ``child``.
         """
         reason = "" if is_rotation(*message[2:6]) else "not a rotation"
         reason = reason or ("" if stamp else "without a stamp")
         if reason:
-            self.measured.refused[reason] = self.measured.refused.get(reason, 0) + 1
-        else:
-            reason = self.measured.take(message, stamp, f"{frame} -> {child}", now)
+            return self.measured.refuse(reason), None
+        reason = self.measured.take(message, stamp, f"{frame} -> {child}", now)
         if reason:
             return reason, None
         self._compare(stamp, message)

@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
+from wmr_ctrl.results.bag_topics import UNIT
 from wmr_ctrl.ros2.clocks import NS, Moment
 
 AHEAD = 50_000_000
 """A stamp this far in the future [ns] is the clock of another machine."""
-UNIT = 1e-2
-"""How far from 1 the norm of a quaternion may be."""
 Numbers = TypeVar("Numbers", bound=tuple[float, ...])
 
 
@@ -44,13 +43,17 @@ class Intake(Generic[Numbers]):
         reason = self._objection(value, stamp, frame, now)
         self._thawed = False
         if reason:
-            self.refused[reason] = self.refused.get(reason, 0) + 1
-            return reason
+            return self.refuse(reason)
         self.value, self._arrived = value, now.steady
         self._late = max(0, now.ros - stamp) if stamp and not now.simulated else 0
         self._stamp = stamp or self._stamp
         self.taken += 1
         return ""
+
+    def refuse(self, reason: str) -> str:
+        """Count a message that is refused; the reason again."""
+        self.refused[reason] = self.refused.get(reason, 0) + 1
+        return reason
 
     def _objection(self, value: Numbers, stamp: int, frame: str, now: Moment) -> str:
         if not all(map(math.isfinite, value)):
