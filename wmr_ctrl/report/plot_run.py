@@ -212,7 +212,7 @@ def _errors(
         most = 1e3 * float((tube.heading if len(columns) == 1 else tube.position) or 0.0)
         end = run.time[-1] if tube.until is None else min(tube.until, run.time[-1])
         axes.hlines((-most, most), 0, end, color=LIMIT, ls=DOTTED, lw=1.0, zorder=2.3)
-        axes.annotate("certified corridor", (0, most), size=6.5, xytext=(2, 2),
+        axes.annotate("certified from a start on the path", (0, most), size=6.5, xytext=(2, 2),
                       textcoords="offset points", color=LIMIT)  # fmt: skip
     if max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows.values()) > SMALL:
         axes.set_yscale("symlog", linthresh=NARROW)
