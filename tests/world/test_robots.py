@@ -1,4 +1,4 @@
-"""Robots as one has them: their presets keep the limit behind the guard, and leave it without."""
+"""Robots as one has them: presets keep the limit behind guard or filter, and leave it without."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from tests.matrix import quick
 from wmr_ctrl.api import scenario_of, simulate, simulate_many, simulate_runs
 from wmr_ctrl.campaign.comparison import BASES, FACTORS, OUR_LAWS, overrides_of
-from wmr_ctrl.checks import warnings_for
+from wmr_ctrl.checks import filter_facts, warnings_for
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.laws.registry import NAMES
 from wmr_ctrl.world.encoder import ENCODER
@@ -78,3 +78,53 @@ def test_pid_would_stay_behind_with_the_k_that_the_others_share():
     shared = {"gains.pid.kinematics": [1.0, 42.0, 1.5], "gains.pid.Kp": [420.0, 40.0]}
 
     assert "not-tracked" in remarks("robot-100ms", "pid", **shared)
+
+
+BOUGHT = (
+    "turtlebot3-burger",
+    "clearpath-jackal",
+    "turtlebot3-waffle",
+    "clearpath-husky",
+    "irobot-create3",
+)
+"""Bases that take velocities; the first two have different parts, the others theirs."""
+
+
+def at_the_ends(name):
+    """Changes to bases that are as strong and quick, or as weak and slow, as the filter is told."""
+    stated = scenario_of(name).filter
+    quick_, slow = stated.tau or (0.02, 0.5)
+    return [
+        {"base.gain": [gain] * 2, "base.tau": [tau] * 2}
+        for gain, tau in ((stated.gain[1], quick_), (stated.gain[0], slow))
+    ]
+
+
+@pytest.mark.parametrize("law", quick(NAMES, "kanayama"))
+@pytest.mark.parametrize("name", BOUGHT)
+def test_a_base_that_takes_velocities_tracks_inside_its_limits(name, law):
+    run = simulate(name, law)
+
+    assert (run.outcome.value, run.monitor.violations, run.remarks) == ("completed", 0, ())
+
+
+@pytest.mark.parametrize("name", BOUGHT)
+def test_it_keeps_them_at_the_ends_of_what_is_stated(name):
+    """And a robot that is told to keep to its command alone does not: the gain alone is enough."""
+    far = {"initial.pose": [-5.0, -5.0, 2.0], "clock.duration": 20.0}
+    runs = [simulate(name, "kanayama", overrides={**far, **own}) for own in at_the_ends(name)]
+    free = {**far, **at_the_ends(name)[0], "filter.kind": "none", "gains.kanayama.share": 1.0}
+
+    assert all(run.monitor.violations == 0 for run in runs)
+    assert simulate(name, "kanayama", overrides=free).monitor.violations > 0
+
+
+@pytest.mark.parametrize("name", BOUGHT)
+def test_check_says_what_is_left_of_them(name):
+    setup = settle(scenario_of(name), "kanayama")
+    facts, limits = filter_facts(setup), setup.scenario.limits.v_u1
+
+    assert facts.broken == ()
+    shares = [left / limit for left, limit in zip(facts.usable_speed, limits, strict=True)]
+    assert 0.85 < min(shares) <= max(shares) < 0.92
+    assert {item.key for item in warnings_for(setup)} == {"base.kind"}

@@ -51,7 +51,8 @@ def start(loop: Loop) -> Iterator[Warning]:
                 "barrier is cut off and nearly powerless. Start further inside.",
                 "Eq. (15)",
             )
-    if loop.traits.auxiliary and not (loop.guarded or loop.uses("limits.")):
+    filtered = loop.setup.takes_velocity and loop.scenario.filter.kind != "none"
+    if loop.traits.auxiliary and not (loop.guarded or filtered or loop.uses("limits.")):
         yield from _blind(loop)
 
 
