@@ -54,3 +54,27 @@ class Kanayama:
     def memory(self) -> dict[str, Pair]:
         """The disturbance that the observer makes up for."""
         return self.observer.memory()
+
+
+class Pursuit(Kanayama):
+    """An arc to a point ahead of the reference, above the same velocity loop."""
+
+    def _wanted(self, sight: Sight) -> Pair:
+        ahead, left, way = self._point(sight)
+        (e1, _, _), own = sight.e, self.gains
+        kappa = 2 * left / max(ahead**2 + left**2, way * way / 4)
+        pace = max(sight.target.v1 + own["k"] * e1, 0.0)
+        v = min(pace, max(pace / max(abs(kappa) * own["radius"], 1.0), own["slowest"]))
+        if ahead < math.cos(own["turn_from"]) * math.hypot(ahead, left):
+            return 0.0, math.copysign(min(own["turn"], self.tops[1]), left)
+        share = max(1.0, v / self.tops[0], abs(kappa * v) / self.tops[1])
+        return v / share, kappa * v / share
+
+    def _point(self, sight: Sight) -> tuple[float, float, float]:
+        """Ahead, left [m] of the robot, and the way along the arc [m]."""
+        (e1, e2, e3), target, (nearest, farthest) = sight.e, sight.target, self.gains["distance"]
+        way = min(max(self.gains["lookahead"] * target.v1, nearest), farthest)
+        bent = way * target.v2 * target.v1 / max(target.v1**2, 1e-12)
+        half = min(max(bent, -1.5), 1.5) / 2
+        chord = way * (math.sin(half) / half if half else 1.0)
+        return e1 + chord * math.cos(e3 + half), e2 + chord * math.sin(e3 + half), way

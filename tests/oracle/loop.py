@@ -19,7 +19,7 @@ from tests.oracle.auxiliary import (
 )
 from tests.oracle.barrier import barrier, clip
 from tests.oracle.guard import VelocityGuard
-from tests.oracle.kanayama import Kanayama
+from tests.oracle.kanayama import Kanayama, Pursuit
 from tests.oracle.law import LawTwin, Pair, Sight
 from tests.oracle.mb import ModelBased
 from tests.oracle.monitor import Watch, WatchedNumbers
@@ -236,6 +236,7 @@ LAW_TWINS: dict[str, Callable[[Mapping[str, object], Scenario], LawTwin]] = {
     "nn": NeuralNetwork,
     "prox": Prox,
     "kanayama": Kanayama,
+    "pursuit": Pursuit,
 }
 
 

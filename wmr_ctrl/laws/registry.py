@@ -16,7 +16,7 @@ from wmr_ctrl.errors import ArgumentError, UnknownNameError
 from wmr_ctrl.fields.plugins import load
 from wmr_ctrl.laws.law import Law
 
-NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama")
+NAMES = ("pid", "smc", "mb", "nn", "prox", "kanayama", "pursuit")
 GROUP = "wmr_ctrl.laws"
 
 

@@ -61,8 +61,9 @@ _LOOKS = {
     "nn": Look("NN", "#5b0e3b", "-", "o"),
     "prox": Look("prox", "#d6336c", DOTTED, "v"),
     "kanayama": Look("Kanayama", "#6b7a1e", DASHED, "P"),
+    "pursuit": Look("pursuit", "#8a5a2b", DASH_DOT, "X"),
 }
-"""The paper's laws, from light to dark, so that they stay apart without colour; ours; the peer."""
+"""The paper's laws, from light to dark, so that they stay apart without colour; ours; the peers."""
 
 _SPARE = (("#7f7f7f", DOTTED, "v"), ("#b0408f", DASHED, "P"), ("#4c4c9d", DASH_DOT, "X"))
 

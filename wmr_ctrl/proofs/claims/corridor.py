@@ -8,8 +8,8 @@ from __future__ import annotations
 import casadi as ca
 
 from wmr_ctrl.guard.guard import MAPS, Bounds, guarded
-from wmr_ctrl.laws.kanayama import cut
 from wmr_ctrl.laws.prox import carried_plainly, mixture
+from wmr_ctrl.laws.velocity_loop import cut
 from wmr_ctrl.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.proofs.claim import Claims, Mutation
 from wmr_ctrl.proofs.claims.guard_axis import NUMBERS

@@ -1,0 +1,108 @@
+"""Velocity loop with computed torque below a law that commands velocities.
+
+Source: as it is commonly built around a kinematic law:
+
+    command  = last + cut(cut(wanted, share v_u1) - last, a_max T),  last: the previous command
+    a        = v_d' + (1 - exp(-rate T))/T (command - v)
+    F        = M1 a + F1(v + T a) + observer
+
+The first command starts from the measured velocity; the observer (wo = 0 switches it off) makes up
+for friction and mass that differ from the model.  With delay > 0 all of this is about the instant
+at which the command acts (see `prediction`).  A base that takes velocities is sent the command
+itself, which starts from what was sent to it: behind a filter nothing winds up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+
+from wmr_ctrl.fields.section import quantity
+from wmr_ctrl.laws.context import AXES, LawContext
+from wmr_ctrl.laws.law import Predicting
+from wmr_ctrl.laws.observer import STARTED, Observer
+from wmr_ctrl.laws.prediction import ahead
+from wmr_ctrl.model.system import System, port
+from wmr_ctrl.signals import ASKED, SENT_BEFORE, Signal
+
+COMMAND = Signal("v_command", "m/s, rad/s", "velocity commanded at the previous sample", 2)
+
+Limiting = Callable[[str, ca.SX, ca.SX], ca.SX]
+"""Limits values (2,) to a size (2,) that is called by a name."""
+Wanting = Callable[[LawContext], ca.SX]
+"""Velocity (2,) [m/s, rad/s] that a law wants, before any limit."""
+
+
+class VelocityLoopGains(Predicting, key="gains"):
+    """Gains of the velocity loop, per axis where two."""
+
+    rate: tuple[float, float] = quantity(
+        (20.0, 10.0), unit="1/s", doc="bandwidth of the velocity loop", above=0.0
+    )
+    wo: float = quantity(
+        5.0, unit="1/s", doc="bandwidth of the disturbance observer, 0 = off", minimum=0.0
+    )
+    share: float = quantity(
+        0.95, unit="1", doc="share of limits.v_u1 that is commanded at most", above=0.0, maximum=1.0
+    )
+    a_max: tuple[float, float] = quantity(
+        (2.0, 6.0), unit="m/s2, rad/s2", doc="largest rate of the command", above=0.0
+    )
+
+
+def cut(values: ca.SX, most: ca.SX) -> ca.SX:
+    """Values (2,) within -most and most."""
+    return ca.vertcat(*(ca.fmax(-most[i], ca.fmin(most[i], values[i])) for i in AXES))
+
+
+def cut_named(_: str, values: ca.SX, most: ca.SX) -> ca.SX:
+    """Values (2,) within -most and most, whatever they are called."""
+    return cut(values, most)
+
+
+def largest_command(context: LawContext) -> ca.SX:
+    """Share of the limits (2,) [m/s, rad/s] that is commanded at most."""
+    return context.gain("share") * context.u1
+
+
+def with_torque(
+    context: LawContext, title: str, wanting: Wanting, limited: Limiting = cut_named
+) -> System:
+    """The law as a System whose output is the force F."""
+    observer = Observer(context, context.gain("wo"), context.friction_at)
+    last = port(COMMAND)
+    then, sent = ahead(context, observer.force)
+    start = ca.if_else(observer.started > 0, last.sym, then.v)
+    command = _commanded(then, start, wanting, limited)
+    pull = -ca.expm1(-context.gain("rate") * context.period) / context.period
+    a = then.v_d_dot + pull * (command - then.v)
+    asked = context.mass * a + context.friction_at(then.v + context.period * a)
+    return context.system(
+        title,
+        asked + observer.force,
+        (last, *observer.state),
+        ca.vertcat(command, observer.update),
+        observer.diagnostics,
+        (observer.input, *sent),
+    )
+
+
+def with_command(context: LawContext, title: str, wanting: Wanting) -> System:
+    """The law as a System whose output is the velocity for a base that has a loop of its own."""
+    before, started = port(SENT_BEFORE), port(STARTED)
+    start = ca.if_else(started.sym > 0, before.sym, context.v)
+    return context.system(
+        title,
+        _commanded(context, start, wanting, cut_named),
+        (started,),
+        ca.SX(1),
+        further_inputs=(before,),
+        asked=ASKED,
+    )
+
+
+def _commanded(context: LawContext, start: ca.SX, wanting: Wanting, limited: Limiting) -> ca.SX:
+    top, most = largest_command(context), context.gain("a_max") * context.period
+    wanted = limited("the command", wanting(context), top)
+    return start + limited("the command's change", wanted - start, most)
