@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import contenders, match
+from benchmarks import contenders, match, velocity_match
 
 PAGE = (Path(__file__).parents[2] / "docs" / "match.md").read_text(encoding="utf-8")
 SHORT = match.Case(0.1, 0.05, track=2.0, attack=2.0)
@@ -76,3 +76,26 @@ def test_the_adversary_breaks_what_has_no_guard():
 
     assert fastest["kanayama + clip"] > 1.02
     assert fastest["kanayama + guard"] <= 1 + 1e-9
+
+
+def test_on_bases_that_take_velocities_every_filter_keeps_the_limit_and_no_law_alone_does():
+    part = PAGE.partition("<!-- begin velocity -->")[2].partition("<!-- end velocity -->")[0]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.splitlines() if line]
+    found = [(row[0], row[1], row[2]) for row in rows if row and row[0] in velocity_match.PLAYERS]
+
+    assert [row[:2] for row in found] == [
+        (law, way)
+        for place in velocity_match.PLACES
+        for law in velocity_match.PLAYERS
+        for way in place.ways
+    ]
+    assert all((kept == "none") == (way != "none") for _, way, kept in found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["none", "clip"])
+def test_a_filter_is_what_keeps_it(way):
+    result = velocity_match.play(velocity_match.OVERSHOOTING, "pursuit", way, budget=1)
+
+    assert (result.excess > 0.1) == (way == "none")
+    assert result.excess > -0.3
