@@ -7,6 +7,7 @@ of the limit that the trial is after.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -36,16 +37,37 @@ class Base:
         return replace(self, **changes)
 
 
+Sender = Callable[[np.ndarray], np.ndarray]
+"""Sends for inputs (inputs, trials) the commands (2, trials), with a memory of its own."""
+
+
+def graphs(scenario: Scenario, trials: int) -> Sender:
+    """The filter's graph for so many bases."""
+    system = filter_system(scenario)
+    step = system.function("filter", [system.update, system.y]).map(trials)
+    x, p = (ca.repmat(ca.DM(item), 1, trials) for item in (system.x0, system.p0))
+
+    def send(u: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x, out = step(ca.DM(u), x, p)
+        x = ca.DM(x)
+        return np.asarray(out)[:2]
+
+    return send
+
+
 def fastest(
-    scenario: Scenario, base: Base, trials: int = 400, samples: int = 200, seed: int = 0
+    scenario: Scenario,
+    base: Base,
+    trials: int = 400,
+    samples: int = 200,
+    seed: int = 0,
+    sending: Callable[[Scenario, int], Sender] = graphs,
 ) -> np.ndarray:
     """Largest |v|/V of each trial on the first axis, over all instants at which a piece ends."""
     rng = np.random.default_rng(seed)
-    system, T = filter_system(scenario), scenario.clock.control
-    step = system.function("filter", [system.update, system.y]).map(trials)
-    governs, p = scenario.filter.kind == "governor", ca.repmat(ca.DM(system.p0), 1, trials)
-    x = ca.repmat(ca.DM(system.x0), 1, trials)
-    V = scenario.limits.v_u1[0]
+    send, T = sending(scenario, trials), scenario.clock.control
+    governs, V = scenario.filter.kind == "governor", scenario.limits.v_u1[0]
     keep = int(np.ceil((base.delay[1] + base.age) / (T - base.jitter))) + base.losses + 3
     sent, since = np.zeros((trials, keep)), np.full((trials, keep), -np.inf)
     v, inner, now, way = np.zeros(trials), np.zeros(trials), np.zeros(trials), np.ones(trials)
@@ -62,9 +84,7 @@ def fastest(
         u[0] = loud
         if governs:
             u[2], u[4], u[5] = y, np.where(there, now - old, -1.0), dt
-        x, out = step(ca.DM(u), x, p)
-        command = np.asarray(out)[0]
-        x = ca.DM(x)
+        command = send(u)[0]
         drop = (rng.random(trials) < 0.5) & (lost < base.losses)
         lost = np.where(drop, lost + 1, 0)
         takes = now + rng.choice([*base.delay, rng.uniform(*base.delay)], trials)

@@ -47,6 +47,44 @@ class LinearBase:
         return worst
 
 
+def driven(
+    bases: tuple[np.ndarray, np.ndarray, np.ndarray],
+    send: Callable[[np.ndarray], np.ndarray],
+    asked: np.ndarray,
+    pushes: np.ndarray,
+    T: float,
+) -> np.ndarray:
+    """Largest |v| of many bases (A, b, e stacked) for what each asks for, sample by sample.
+
+    ``asked`` (bases, samples), ``pushes`` (bases, samples, parts of a period); ``send`` as the
+    adversary's Sender.
+    """
+    A, b, e = bases
+    count, samples, parts = pushes.shape
+    given = np.zeros((count, 4, 4))
+    given[:, :2, :2], given[:, :2, 2], given[:, :2, 3] = A, b, e
+    both = expm(given * (T / parts))
+    x, worst, u = np.zeros((count, 4)), np.zeros(count), np.zeros((2, count))
+    for k in range(samples):
+        u[0] = asked[:, k]
+        x[:, 2] = send(u)[0]
+        for part in range(parts):
+            x[:, 3] = pushes[:, k, part]
+            x[:, :2] = np.einsum("nij,nj->ni", both[:, :2], x)
+            worst = np.maximum(worst, np.abs(x[:, 0]))
+    return worst
+
+
+def impulses(A: np.ndarray, column: np.ndarray, step: float, count: int) -> np.ndarray:
+    """Impulse responses (bases, count) of v of many bases, at the middles of steps."""
+    x = np.einsum("nij,nj->ni", expm(A * (step / 2)), column)
+    ahead, found = expm(A * step), []
+    for _ in range(count):
+        found.append(x[:, 0])
+        x = np.einsum("nij,nj->ni", ahead, x)
+    return np.array(found).T
+
+
 def _held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     n, m = B.shape
     both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)

@@ -31,8 +31,7 @@ def based(**base: Any) -> Scenario:
 
 def acting(scenario: Scenario, commands: np.ndarray, draws: Sequence[float] = ()) -> np.ndarray:
     """What one effect makes of commands (N, 2), one for each plant step."""
-    (effect,) = EFFECTS.present(scenario, EffectRole.COMMAND)
-    system = effect.system(scenario)
+    system = EFFECTS.present(scenario, EffectRole.COMMAND)[-1].system(scenario)
     graph = system.function("act", [system.update, system.y])
     state, rows = np.array(system.x0), []
     for number, command in enumerate(commands):
@@ -51,6 +50,41 @@ def test_a_ramp_grows_and_shrinks_at_its_rates_and_never_passes_its_command() ->
     assert (np.abs(steps) <= np.where(away, [1e-3, 4e-3], [2e-3, 8e-3]) + 1e-12).all()
     assert found[[899, 1799, 2699]] == pytest.approx(wanted[[899, 1799, 2699]])
     assert np.abs(found).max(axis=0) == pytest.approx(np.abs(wanted).max(axis=0))
+
+
+JERKY = {"jerk": [3.0, 40.0]}
+
+
+def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing() -> None:
+    wanted = np.repeat([[0.5, 1.0], [-0.4, -2.0], [0.0, 0.0]], 2500, axis=0)
+    found = acting(based(**JERKY), wanted)
+    bends = np.diff(np.vstack((np.zeros((2, 2)), found)), n=2, axis=0)
+    assert (np.abs(bends) <= np.array([3.0, 40.0]) * 1e-6 * (1 + 1e-6)).all()
+    assert np.abs(bends).max(axis=0) == pytest.approx(np.array([3.0, 40.0]) * 1e-6, rel=1e-6)
+    assert found[[2499, 4999, 7499]] == pytest.approx(wanted[[2499, 4999, 7499]], abs=1e-12)
+    assert np.abs(found).max(axis=0) == pytest.approx([0.5, 2.0], rel=1e-12)
+    reached = np.argmax(np.isclose(found[:2500, 0], 0.5, rtol=1e-9))
+    assert reached * 1e-3 == pytest.approx(2 * (0.5 / 3.0) ** 0.5, rel=0.02)
+
+
+def test_an_axis_without_limit_is_where_its_command_is() -> None:
+    wanted = np.random.default_rng(2).uniform(-1, 1, (300, 2))
+    found = acting(based(jerk=[3.0, float("inf")]), wanted)
+    assert found[:, 1] == pytest.approx(wanted[:, 1], abs=1e-12)
+    assert np.abs(found[:, 0]).max() < 0.1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_whatever_comes_it_stays_between_the_commands_so_far(seed: int) -> None:
+    """The hypothesis of the clip, which asks nothing else of a stage of the base."""
+    rng = np.random.default_rng(seed)
+    held = np.repeat(rng.uniform(-1, 1, (60, 2)), rng.integers(1, 150, 60), axis=0)
+    found = acting(based(**JERKY, **({"accel": [0.8, 5.0]} if seed % 2 else {})), held)
+    top = np.maximum.accumulate(np.vstack((np.zeros((1, 2)), held)), axis=0)[1:]
+    bottom = np.minimum.accumulate(np.vstack((np.zeros((1, 2)), held)), axis=0)[1:]
+    assert (found <= top + 1e-12).all()
+    assert (found >= bottom - 1e-12).all()
+    assert np.abs(found - held).max() > 0.1
 
 
 def test_a_dead_band_takes_small_commands_for_zero_and_leaves_the_others() -> None:
@@ -96,6 +130,7 @@ def test_a_base_that_hears_nothing_stops_after_its_time_out() -> None:
 
 IN_RUNS: Mapping[str, Mapping[str, Any]] = {
     "ramp": {"accel": [1.0, 3.0]},
+    "jerk": {"jerk": [3.0, 9.0]},
     "dead band": {"deadband": [0.2, 0.3]},
     "quantum": {"quantum": [0.03, 0.07]},
     "wheels": {"w_max": 6.0},
@@ -121,6 +156,7 @@ GOVERNOR = {"kind": "governor", "tau": [0.2, 0.2], "delay": [0.02, 0.02]}
     ("name", "words"),
     [
         ("ramp", "ramps"),
+        ("jerk", "rounds"),
         ("dead band", "do not act"),
         ("quantum", "filter.d[1]"),
         ("wheels", "clips"),

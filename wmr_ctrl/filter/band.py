@@ -17,7 +17,7 @@ moves all of this in time, for every command alike.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
 
@@ -99,36 +99,38 @@ class Forecast:
         under = ca.if_else(ahead, self.under, self.over)
         return Forecast(over, under, self.tail, way * self.u)
 
-    def largest(self, c: ca.SX, table: ResponseTable) -> ca.SX:
+    def largest(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
         """Largest u >= 0 with v <= c and -v <= c from now on, also if 0 follows a period later.
 
         Each condition is a line in u on each side of the old command, g + slope u <= c, so that the
-        set is what all lines leave.  Where 0 follows, they aim at c (1 + FLATTEST), and slopes are
-        at least FLATTEST: one that is flat leaves every u that the others do.
+        set is what all lines leave; ``inverse`` as `inverse_slopes` gives them.  Where 0 follows,
+        they aim at c (1 + FLATTEST).
         """
-        return ca.fmax(_least(ca.vertcat(*self.lines(c, table))), 0)
+        return ca.fmax(_least(ca.vertcat(*self.lines(c, table, inverse))), 0)
 
-    def lines(self, c: ca.SX, table: ResponseTable) -> list[ca.SX]:
+    def lines(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> list[ca.SX]:
         """Largest u of each condition: for v held, then for v and -v where 0 follows, twice."""
         over, under = (ca.vertcat(item, self.tail) for item in (self.over, self.under))
-        high, low, later = table.high, table.low, slice(PIECES, None)
+        later, spare, pairs = slice(PIECES, None), FLATTEST * c, iter(inverse)
         room = c - (self.u + over)
-        most = [self.u + ca.fmin(room * _inverse(high), room * _inverse(low))]
-        spare = FLATTEST * c
+        most = [self.u + ca.fmin(room * next(pairs), room * next(pairs))]
         ahead, back = room[later] + spare, c - (under - self.u)[later] + spare
-        after_high, after_low = _younger(high, ca.fmax), _younger(low, ca.fmin)
-        for response in (high[later], low[later]):
+        for response in (table.high[later], table.low[later]):
             old = self.u * response
-            most += [
-                (ahead + old) * _inverse(response - after_low),
-                (back - old) * _inverse(after_high - response),
-            ]
+            most += [(ahead + old) * next(pairs), (back - old) * next(pairs)]
         return most
 
 
-def _inverse(slope: ca.SX) -> ca.SX:
-    """1/slope, which hangs on the tables alone."""
-    return 1 / ca.fmax(slope, FLATTEST)
+def inverse_slopes(low: ca.SX, high: ca.SX) -> list[ca.SX]:
+    """1 over the slopes of all conditions: for v held by high and low, then where 0 follows.
+
+    Slopes are at least FLATTEST: a line that is flat leaves every u that the others do.
+    """
+    after_high, after_low = _younger(high, ca.fmax), _younger(low, ca.fmin)
+    slopes = [high, low]
+    for response in (high[PIECES:], low[PIECES:]):
+        slopes += [response - after_low, after_high - response]
+    return [1 / ca.fmax(slope, FLATTEST) for slope in slopes]
 
 
 def _younger(values: ca.SX, worse: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
@@ -156,10 +158,16 @@ class BandGovernor:
         self.state = [_forecast(axis, len(tables[axis].low)) for axis in AXES]
         self.last = port(LAST)
         known = [_table(axis, tables[axis], scenario.clock.control) for axis in AXES]
-        delta = port(DELTA, pushes)
-        self.p = Parameters(scenario, (delta, *(item for ports in known for item in ports)))
+        delta, slopes = port(DELTA, pushes), [_slopes(axis, *known[axis][:2]) for axis in AXES]
+        ports = (
+            delta,
+            *(item for own in known for item in own),
+            *(s for own in slopes for s in own),
+        )
+        self.p = Parameters(scenario, ports)
         K_min, K_max, _ = stated(self.p)
-        self.tables = [ResponseTable(*(item.sym for item in ports)) for ports in known]
+        self.tables = [ResponseTable(*(item.sym for item in own)) for own in known]
+        self.inverse = [[item.sym for item in own] for own in slopes]
         self.channels = channels_of(scenario, self.p, (K_min, K_max, delta.sym), ca.SX(0))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
@@ -179,7 +187,9 @@ class BandGovernor:
             self.forecasts[i]
             .mirrored(ca.if_else(self.command[i] >= 0, 1, -1))
             .largest(
-                largest_command(self.channels[i].bounds.V, self.channels[i].bounds), self.tables[i]
+                largest_command(self.channels[i].bounds.V, self.channels[i].bounds),
+                self.tables[i],
+                self.inverse[i],
             )
             for i in AXES
         ]
@@ -230,6 +240,26 @@ def _table(axis: int, known: Band, T: float) -> tuple[Port, Port, Port, Port]:
         port(Signal(f"filter.left_{name}", "1", f"{name} from its command, behind"), known.left),
         port(Signal(f"filter.fading_{name}", "1", "what stays of that in a period"), fading),
     )
+
+
+def _slopes(axis: int, low: Port, high: Port) -> list[Port]:
+    """What the conditions divide by, worked out once: divisions take most of a step's time."""
+    found = ca.Function("slopes", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
+    values = [item.full().ravel() for item in found(low.value, high.value)]
+    return [
+        port(Signal(f"filter.{name}_{NAMES[axis]}", "1", f"1 over the slope {what}", len(own)), own)
+        for (name, what), own in zip(CONDITIONS.items(), values, strict=True)
+    ]
+
+
+CONDITIONS = {
+    "held_high": "for v held, by the largest response",
+    "held_low": "for v held, by the least response",
+    "stop_high": "for v where 0 follows, by the largest response",
+    "stop_high_back": "for -v where 0 follows, by the largest response",
+    "stop_low": "for v where 0 follows, by the least response",
+    "stop_low_back": "for -v where 0 follows, by the least response",
+}
 
 
 def enclosed(scenario: Scenario, axis: int) -> Band:

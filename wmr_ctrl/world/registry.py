@@ -17,6 +17,7 @@ from wmr_ctrl.fields.plugins import loaded
 from wmr_ctrl.fields.section import Section, quantity
 from wmr_ctrl.world.command_dead_band import COMMAND_DEAD_BAND, CommandDeadBand
 from wmr_ctrl.world.command_delay import COMMAND_DELAY, CommandDelay
+from wmr_ctrl.world.command_jerk import COMMAND_JERK, CommandJerk
 from wmr_ctrl.world.command_loss import COMMAND_LOSS, CommandLoss
 from wmr_ctrl.world.command_quantum import COMMAND_QUANTUM, CommandQuantum
 from wmr_ctrl.world.command_ramp import COMMAND_RAMP, CommandRamp
@@ -49,7 +50,7 @@ OURS = (
     ENCODER, VELOCITY_MEAN, GYRO, VELOCITY_NOISE, POSE_DELAY, POSE_SENSOR,
     TORQUE_NOISE_EFFECT, PUSH, GUST, SLOPE, RESISTANCE,
     COMMAND_DELAY, COMMAND_LOSS, COMMAND_QUANTUM, COMMAND_DEAD_BAND, WHEEL_SPEED_LIMIT,
-    COMMAND_RAMP, FIRST_ORDER, PI,
+    COMMAND_RAMP, COMMAND_JERK, FIRST_ORDER, PI,
     DELAY, JITTER, MOTOR, LAG, WHEELS,
 )  # fmt: skip
 GROUP = "wmr_ctrl.effects"
@@ -81,8 +82,8 @@ class Actuator(Delay, Jitter, Lag, key="actuator"):
 
 
 class Base(
-    CommandRamp, WheelSpeedLimit, CommandDeadBand, CommandQuantum, CommandLoss, CommandDelay,
-    PiLoopGains, FirstOrderGains, BaseKind, key="base",
+    CommandJerk, CommandRamp, WheelSpeedLimit, CommandDeadBand, CommandQuantum, CommandLoss,
+    CommandDelay, PiLoopGains, FirstOrderGains, BaseKind, key="base",
 ):  # fmt: skip
     """Input of the base: wheel torques, or velocities that a speed loop of its own follows.
 

@@ -1,0 +1,82 @@
+"""A step of the command filter against a clip written by hand: ``python -m benchmarks.filter``.
+
+One base after the other in time: each step begins from the memory that the last one left.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.drive import in_place
+from benchmarks.native import HERE, load
+from benchmarks.timing import Candidate, measure_in_processes
+from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.filter import filter_system
+from wmr_ctrl.scenario import load_scenario
+
+STATED: Mapping[str, Any] = {
+    "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05), "limits.v_u1": (1.0, 1.5),
+    "limits.v_u2": (0.7, 1.0), "clock.control": 0.05,
+}  # fmt: skip
+GOVERNED = {"filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.odometry": (0.02, 0.02)}
+BANDED = {
+    "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+    "filter.frequency": (4.0, 5.0), "clock.control": 0.05,
+}  # fmt: skip
+CASES: Mapping[str, tuple[Mapping[str, Any], int]] = {
+    "clip": ({"filter.kind": "clip"}, 100_000),
+    "governor": (GOVERNED, 100_000),
+    "governor, delay of 0 to 30 ms": ({**GOVERNED, "filter.delay": (0.0, 0.03)}, 100_000),
+    "governor, all at once": ({
+        **GOVERNED, "filter.delay": (0.02, 0.06), "filter.losses": 1, "filter.jitter": 0.004,
+        "filter.age": 0.12,
+    }, 20_000),
+    "band": (BANDED, 5_000),
+}  # fmt: skip
+FLOOR = "clip by hand"
+
+
+def candidates() -> dict[str, Candidate]:
+    """The floor and every case."""
+    found = {}
+    for name, (changes, steps) in CASES.items():
+        scenario = load_scenario("paper-simulation", {**STATED, **changes})
+        system, draw = filter_system(scenario), np.random.default_rng(0)
+        with tempfile.TemporaryDirectory() as folder:
+            files = [HERE / "filter_step.c"]
+            for file, text in package_files("filter", scenario).items():
+                if file in ("wmr_filter.h", "wmr_filter.c", "arithmetic.h"):
+                    files.append(Path(folder) / file)
+                    files[-1].write_text(text, encoding="utf-8")
+            library = load(files, "filter_step")
+        state, width = np.zeros(max(system.x.numel(), 1)), system.u.numel()
+        library.filter_begin(state.ctypes.data_as(ctypes.c_void_p))
+        rows = np.zeros((64, width))
+        rows[:, :2] = np.repeat(draw.uniform(-2, 2, (16, 2)), 4, axis=0)
+        if width > 2:
+            rows[:, 2:4] = draw.uniform(-0.3, 0.3, (64, 2))
+        if not found:
+            run = in_place(library.hand_step, rows, state, system.y.numel())
+            found[FLOOR] = Candidate(partial(run, 500_000), 500_000)
+        run = in_place(library.filter_step, rows, state, system.y.numel())
+        found[name] = Candidate(partial(run, steps), steps)
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    print("| step | ns here | times the clip by hand (quartiles) |")
+    print("|---|---|---|")
+    for name, item in measure_in_processes(candidates, FLOOR).items():
+        print(f"| {name} | {item.ns:.3g} | {item.ratio:.3g} ({item.low:.3g} to {item.high:.3g}) |")
+
+
+if __name__ == "__main__":
+    main()

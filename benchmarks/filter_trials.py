@@ -1,0 +1,370 @@
+"""The filter's statements against adversaries, a hundred thousand trials each.
+
+``python -m benchmarks.filter_trials [--quick] [--out docs/filter.md]``.  The filter is the C of its
+package; bases and adversaries are the tests' own, integrated exactly between all instants at which
+something changes.  Then each hypothesis is broken by 5 % (or by the least that can be: one loss, a
+lag), and the runs that leave the limit are counted: a statement whose hypotheses may be broken
+unnoticed would say nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import itertools
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.native import load
+from benchmarks.parts import renew
+from tests.filter.adversary import Base, Sender, fastest
+from tests.filter.linear_base import driven, impulses, pi_base, second_order_base
+from wmr_ctrl.codegen.package import package_files
+from wmr_ctrl.filter import filter_system
+from wmr_ctrl.scenario import Scenario, load_scenario
+
+NAME = "trials"
+TRIALS, BROKEN_TRIALS, BATCH = 100_000, 2_000, 2_000
+SAMPLES, T, PARTS = 120, 0.05, 4
+Floats = NDArray[np.float64]
+HERE = Path(__file__).parent
+
+
+class Compiled:
+    """The C of a scenario's filter, for many bases at once."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Compile it; CompilerError where that fails."""
+        with tempfile.TemporaryDirectory() as folder:
+            files = []
+            for name, text in package_files("filter", scenario).items():
+                files.append(Path(folder) / name)
+                files[-1].write_text(text, encoding="utf-8")
+            wanted = ("wmr_filter.h", "wmr_filter.c", "arithmetic.h")
+            kept = [file for file in files if file.name in wanted]
+            self._many = load([*kept, HERE / "filter_trials.c"], "filter_trials").wmr_filter_many
+        self.system = filter_system(scenario)
+
+    def sender(self, trials: int) -> Sender:
+        """A fresh memory for so many bases."""
+        p = np.array(self.system.p0)
+        x = np.tile(np.array(self.system.x0, dtype=float), (trials, 1))
+        y = np.zeros((trials, self.system.y.numel()))
+        sizes = self.system.u.numel(), x.shape[1], y.shape[1]
+
+        def send(u: Floats) -> Floats:
+            given = np.ascontiguousarray(u.T, dtype=float)
+            pointers = (item.ctypes.data_as(ctypes.c_void_p) for item in (p, x, given, y))
+            self._many(*(ctypes.c_long(size) for size in (trials, *sizes)), *pointers)
+            return y[:, :2].T
+
+        return send
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement with its trials: largest |v|/V of each, for so many trials and a seed.
+
+    ``broken``: the same with one hypothesis broken, by what is broken.
+    """
+
+    title: str
+    inside: Callable[[int, int], Floats]
+    broken: Mapping[str, Callable[[int, int], Floats]] = field(default_factory=dict)
+
+
+STATED: Mapping[str, Any] = {
+    "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1), "filter.d": (0.05, 0.05),
+    "filter.odometry": (0.02, 0.02), "limits.v_u1": (1.0, 1.0), "limits.v_u2": (0.7, 0.7),
+    "clock.control": T,
+}  # fmt: skip
+WORLDS: Sequence[Mapping[str, Any]] = (
+    {}, {"delay": (0.03, 0.03)}, {"delay": (0.13, 0.13)}, {"delay": (0.02, 0.06)}, {"losses": 2},
+    {"jitter": 0.01}, {"age": 0.08},
+    {"age": 0.12, "delay": (0.02, 0.06), "losses": 1, "jitter": 0.004},
+)  # fmt: skip
+
+
+def scenario(kind: str, changes: Mapping[str, Any] = {}, **stated: Any) -> Scenario:
+    """A scenario with this filter."""
+    keys = {f"filter.{name}": value for name, value in {"kind": kind, **stated}.items()}
+    return load_scenario("paper-simulation", {**STATED, **keys, **changes})
+
+
+def first_order(kind: str, worlds: Sequence[Mapping[str, Any]]) -> Callable[[int, int], Floats]:
+    """Trials of a first-order base, all worlds in turn, with odometry and without."""
+
+    def run(trials: int, seed: int) -> Floats:
+        each = -(-trials // (2 * len(worlds)))
+        found = []
+        for number, (world, heard) in enumerate(itertools.product(worlds, (True, False))):
+            stated = {k: v for k, v in world.items() if k != "second_lag" and kind == "governor"}
+            found.append(_chain(scenario(kind, **stated), Base(**world, heard=heard), each,
+                                seed + number))  # fmt: skip
+        return np.concatenate(found)[:trials]
+
+    return run
+
+
+def _chain(stated: Scenario, base: Base, trials: int, seed: int) -> Floats:
+    filtering = Compiled(stated)
+    batches = [min(BATCH, trials - start) for start in range(0, trials, BATCH)]
+    return np.concatenate([
+        fastest(stated, base, count, SAMPLES, 1000 * seed + k, lambda _, n: filtering.sender(n))
+        for k, count in enumerate(batches)
+    ])  # fmt: skip
+
+
+def wrong(kind: str, **changes: Any) -> Callable[[int, int], Floats]:
+    """Trials of a first-order base beyond what the filter is told."""
+    return lambda trials, seed: _chain(scenario(kind), Base().wrong(**changes), trials, seed)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Linear loops: intervals of their numbers, their push, and what the filter is told of them.
+
+    ``corners``: the share of its members that lie at corners.
+    """
+
+    numbers: Mapping[str, tuple[float, float]]
+    push: float
+    told: Mapping[str, Any]
+    second_order: bool
+    corners: float = 0.5
+
+    def bases(self, rng: np.random.Generator, count: int) -> tuple[Floats, Floats, Floats]:
+        """Members as stacks of A, b, e."""
+        low, high = np.array(list(self.numbers.values())).T
+        share = rng.random((count, len(low)))
+        share = np.where(rng.random((count, 1)) < self.corners, np.round(share), share)
+        build = second_order_base if self.second_order else pi_base
+        made = [build(*row) for row in low + share * (high - low)]
+        A, b, e = (np.array([getattr(one, name) for one in made]) for name in ("A", "b", "e"))
+        return A, b, e
+
+
+WIDE = {"M": (50.0, 65.0), "kp": (135.0, 165.0), "ki": (270.0, 330.0), "c": (0.0, 20.0)}
+PI = Family(WIDE, 10.0, {
+    "loop": "pi", "mass": WIDE["M"], "inertia": (50 / 16, 65 / 16), "kp": WIDE["kp"],
+    "ki": WIDE["ki"], "friction": WIDE["c"], "push": (10.0, 0.0), "gain": (1.0, 1.0),
+    "d": (0.0, 0.0), "tau": None, "odometry": None,
+}, second_order=False)  # fmt: skip
+SWUNG_NUMBERS = {"w0": (3.0, 5.0), "z": (0.4, 1.4), "K": (0.8, 1.1)}
+SWUNG = Family(SWUNG_NUMBERS, 0.05, {
+    "loop": "second-order", "frequency": SWUNG_NUMBERS["w0"], "damping": SWUNG_NUMBERS["z"],
+    "gain": SWUNG_NUMBERS["K"], "d": (0.05, 0.0), "tau": None, "odometry": None,
+}, second_order=True)  # fmt: skip
+
+
+def linear(kind: str, told: Family, true: Family) -> Callable[[int, int], Floats]:
+    """Trials of linear loops: drawn demands for most, hill climbing from the worst for the rest."""
+
+    def run(trials: int, seed: int) -> Floats:
+        filtering, rng = Compiled(scenario(kind, **told.told)), np.random.default_rng(seed)
+        found, left = [], trials
+        while left > 0:
+            count = min(BATCH, left)
+            for worst in _climbed(filtering, true, rng, count):
+                found.append(worst)
+                left -= len(worst)
+        return np.concatenate(found)[:trials]
+
+    return run
+
+
+CLIMBS, CLIMBERS = 10, 10
+"""Steps of a climb; every how many of the drawn trials, the worst, climb."""
+
+
+def _climbed(
+    filtering: Compiled, true: Family, rng: np.random.Generator, count: int
+) -> Iterator[Floats]:
+    """Largest |v| of drawn trials, then of those that climb from the worst of them."""
+    bases = true.bases(rng, count)
+    asked, pushes = _demands(rng, bases, true.push)
+    worst = driven(bases, filtering.sender(count), asked, pushes, T)
+    yield worst
+    best = np.argsort(worst)[-max(1, count // CLIMBERS) :]
+    bases = bases[0][best], bases[1][best], bases[2][best]
+    asked, pushes, worst = asked[best], pushes[best], worst[best]
+    for _ in range(CLIMBS):
+        other, pushed = asked.copy(), pushes.copy()
+        for i in range(len(best)):
+            start, size = rng.integers(0, SAMPLES), rng.integers(1, 12)
+            other[i, start : start + size] = rng.choice([-9.0, 0.0, 9.0, rng.uniform(-1, 1)])
+            start = rng.integers(0, SAMPLES)
+            pushed[i, start : start + size] *= -1
+        again = driven(bases, filtering.sender(len(best)), other, pushed, T)
+        yield again
+        better = again > worst
+        asked[better], pushes[better], worst[better] = other[better], pushed[better], again[better]
+
+
+def _demands(
+    rng: np.random.Generator, bases: tuple[Floats, Floats, Floats], push: float
+) -> tuple[Floats, Floats]:
+    """What is asked for and how the base is pushed, sample by sample.
+
+    By turns: the worst for the base itself seen back from the end, the same after pressing on,
+    swings, chance.
+    """
+    A, b, e = bases
+    count = len(A)
+    ends = 9 * np.sign(impulses(A, b, T, SAMPLES))[:, ::-1]
+    back = np.sign(impulses(A, e, T / PARTS, SAMPLES * PARTS))[:, ::-1]
+    style = np.arange(count) % 4
+    pressed = np.where(np.arange(SAMPLES) < rng.integers(10, 80, (count, 1)), 9.0, ends)
+    turns = rng.random((count, SAMPLES)) < rng.uniform(0.02, 0.4, (count, 1))
+    swings = 9.0 * (-1.0) ** np.cumsum(turns, axis=1)
+    chance = rng.uniform(-3, 3, (count, SAMPLES))
+    asked = np.choose(style[:, None], [ends, pressed, swings, chance])
+    own = np.repeat(np.sign(asked), PARTS, axis=1)
+    pushes = push * np.where(style[:, None] < 2, back, own)
+    return asked, pushes.reshape(count, SAMPLES, PARTS)
+
+
+def beyond(kind: str, family: Family, *ends: tuple[str, int]) -> Callable[[int, int], Floats]:
+    """Trials of loops whose numbers ``ends`` are 5 % below their intervals (-1) or above (1)."""
+    numbers = dict(family.numbers)
+    for name, way in ends:
+        end = 0.95 * numbers[name][0] if way < 0 else 1.05 * numbers[name][1]
+        numbers[name] = (end, end)
+    return linear(kind, family, Family(numbers, family.push, {}, family.second_order, 1.0))
+
+
+def pushed(kind: str, family: Family) -> Callable[[int, int], Floats]:
+    """Trials of loops that are pushed 5 % more than is stated."""
+    other = Family(family.numbers, 1.05 * family.push, {}, family.second_order, 1.0)
+    return linear(kind, family, other)
+
+
+def unlike_wheels(kind: str, most: float = 1.1) -> Callable[[int, int], Floats]:
+    """Trials of two wheels with time constants and gains of their own, each within what is told."""
+
+    def run(trials: int, seed: int) -> Floats:
+        stated = scenario(kind, {"limits.v_u1": (1.0, 2.0), "limits.v_u2": (0.7, 1.4)},
+                          channels="wheels", d=(0.0, 0.0), odometry=None)  # fmt: skip
+        filtering, rng, l = Compiled(stated), np.random.default_rng(seed), stated.robot.l
+        found = []
+        for start in range(0, trials, BATCH):
+            count = min(BATCH, trials - start)
+            send, v = filtering.sender(count), np.zeros((2, count))
+            kept, worst = rng.integers(5, 60, count), np.zeros(count)
+            u = np.zeros((filtering.system.u.numel(), count))
+            if kind == "governor":
+                u[4] = -1.0
+            tau, gain = rng.choice([0.2, 0.3], (2, count)), rng.choice([0.9, most], (2, count))
+            for k in range(2 * SAMPLES):
+                new = k % kept == 0
+                u[:2] = np.where(new, rng.choice([-9.0, 0.0, 9.0], (2, count)), u[:2])
+                sent = send(u)
+                wheels = np.array([sent[0] + l * sent[1], sent[0] - l * sent[1]])
+                for _ in range(PARTS):
+                    v = gain * wheels + (v - gain * wheels) * np.exp(-T / PARTS / tau)
+                    body = np.abs(v[0] + v[1]) / 2, np.abs(v[0] - v[1]) / (2 * l) / 2.0
+                    worst = np.maximum(worst, np.maximum(*body))
+            found.append(worst)
+        return np.concatenate(found)
+
+    return run
+
+
+FREE_PI = replace(PI, push=0.0, told={**PI.told, "push": (0.0, 0.0)})
+FREE_SWUNG = replace(SWUNG, push=0.0, told={**SWUNG.told, "d": (0.0, 0.0)})
+"""The same without a push."""
+CHAINS: Sequence[Mapping[str, Any]] = tuple(
+    {"second_lag": lag, "delay": (0.0, 0.2), "losses": 3, "jitter": 0.02}
+    for lag in (0.0, 0.005, 0.05, 0.3)
+)
+STATEMENTS = (
+    Statement("clip, bases that never overshoot", first_order("clip", CHAINS), {
+        "push": wrong("clip", d=0.0525), "gain": wrong("clip", gain=(0.9, 1.155)),
+    }),
+    Statement("clip, PI loops", linear("clip", PI, PI), {
+        "mass": beyond("clip", PI, ("M", 1)), "kp": beyond("clip", PI, ("kp", -1)),
+        "ki": beyond("clip", PI, ("ki", 1)), "push": pushed("clip", PI),
+    }),
+    Statement("clip, second-order loops", linear("clip", SWUNG, SWUNG), {
+        "damping": beyond("clip", SWUNG, ("z", -1)), "gain": beyond("clip", SWUNG, ("K", 1)),
+        "push": pushed("clip", SWUNG),
+    }),
+    Statement("clip, wheels that are not alike", unlike_wheels("clip"), {
+        "gain": unlike_wheels("clip", 1.155),
+    }),
+    Statement("governor, first-order bases", first_order("governor", WORLDS), {
+        "push": wrong("governor", d=0.0525), "time constant": wrong("governor", tau=(0.19, 0.3)),
+        "gain": wrong("governor", gain=(0.9, 1.155)), "odometry": wrong("governor", error=0.021),
+        "delay, by 5 % of a period": wrong("governor", delay=(0.0, 0.0025)),
+        "one loss": wrong("governor", losses=1), "jitter, of 5 %": wrong("governor", jitter=0.0025),
+        "a second lag of 5 ms": wrong("governor", second_lag=0.005),
+    }),
+    Statement("governor, wheels that are not alike", unlike_wheels("governor"), {
+        "gain": unlike_wheels("governor", 1.155),
+    }),
+    Statement("band, PI loops", linear("band", FREE_PI, FREE_PI), {
+        "mass": beyond("band", FREE_PI, ("M", 1)), "kp": beyond("band", FREE_PI, ("kp", -1)),
+        "ki": beyond("band", FREE_PI, ("ki", 1)),
+        "all three": beyond("band", FREE_PI, ("M", 1), ("kp", -1), ("ki", 1)),
+    }),
+    Statement("band, PI loops that are pushed", linear("band", PI, PI), {
+        "push": pushed("band", PI),
+        "all": beyond("band", PI, ("M", 1), ("kp", -1), ("ki", 1)),
+    }),
+    Statement("band, second-order loops", linear("band", FREE_SWUNG, FREE_SWUNG), {
+        "damping": beyond("band", FREE_SWUNG, ("z", -1)),
+        "gain": beyond("band", FREE_SWUNG, ("K", 1)),
+        "frequency": beyond("band", FREE_SWUNG, ("w0", -1)),
+        "all three": beyond("band", FREE_SWUNG, ("z", -1), ("K", 1), ("w0", -1)),
+    }),
+    Statement("band, second-order loops that are pushed", linear("band", SWUNG, SWUNG), {
+        "push": pushed("band", SWUNG),
+        "all": beyond("band", SWUNG, ("z", -1), ("K", 1), ("w0", -1)),
+    }),
+)  # fmt: skip
+
+
+def row(statement: Statement, trials: int, broken: int) -> str:
+    """A Markdown row: breaks and the largest |v|/V inside, then those of each broken hypothesis."""
+    found = statement.inside(trials, 1)
+    teeth = []
+    for number, (name, run) in enumerate(statement.broken.items()):
+        worst = run(broken, 100 + number)
+        teeth.append(f"{name} {np.mean(worst > 1):.0%} ({worst.max():.4f})")
+    return (
+        f"| {statement.title} | {len(found):,} | {np.sum(found > 1)} | {found.max():.9f} | "
+        f"{', '.join(teeth)} |"
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run all trials, print the table, and with ``--out`` renew its part of the page."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="a hundredth of the trials")
+    parser.add_argument("--out", type=Path, help="page whose part is renewed")
+    given = parser.parse_args(arguments)
+    share = 100 if given.quick else 1
+    lines = [
+        "| statement | trials | breaks | largest \\|v\\|/V | broken by 5 %: share of "
+        f"{BROKEN_TRIALS // share:,} trials beyond the limit (largest \\|v\\|/V) |",
+        "|---|---|---|---|---|",
+    ]
+    for statement in STATEMENTS:
+        begin = time.monotonic()
+        lines.append(row(statement, TRIALS // share, BROKEN_TRIALS // share))
+        print(f"{lines[-1]}  {time.monotonic() - begin:.0f} s", flush=True)
+    if given.out:
+        renew(given.out, NAME, "\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()

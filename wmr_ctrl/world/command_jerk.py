@@ -1,0 +1,84 @@
+"""Jerk limit in the firmware: the rate at which the command that acts changes is limited in turn.
+
+Source: motor drivers with S-shaped profiles.  Per axis the rate a of the command y changes by at
+most q = jerk h in a plant step h, and y stops at its goal, which lies ``way`` ahead:
+
+    a+ = the largest rate with h (a+ + (a+ - q)^+ + (a+ - 2 q)^+ + ...) <= way, within a -+ q
+    y+ = y + h a+
+
+That sum is what is still to go if a+ is braked as hard as may be.  While y moves towards a goal it
+stays at most the goal, and braking does not change the sum: so whatever comes, y stays between the
+least and the largest of 0 and the commands so far.  Away from a goal that has moved it may go on
+for a while.  The rate itself is at most the larger of accel and decel.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wmr_ctrl.fields.section import Section, quantity
+from wmr_ctrl.model.system import Output, Parameters, System, port, ports, stack
+from wmr_ctrl.signals import COMMAND, LARGEST, Signal
+from wmr_ctrl.symbolic import ca
+from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate, Scenario
+from wmr_ctrl.world.speed_loop import takes_velocity
+
+ROUNDED = Signal("v_rounded", "m/s, rad/s", "command behind the jerk limit", 2)
+RATE = Signal("v_rounded_rate", "m/s2, rad/s2", "rate of the command behind the jerk limit", 2)
+
+
+class CommandJerk(Section, key="base"):
+    """Jerk limits of the firmware."""
+
+    jerk: tuple[float, float] = quantity(
+        (math.inf, math.inf), unit="m/s3, rad/s3", doc="largest change of the command's rate",
+        above=0, infinite=True,
+    )  # fmt: skip
+
+
+def build(scenario: Scenario) -> System:
+    """System of the plant's rate: command that arrives to command that acts [m/s, rad/s]."""
+    command, now, rate, p = ports(COMMAND), port(ROUNDED), port(RATE), Parameters(scenario)
+    h, jerk, accel, decel = (
+        p.take(key) for key in ("clock.plant", "base.jerk", "base.accel", "base.decel")
+    )
+    wanted, most = stack(item.sym for item in command), ca.fmax(accel, decel)
+    rates = ca.vertcat(
+        *(next_rate(wanted[i] - now.sym[i], rate.sym[i], h, jerk[i], most[i]) for i in (0, 1))
+    )
+    following = now.sym + h * rates
+    return System(
+        "command_jerk",
+        "jerk limit of the firmware",
+        inputs=command,
+        state=(now, rate),
+        params=p.ports,
+        update=ca.vertcat(following, rates),
+        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(COMMAND)),
+        period=scenario.clock.plant,
+    )
+
+
+def next_rate(away: ca.SX, rate: ca.SX, h: ca.SX, jerk: ca.SX, most: ca.SX) -> ca.SX:
+    """a+ for a goal that lies ``away`` [m/s]; an infinite ``jerk`` takes it there at once."""
+    q, side = ca.fmin(jerk, LARGEST) * h, ca.if_else(away >= 0, 1, -1)
+    way, towards = ca.fabs(away), side * rate
+    steps = ca.fmax(1, -ca.floor(-(ca.sqrt(1 + 8 * way / (h * q)) - 1) / 2))
+    largest = (way / h + q * steps * (steps - 1) / 2) / steps
+    return side * ca.fmax(towards - q, ca.fmin(ca.fmin(largest, most), towards + q))
+
+
+def bound(scenario: Scenario) -> Bound:
+    """A state that the governor does not know of; its commands stay within those before it."""
+    return Bound(hidden="base.jerk: the base rounds its ramps.")
+
+
+def acts(scenario: Scenario) -> bool:
+    """True where one of the limits is finite."""
+    own = scenario.section(CommandJerk)
+    return takes_velocity(scenario) and any(map(math.isfinite, own.jerk))
+
+
+COMMAND_JERK = Effect(
+    "command jerk", EffectRole.COMMAND, CommandJerk, build, bound, acts=acts, rate=Rate.STEP
+)
