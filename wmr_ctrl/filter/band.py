@@ -244,8 +244,8 @@ def _table(axis: int, known: Band, T: float) -> tuple[Port, Port, Port, Port]:
 
 def _slopes(axis: int, low: Port, high: Port) -> list[Port]:
     """What the conditions divide by, worked out once: divisions take most of a step's time."""
-    found = ca.Function("slopes", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
-    values = [item.full().ravel() for item in found(low.value, high.value)]
+    inverse = ca.Function("inverse", [low.sym, high.sym], inverse_slopes(low.sym, high.sym))
+    values = [item.full().ravel() for item in inverse(low.value, high.value)]
     return [
         port(Signal(f"filter.{name}_{NAMES[axis]}", "1", f"1 over the slope {what}", len(own)), own)
         for (name, what), own in zip(CONDITIONS.items(), values, strict=True)
